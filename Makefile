@@ -1,0 +1,52 @@
+# One command a chore. Every target makes the environment it needs: only Python >= 3.11, make and git
+# have to be there.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+OUT ?= results
+INSTALLED := $(VENV)/installed
+
+.PHONY: help kinematics verify test test-slow lint format bench lock clean
+
+help:  ## what can be made
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
+
+$(INSTALLED): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+		|| { echo "Python >= 3.11 is needed; name one with: make PYTHON=python3.12 ..."; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	touch $@
+
+kinematics: $(INSTALLED)  ## the kinematics study: 10 s, straight and turning
+	$(BIN)/python -m studies.kinematics --out $(OUT)/kinematics
+
+verify: $(INSTALLED)  ## the two-body problem against its hand solution
+	$(BIN)/python -m studies.verification
+
+test: $(INSTALLED)  ## the tests, less the slow ones
+	$(BIN)/python -m pytest -m "not slow"
+
+test-slow: $(INSTALLED)  ## the slow tests
+	$(BIN)/python -m pytest -m slow
+
+lint: $(INSTALLED)  ## ruff and mypy
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+format: $(INSTALLED)  ## put the code into its standard form
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: $(INSTALLED)  ## time the runs and show their accuracy
+	$(BIN)/python -m benchmarks.run
+
+lock: $(INSTALLED)  ## resolve the versions anew into requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
+	$(BIN)/uv pip compile --universal --upgrade --extra dev --python-version 3.11 --no-header \
+		--no-annotate --no-emit-find-links --no-emit-index-url pyproject.toml --output-file requirements.lock
+
+clean:  ## remove the environment and the caches
+	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache *.egg-info
