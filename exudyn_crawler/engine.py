@@ -1,0 +1,413 @@
+"""The one place where the package meets Exudyn: builds the multibody system of a case.
+
+Coordinates: six a shoe (COM displacement from t = 0 and the angles about x, y, z), then the terrain's.
+"""
+
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+# The build without range checks is faster; with it Exudyn gives no timing statistics.
+if os.environ.get("EXUDYN_CRAWLER_CHECKED") != "1":
+    sys.exudynFast = True  # type: ignore[attr-defined]
+
+import exudyn as exu
+import exudyn.itemInterface as items
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.assembly import (
+    UNIT_COORDINATES,
+    ConstrainedCoordinates,
+    ReducedCoordinates,
+    TerrainCoordinates,
+    TrackContact,
+)
+from exudyn_crawler.parameters import Case, Drive
+from exudyn_crawler.terrain import terrain_joints, terrain_modes
+
+exu.config.printToConsole = False
+
+JOINT_ROWS = 6
+"""Algebraic equations of a generic joint; those of a free axis only say that its multiplier is zero."""
+
+
+@dataclass
+class System:
+    """Multibody system of a case, assembled, with what is needed to read it.
+
+    Attributes
+    ----------
+    mbs : exudyn.MainSystem
+        The assembled system.
+    contact : TrackContact
+        Contact forces as functions of the system's coordinates.
+    link_rows, drive_row, turn_row, hold_rows :
+        Indices of the Lagrange multipliers: array (joints, 6) of the links; of the drive; of the turn
+        (None without one); of the directions held during statics.
+    """
+
+    container: "exu.SystemContainer"
+    mbs: "exu.MainSystem"
+    case: Case
+    contact: TrackContact
+    link_rows: NDArray
+    drive: int
+    drive_row: int
+    turn: int | None
+    turn_row: int | None
+    hold_rows: list[int]
+
+    def set_initial(self, q: NDArray) -> None:
+        """Start from rest at the coordinates `q`."""
+        self.mbs.systemData.SetODE2Coordinates(q, exu.ConfigurationType.Initial)
+
+    def state(self) -> NDArray:
+        """Time, coordinates, their first and second rates and the multipliers, in one row."""
+        data = self.mbs.systemData
+        return np.concatenate(
+            (
+                [data.GetTime()],
+                data.GetODE2Coordinates(),
+                data.GetODE2Coordinates_t(),
+                data.GetODE2Coordinates_tt(),
+                data.GetAECoordinates(),
+            )
+        )
+
+
+def build(case: Case, static: bool = False) -> System:
+    """Build and assemble the system of a case.
+
+    Parameters
+    ----------
+    static : bool
+        Hold the front shoe in x, y and about z instead of driving it. Nothing else fixes the track in
+        the plane, since friction needs slip.
+    """
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    ground = mbs.AddObject(items.ObjectGround())
+    shoe_nodes, shoes = _add_shoes(mbs, case)
+    _add_loads(mbs, case, shoes)
+    links = _add_links(mbs, case, shoes)
+    terrain_nodes, coordinates = _add_terrain(mbs, case, ground)
+    contact = TrackContact(case, coordinates)
+    _add_contact(mbs, contact, shoe_nodes + terrain_nodes)
+
+    fixed = mbs.AddMarker(
+        items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
+    )
+    turn = None
+    held = []
+    if static:
+        drive, *held = (_hold(mbs, fixed, shoe_nodes[-1], axis) for axis in (0, 1, 5))
+    else:
+        drive = _add_drive(mbs, case.drive, fixed, shoe_nodes[-1])
+        if case.drive.turn_rate is not None:
+            turn = _add_turn(mbs, case.drive, shoe_nodes[-1])
+    mbs.Assemble()
+    rows = mbs.systemData.GetObjectLTGAE
+    return System(
+        container=container,
+        mbs=mbs,
+        case=case,
+        contact=contact,
+        link_rows=np.array([rows(link) for link in links]),
+        drive=drive,
+        drive_row=rows(drive)[0],
+        turn=turn,
+        turn_row=None if turn is None else rows(turn)[0],
+        hold_rows=[rows(item)[0] for item in held],
+    )
+
+
+def _add_shoes(mbs: "exu.MainSystem", case: Case) -> tuple[list[int], list[int]]:
+    """Rigid shoes at their places at t = 0: nodes and bodies."""
+    nodes, bodies = [], []
+    for number, position in enumerate(case.track.com_positions(case.shoe.com_height), start=1):
+        nodes.append(
+            mbs.AddNode(
+                items.NodeRigidBodyRxyz(
+                    name=f"shoe {number}", referenceCoordinates=[*position, 0.0, 0.0, 0.0]
+                )
+            )
+        )
+        bodies.append(
+            mbs.AddObject(
+                items.ObjectRigidBody(
+                    name=f"shoe {number}",
+                    mass=case.shoe.mass,
+                    inertia=list(case.shoe.inertia),
+                    nodeNumber=nodes[-1],
+                )
+            )
+        )
+    return nodes, bodies
+
+
+def _add_loads(mbs: "exu.MainSystem", case: Case, shoes: Sequence[int]) -> None:
+    """Weight at the COM and machine load at the top face of every shoe."""
+    for number, shoe in enumerate(shoes, start=1):
+        com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=shoe))
+        weight = [0.0, 0.0, -case.shoe.mass * case.gravity]
+        mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=weight))
+        top = mbs.AddMarker(
+            items.MarkerBodyPosition(bodyNumber=shoe, localPosition=list(case.shoe.load_point))
+        )
+        profile = case.loads.profile(number)
+        load = items.LoadForceVector(
+            markerNumber=top, loadVector=[0.0, 0.0, -float(profile.value(0.0))]
+        )
+        if len(set(profile.values)) > 1:
+
+            def vertical(_mbs, t, _load, _profile=profile):  # noqa: ANN001, ANN202 - Exudyn's form
+                return [0.0, 0.0, -float(_profile.value(t))]
+
+            load.loadVectorUserFunction = vertical
+        mbs.AddLoad(load)
+
+
+def _add_links(mbs: "exu.MainSystem", case: Case, shoes: Sequence[int]) -> list[int]:
+    """Hinges between neighbours: the spherical joint and the parallel axis in one item, five equations.
+
+    The parallel axis has no place of its own: where its marker sits changes neither the motion nor the
+    torque.
+    """
+    links = []
+    for number, (rear, front) in enumerate(zip(shoes, shoes[1:], strict=False), start=1):
+        markers = [
+            mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=list(place)))
+            for body, place in ((rear, case.track.front_pin), (front, case.track.rear_pin))
+        ]
+        links.append(
+            mbs.AddObject(
+                items.ObjectJointGeneric(
+                    name=f"link {number}",
+                    markerNumbers=markers,
+                    constrainedAxes=[1, 1, 1, 1, 0, 1],
+                )
+            )
+        )
+    return links
+
+
+def _add_terrain(
+    mbs: "exu.MainSystem", case: Case, ground: int
+) -> tuple[list[int], TerrainCoordinates]:
+    if case.terrain_formulation == "constrained":
+        return _add_constrained_terrain(mbs, case, ground)
+    return _add_reduced_terrain(mbs, case)
+
+
+def _add_reduced_terrain(
+    mbs: "exu.MainSystem", case: Case
+) -> tuple[list[int], TerrainCoordinates]:
+    """Terrain as modal oscillators."""
+    modes = terrain_modes(case.terrain)
+    count = len(modes.stiffness)
+    zeros = [0.0] * count
+    node = mbs.AddNode(
+        items.NodeGenericODE2(
+            referenceCoordinates=zeros,
+            initialCoordinates=zeros,
+            initialCoordinates_t=zeros,
+            numberOfODE2Coordinates=count,
+        )
+    )
+    mbs.AddObject(
+        items.ObjectGenericODE2(
+            name="terrain",
+            nodeNumbers=[node],
+            massMatrix=_diagonal(np.ones(count)),
+            stiffnessMatrix=_diagonal(modes.stiffness),
+            dampingMatrix=_diagonal(modes.damping),
+            forceVector=case.gravity * modes.weight,
+        )
+    )
+    return [node], ReducedCoordinates(modes, case.terrain.tilt_axis)
+
+
+def _diagonal(values: NDArray) -> "exu.MatrixContainer":
+    index = np.arange(len(values))
+    matrix = exu.MatrixContainer()
+    matrix.SetWithSparseMatrix(np.column_stack((index, index, values)), len(values), len(values))
+    return matrix
+
+
+def _add_constrained_terrain(
+    mbs: "exu.MainSystem", case: Case, ground: int
+) -> tuple[list[int], TerrainCoordinates]:
+    """Terrain as rigid units with the papers' joints and held rotations."""
+    terrain = case.terrain
+    fixed = mbs.AddMarker(
+        items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
+    )
+    nodes, bodies = [], []
+    weight = [0.0, 0.0, -terrain.unit_mass * case.gravity]
+    across = np.eye(3)[0 if terrain.tilt == "pitch" else 1]
+    springs = [0.0] if terrain.springs_per_unit == 1 else [-terrain.spring_offset, terrain.spring_offset]
+    for number, center in enumerate(terrain.centers, start=1):
+        node = mbs.AddNode(
+            items.NodeRigidBodyRxyz(
+                name=f"unit {number}", referenceCoordinates=[*center, 0.0, 0.0, 0.0]
+            )
+        )
+        body = mbs.AddObject(
+            items.ObjectRigidBody(
+                name=f"unit {number}",
+                mass=terrain.unit_mass,
+                inertia=[*terrain.unit_inertia, 0.0, 0.0, 0.0],
+                nodeNumber=node,
+            )
+        )
+        nodes.append(node)
+        bodies.append(body)
+        com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
+        mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=weight))
+        for offset in springs:
+            place = offset * across
+            mbs.AddObject(
+                items.ObjectConnectorCartesianSpringDamper(
+                    markerNumbers=[
+                        mbs.AddMarker(
+                            items.MarkerBodyPosition(
+                                bodyNumber=ground, localPosition=list(center + place)
+                            )
+                        ),
+                        mbs.AddMarker(
+                            items.MarkerBodyPosition(bodyNumber=body, localPosition=list(place))
+                        ),
+                    ],
+                    stiffness=[0.0, 0.0, terrain.spring_stiffness],
+                    damping=[0.0, 0.0, terrain.spring_damping],
+                )
+            )
+        if terrain.column_tilt:
+            stiffness = terrain.springs_per_unit * terrain.column_tilt_stiffness
+            mbs.AddObject(
+                items.ObjectConnectorCoordinateSpringDamper(
+                    markerNumbers=[fixed, _coordinate(mbs, node, 3 + terrain.tilt_axis)],
+                    stiffness=stiffness,
+                    damping=terrain.damping_time * stiffness,
+                )
+            )
+        for axis in {0, 1, 2} - {terrain.tilt_axis}:
+            mbs.AddObject(
+                items.ObjectConnectorCoordinate(
+                    name=f"rotation {axis} of unit {number}",
+                    markerNumbers=[fixed, _coordinate(mbs, node, 3 + axis)],
+                    velocityLevel=True,
+                )
+            )
+    sides = 0.5 * np.array([terrain.unit_length, terrain.unit_width])
+    for joint in terrain_joints(terrain):
+        face = sides[joint.axis] * np.eye(3)[joint.axis]
+        mbs.AddObject(
+            items.ObjectJointSpherical(
+                name=f"terrain joint {joint.first + 1}-{joint.second + 1}",
+                markerNumbers=[
+                    mbs.AddMarker(
+                        items.MarkerBodyPosition(bodyNumber=bodies[unit], localPosition=list(place))
+                    )
+                    for unit, place in ((joint.first, face), (joint.second, -face))
+                ],
+                constrainedAxes=[1, 1, 1] if joint.spherical else [0, 0, 1],
+            )
+        )
+    for axis in (0, 1):
+        _hold(mbs, fixed, nodes[-1], axis)
+    return nodes, ConstrainedCoordinates(terrain.unit_count, terrain.tilt_axis)
+
+
+def _coordinate(mbs: "exu.MainSystem", node: int, coordinate: int) -> int:
+    return mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+
+
+def _hold(mbs: "exu.MainSystem", fixed: int, node: int, coordinate: int) -> int:
+    """Keep one coordinate of a node where it is."""
+    return mbs.AddObject(
+        items.ObjectConnectorCoordinate(markerNumbers=[fixed, _coordinate(mbs, node, coordinate)])
+    )
+
+
+def _add_contact(mbs: "exu.MainSystem", contact: TrackContact, nodes: Sequence[int]) -> None:
+    """All contacts as one item over the shoes' and the terrain's nodes."""
+    size = contact.size
+
+    def force(_mbs, _t, _item, q, q_t):  # noqa: ANN001, ANN202 - Exudyn's form
+        return contact.forces(np.array(q), np.array(q_t))
+
+    def jacobian(_mbs, _t, _item, q, q_t, position_factor, velocity_factor):  # noqa: ANN001, ANN202
+        matrix = exu.MatrixContainer()
+        # Exudyn asks for the derivative of the left-hand side, where forces stand negative
+        triplets = contact.derivatives(
+            np.array(q), np.array(q_t), -position_factor, -velocity_factor
+        )
+        matrix.SetWithSparseMatrix(triplets, size, size)
+        return matrix
+
+    mbs.AddObject(
+        items.ObjectGenericODE2(
+            name="contact",
+            nodeNumbers=list(nodes),
+            massMatrix=exu.MatrixContainer(),
+            forceUserFunction=force,
+            jacobianUserFunction=jacobian,
+        )
+    )
+
+
+def _add_drive(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> int:
+    """Prescribed travel of the front shoe's COM along x, as a constraint."""
+    speed = drive.speed
+
+    def travel(_mbs, t, _item, _offset):  # noqa: ANN001, ANN202 - Exudyn's form
+        return float(speed.integral(t))
+
+    def rate(_mbs, t, _item, _offset):  # noqa: ANN001, ANN202
+        return float(speed.value(t))
+
+    return mbs.AddObject(
+        items.ObjectConnectorCoordinate(
+            name="drive",
+            markerNumbers=[fixed, _coordinate(mbs, node, 0)],
+            offset=1.0,  # Exudyn calls the offset functions only where the offset is not zero
+            offsetUserFunction=travel,
+            offsetUserFunction_t=rate,
+        )
+    )
+
+
+def _add_turn(mbs: "exu.MainSystem", drive: Drive, node: int) -> int:
+    """Prescribed angular velocity of the front shoe about its own z axis: a non-holonomic constraint.
+
+    With the angles (a, b, c) about x, y, z it reads ``a' sin b + c' = rate(t)``.
+    """
+    assert drive.turn_rate is not None
+    rate = drive.turn_rate
+    empty = mbs.AddMarker(
+        items.MarkerNodeCoordinates(nodeNumber=mbs.AddNode(items.NodePointGround()))
+    )
+    marker = mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=node))
+
+    def residual(_mbs, t, _item, q, q_t, _velocity_level):  # noqa: ANN001, ANN202 - Exudyn's form
+        return [np.sin(q[4]) * q_t[3] + q_t[5] - float(rate.value(t))]
+
+    def jacobian(_mbs, _t, _item, q, _q_t, _velocity_level):  # noqa: ANN001, ANN202
+        return np.array([[0.0, 0.0, 0.0, np.sin(q[4]), 0.0, 1.0]])
+
+    return mbs.AddObject(
+        items.ObjectConnectorCoordinateVector(
+            name="turn",
+            markerNumbers=[empty, marker],
+            scalingMarker1=np.zeros((1, 6)),
+            constraintUserFunction=residual,
+            jacobianUserFunction=jacobian,
+            velocityLevel=True,
+        )
+    )
+
+
+__all__ = ["JOINT_ROWS", "UNIT_COORDINATES", "System", "build"]

@@ -1,0 +1,28 @@
+"""Errors that a user of the package can meet."""
+
+from typing import Any
+
+
+class CrawlerError(Exception):
+    """Base of the package's own errors."""
+
+
+class EquilibriumError(CrawlerError):
+    """No static equilibrium was found before the run."""
+
+
+class SimulationStopped(CrawlerError):  # noqa: N818 - it carries a result, as StopIteration does
+    """A run ended before its time; what it had is kept.
+
+    Attributes
+    ----------
+    time : float
+        s, time of the last state that was computed.
+    history : History
+        Results up to there.
+    """
+
+    def __init__(self, time: float, reason: str, history: Any) -> None:
+        super().__init__(f"the simulation stopped at t = {time:.6g} s: {reason}")
+        self.time = time
+        self.history = history

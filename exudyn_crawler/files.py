@@ -1,0 +1,53 @@
+"""Files that appear whole or not at all, and are never overwritten unasked."""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
+    """Write to a temporary file beside `path` that takes its place when the block ends well.
+
+    Raises
+    ------
+    FileExistsError
+        If `path` exists and `overwrite` is false.
+    """
+    if path.exists() and not overwrite:
+        raise FileExistsError(f"{path} exists; ask for overwriting to replace it")
+    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        if path.exists() and not overwrite:
+            raise FileExistsError(f"{path} was written by somebody else in the meantime")
+        # mkstemp keeps the file to its owner; give it the rights that a new file has here
+        mask = os.umask(0)
+        os.umask(mask)
+        temporary.chmod(0o666 & ~mask)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def writable_folder(path: Path) -> Path:
+    """Make a folder, where needed, and refuse one that cannot be written to.
+
+    Raises
+    ------
+    NotADirectoryError, PermissionError
+        Naming the folder.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            pass
+    except (FileExistsError, NotADirectoryError) as error:
+        raise NotADirectoryError(f"output folder {path} is not a folder") from error
+    except OSError as error:
+        raise PermissionError(f"output folder {path} cannot be written to: {error}") from error
+    return path

@@ -1,0 +1,58 @@
+"""Prescribed motion of the front shoe."""
+
+import math
+from typing import Self
+
+from pydantic import model_validator
+
+from exudyn_crawler.parameters.base import Parameters, quantity
+from exudyn_crawler.parameters.profile import StepProfile
+
+
+class Drive(Parameters):
+    """Velocity of the front shoe's COM along x and, in a turn, its rate about its own z axis."""
+
+    speed: StepProfile = quantity("m/s", "velocity along global x")
+    turn_rate: StepProfile | None = quantity(
+        "rad/s", "angular velocity about the shoe's z axis; None leaves it free", default=None
+    )
+    off_time: float | None = quantity(
+        "s", "time from which the front shoe is free; None keeps the drive on", default=None, gt=0
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.speed.times[0] != 0.0 or self.speed.values[0] != 0.0:
+            raise ValueError(
+                f"speed must start from rest at t = 0, got {self.speed.values[0]} at "
+                f"{self.speed.times[0]} s"
+            )
+        if self.turn_rate is not None and (
+            self.turn_rate.times[0] != 0.0 or self.turn_rate.values[0] != 0.0
+        ):
+            raise ValueError(
+                f"turn_rate must start from zero at t = 0, got {self.turn_rate.values[0]} at "
+                f"{self.turn_rate.times[0]} s"
+            )
+        return self
+
+    @classmethod
+    def translation(cls) -> Self:
+        """Straight propel (K-chapter eq. 27 to 29): 0.012 t2 - 0.0016 t3 up to 0.1 m/s at 5 s."""
+        return cls(speed=StepProfile(times=(0.0, 5.0), values=(0.0, 0.1)))
+
+    @classmethod
+    def turning(cls) -> Self:
+        """Propel and turn (K-chapter): the rate rises as 0.12 t2 - 0.016 t3 deg/s to 1 deg/s at 5 s."""
+        return cls(
+            speed=StepProfile(times=(0.0, 5.0), values=(0.0, 0.1)),
+            turn_rate=StepProfile(times=(0.0, 5.0), values=(0.0, math.radians(1.0))),
+        )
+
+    @classmethod
+    def propel_and_load(cls) -> Self:
+        """Propel of the S-paper: to rest between 10 and 15 s, then the front shoe is left free."""
+        return cls(
+            speed=StepProfile(times=(0.0, 5.0, 10.0, 15.0), values=(0.0, 0.1, 0.1, 0.0)),
+            off_time=15.0,
+        )

@@ -1,0 +1,84 @@
+"""A crawler shoe as a rigid body."""
+
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+
+from exudyn_crawler.parameters.base import Parameters, quantity
+
+
+class Shoe(Parameters):
+    """Rigid crawler shoe.
+
+    Places are given in the shoe's frame: origin at the COM, x in the propel direction, y lateral, z up.
+    """
+
+    mass: float = quantity("kg", "mass", gt=0)
+    inertia: tuple[float, float, float, float, float, float] = quantity(
+        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor components)"
+    )
+    com_height: float = quantity("m", "height of the COM above the underside", gt=0)
+    length: float = quantity("m", "length of the flat underside in x", gt=0)
+    width: float = quantity("m", "width of the flat underside in y", gt=0)
+    underside_center: tuple[float, float] = quantity(
+        "m", "x and y of the underside's centre in the shoe's frame"
+    )
+    load_point: tuple[float, float, float] = quantity(
+        "m", "centroid of the top face, where the machine load acts, in the shoe's frame"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        principal = np.linalg.eigvalsh(self.inertia_tensor)
+        if principal[0] <= 0.0 or principal[2] > principal[0] + principal[1]:
+            raise ValueError(
+                f"inertia must be that of a body (principal moments positive, none above the sum of "
+                f"the other two), got principal moments {principal.tolist()}"
+            )
+        return self
+
+    @classmethod
+    def ph4100c(cls) -> Self:
+        """Shoe of the P&H 4100C BOSS in the rigid studies (K-chapter, table of shoe properties)."""
+        mass = 4681.67  # 0.5966 m3 of steel at 7847.25 kg/m3
+        length = 0.655742  # the pitch of the track: shoes tile the ground
+        width = 3.505
+        height = 0.2596
+        return cls(
+            mass=mass,
+            inertia=(
+                mass / 12 * (width**2 + height**2),
+                mass / 12 * (length**2 + height**2),
+                mass / 12 * (length**2 + width**2),
+                0.0,
+                0.0,
+                0.0,
+            ),
+            com_height=0.2025,  # table of COMs: z = 0.2025 with the underside at z = 0
+            length=length,
+            width=width,
+            underside_center=(0.3088 - 0.5 * length, 0.0),  # between the pins
+            load_point=(0.3088 - 0.5 * length, 0.0, 0.1),
+        )
+
+    @property
+    def inertia_tensor(self) -> NDArray:
+        """Inertia tensor about the COM, array (3, 3), kg m2."""
+        xx, yy, zz, yz, xz, xy = self.inertia
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+    @property
+    def footprint(self) -> NDArray:
+        """Underside in the shoe's frame: least and greatest x, least and greatest y, z; m."""
+        cx, cy = self.underside_center
+        return np.array(
+            [
+                cx - 0.5 * self.length,
+                cx + 0.5 * self.length,
+                cy - 0.5 * self.width,
+                cy + 0.5 * self.width,
+                -self.com_height,
+            ]
+        )

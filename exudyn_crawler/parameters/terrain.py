@@ -1,0 +1,153 @@
+"""Oil-sand terrain as a grid of units on spring-dampers."""
+
+import math
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.parameters.base import Parameters, quantity
+
+
+class Terrain(Parameters):
+    """Grid of rigid units, each with heave and one tilt on vertical spring-dampers.
+
+    The origin is a corner of the top face; units count along y first, from 1. Their top faces lie at
+    z = 0 while the springs are free.
+    """
+
+    columns: int = quantity("1", "units along x", ge=1)
+    rows: int = quantity("1", "units along y", ge=1)
+    unit_length: float = quantity("m", "side of a unit in x", gt=0)
+    unit_width: float = quantity("m", "side of a unit in y", gt=0)
+    unit_height: float = quantity("m", "height of a unit", gt=0)
+    density: float = quantity("kg/m3", "density of the units", gt=0)
+    springs_per_unit: Literal[1, 2] = quantity("1", "vertical spring-dampers under each unit")
+    spring_stiffness: float = quantity("N/m", "stiffness of each spring", gt=0)
+    spring_damping: float = quantity("N s/m", "damping of each spring-damper", ge=0)
+    spring_offset: float = quantity(
+        "m", "distance of each of two springs from the unit's centre, across the tilt axis", ge=0
+    )
+    column_tilt: bool = quantity(
+        "", "whether each spring resists tilting like the soil column it stands for"
+    )
+    tilt: Literal["pitch", "roll"] = quantity(
+        "", "tilt that units keep: pitch (about y) or roll (about x)"
+    )
+
+    @classmethod
+    def kinematics(cls) -> Self:
+        """50 units of 7 x 7 x 2 m (K-chapter, K-paper and F-paper).
+
+        Open in the papers and chosen here: units pitch, as their results describe; the two springs
+        stand at the Gauss points of the unit's length, +-L / (2 sqrt 3), where they resist heave and
+        pitch exactly as an evenly spread support of the same stiffness does.
+        """
+        length = 7.0
+        return cls(
+            columns=10,
+            rows=5,
+            unit_length=length,
+            unit_width=7.0,
+            unit_height=2.0,
+            density=1600.0,
+            springs_per_unit=2,
+            spring_stiffness=20e6,
+            spring_damping=120e3,
+            spring_offset=length / (2.0 * math.sqrt(3.0)),
+            column_tilt=False,
+            tilt="pitch",
+        )
+
+    @classmethod
+    def stress(cls) -> Self:
+        """247 units of 1 x 1 x 1 m (S-paper): one spring of k = E A / L = 20 MN/m per unit.
+
+        Open in the paper and chosen here: the spring stands at the unit's centre and, being a column of
+        oil sand as wide as the unit (E = 20 MPa), resists tilting with E I / L; without it a row of
+        units could fold without resistance.
+        """
+        return cls(
+            columns=19,
+            rows=13,
+            unit_length=1.0,
+            unit_width=1.0,
+            unit_height=1.0,
+            density=1600.0,
+            springs_per_unit=1,
+            spring_stiffness=20e6,
+            spring_damping=120e3,
+            spring_offset=0.0,
+            column_tilt=True,
+            tilt="pitch",
+        )
+
+    @property
+    def unit_count(self) -> int:
+        """Number of units."""
+        return self.columns * self.rows
+
+    @property
+    def units(self) -> NDArray:
+        """Unit numbers 1..n."""
+        return np.arange(1, self.unit_count + 1)
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Length in x and width in y of the whole terrain, m."""
+        return self.columns * self.unit_length, self.rows * self.unit_width
+
+    @property
+    def centers(self) -> NDArray:
+        """Unit centres with the springs free: array (units, 3), m, global."""
+        column, row = np.divmod(np.arange(self.unit_count), self.rows)
+        return np.column_stack(
+            (
+                (column + 0.5) * self.unit_length,
+                (row + 0.5) * self.unit_width,
+                np.full(self.unit_count, -0.5 * self.unit_height),
+            )
+        )
+
+    @property
+    def tilt_axis(self) -> int:
+        """Axis that units tilt about: 0 for roll about x, 1 for pitch about y."""
+        return 0 if self.tilt == "roll" else 1
+
+    @property
+    def tilt_length(self) -> float:
+        """Side of a unit across its tilt axis, m."""
+        return self.unit_length if self.tilt == "pitch" else self.unit_width
+
+    @property
+    def unit_mass(self) -> float:
+        """Mass of a unit, kg."""
+        return self.density * self.unit_length * self.unit_width * self.unit_height
+
+    @property
+    def unit_inertia(self) -> NDArray:
+        """Principal moments of inertia of a unit (a solid box): array (3,), kg m2."""
+        x, y, z = self.unit_length, self.unit_width, self.unit_height
+        return self.unit_mass / 12.0 * np.array([y**2 + z**2, x**2 + z**2, x**2 + y**2])
+
+    @property
+    def heave_stiffness(self) -> float:
+        """Stiffness of a unit's support against heave, N/m."""
+        return self.springs_per_unit * self.spring_stiffness
+
+    @property
+    def column_tilt_stiffness(self) -> float:
+        """Resistance of one spring itself against tilting, N m: k L**2 / 12, or none."""
+        return self.spring_stiffness * self.tilt_length**2 / 12.0 if self.column_tilt else 0.0
+
+    @property
+    def tilt_stiffness(self) -> float:
+        """Stiffness of a unit's support against its tilt, N m."""
+        offset = self.spring_offset if self.springs_per_unit == 2 else 0.0
+        one = self.spring_stiffness * offset**2 + self.column_tilt_stiffness
+        return self.springs_per_unit * one
+
+    @property
+    def damping_time(self) -> float:
+        """Damping over stiffness of the support, s, the same for heave and tilt."""
+        return self.spring_damping / self.spring_stiffness

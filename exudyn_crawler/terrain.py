@@ -1,0 +1,117 @@
+"""The terrain's joints and its independent coordinates.
+
+Neighbouring units are joined at the middle of their shared face: by spherical joints along a spanning
+tree of the grid and by in-plane joints (equal height) everywhere else. With two of the three rotations
+of every unit held at zero, all of them together say one thing: the joint point of a face has one height
+(K-chapter; to second order in the tilt, which stays below 1e-2 rad). What that leaves free is carried
+by `TerrainModes`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from exudyn_crawler.parameters import Terrain
+
+
+@dataclass(frozen=True)
+class TerrainJoint:
+    """Joint of two neighbouring units at the middle of their shared face.
+
+    `first` and `second` are unit indices (from 0), `axis` the direction from one to the other (0 for x,
+    1 for y), `spherical` tells a spherical joint from an in-plane one.
+    """
+
+    first: int
+    second: int
+    axis: int
+    spherical: bool
+
+
+def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
+    """All joints of the grid: spherical along a spanning tree, in-plane elsewhere.
+
+    The tree has every joint along x, and those along y in the first column: for 10 x 5 units
+    45 + 4 = 49 spherical and 36 in-plane joints, the numbers of the K-chapter.
+    """
+    joints = []
+    for column in range(terrain.columns):
+        for row in range(terrain.rows):
+            unit = column * terrain.rows + row
+            if column + 1 < terrain.columns:
+                joints.append(TerrainJoint(unit, unit + terrain.rows, 0, True))
+            if row + 1 < terrain.rows:
+                joints.append(TerrainJoint(unit, unit + 1, 1, column == 0))
+    return joints
+
+
+@dataclass(frozen=True)
+class TerrainModes:
+    """Independent coordinates of the terrain, as its undamped vibration modes.
+
+    Attributes
+    ----------
+    heave : array (units, modes)
+        Heave of each unit (m) per unit of a modal coordinate.
+    tilt : array (units, modes)
+        Tilt of each unit (rad) per unit of a modal coordinate.
+    stiffness : array (modes,)
+        Modal stiffnesses, the squared angular frequencies (1/s2); the modal mass matrix is the identity.
+    damping : array (modes,)
+        Modal damping coefficients, 1/s.
+    weight : array (modes,)
+        Modal load of a unit acceleration of gravity along -z.
+    """
+
+    heave: NDArray
+    tilt: NDArray
+    stiffness: NDArray
+    damping: NDArray
+    weight: NDArray
+
+    @property
+    def frequencies(self) -> NDArray:
+        """Undamped natural frequencies of the unloaded terrain: array (modes,), Hz."""
+        return np.sqrt(self.stiffness) / (2.0 * np.pi)
+
+
+def terrain_modes(terrain: Terrain) -> TerrainModes:
+    """Vibration modes of a terrain whose neighbouring units meet at one height.
+
+    Every shared face gives one equation between the heaves and tilts of two units; the modes span the
+    null space of all of them, for 10 x 5 pitching units 10 + 5 and for 19 x 13 units 19 + 13.
+    """
+    count = terrain.unit_count
+    joints = terrain_joints(terrain)
+    equations = np.zeros((len(joints), 2 * count))  # columns: heaves, then tilts
+    half = 0.5 * terrain.tilt_length
+    # a positive pitch lowers the side at +x, a positive roll raises the side at +y
+    rise = -half if terrain.tilt == "pitch" else half
+    across = 0 if terrain.tilt == "pitch" else 1
+    for equation, joint in zip(equations, joints, strict=True):
+        equation[joint.first], equation[joint.second] = 1.0, -1.0
+        if joint.axis == across:
+            equation[count + joint.first] = equation[count + joint.second] = rise
+    free = scipy.linalg.null_space(equations)
+
+    mass = np.repeat([terrain.unit_mass, terrain.unit_inertia[terrain.tilt_axis]], count)
+    support = np.repeat([terrain.heave_stiffness, terrain.tilt_stiffness], count)
+    stiffness, shapes = scipy.linalg.eigh(
+        free.T @ (support[:, None] * free), free.T @ (mass[:, None] * free)
+    )
+    modes = free @ shapes
+    # the sign of a mode is arbitrary; fix it so that the same terrain gives the same numbers
+    largest = np.take_along_axis(modes, np.abs(modes).argmax(axis=0)[None], axis=0)
+    modes = modes * np.sign(largest)
+    heave = np.ascontiguousarray(modes[:count])
+    tilt = np.ascontiguousarray(modes[count:])
+    stiffness = np.maximum(stiffness, 0.0)
+    return TerrainModes(
+        heave=heave,
+        tilt=tilt,
+        stiffness=stiffness,
+        damping=terrain.damping_time * stiffness,
+        weight=-terrain.unit_mass * heave.sum(axis=0),
+    )
