@@ -1,0 +1,103 @@
+"""Figures of runs. Functions take axes, draw on them and return them; nothing here computes results."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from exudyn_crawler.files import whole_file
+from exudyn_crawler.history import History
+
+SHOES = (1, 4, 7, 10, 13)
+"""Shoes that the papers draw."""
+
+QUANTITIES = {
+    "displacement": ("position", "displacement", "m", 1.0),
+    "velocity": ("velocity", "velocity", "m/s", 1.0),
+    "acceleration": ("acceleration", "acceleration", "m/s²", 1.0),
+    "angular velocity": ("angular_velocity", "angular velocity", "deg/s", np.degrees(1.0)),
+    "angular acceleration": (
+        "angular_acceleration",
+        "angular acceleration",
+        "deg/s²",
+        np.degrees(1.0),
+    ),
+}
+"""Kinematic quantities: variable, label, unit of the figure and factor to it."""
+
+STYLE = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "figure.constrained_layout.use": True,
+    "font.size": 9,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "lines.linewidth": 0.9,
+    "savefig.dpi": 130,
+}
+
+AXES = ("x", "y", "z")
+
+
+def draw_kinematic(
+    ax: Axes, history: History, quantity: str, axis: str, shoes: Sequence[int]
+) -> Axes:
+    """One component of a kinematic quantity of some shoes over time."""
+    name, _, _, factor = QUANTITIES[quantity]
+    values = history.dataset[name].sel(axis=axis)
+    if name == "position":
+        values = values - values.isel(time=0)
+    for shoe in shoes:
+        ax.plot(history.time, factor * values.sel(shoe=shoe), label=f"shoe {shoe}")
+    return ax
+
+
+def kinematic_figure(history: History, quantity: str, shoes: Sequence[int] = SHOES) -> Figure:
+    """x, y and z of a kinematic quantity of some shoes, one below the other."""
+    figure, axes = _rows(3)
+    for ax, axis in zip(axes, AXES, strict=True):
+        draw_kinematic(ax, history, quantity, axis, shoes)
+        _label(ax, quantity, axis)
+    axes[0].legend(ncols=len(shoes), loc="lower right", bbox_to_anchor=(1.0, 1.0))
+    axes[0].set_title(f"{history.case.name}: {quantity}", loc="left")
+    return figure
+
+
+def comparison_figure(histories: Mapping[str, History], quantity: str, shoe: int) -> Figure:
+    """x, y and z of a kinematic quantity of one shoe in several cases."""
+    figure, axes = _rows(3)
+    name, _, _, factor = QUANTITIES[quantity]
+    for ax, axis in zip(axes, AXES, strict=True):
+        for case, history in histories.items():
+            values = history.dataset[name].sel(axis=axis, shoe=shoe)
+            if name == "position":
+                values = values - values.isel(time=0)
+            ax.plot(history.time, factor * values, label=case)
+        _label(ax, quantity, axis)
+    axes[0].legend(ncols=len(histories), loc="lower right", bbox_to_anchor=(1.0, 1.0))
+    axes[0].set_title(f"shoe {shoe}: {quantity}", loc="left")
+    return figure
+
+
+def _rows(count: int) -> tuple[Figure, Sequence[Axes]]:
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8.0, 2.3 * count))
+        axes = figure.subplots(count, 1, sharex=True)
+    axes[-1].set_xlabel("time in s")
+    return figure, axes
+
+
+def _label(ax: Axes, quantity: str, axis: str) -> None:
+    _, label, unit, _ = QUANTITIES[quantity]
+    ax.set_ylabel(f"{axis} {label}\nin {unit}")
+
+
+def save_figure(figure: Figure, path: Path, overwrite: bool = False) -> Path:
+    """Write a figure as the file type that its name says, whole or not at all."""
+    with mpl.rc_context(STYLE), whole_file(path, overwrite) as temporary:
+        figure.savefig(temporary)
+    return path

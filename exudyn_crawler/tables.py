@@ -1,0 +1,40 @@
+"""Tables on a terminal and in CSV files."""
+
+from pathlib import Path
+
+import pandas as pd
+from rich.console import Console
+from rich.table import Table
+
+from exudyn_crawler.files import whole_file
+
+COLOURS = {"yes": "green", "no": "red", "": ""}
+
+
+def print_table(table: pd.DataFrame, title: str, console: Console | None = None) -> None:
+    """Print a table; a column `within` is coloured."""
+    console = console or Console()
+    if not console.is_terminal:
+        console = Console(width=150)
+    shown = Table(title=title, title_justify="left")
+    numeric = [pd.api.types.is_numeric_dtype(table[name]) for name in table.columns]
+    for name, right in zip(table.columns, numeric, strict=True):
+        shown.add_column(str(name), justify="right" if right else "left")
+    for row in table.itertuples(index=False):
+        cells = [_cell(value) for value in row]
+        style = COLOURS.get(getattr(row, "within", ""), "")
+        shown.add_row(*cells, style=style)
+    console.print(shown)
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float):
+        return "" if value != value else f"{value:.4g}"
+    return str(value)
+
+
+def write_table(table: pd.DataFrame, path: Path, overwrite: bool = False) -> Path:
+    """Write a table as CSV, whole or not at all."""
+    with whole_file(path, overwrite) as temporary:
+        table.to_csv(temporary, index=False)
+    return path
