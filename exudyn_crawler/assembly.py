@@ -5,16 +5,21 @@ derivatives back into generalized ones, for both formulations of the terrain. Th
 of the shoes (six each) followed by those of the terrain.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from exudyn_crawler.contact import RESULT, RESULTS, contact_derivatives, contact_forces
+from exudyn_crawler.contact import (
+    PAIR_COORDINATES,
+    RESULTS,
+    contact_derivatives,
+    contact_forces,
+)
 from exudyn_crawler.overlap import overlap_workspace
-from exudyn_crawler.parameters import Case
+from exudyn_crawler.parameters import ContactLaw, Shoe, Terrain
 from exudyn_crawler.terrain import TerrainModes
 
 UNIT_COORDINATES = 6
@@ -74,9 +79,18 @@ def _modal_project(heave, tilt, tilt_axis, unit_forces, out):
 
 
 @njit(cache=True)
-def _modal_triplets(heave, tilt, pairs, blocks, shoe_count):
-    """Dense blocks of every shoe with itself and with the modes, and of the modes."""
-    modes = heave.shape[1]
+def _modal_triplets(heave, tilt, reached, pairs, blocks, shoe_count):
+    """Dense blocks of every shoe with itself and with the coordinates, and of the coordinates.
+
+    `reached` is the least number of leading coordinates to write; more are written where a contact
+    moves them.
+    """
+    modes = reached
+    for n in range(pairs.shape[0]):
+        u = pairs[n, 1]
+        for k in range(modes, heave.shape[1]):
+            if heave[u, k] != 0.0 or tilt[u, k] != 0.0:
+                modes = k + 1
     own = np.zeros((shoe_count, 6, 6))
     right = np.zeros((shoe_count, 6, modes))
     below = np.zeros((shoe_count, modes, 6))
@@ -116,27 +130,33 @@ def _modal_triplets(heave, tilt, pairs, blocks, shoe_count):
 
 @dataclass(frozen=True)
 class ReducedCoordinates:
-    """Terrain carried by its vibration modes."""
+    """Terrain carried by its independent coordinates.
+
+    `reached` of them, the first ones, move the units that the track is expected to touch.
+    """
 
     modes: TerrainModes
     tilt_axis: int
+    reached: int
 
     @property
     def size(self) -> int:
-        """Number of modes."""
-        return self.modes.heave.shape[1]
+        """Number of coordinates."""
+        return self.modes.size
 
     def motion(self, q: NDArray, out: NDArray) -> None:
-        """Heave and tilt of the units; the modes hold no other motion."""
+        """Heave and tilt of the units; there is no other motion."""
         _modal_motion(self.modes.heave, self.modes.tilt, q, out)
 
     def project(self, unit_forces: NDArray, units: NDArray, out: NDArray) -> None:
-        """Modal forces."""
+        """Generalized forces."""
         _modal_project(self.modes.heave, self.modes.tilt, self.tilt_axis, unit_forces, out)
 
     def derivative(self, pairs: NDArray, blocks: NDArray, shoe_count: int) -> NDArray:
-        """Triplets in a pattern that never changes, so that factorizations can reuse it."""
-        return _modal_triplets(self.modes.heave, self.modes.tilt, pairs, blocks, shoe_count)
+        """Triplets in a pattern that rarely changes, so that factorizations can reuse it."""
+        return _modal_triplets(
+            self.modes.heave, self.modes.tilt, self.reached, pairs, blocks, shoe_count
+        )
 
 
 @njit(cache=True)
@@ -199,23 +219,37 @@ class ConstrainedCoordinates:
         return _body_triplets(pairs, blocks, shoe_count, self.tilt_axis)
 
 
-@dataclass
 class TrackContact:
-    """Contact forces of a case as functions of its generalized coordinates."""
+    """Contact forces between shoes and terrain as functions of the generalized coordinates.
 
-    case: Case
-    coordinates: TerrainCoordinates
-    _buffers: dict[str, NDArray] = field(init=False, repr=False)
+    Parameters
+    ----------
+    com_positions : array (shoes, 3)
+        COMs of the shoes where their coordinates are zero, m, global.
+    shoe : Shoe
+        What all of them are.
+    terrain : Terrain
+        Grid of units.
+    law : ContactLaw
+        Contact law of every pair.
+    coordinates : TerrainCoordinates
+        Formulation of the terrain.
+    """
 
-    def __post_init__(self) -> None:
-        """Lay out the memory that every evaluation reuses."""
-        shoes, units = self.case.track.shoe_count, self.case.terrain.unit_count
-        terrain = self.case.terrain
-        self.shoe_reference = np.zeros((shoes, 6))
-        self.shoe_reference[:, :3] = self.case.track.com_positions(self.case.shoe.com_height)
-        self.unit_reference = np.zeros((units, 4))
-        self.unit_reference[:, :3] = terrain.centers
-        self.grid = np.array(
+    def __init__(
+        self,
+        com_positions: NDArray,
+        shoe: Shoe,
+        terrain: Terrain,
+        law: ContactLaw,
+        coordinates: TerrainCoordinates,
+    ) -> None:
+        shoes, units = len(com_positions), terrain.unit_count
+        self.coordinates = coordinates
+        self.shoe_reference = np.hstack((com_positions, np.zeros((shoes, 3))))
+        self.unit_reference = np.hstack((terrain.centers, np.zeros((units, 1))))
+        self._tilt_axis = terrain.tilt_axis
+        self._grid = np.array(
             [
                 terrain.columns,
                 terrain.rows,
@@ -224,22 +258,21 @@ class TrackContact:
                 terrain.unit_height,
             ]
         )
-        self.footprint = self.case.shoe.footprint
-        self.law = self.case.contact.as_array
+        self._footprint = shoe.footprint
+        self._law = law.as_array
         # units that a shoe's outline can meet at once, at any yaw
-        diagonal = float(np.hypot(self.case.shoe.length, self.case.shoe.width))
+        diagonal = float(np.hypot(shoe.length, shoe.width))
         reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)
         contacts = shoes * min(reach, units)
-        self._buffers = {
-            "displacements": np.zeros((units, 4)),
-            "unit_rates": np.zeros((units, 4)),
-            "shoe_forces": np.zeros((shoes, 6)),
-            "unit_forces": np.zeros((units, 6)),
-            "results": np.zeros((contacts, RESULTS)),
-            "pairs": np.zeros((contacts, 2), dtype=np.int64),
-            "blocks": np.zeros((contacts, 8, 8)),
-            "work": overlap_workspace(),
-        }
+        # every evaluation reuses this memory
+        self._displacements = np.zeros((units, 4))
+        self._unit_rates = np.zeros((units, 4))
+        self._shoe_forces = np.zeros((shoes, 6))
+        self._unit_forces = np.zeros((units, 6))
+        self._results = np.zeros((contacts, RESULTS))
+        self._pairs = np.zeros((contacts, 2), dtype=np.int64)
+        self._blocks = np.zeros((contacts, PAIR_COORDINATES, PAIR_COORDINATES))
+        self._work = overlap_workspace()
 
     @property
     def size(self) -> int:
@@ -247,40 +280,37 @@ class TrackContact:
         return self.shoe_reference.size + self.coordinates.size
 
     def _places(self, q: NDArray, q_t: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Places and rates of shoes and units."""
         split = self.shoe_reference.size
         shoes = self.shoe_reference + q[:split].reshape(-1, 6)
         shoe_rates = q_t[:split].reshape(-1, 6)
-        displacements, unit_rates = self._buffers["displacements"], self._buffers["unit_rates"]
-        self.coordinates.motion(q[split:], displacements)
-        self.coordinates.motion(q_t[split:], unit_rates)
-        return shoes, shoe_rates, self.unit_reference + displacements, unit_rates
+        self.coordinates.motion(q[split:], self._displacements)
+        self.coordinates.motion(q_t[split:], self._unit_rates)
+        units = self.unit_reference + self._displacements
+        return shoes, shoe_rates, units, self._unit_rates
 
     def _evaluate(self, q: NDArray, q_t: NDArray) -> tuple[int, NDArray]:
-        shoes, shoe_rates, units, unit_rates = self._places(q, q_t)
-        b = self._buffers
+        places = self._places(q, q_t)
         count = contact_forces(
-            shoes,
-            shoe_rates,
-            units,
-            unit_rates,
-            self.case.terrain.tilt_axis,
-            self.grid,
-            self.footprint,
-            self.law,
-            b["shoe_forces"],
-            b["unit_forces"],
-            b["results"],
-            b["work"],
+            *places,
+            self._tilt_axis,
+            self._grid,
+            self._footprint,
+            self._law,
+            self._shoe_forces,
+            self._unit_forces,
+            self._results,
+            self._work,
         )
-        return count, units
+        return count, places[2]
 
     def forces(self, q: NDArray, q_t: NDArray) -> NDArray:
         """Generalized contact forces: array (size,)."""
         _, units = self._evaluate(q, q_t)
         generalized = np.empty(self.size)
         split = self.shoe_reference.size
-        generalized[:split] = self._buffers["shoe_forces"].ravel()
-        self.coordinates.project(self._buffers["unit_forces"], units, generalized[split:])
+        generalized[:split] = self._shoe_forces.ravel()
+        self.coordinates.project(self._unit_forces, units, generalized[split:])
         return generalized
 
     def derivatives(
@@ -290,41 +320,29 @@ class TrackContact:
 
         ``position_factor * d(forces)/dq + velocity_factor * d(forces)/dq_t``, array (entries, 3).
         """
-        shoes, shoe_rates, units, unit_rates = self._places(q, q_t)
-        b = self._buffers
         count = contact_derivatives(
-            shoes,
-            shoe_rates,
-            units,
-            unit_rates,
-            self.case.terrain.tilt_axis,
-            self.grid,
-            self.footprint,
-            self.law,
+            *self._places(q, q_t),
+            self._tilt_axis,
+            self._grid,
+            self._footprint,
+            self._law,
             position_factor,
             velocity_factor,
-            b["pairs"],
-            b["blocks"],
-            b["work"],
+            self._pairs,
+            self._blocks,
+            self._work,
         )
-        return self.coordinates.derivative(b["pairs"][:count], b["blocks"][:count], len(shoes))
+        return self.coordinates.derivative(
+            self._pairs[:count], self._blocks[:count], len(self.shoe_reference)
+        )
 
     def results(self, q: NDArray, q_t: NDArray) -> NDArray:
         """Contacts at a state: array (contacts, RESULTS), columns as in `contact.RESULT`."""
         count, _ = self._evaluate(q, q_t)
-        return self._buffers["results"][:count].copy()
+        return self._results[:count].copy()
 
     def unit_motion(self, q: NDArray) -> NDArray:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
         out = np.zeros_like(self.unit_reference)
         self.coordinates.motion(q[self.shoe_reference.size :], out)
         return out
-
-
-__all__ = [
-    "RESULT",
-    "ConstrainedCoordinates",
-    "ReducedCoordinates",
-    "TerrainCoordinates",
-    "TrackContact",
-]

@@ -18,19 +18,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.assembly import (
-    UNIT_COORDINATES,
     ConstrainedCoordinates,
     ReducedCoordinates,
     TerrainCoordinates,
     TrackContact,
 )
 from exudyn_crawler.parameters import Case, Drive
-from exudyn_crawler.terrain import terrain_joints, terrain_modes
+from exudyn_crawler.terrain import localized, terrain_joints, terrain_modes, units_near
 
 exu.config.printToConsole = False
 
-JOINT_ROWS = 6
-"""Algebraic equations of a generic joint; those of a free axis only say that its multiplier is zero."""
+REACH = 1.0
+"""m round the track at t = 0 within which contact is expected; beyond, only the speed suffers."""
 
 
 @dataclass
@@ -93,8 +92,9 @@ def build(case: Case, static: bool = False) -> System:
     _add_loads(mbs, case, shoes)
     links = _add_links(mbs, case, shoes)
     terrain_nodes, coordinates = _add_terrain(mbs, case, ground)
-    contact = TrackContact(case, coordinates)
-    _add_contact(mbs, contact, shoe_nodes + terrain_nodes)
+    com_positions = case.track.com_positions(case.shoe.com_height)
+    contact = TrackContact(com_positions, case.shoe, case.terrain, case.contact, coordinates)
+    add_contact(mbs, contact, shoe_nodes + terrain_nodes)
 
     fixed = mbs.AddMarker(
         items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
@@ -204,35 +204,38 @@ def _add_terrain(
 def _add_reduced_terrain(
     mbs: "exu.MainSystem", case: Case
 ) -> tuple[list[int], TerrainCoordinates]:
-    """Terrain as modal oscillators."""
-    modes = terrain_modes(case.terrain)
-    count = len(modes.stiffness)
-    zeros = [0.0] * count
+    """Terrain in its independent coordinates, of which the track moves as few as possible."""
+    near = units_near(case.terrain, case.outline(0.0), REACH)
+    modes = localized(terrain_modes(case.terrain), near)
+    moved = np.any(modes.heave[near] != 0.0, axis=0) | np.any(modes.tilt[near] != 0.0, axis=0)
+    reached = int(np.flatnonzero(moved).max()) + 1
+    zeros = [0.0] * modes.size
     node = mbs.AddNode(
         items.NodeGenericODE2(
             referenceCoordinates=zeros,
             initialCoordinates=zeros,
             initialCoordinates_t=zeros,
-            numberOfODE2Coordinates=count,
+            numberOfODE2Coordinates=modes.size,
         )
     )
     mbs.AddObject(
         items.ObjectGenericODE2(
             name="terrain",
             nodeNumbers=[node],
-            massMatrix=_diagonal(np.ones(count)),
-            stiffnessMatrix=_diagonal(modes.stiffness),
-            dampingMatrix=_diagonal(modes.damping),
+            massMatrix=_sparse(np.eye(modes.size)),
+            stiffnessMatrix=_sparse(modes.stiffness),
+            dampingMatrix=_sparse(modes.damping),
             forceVector=case.gravity * modes.weight,
         )
     )
-    return [node], ReducedCoordinates(modes, case.terrain.tilt_axis)
+    return [node], ReducedCoordinates(modes, case.terrain.tilt_axis, reached)
 
 
-def _diagonal(values: NDArray) -> "exu.MatrixContainer":
-    index = np.arange(len(values))
+def _sparse(values: NDArray) -> "exu.MatrixContainer":
+    rows, columns = np.nonzero(values)
     matrix = exu.MatrixContainer()
-    matrix.SetWithSparseMatrix(np.column_stack((index, index, values)), len(values), len(values))
+    triplets = np.column_stack((rows, columns, values[rows, columns]))
+    matrix.SetWithSparseMatrix(triplets, *values.shape)
     return matrix
 
 
@@ -332,7 +335,7 @@ def _hold(mbs: "exu.MainSystem", fixed: int, node: int, coordinate: int) -> int:
     )
 
 
-def _add_contact(mbs: "exu.MainSystem", contact: TrackContact, nodes: Sequence[int]) -> None:
+def add_contact(mbs: "exu.MainSystem", contact: TrackContact, nodes: Sequence[int]) -> None:
     """All contacts as one item over the shoes' and the terrain's nodes."""
     size = contact.size
 
@@ -409,5 +412,3 @@ def _add_turn(mbs: "exu.MainSystem", drive: Drive, node: int) -> int:
         )
     )
 
-
-__all__ = ["JOINT_ROWS", "UNIT_COORDINATES", "System", "build"]

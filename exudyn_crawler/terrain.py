@@ -49,20 +49,18 @@ def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
 
 @dataclass(frozen=True)
 class TerrainModes:
-    """Independent coordinates of the terrain, as its undamped vibration modes.
+    """Independent coordinates of the terrain, with the identity for their mass matrix.
 
     Attributes
     ----------
-    heave : array (units, modes)
-        Heave of each unit (m) per unit of a modal coordinate.
-    tilt : array (units, modes)
-        Tilt of each unit (rad) per unit of a modal coordinate.
-    stiffness : array (modes,)
-        Modal stiffnesses, the squared angular frequencies (1/s2); the modal mass matrix is the identity.
-    damping : array (modes,)
-        Modal damping coefficients, 1/s.
-    weight : array (modes,)
-        Modal load of a unit acceleration of gravity along -z.
+    heave : array (units, coordinates)
+        Heave of each unit (m) per unit of a coordinate.
+    tilt : array (units, coordinates)
+        Tilt of each unit (rad) per unit of a coordinate.
+    stiffness, damping : array (coordinates, coordinates)
+        Stiffness (1/s2) and damping (1/s) of the supports.
+    weight : array (coordinates,)
+        Load of a unit acceleration of gravity along -z.
     """
 
     heave: NDArray
@@ -72,9 +70,15 @@ class TerrainModes:
     weight: NDArray
 
     @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return self.heave.shape[1]
+
+    @property
     def frequencies(self) -> NDArray:
-        """Undamped natural frequencies of the unloaded terrain: array (modes,), Hz."""
-        return np.sqrt(self.stiffness) / (2.0 * np.pi)
+        """Undamped natural frequencies of the unloaded terrain: array (coordinates,), Hz."""
+        squares = np.linalg.eigvalsh(self.stiffness)
+        return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi)
 
 
 def terrain_modes(terrain: Terrain) -> TerrainModes:
@@ -98,20 +102,56 @@ def terrain_modes(terrain: Terrain) -> TerrainModes:
 
     mass = np.repeat([terrain.unit_mass, terrain.unit_inertia[terrain.tilt_axis]], count)
     support = np.repeat([terrain.heave_stiffness, terrain.tilt_stiffness], count)
-    stiffness, shapes = scipy.linalg.eigh(
+    squares, shapes = scipy.linalg.eigh(
         free.T @ (support[:, None] * free), free.T @ (mass[:, None] * free)
     )
     modes = free @ shapes
-    # the sign of a mode is arbitrary; fix it so that the same terrain gives the same numbers
-    largest = np.take_along_axis(modes, np.abs(modes).argmax(axis=0)[None], axis=0)
-    modes = modes * np.sign(largest)
-    heave = np.ascontiguousarray(modes[:count])
-    tilt = np.ascontiguousarray(modes[count:])
-    stiffness = np.maximum(stiffness, 0.0)
     return TerrainModes(
-        heave=heave,
-        tilt=tilt,
-        stiffness=stiffness,
-        damping=terrain.damping_time * stiffness,
-        weight=-terrain.unit_mass * heave.sum(axis=0),
+        heave=modes[:count],
+        tilt=modes[count:],
+        stiffness=np.diag(squares),
+        damping=terrain.damping_time * np.diag(squares),
+        weight=-terrain.unit_mass * modes[:count].sum(axis=0),
     )
+
+
+def localized(modes: TerrainModes, units: NDArray) -> TerrainModes:
+    """Same terrain in coordinates of which only the first few move the given units.
+
+    An orthogonal change of coordinates, so the mass matrix stays the identity; it makes the
+    derivatives of the contact forces sparse.
+
+    Parameters
+    ----------
+    units : array of int
+        Indices (from 0) of the units that the track can touch.
+    """
+    near = np.vstack((modes.heave[units], modes.tilt[units] * _length_scale(modes)))
+    _, _, turned = np.linalg.svd(near, full_matrices=True)
+    return TerrainModes(
+        heave=_clean(modes.heave @ turned.T),
+        tilt=_clean(modes.tilt @ turned.T),
+        stiffness=turned @ modes.stiffness @ turned.T,
+        damping=turned @ modes.damping @ turned.T,
+        weight=turned @ modes.weight,
+    )
+
+
+def _length_scale(modes: TerrainModes) -> float:
+    """Length that makes tilts comparable with heaves, m."""
+    return float(np.abs(modes.heave).max() / np.abs(modes.tilt).max())
+
+
+def _clean(shapes: NDArray) -> NDArray:
+    """Shapes with what is only rounding set to zero, in the memory order that compiled code takes."""
+    small = np.abs(shapes) < 1e-12 * np.abs(shapes).max()
+    return np.ascontiguousarray(np.where(small, 0.0, shapes))
+
+
+def units_near(terrain: Terrain, corners: NDArray, margin: float) -> NDArray:
+    """Indices (from 0) of the units within `margin` (m) of the bounding rectangle of `corners`."""
+    low, high = corners.min(axis=0) - margin, corners.max(axis=0) + margin
+    centers = terrain.centers[:, :2]
+    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width])
+    near = np.all((centers + half > low) & (centers - half < high), axis=1)
+    return np.flatnonzero(near)

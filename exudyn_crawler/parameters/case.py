@@ -3,6 +3,7 @@
 from typing import Literal, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import model_validator
 
 from exudyn_crawler.parameters.base import Parameters, quantity
@@ -69,16 +70,11 @@ class Case(Parameters):
         """Propel with a turn of the K-chapter, the K-paper and the F-paper."""
         return cls.translation().with_(name="turning", drive=Drive.turning())
 
-    def check_support(self, duration: float) -> None:
-        """Refuse a drive that takes the track off the terrain within `duration` (s).
+    def outline(self, time: float) -> NDArray:
+        """Corners of the track on the ground at a time: array (4, 2), m, global x and y.
 
-        The track is rigid seen from above, since its hinges only pitch: its outline is carried along
-        by the drive and turned about its middle.
-
-        Raises
-        ------
-        ValueError
-            With the time, the place and the terrain's extent.
+        The track is rigid seen from above, since its hinges only pitch: the drive carries its outline
+        along and turns it about its middle.
         """
         footprint = self.shoe.footprint
         coms = self.track.com_positions(self.shoe.com_height)
@@ -86,16 +82,28 @@ class Case(Parameters):
         y = coms[0, 1] + footprint[2:4]
         corners = np.array([[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]])
         middle = corners.mean(axis=0)
-        end = duration if self.drive.off_time is None else min(duration, self.drive.off_time)
-        for time in np.linspace(0.0, end, 101 if end > 0.0 else 1):
-            angle = 0.0 if self.drive.turn_rate is None else self.drive.turn_rate.integral(time)
-            c, s = np.cos(angle), np.sin(angle)
-            placed = middle + (corners - middle) @ np.array([[c, s], [-s, c]])
-            placed[:, 0] += self.drive.speed.integral(time)
-            for axis, extent, side in ((0, self.terrain.extent[0], "x"), (1, self.terrain.extent[1], "y")):
-                low, high = placed[:, axis].min(), placed[:, axis].max()
+        if self.drive.off_time is not None:
+            time = min(time, self.drive.off_time)
+        angle = 0.0 if self.drive.turn_rate is None else float(self.drive.turn_rate.integral(time))
+        c, s = np.cos(angle), np.sin(angle)
+        travel = np.array([float(self.drive.speed.integral(time)), 0.0])
+        return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + travel
+
+    def check_support(self, duration: float) -> None:
+        """Refuse a drive that takes the track off the terrain within `duration` (s).
+
+        Raises
+        ------
+        ValueError
+            With the time, the place and the terrain's extent.
+        """
+        for time in np.linspace(0.0, duration, 101 if duration > 0.0 else 1):
+            corners = self.outline(time)
+            for axis, name in enumerate("xy"):
+                low, high = corners[:, axis].min(), corners[:, axis].max()
+                extent = self.terrain.extent[axis]
                 if low < 0.0 or high > extent:
                     raise ValueError(
                         f"terrain must carry the track over the whole drive: at t = {time:.3g} s the "
-                        f"track reaches {side} = {low:.3f}..{high:.3f} m, the terrain 0..{extent:g} m"
+                        f"track reaches {name} = {low:.3f}..{high:.3f} m, the terrain 0..{extent:g} m"
                     )
