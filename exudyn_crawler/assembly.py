@@ -42,9 +42,7 @@ class TerrainCoordinates(Protocol):
         """Write generalized terrain forces of the units' forces and moments (units, 6) into `out`."""
         ...
 
-    def derivative(
-        self, pairs: NDArray, blocks: NDArray, shoe_count: int
-    ) -> NDArray:
+    def derivative(self, pairs: NDArray, blocks: NDArray, shoe_count: int) -> NDArray:
         """Triplets (row, column, value) of pair blocks in all coordinates."""
         ...
 
@@ -154,9 +152,7 @@ class ReducedCoordinates:
 
     def derivative(self, pairs: NDArray, blocks: NDArray, shoe_count: int) -> NDArray:
         """Triplets in a pattern that rarely changes, so that factorizations can reuse it."""
-        return _modal_triplets(
-            self.modes.heave, self.modes.tilt, self.reached, pairs, blocks, shoe_count
-        )
+        return _modal_triplets(self.modes.heave, self.modes.tilt, self.reached, pairs, blocks, shoe_count)
 
 
 @njit(cache=True)
@@ -314,11 +310,17 @@ class TrackContact:
         return generalized
 
     def derivatives(
-        self, q: NDArray, q_t: NDArray, position_factor: float, velocity_factor: float
+        self,
+        q: NDArray,
+        q_t: NDArray,
+        position_factor: float,
+        velocity_factor: float,
+        secant: bool = False,
     ) -> NDArray:
         """Triplets (row, column, value) of the weighted sum of both derivatives of the forces.
 
-        ``position_factor * d(forces)/dq + velocity_factor * d(forces)/dq_t``, array (entries, 3).
+        ``position_factor * d(forces)/dq + velocity_factor * d(forces)/dq_t``, array (entries, 3);
+        `secant` as for `contact.contact_derivatives`.
         """
         count = contact_derivatives(
             *self._places(q, q_t),
@@ -328,6 +330,7 @@ class TrackContact:
             self._law,
             position_factor,
             velocity_factor,
+            secant,
             self._pairs,
             self._blocks,
             self._work,

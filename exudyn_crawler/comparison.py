@@ -26,9 +26,7 @@ KINEMATIC = {
 }
 """Kinematic quantities of the papers: variable of a history and factor to the papers' unit."""
 
-SHOE_QUANTITY = re.compile(
-    r"(?:any shoe|shoe (?P<shoe>\d+)) (?P<axis>[xyz]) (?P<kind>[a-z ]+)"
-)
+SHOE_QUANTITY = re.compile(r"(?:any shoe|shoe (?P<shoe>\d+)) (?P<axis>[xyz]) (?P<kind>[a-z ]+)")
 
 
 def time_mean(values: xr.DataArray) -> xr.DataArray:
@@ -92,9 +90,7 @@ def statistic_of(values: xr.DataArray, statistic: str) -> float:
     return float(simple[statistic](values))
 
 
-def kinematics_value(
-    histories: Mapping[str, History], case: str, quantity: str, statistic: str
-) -> float:
+def kinematics_value(histories: Mapping[str, History], case: str, quantity: str, statistic: str) -> float:
     """Computed value of one row of the kinematics tables; NaN where its run is missing.
 
     Parameters
@@ -133,8 +129,7 @@ def compare_kinematics(histories: Mapping[str, History]) -> pd.DataFrame:
     """Every kinematics row that the papers report against the runs."""
     reported = reported_values("kinematics")
     computed = [
-        kinematics_value(histories, row.case, row.quantity, row.statistic)
-        for row in reported.itertuples()
+        kinematics_value(histories, row.case, row.quantity, row.statistic) for row in reported.itertuples()
     ]
     return comparison_table(reported, computed)
 

@@ -9,6 +9,7 @@ and their derivatives out.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -29,7 +30,7 @@ PAIR_COORDINATES = 8
 RESULTS = 20
 """Numbers kept of each contact; see `RESULT`."""
 
-RESULT = {
+RESULT: dict[str, Any] = {
     "shoe": 0,
     "unit": 1,
     "penetration": 2,
@@ -60,7 +61,7 @@ def _geometry(
     corners: FloatArray,
     work: FloatArray,
     R: FloatArray,
-):
+) -> tuple[float, ...]:
     """Overlap of one pair: (area, width, depth, px, py, pz, nx, ny, nz), point and normal global."""
     rotation_matrix(shoe[3:6], R)
     ct, st = math.cos(unit[3]), math.sin(unit[3])
@@ -97,11 +98,13 @@ def _geometry(
 
 
 @njit(cache=True)
-def _forces(geometry, shoe, shoe_rate, unit, unit_rate, tilt_axis, law, G, generalized, result):
+def _forces(geometry, shoe, shoe_rate, unit, unit_rate, tilt_axis, law, drag_ratio, G, generalized, result):
     """Law of one pair at a known overlap.
 
     Writes the generalized forces on the shoe (6) and the wrench on the unit about its centre
-    (force 3, moment 3) into `generalized` (12), and the contact's results into `result`.
+    (force 3, moment 3) into `generalized` (12), and the contact's results into `result`. A
+    `drag_ratio` (s/m, friction over normal force and slip speed) that is not negative takes the place
+    of the friction curve's.
     """
     area, width, depth, px, py, pz, nx, ny, nz = geometry
     rate_matrix(shoe[3:6], G)
@@ -122,7 +125,9 @@ def _forces(geometry, shoe, shoe_rate, unit, unit_rate, tilt_axis, law, G, gener
 
     normal = impact_force(depth, -vn, law[0], law[1], law[2], law[3])
     normal *= step(width, 0.0, 0.0, law[8], 1.0)
-    drag = friction_per_slip(slip, law[4], law[5], law[6], law[7]) * normal
+    if drag_ratio < 0.0:
+        drag_ratio = friction_per_slip(slip, law[4], law[5], law[6], law[7])
+    drag = drag_ratio * normal
     torque = friction_torque(spin, equal_area_radius(area), drag * slip, law[6])
 
     fx, fy, fz = normal * nx - drag * tx, normal * ny - drag * ty, normal * nz - drag * tz
@@ -242,9 +247,7 @@ def contact_forces(
         for i in range(i0, i1 + 1):
             for j in range(j0, j1 + 1):
                 u = i * rows + j
-                geometry = _geometry(
-                    shoes[s], units[u], tilt_axis, footprint, half, corners, work, R
-                )
+                geometry = _geometry(shoes[s], units[u], tilt_axis, footprint, half, corners, work, R)
                 if geometry[0] <= 0.0:
                     continue
                 row = results[count] if count < results.shape[0] else spare
@@ -256,6 +259,7 @@ def contact_forces(
                     unit_rates[u],
                     tilt_axis,
                     law,
+                    -1.0,
                     R,
                     generalized,
                     row,
@@ -281,6 +285,7 @@ def contact_derivatives(
     law: FloatArray,
     position_factor: float,
     velocity_factor: float,
+    secant: bool,
     pairs: FloatArray,
     blocks: FloatArray,
     work: FloatArray,
@@ -292,6 +297,10 @@ def contact_derivatives(
     position_factor, velocity_factor : float
         A block is `position_factor` times the derivative with respect to the pair's coordinates
         plus `velocity_factor` times the one with respect to their rates.
+    secant : bool
+        Keep the ratio of friction to slip as it is instead of deriving it. Newton's method can cycle
+        between the steep rise of the friction curve and its fall beyond; with the secant it converges
+        more slowly, but does.
     pairs : array (contacts, 2)
         Out: indices of the shoe and the unit of each block.
     blocks : array (contacts, 8, 8)
@@ -328,18 +337,18 @@ def contact_derivatives(
         for i in range(i0, i1 + 1):
             for j in range(j0, j1 + 1):
                 u = i * rows + j
-                geometry = _geometry(
-                    shoes[s], units[u], tilt_axis, footprint, half, corners, work, R
-                )
+                geometry = _geometry(shoes[s], units[u], tilt_axis, footprint, half, corners, work, R)
                 if geometry[0] <= 0.0 or count >= blocks.shape[0]:
                     continue
                 shoe[:] = shoes[s]
                 shoe_rate[:] = shoe_rates[s]
                 unit[:] = units[u]
                 unit_rate[:] = unit_rates[u]
-                _forces(
-                    geometry, shoe, shoe_rate, unit, unit_rate, tilt_axis, law, R, base, spare
-                )
+                _forces(geometry, shoe, shoe_rate, unit, unit_rate, tilt_axis, law, -1.0, R, base, spare)
+                drag_ratio = -1.0
+                if secant:
+                    slip = math.sqrt(spare[14] ** 2 + spare[15] ** 2 + spare[16] ** 2)
+                    drag_ratio = friction_per_slip(slip, law[4], law[5], law[6], law[7])
                 block = blocks[count]
                 block[:] = 0.0
                 pairs[count, 0] = s
@@ -349,9 +358,7 @@ def contact_derivatives(
                     index = c if c < 6 else c - 4
                     old = vector[index]
                     vector[index] = old + POSITION_STEP
-                    moved_geometry = _geometry(
-                        shoe, unit, tilt_axis, footprint, half, corners, work, R
-                    )
+                    moved_geometry = _geometry(shoe, unit, tilt_axis, footprint, half, corners, work, R)
                     if moved_geometry[0] > 0.0:
                         _forces(
                             moved_geometry,
@@ -361,6 +368,7 @@ def contact_derivatives(
                             unit_rate,
                             tilt_axis,
                             law,
+                            drag_ratio,
                             R,
                             moved,
                             spare,
@@ -377,7 +385,17 @@ def contact_derivatives(
                     old = vector_rate[index]
                     vector_rate[index] = old + VELOCITY_STEP
                     _forces(
-                        geometry, shoe, shoe_rate, unit, unit_rate, tilt_axis, law, R, moved, spare
+                        geometry,
+                        shoe,
+                        shoe_rate,
+                        unit,
+                        unit_rate,
+                        tilt_axis,
+                        law,
+                        drag_ratio,
+                        R,
+                        moved,
+                        spare,
                     )
                     vector_rate[index] = old
                     factor = velocity_factor / VELOCITY_STEP

@@ -5,8 +5,10 @@ Coordinates: six a shoe (COM displacement from t = 0 and the angles about x, y, 
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
 
 # The build without range checks is faster; with it Exudyn gives no timing statistics.
 if os.environ.get("EXUDYN_CRAWLER_CHECKED") != "1":
@@ -23,13 +25,16 @@ from exudyn_crawler.assembly import (
     TerrainCoordinates,
     TrackContact,
 )
-from exudyn_crawler.parameters import Case, Drive
+from exudyn_crawler.parameters import Case, Drive, StepProfile
 from exudyn_crawler.terrain import localized, terrain_joints, terrain_modes, units_near
 
 exu.config.printToConsole = False
 
 REACH = 1.0
 """m round the track at t = 0 within which contact is expected; beyond, only the speed suffers."""
+
+TANGENTS_A_STEP = 2
+"""Jacobians with the tangent of the friction curve in one step; later ones take the secant."""
 
 
 @dataclass
@@ -60,7 +65,7 @@ class System:
 
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`."""
-        self.mbs.systemData.SetODE2Coordinates(q, exu.ConfigurationType.Initial)
+        self.mbs.systemData.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
 
     def state(self) -> NDArray:
         """Time, coordinates, their first and second rates and the multipliers, in one row."""
@@ -157,16 +162,20 @@ def _add_loads(mbs: "exu.MainSystem", case: Case, shoes: Sequence[int]) -> None:
             items.MarkerBodyPosition(bodyNumber=shoe, localPosition=list(case.shoe.load_point))
         )
         profile = case.loads.profile(number)
-        load = items.LoadForceVector(
-            markerNumber=top, loadVector=[0.0, 0.0, -float(profile.value(0.0))]
-        )
+        load = items.LoadForceVector(markerNumber=top, loadVector=[0.0, 0.0, -float(profile.value(0.0))])
         if len(set(profile.values)) > 1:
-
-            def vertical(_mbs, t, _load, _profile=profile):  # noqa: ANN001, ANN202 - Exudyn's form
-                return [0.0, 0.0, -float(_profile.value(t))]
-
-            load.loadVectorUserFunction = vertical
+            load.loadVectorUserFunction = _vertical(profile)
         mbs.AddLoad(load)
+
+
+def _vertical(profile: StepProfile) -> Callable[..., list[float]]:
+    """Exudyn's user function of a downward load over time."""
+    size = _at_time(profile.value)
+
+    def vertical(_mbs, t, _load):
+        return [0.0, 0.0, -size(t)]
+
+    return vertical
 
 
 def _add_links(mbs: "exu.MainSystem", case: Case, shoes: Sequence[int]) -> list[int]:
@@ -176,7 +185,7 @@ def _add_links(mbs: "exu.MainSystem", case: Case, shoes: Sequence[int]) -> list[
     torque.
     """
     links = []
-    for number, (rear, front) in enumerate(zip(shoes, shoes[1:], strict=False), start=1):
+    for number, (rear, front) in enumerate(pairwise(shoes), start=1):
         markers = [
             mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=list(place)))
             for body, place in ((rear, case.track.front_pin), (front, case.track.rear_pin))
@@ -193,17 +202,13 @@ def _add_links(mbs: "exu.MainSystem", case: Case, shoes: Sequence[int]) -> list[
     return links
 
 
-def _add_terrain(
-    mbs: "exu.MainSystem", case: Case, ground: int
-) -> tuple[list[int], TerrainCoordinates]:
+def _add_terrain(mbs: "exu.MainSystem", case: Case, ground: int) -> tuple[list[int], TerrainCoordinates]:
     if case.terrain_formulation == "constrained":
         return _add_constrained_terrain(mbs, case, ground)
     return _add_reduced_terrain(mbs, case)
 
 
-def _add_reduced_terrain(
-    mbs: "exu.MainSystem", case: Case
-) -> tuple[list[int], TerrainCoordinates]:
+def _add_reduced_terrain(mbs: "exu.MainSystem", case: Case) -> tuple[list[int], TerrainCoordinates]:
     """Terrain in its independent coordinates, of which the track moves as few as possible."""
     near = units_near(case.terrain, case.outline(0.0), REACH)
     modes = localized(terrain_modes(case.terrain), near)
@@ -253,9 +258,7 @@ def _add_constrained_terrain(
     springs = [0.0] if terrain.springs_per_unit == 1 else [-terrain.spring_offset, terrain.spring_offset]
     for number, center in enumerate(terrain.centers, start=1):
         node = mbs.AddNode(
-            items.NodeRigidBodyRxyz(
-                name=f"unit {number}", referenceCoordinates=[*center, 0.0, 0.0, 0.0]
-            )
+            items.NodeRigidBodyRxyz(name=f"unit {number}", referenceCoordinates=[*center, 0.0, 0.0, 0.0])
         )
         body = mbs.AddObject(
             items.ObjectRigidBody(
@@ -275,13 +278,9 @@ def _add_constrained_terrain(
                 items.ObjectConnectorCartesianSpringDamper(
                     markerNumbers=[
                         mbs.AddMarker(
-                            items.MarkerBodyPosition(
-                                bodyNumber=ground, localPosition=list(center + place)
-                            )
+                            items.MarkerBodyPosition(bodyNumber=ground, localPosition=list(center + place))
                         ),
-                        mbs.AddMarker(
-                            items.MarkerBodyPosition(bodyNumber=body, localPosition=list(place))
-                        ),
+                        mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=list(place))),
                     ],
                     stiffness=[0.0, 0.0, terrain.spring_stiffness],
                     damping=[0.0, 0.0, terrain.spring_damping],
@@ -338,16 +337,23 @@ def _hold(mbs: "exu.MainSystem", fixed: int, node: int, coordinate: int) -> int:
 def add_contact(mbs: "exu.MainSystem", contact: TrackContact, nodes: Sequence[int]) -> None:
     """All contacts as one item over the shoes' and the terrain's nodes."""
     size = contact.size
+    asked_time, asked = -1.0, 0
 
-    def force(_mbs, _t, _item, q, q_t):  # noqa: ANN001, ANN202 - Exudyn's form
+    def force(_mbs, _t, _item, q, q_t):
         return contact.forces(np.array(q), np.array(q_t))
 
-    def jacobian(_mbs, _t, _item, q, q_t, position_factor, velocity_factor):  # noqa: ANN001, ANN202
-        matrix = exu.MatrixContainer()
+    def jacobian(_mbs, t, _item, q, q_t, position_factor, velocity_factor):
+        nonlocal asked_time, asked
+        asked_time, asked = (t, asked + 1) if t == asked_time else (t, 1)
         # Exudyn asks for the derivative of the left-hand side, where forces stand negative
         triplets = contact.derivatives(
-            np.array(q), np.array(q_t), -position_factor, -velocity_factor
+            np.array(q),
+            np.array(q_t),
+            -position_factor,
+            -velocity_factor,
+            secant=asked > TANGENTS_A_STEP,
         )
+        matrix = exu.MatrixContainer()
         matrix.SetWithSparseMatrix(triplets, size, size)
         return matrix
 
@@ -362,15 +368,26 @@ def add_contact(mbs: "exu.MainSystem", contact: TrackContact, nodes: Sequence[in
     )
 
 
+def _at_time(function: Callable[[float], NDArray]) -> Callable[[float], float]:
+    """Function of time as a number, remembered: a step asks for the same time again and again."""
+
+    @lru_cache(maxsize=4)
+    def at_time(time: float) -> float:
+        return float(function(time))
+
+    return at_time
+
+
 def _add_drive(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> int:
     """Prescribed travel of the front shoe's COM along x, as a constraint."""
-    speed = drive.speed
+    distance = _at_time(drive.speed.integral)
+    speed = _at_time(drive.speed.value)
 
-    def travel(_mbs, t, _item, _offset):  # noqa: ANN001, ANN202 - Exudyn's form
-        return float(speed.integral(t))
+    def travel(_mbs, t, _item, _offset):
+        return distance(t)
 
-    def rate(_mbs, t, _item, _offset):  # noqa: ANN001, ANN202
-        return float(speed.value(t))
+    def rate(_mbs, t, _item, _offset):
+        return speed(t)
 
     return mbs.AddObject(
         items.ObjectConnectorCoordinate(
@@ -379,6 +396,8 @@ def _add_drive(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> in
             offset=1.0,  # Exudyn calls the offset functions only where the offset is not zero
             offsetUserFunction=travel,
             offsetUserFunction_t=rate,
+            # on velocity level a halved step leaves no error in the acceleration
+            velocityLevel=True,
         )
     )
 
@@ -389,16 +408,14 @@ def _add_turn(mbs: "exu.MainSystem", drive: Drive, node: int) -> int:
     With the angles (a, b, c) about x, y, z it reads ``a' sin b + c' = rate(t)``.
     """
     assert drive.turn_rate is not None
-    rate = drive.turn_rate
-    empty = mbs.AddMarker(
-        items.MarkerNodeCoordinates(nodeNumber=mbs.AddNode(items.NodePointGround()))
-    )
+    rate = _at_time(drive.turn_rate.value)
+    empty = mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=mbs.AddNode(items.NodePointGround())))
     marker = mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=node))
 
-    def residual(_mbs, t, _item, q, q_t, _velocity_level):  # noqa: ANN001, ANN202 - Exudyn's form
-        return [np.sin(q[4]) * q_t[3] + q_t[5] - float(rate.value(t))]
+    def residual(_mbs, t, _item, q, q_t, _velocity_level):
+        return [np.sin(q[4]) * q_t[3] + q_t[5] - rate(t)]
 
-    def jacobian(_mbs, _t, _item, q, _q_t, _velocity_level):  # noqa: ANN001, ANN202
+    def jacobian(_mbs, _t, _item, q, _q_t, _velocity_level):
         return np.array([[0.0, 0.0, 0.0, np.sin(q[4]), 0.0, 1.0]])
 
     return mbs.AddObject(
@@ -411,4 +428,3 @@ def _add_turn(mbs: "exu.MainSystem", drive: Drive, node: int) -> int:
             velocityLevel=True,
         )
     )
-

@@ -41,9 +41,7 @@ def static_equilibrium(case: Case) -> NDArray:
     try:
         system.mbs.SolveStatic(settings)
     except exu.SolverError as error:
-        raise EquilibriumError(
-            f"no static equilibrium of case {case.name!r} was found: {error}"
-        ) from error
+        raise EquilibriumError(f"no static equilibrium of case {case.name!r} was found: {error}") from error
     return np.asarray(system.mbs.systemData.GetODE2Coordinates())
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -28,7 +29,7 @@ QUANTITIES = {
 }
 """Kinematic quantities: variable, label, unit of the figure and factor to it."""
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "axes.grid": True,
     "axes.spines.right": False,
     "axes.spines.top": False,
@@ -43,9 +44,7 @@ STYLE = {
 AXES = ("x", "y", "z")
 
 
-def draw_kinematic(
-    ax: Axes, history: History, quantity: str, axis: str, shoes: Sequence[int]
-) -> Axes:
+def draw_kinematic(ax: Axes, history: History, quantity: str, axis: str, shoes: Sequence[int]) -> Axes:
     """One component of a kinematic quantity of some shoes over time."""
     name, _, _, factor = QUANTITIES[quantity]
     values = history.dataset[name].sel(axis=axis)

@@ -31,7 +31,9 @@ class History:
     def __getattr__(self, name: str) -> xr.DataArray:
         """Variable or coordinate of the dataset."""
         if name.startswith("_") or name not in self.dataset.variables:
-            raise AttributeError(f"a history has no {name!r}; it has {sorted(self.dataset.variables)}")
+            raise AttributeError(
+                f"a history has no {name!r}; it has {sorted(map(str, self.dataset.variables))}"
+            )
         return self.dataset[name]
 
     @property

@@ -101,10 +101,7 @@ def friction_per_slip(
         # STEP(v; -V_st, -1, V_st, 1) = r (3 - r**2) / 2 with r = v / V_st
         r = slip_speed / stiction_speed
         return static * 0.5 * (3.0 - r * r) / stiction_speed
-    return (
-        friction_coefficient(slip_speed, static, dynamic, stiction_speed, friction_speed)
-        / slip_speed
-    )
+    return friction_coefficient(slip_speed, static, dynamic, stiction_speed, friction_speed) / slip_speed
 
 
 @njit(cache=True)

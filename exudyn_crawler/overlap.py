@@ -14,7 +14,7 @@ VERTICES = 12
 
 
 @njit(cache=True)
-def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: float, limit: float):
+def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: float, limit: float) -> int:
     """Keep the part of a polygon with ``sign * coordinate <= limit``; rows are (xi, eta, depth)."""
     kept = 0
     previous = count - 1
@@ -36,7 +36,9 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
 
 
 @njit(cache=True)
-def overlap(corners: FloatArray, half_x: float, half_y: float, work: FloatArray):
+def overlap(
+    corners: FloatArray, half_x: float, half_y: float, work: FloatArray
+) -> tuple[float, float, float, float, float]:
     """Clip the underside to a unit's top face and integrate the depth over what is left.
 
     Parameters
@@ -100,9 +102,7 @@ def overlap(corners: FloatArray, half_x: float, half_y: float, work: FloatArray)
         area += triangle
         volume += triangle * total / 3.0
         moment_xi += triangle * ((xi0 + xi1 + xi2) * total + xi0 * d0 + xi1 * d1 + xi2 * d2) / 12.0
-        moment_eta += (
-            triangle * ((eta0 + eta1 + eta2) * total + eta0 * d0 + eta1 * d1 + eta2 * d2) / 12.0
-        )
+        moment_eta += triangle * ((eta0 + eta1 + eta2) * total + eta0 * d0 + eta1 * d1 + eta2 * d2) / 12.0
         moment_depth += triangle * (total * total + d0 * d0 + d1 * d1 + d2 * d2) / 12.0
     if area <= 0.0 or volume <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0

@@ -12,9 +12,7 @@ REFRESH = 0.2
 
 
 @contextmanager
-def progress_bar(
-    title: str, duration: float, show: bool | None = None
-) -> Iterator[Callable[[float], None]]:
+def progress_bar(title: str, duration: float, show: bool | None = None) -> Iterator[Callable[[float], None]]:
     """Show simulated time, speed and time left; the block gets a function to tell the time to.
 
     Parameters

@@ -52,9 +52,7 @@ def angular_velocity(angles: FloatArray, rates: FloatArray) -> FloatArray:
     return np.stack((a + sb * c, ca * b - sa * cb * c, sa * b + ca * cb * c), axis=-1)
 
 
-def angular_acceleration(
-    angles: FloatArray, rates: FloatArray, accelerations: FloatArray
-) -> FloatArray:
+def angular_acceleration(angles: FloatArray, rates: FloatArray, accelerations: FloatArray) -> FloatArray:
     """Angular accelerations in global components: array (..., 3), rad/s2.
 
     `rates` and `accelerations` are the first and second derivatives of the angles.

@@ -75,9 +75,7 @@ def integrate(system: System, duration: float, progress: bool | None = None) -> 
         try:
             system.mbs.SolveDynamic(settings)
         except exu.SolverError:
-            reason = (
-                f"Newton's method failed at the least step {system.case.solver.minimum_step:g} s"
-            )
+            reason = f"Newton's method failed at the least step {system.case.solver.minimum_step:g} s"
         except KeyboardInterrupt:
             reason = "interrupted"
     history = history_of(system, recorder.rows)
@@ -128,7 +126,9 @@ def solver_settings(solver: Solver, duration: float) -> "exu.SimulationSettings"
     time.verboseMode = 0
     time.generalizedAlpha.spectralRadius = solver.spectral_radius
     newton = time.newton
-    newton.useModifiedNewton = False
+    # one Jacobian a step, another where the iteration slows down
+    newton.useModifiedNewton = True
+    newton.modifiedNewtonJacUpdatePerStep = True
     newton.absoluteTolerance = solver.residual
     # the absolute tolerance alone decides: the first residual of a step is no measure
     newton.relativeTolerance = 1e-16

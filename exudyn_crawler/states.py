@@ -33,9 +33,7 @@ def history_of(system: System, rows: NDArray) -> History:
     multipliers = rows[:, 1 + 3 * size :]
     case = system.case
     variables = (
-        _shoes(system, q, q_t, q_tt)
-        | _reactions(system, q, multipliers)
-        | _terrain(system, q, q_t, q_tt)
+        _shoes(system, q, q_t, q_tt) | _reactions(system, q, multipliers) | _terrain(system, q, q_t, q_tt)
     )
     variables["load"] = (
         ("time", "shoe"),
@@ -100,9 +98,7 @@ def _reactions(system: System, q: NDArray, multipliers: NDArray) -> dict[str, Va
     y0 = frames[:, :-1, :, 1]
     x1, z1 = frames[:, 1:, :, 0], frames[:, 1:, :, 2]
     torque = links[..., 3, None] * np.cross(x1, y0) + links[..., 5, None] * np.cross(z1, y0)
-    turn = (
-        np.zeros(len(q)) if system.turn_row is None else -multipliers[:, system.turn_row]
-    )
+    turn = np.zeros(len(q)) if system.turn_row is None else -multipliers[:, system.turn_row]
     return {
         "joint_force": (
             ("time", "joint", "axis"),
@@ -143,9 +139,7 @@ def _terrain(system: System, q: NDArray, q_t: NDArray, q_tt: NDArray) -> dict[st
     return named
 
 
-def _contacts(
-    system: System, q: NDArray, q_t: NDArray
-) -> tuple[dict[str, Variable], NDArray]:
+def _contacts(system: System, q: NDArray, q_t: NDArray) -> tuple[dict[str, Variable], NDArray]:
     """Contacts over time, one column a pair that ever met; zero while the pair is apart."""
     found = [system.contact.results(*state) for state in zip(q, q_t, strict=True)]
     rows = np.concatenate(found)
@@ -167,7 +161,7 @@ def _contacts(
     }
     variables: dict[str, Variable] = {}
     for name, (unit, meaning) in named.items():
-        values = rows[:, RESULT[name]]
+        values = rows[..., RESULT[name]]
         table = np.zeros((len(found), len(pairs), *values.shape[1:]))
         table[when, column.ravel()] = values
         dims = ("time", "contact", "axis")[: table.ndim]

@@ -102,9 +102,7 @@ def terrain_modes(terrain: Terrain) -> TerrainModes:
 
     mass = np.repeat([terrain.unit_mass, terrain.unit_inertia[terrain.tilt_axis]], count)
     support = np.repeat([terrain.heave_stiffness, terrain.tilt_stiffness], count)
-    squares, shapes = scipy.linalg.eigh(
-        free.T @ (support[:, None] * free), free.T @ (mass[:, None] * free)
-    )
+    squares, shapes = scipy.linalg.eigh(free.T @ (support[:, None] * free), free.T @ (mass[:, None] * free))
     modes = free @ shapes
     return TerrainModes(
         heave=modes[:count],

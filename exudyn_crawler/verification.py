@@ -62,11 +62,11 @@ class TwoBodySolution:
     fixing_moment: tuple[float, float, float]
 
 
-def _box(sides: tuple[float, float, float]) -> tuple[float, list[float]]:
+def _box(sides: tuple[float, float, float]) -> tuple[float, tuple[float, float, float]]:
     """Mass (kg) and principal moments of inertia (kg m2) of a solid box."""
     mass = DENSITY * float(np.prod(sides))
     x, y, z = sides
-    return mass, [mass / 12 * (y**2 + z**2), mass / 12 * (x**2 + z**2), mass / 12 * (x**2 + y**2)]
+    return mass, (mass / 12 * (y**2 + z**2), mass / 12 * (x**2 + z**2), mass / 12 * (x**2 + y**2))
 
 
 def block_penetration(law: ContactLaw) -> float:
@@ -140,7 +140,13 @@ def engine_solution(law: ContactLaw) -> TwoBodySolution:
     nodes, bodies = [], []
     travel = SPEED * TIME
     for position, mass, inertia, displacement, velocity in (
-        (start[0], block_mass, block_inertia, [travel, 0, -block_penetration(law)], [SPEED, 0, -SINKING]),
+        (
+            start[0],
+            block_mass,
+            block_inertia,
+            [travel, 0, -block_penetration(law)],
+            [SPEED, 0, -SINKING],
+        ),
         (plate.centers[0], plate_mass, plate_inertia, [0.0] * 3, [0.0] * 3),
     ):
         nodes.append(
@@ -154,18 +160,14 @@ def engine_solution(law: ContactLaw) -> TwoBodySolution:
         )
         bodies.append(
             mbs.AddObject(
-                items.ObjectRigidBody(
-                    mass=mass, inertia=[*inertia, 0.0, 0.0, 0.0], nodeNumber=nodes[-1]
-                )
+                items.ObjectRigidBody(mass=mass, inertia=[*inertia, 0.0, 0.0, 0.0], nodeNumber=nodes[-1])
             )
         )
         com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=bodies[-1]))
         mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0, 0, -mass * GRAVITY]))
     add_contact(mbs, contact, nodes)
 
-    at_ground = mbs.AddMarker(
-        items.MarkerBodyRigid(bodyNumber=ground, localPosition=list(plate.centers[0]))
-    )
+    at_ground = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=list(plate.centers[0])))
     at_plate = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=bodies[1]))
     fixing = mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[at_ground, at_plate]))
     fixed = mbs.AddMarker(
@@ -173,9 +175,7 @@ def engine_solution(law: ContactLaw) -> TwoBodySolution:
     )
     holds = []
     for coordinate in (0, 3, 4, 5):
-        held = mbs.AddMarker(
-            items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=coordinate)
-        )
+        held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=coordinate))
         holds.append(
             mbs.AddObject(
                 items.ObjectConnectorCoordinate(
@@ -203,7 +203,7 @@ def engine_solution(law: ContactLaw) -> TwoBodySolution:
     mbs.SolveDynamic(settings)
     accelerations, multipliers = states[0]
     rows = mbs.systemData.GetObjectLTGAE
-    drive, *hold = (-multipliers[rows(item)[0]] for item in holds)
+    drive, hold_x, hold_y, hold_z = (float(-multipliers[rows(item)[0]]) for item in holds)
     # the joint's equations are p1 - p0 = 0, vz0 . vy1 = 0, vz0 . vx1 = 0, vx0 . vy1 = 0, all axes aligned
     fx, fy, fz, about_x, about_y, about_z = (-multipliers[row] for row in rows(fixing))
     contact_on_plate = float(
@@ -215,8 +215,8 @@ def engine_solution(law: ContactLaw) -> TwoBodySolution:
     return TwoBodySolution(
         block_acceleration=tuple(accelerations[:3]),
         plate_force_z=contact_on_plate - plate_mass * GRAVITY,
-        drive_force=float(drive),
-        hold_moment=tuple(float(moment) for moment in hold),
+        drive_force=drive,
+        hold_moment=(hold_x, hold_y, hold_z),
         fixing_force=(float(fx), float(fy), float(fz)),
         fixing_moment=(float(about_x), float(-about_y), float(about_z)),
     )

@@ -6,7 +6,7 @@ Modeling and Analysis of Shovel Crawler Performance in Rugged Surface Mining Ter
 Operations - Crawler Kinematics" (K-paper).
 """
 
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -18,7 +18,7 @@ from exudyn_crawler.workflows.kinematics import CASES, DURATION, run_kinematics
 from exudyn_crawler.workflows.script import readable_errors
 
 
-class CaseChoice(str, Enum):
+class CaseChoice(StrEnum):
     """Cases that can be run."""
 
     translation = "translation"

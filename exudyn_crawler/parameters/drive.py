@@ -24,12 +24,9 @@ class Drive(Parameters):
     def _check(self) -> Self:
         if self.speed.times[0] != 0.0 or self.speed.values[0] != 0.0:
             raise ValueError(
-                f"speed must start from rest at t = 0, got {self.speed.values[0]} at "
-                f"{self.speed.times[0]} s"
+                f"speed must start from rest at t = 0, got {self.speed.values[0]} at {self.speed.times[0]} s"
             )
-        if self.turn_rate is not None and (
-            self.turn_rate.times[0] != 0.0 or self.turn_rate.values[0] != 0.0
-        ):
+        if self.turn_rate is not None and (self.turn_rate.times[0] != 0.0 or self.turn_rate.values[0] != 0.0):
             raise ValueError(
                 f"turn_rate must start from zero at t = 0, got {self.turn_rate.values[0]} at "
                 f"{self.turn_rate.times[0]} s"

@@ -16,9 +16,7 @@ class Phase(Parameters):
 
     name: Annotated[str, Field(min_length=1)]
     end: float = quantity("s", "time at which the phase ends", ge=0)
-    loads: Annotated[
-        tuple[float, ...], Field(min_length=1, json_schema_extra={"unit": "N"})
-    ]
+    loads: Annotated[tuple[float, ...], Field(min_length=1, json_schema_extra={"unit": "N"})]
     """Downward load on shoes 1..n at the end of the phase."""
 
 

@@ -1,10 +1,12 @@
 """A quantity over time given at instants and joined by cubic STEPs."""
 
+from functools import cached_property
 from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
+from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from exudyn_crawler.parameters.base import Parameters
 
@@ -34,37 +36,27 @@ class StepProfile(Parameters):
         """Same value at all times."""
         return cls(times=(0.0,), values=(value,))
 
-    def _segment(self, time: ArrayLike) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
-        """Start value, rise, duration, start time and local time s in [0, 1] of each time."""
-        t = np.asarray(time, dtype=float)
-        knots, values = np.asarray(self.times), np.asarray(self.values)
-        if len(knots) == 1:
-            zero = np.zeros_like(t)
-            return zero + values[0], zero, zero + 1.0, zero + knots[0], zero
-        index = np.clip(np.searchsorted(knots, t, side="right") - 1, 0, len(knots) - 2)
-        span = knots[index + 1] - knots[index]
-        s = np.clip((t - knots[index]) / span, 0.0, 1.0)
-        return values[index], values[index + 1] - values[index], span, knots[index], s
+    @cached_property
+    def _spline(self) -> PPoly:
+        """Cubic pieces with zero slope at every given time, which is what STEP is."""
+        if len(self.times) == 1:
+            return PPoly(np.array([[self.values[0]]]), np.array([self.times[0], self.times[0] + 1.0]))
+        return CubicHermiteSpline(self.times, self.values, np.zeros(len(self.times)))
+
+    @cached_property
+    def _antiderivative(self) -> PPoly:
+        return self._spline.antiderivative()
 
     def value(self, time: ArrayLike) -> NDArray:
         """Value at each time."""
-        start, rise, _, _, s = self._segment(time)
-        return start + rise * s**2 * (3.0 - 2.0 * s)
+        return self._spline(np.clip(time, self.times[0], self.times[-1]))
 
     def rate(self, time: ArrayLike) -> NDArray:
         """Time derivative at each time."""
-        _, rise, span, _, s = self._segment(time)
-        return rise / span * 6.0 * s * (1.0 - s)
+        return self._spline.derivative()(np.clip(time, self.times[0], self.times[-1]))
 
     def integral(self, time: ArrayLike) -> NDArray:
         """Integral from the first given time to each time (negative before it)."""
         t = np.asarray(time, dtype=float)
-        knots, values = np.asarray(self.times), np.asarray(self.values)
-        areas = 0.5 * (values[1:] + values[:-1]) * np.diff(knots)
-        before = np.concatenate(([0.0], np.cumsum(areas)))
-        start, rise, span, begin, s = self._segment(t)
-        index = np.searchsorted(knots, begin, side="left")
-        inside = span * (start * s + rise * (s**3 - 0.5 * s**4))
-        outside = np.where(t > knots[-1], values[-1] * (t - knots[-1]), 0.0)
-        outside = np.where(t < knots[0], values[0] * (t - knots[0]), outside)
-        return before[index] + inside + outside
+        inside = np.clip(t, self.times[0], self.times[-1])
+        return self._antiderivative(inside) + (t - inside) * self.value(t)

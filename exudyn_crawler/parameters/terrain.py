@@ -28,12 +28,8 @@ class Terrain(Parameters):
     spring_offset: float = quantity(
         "m", "distance of each of two springs from the unit's centre, across the tilt axis", ge=0
     )
-    column_tilt: bool = quantity(
-        "", "whether each spring resists tilting like the soil column it stands for"
-    )
-    tilt: Literal["pitch", "roll"] = quantity(
-        "", "tilt that units keep: pitch (about y) or roll (about x)"
-    )
+    column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
+    tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
 
     @classmethod
     def kinematics(cls) -> Self:
