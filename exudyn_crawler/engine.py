@@ -96,7 +96,7 @@ def build(case: Case, static: bool = False) -> System:
     shoe_nodes, shoes = _add_shoes(mbs, case)
     _add_loads(mbs, case, shoes)
     links = _add_links(mbs, case, shoes)
-    terrain_nodes, coordinates = _add_terrain(mbs, case, ground)
+    terrain_nodes, coordinates = add_terrain(mbs, case, ground)
     com_positions = case.track.com_positions(case.shoe.com_height)
     contact = TrackContact(com_positions, case.shoe, case.terrain, case.contact, coordinates)
     add_contact(mbs, contact, shoe_nodes + terrain_nodes)
@@ -202,7 +202,8 @@ def _add_links(mbs: "exu.MainSystem", case: Case, shoes: Sequence[int]) -> list[
     return links
 
 
-def _add_terrain(mbs: "exu.MainSystem", case: Case, ground: int) -> tuple[list[int], TerrainCoordinates]:
+def add_terrain(mbs: "exu.MainSystem", case: Case, ground: int) -> tuple[list[int], TerrainCoordinates]:
+    """Add the terrain in the case's formulation: its nodes and how they carry the units' motion."""
     if case.terrain_formulation == "constrained":
         return _add_constrained_terrain(mbs, case, ground)
     return _add_reduced_terrain(mbs, case)

@@ -43,6 +43,9 @@ STYLE: dict[Any, Any] = {
 
 AXES = ("x", "y", "z")
 
+NEGLIGIBLE = 1e-6
+"""Half the least range of an axis, in its unit: rounding must not look like motion."""
+
 
 def draw_kinematic(ax: Axes, history: History, quantity: str, axis: str, shoes: Sequence[int]) -> Axes:
     """One component of a kinematic quantity of some shoes over time."""
@@ -57,37 +60,44 @@ def draw_kinematic(ax: Axes, history: History, quantity: str, axis: str, shoes: 
 
 def kinematic_figure(history: History, quantity: str, shoes: Sequence[int] = SHOES) -> Figure:
     """x, y and z of a kinematic quantity of some shoes, one below the other."""
-    figure, axes = _rows(3)
+    figure, axes = rows_of_axes(3)
     for ax, axis in zip(axes, AXES, strict=True):
         draw_kinematic(ax, history, quantity, axis, shoes)
         _label(ax, quantity, axis)
-    axes[0].legend(ncols=len(shoes), loc="lower right", bbox_to_anchor=(1.0, 1.0))
-    axes[0].set_title(f"{history.case.name}: {quantity}", loc="left")
-    return figure
+    return titled(figure, axes, f"{history.case.name}: {quantity}")
 
 
 def comparison_figure(histories: Mapping[str, History], quantity: str, shoe: int) -> Figure:
     """x, y and z of a kinematic quantity of one shoe in several cases."""
-    figure, axes = _rows(3)
-    name, _, _, factor = QUANTITIES[quantity]
+    figure, axes = rows_of_axes(3)
     for ax, axis in zip(axes, AXES, strict=True):
         for case, history in histories.items():
-            values = history.dataset[name].sel(axis=axis, shoe=shoe)
-            if name == "position":
-                values = values - values.isel(time=0)
-            ax.plot(history.time, factor * values, label=case)
+            draw_kinematic(ax, history, quantity, axis, [shoe])
+            ax.lines[-1].set_label(case)
         _label(ax, quantity, axis)
-    axes[0].legend(ncols=len(histories), loc="lower right", bbox_to_anchor=(1.0, 1.0))
-    axes[0].set_title(f"shoe {shoe}: {quantity}", loc="left")
-    return figure
+    return titled(figure, axes, f"shoe {shoe}: {quantity}")
 
 
-def _rows(count: int) -> tuple[Figure, Sequence[Axes]]:
+def rows_of_axes(count: int) -> tuple[Figure, Sequence[Axes]]:
+    """Figure with axes over time, one below the other."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(8.0, 2.3 * count))
-        axes = figure.subplots(count, 1, sharex=True)
+        axes = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0].tolist()
     axes[-1].set_xlabel("time in s")
     return figure, axes
+
+
+def titled(figure: Figure, axes: Sequence[Axes], title: str) -> Figure:
+    """Give a figure its title and the legend of its first axes; show noise as the zero that it is."""
+    for ax in axes:
+        low, high = ax.get_ylim()
+        if high - low < 2.0 * NEGLIGIBLE:
+            ax.set_ylim(-NEGLIGIBLE, NEGLIGIBLE)
+    figure.suptitle(title, x=0.01, ha="left")
+    handles, labels = axes[0].get_legend_handles_labels()
+    with mpl.rc_context(STYLE):
+        figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+    return figure
 
 
 def _label(ax: Axes, quantity: str, axis: str) -> None:
