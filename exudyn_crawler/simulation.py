@@ -59,9 +59,18 @@ class CrawlerModel:
         return integrate(system, duration, progress)
 
 
-def integrate(system: System, duration: float, progress: bool | None = None) -> History:
-    """Integrate a built system from its initial state; see `CrawlerModel.simulate`."""
-    settings = solver_settings(system.case.solver, duration)
+def integrate(
+    system: System,
+    duration: float,
+    progress: bool | None = None,
+    settings: "exu.SimulationSettings | None" = None,
+) -> History:
+    """Integrate a built system from its initial state; see `CrawlerModel.simulate`.
+
+    `settings` take the place of those that `solver_settings` makes of the case.
+    """
+    if settings is None:
+        settings = solver_settings(system.case.solver, duration)
     recorder = _Recorder(system, system.case.solver.output_interval, duration)
     reason = None
     with progress_bar(system.case.name, duration, progress) as tell:

@@ -1,0 +1,149 @@
+"""Speed and accuracy of the rigid model: the 10 s translation run of the papers."""
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time as clock
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler import Case, CrawlerModel, History
+from exudyn_crawler.comparison import time_mean
+from exudyn_crawler.engine import build
+from exudyn_crawler.simulation import integrate, solver_settings
+from exudyn_crawler.tables import print_table
+
+DURATION = 10.0
+RUNS = 3
+TIGHT = {"step": 0.25e-3, "residual": 1e-2}
+"""Solver of the reference run."""
+FRONT_JOINT = 12
+
+
+def run(duration: float, **solver: float) -> History:
+    """Translation case with changed solver settings."""
+    case = Case.translation()
+    return CrawlerModel(case.with_(solver=case.solver.with_(**solver))).simulate(duration, False)
+
+
+def timed_runs() -> tuple[list[float], History]:
+    """Wall seconds of each run after one that compiles, and the last run's history."""
+    run(0.1)
+    seconds = []
+    for _ in range(RUNS):
+        start = clock.perf_counter()
+        history = run(DURATION)
+        seconds.append(clock.perf_counter() - start)
+    return seconds, history
+
+
+def split() -> dict[str, float]:
+    """Wall seconds of each part of one run, by Exudyn's own clocks where it has them.
+
+    Only the build with range checks keeps these clocks; it is a little slower.
+    """
+    case = Case.translation()
+    system = build(case)
+    system.set_initial(CrawlerModel(case).equilibrium())
+    contact = system.contact
+    spent = {"contact forces": 0.0, "contact derivatives": 0.0}
+
+    def clocked(name, function):
+        def wrapper(*args, **kwargs):
+            start = clock.perf_counter()
+            result = function(*args, **kwargs)
+            spent[name] += clock.perf_counter() - start
+            return result
+
+        return wrapper
+
+    contact.forces = clocked("contact forces", contact.forces)  # type: ignore[method-assign]
+    contact.derivatives = clocked("contact derivatives", contact.derivatives)  # type: ignore[method-assign]
+    settings = solver_settings(case.solver, DURATION)
+    settings.show.computationTime = True
+    start = clock.perf_counter()
+    integrate(system, DURATION, False, settings)
+    total = clock.perf_counter() - start
+    solver = system.mbs.sys["dynamicSolver"]
+    timer = solver.timer
+    parts = {
+        "total": total,
+        **spent,
+        "rest of the right-hand side": timer.ODE2RHS
+        + timer.AERHS
+        + timer.massMatrix
+        + timer.reactionForces
+        - spent["contact forces"],
+        "rest of the Jacobian": timer.totalJacobian - spent["contact derivatives"],
+        "factorization": timer.factorization,
+        "solution": timer.newtonIncrement,
+    }
+    parts["output and rest"] = total - sum(value for name, value in parts.items() if name != "total")
+    parts["steps"] = solver.it.currentStepIndex - 1
+    parts["iterations"] = solver.it.newtonStepsCount
+    parts["Jacobians"] = solver.it.newtonJacobiCount
+    return parts
+
+
+def accuracy(history: History) -> pd.DataFrame:
+    """Difference of a run from the tight one: RMS by seconds, and of the 10 s means."""
+    tight = run(DURATION, **TIGHT)
+    quantities = {
+        "front joint force x": lambda h: h.joint_force.sel(joint=FRONT_JOINT, axis="x"),
+        "pitch rate, all shoes": lambda h: h.angular_velocity.sel(axis="y"),
+    }
+    rows = []
+    for name, quantity in quantities.items():
+        ours, reference = quantity(history), quantity(tight)
+        row: dict[str, object] = {"quantity": name}
+        for second in range(3):
+            window = ours.sel(time=slice(second, second + 1))
+            exact = reference.interp(time=window.time)
+            rms = np.sqrt(((window - exact) ** 2).mean() / (exact**2).mean())
+            row[f"RMS {second}-{second + 1} s"] = f"{float(rms):.2%}"
+        row["RMS over 10 s"] = f"{rms_of(ours) / rms_of(reference) - 1:+.2%}"
+        row["mean"] = f"{mean_of(ours) / mean_of(reference) - 1:+.2%}" if "force" in name else ""
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def rms_of(values) -> float:
+    """Root mean square over time and shoes."""
+    return float(np.sqrt((values**2).mean()))
+
+
+def mean_of(values) -> float:
+    """Mean over time."""
+    return float(time_mean(values))
+
+
+def main() -> None:
+    """Print the tables that `benchmarks/README.md` keeps."""
+    seconds, history = timed_runs()
+    median = statistics.median(seconds)
+    each = ", ".join(f"{value:.2f}" for value in seconds)
+    print(f"10 s translation: median {median / DURATION:.3f} wall s per simulated s (runs: {each} s)")
+    output = subprocess.run(
+        [sys.executable, "-m", "benchmarks.rigid", "--split"],
+        env={**os.environ, "EXUDYN_CRAWLER_CHECKED": "1"},
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    parts = json.loads(output.splitlines()[-1])
+    counts = {name: parts.pop(name) for name in ("steps", "iterations", "Jacobians")}
+    total = parts["total"]
+    table = pd.DataFrame([(k, v / DURATION, f"{v / total:.0%}") for k, v in parts.items()])
+    table.columns = ["part", "wall s per simulated s", "share"]
+    print_table(table, f"Split of one run of the checked build: {counts}")
+    print_table(accuracy(history), f"Difference from a tight run {TIGHT}")
+
+
+if __name__ == "__main__":
+    if "--split" in sys.argv:
+        print(json.dumps(split()))
+    else:
+        main()

@@ -1,0 +1,6 @@
+"""All benchmarks; `benchmarks/README.md` keeps what they printed on a named machine."""
+
+from benchmarks import rigid
+
+if __name__ == "__main__":
+    rigid.main()
