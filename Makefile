@@ -4,9 +4,11 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= results
+# more options of a study, such as ARGS=--overwrite
+ARGS ?=
 INSTALLED := $(VENV)/installed
 
-.PHONY: help kinematics verify test test-slow lint format bench lock clean
+.PHONY: help kinematics forces verify test test-slow lint format bench lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -20,7 +22,10 @@ $(INSTALLED): requirements.lock pyproject.toml
 	touch $@
 
 kinematics: $(INSTALLED)  ## the kinematics study: 10 s, straight and turning
-	$(BIN)/python -m studies.kinematics --out $(OUT)/kinematics
+	$(BIN)/python -m studies.kinematics --out $(OUT)/kinematics $(ARGS)
+
+forces: $(INSTALLED)  ## the forces study; reuses the histories of the kinematics study
+	$(BIN)/python -m studies.forces --out $(OUT)/forces $(ARGS)
 
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
 	$(BIN)/python -m studies.verification

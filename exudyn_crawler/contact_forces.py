@@ -60,9 +60,7 @@ def contacts_by_shoe(history: History) -> xr.Dataset:
     ).assign_coords(shoe=shoes)
     result = result.drop_vars(["contact_shoe", "contact_unit"], errors="ignore")
     force = result.normal_force + result.friction_force
-    return result.assign(
-        contact_force=force.assign_attrs(units="N", long_name="contact force on the shoe")
-    )
+    return result.assign(contact_force=force.assign_attrs(units="N", long_name="contact force on the shoe"))
 
 
 def terrain_deformation(history: History) -> xr.DataArray:

@@ -1,11 +1,13 @@
-"""Figures of runs. Functions take axes, draw on them and return them; nothing here computes results."""
+"""Figures of runs. Functions take axes or make a figure and return it; nothing here computes results."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -15,19 +17,14 @@ from exudyn_crawler.history import History
 SHOES = (1, 4, 7, 10, 13)
 """Shoes that the papers draw."""
 
-QUANTITIES = {
-    "displacement": ("position", "displacement", "m", 1.0),
-    "velocity": ("velocity", "velocity", "m/s", 1.0),
-    "acceleration": ("acceleration", "acceleration", "m/s²", 1.0),
-    "angular velocity": ("angular_velocity", "angular velocity", "deg/s", np.degrees(1.0)),
-    "angular acceleration": (
-        "angular_acceleration",
-        "angular acceleration",
-        "deg/s²",
-        np.degrees(1.0),
-    ),
+KINEMATICS = {
+    "displacement": ("position", "m", 1.0),
+    "velocity": ("velocity", "m/s", 1.0),
+    "acceleration": ("acceleration", "m/s²", 1.0),
+    "angular velocity": ("angular_velocity", "deg/s", float(np.degrees(1.0))),
+    "angular acceleration": ("angular_acceleration", "deg/s²", float(np.degrees(1.0))),
 }
-"""Kinematic quantities: variable, label, unit of the figure and factor to it."""
+"""Kinematic quantities that the papers draw: variable, unit of the figure and factor to it."""
 
 STYLE: dict[Any, Any] = {
     "axes.grid": True,
@@ -47,62 +44,77 @@ NEGLIGIBLE = 1e-6
 """Half the least range of an axis, in its unit: rounding must not look like motion."""
 
 
-def draw_kinematic(ax: Axes, history: History, quantity: str, axis: str, shoes: Sequence[int]) -> Axes:
-    """One component of a kinematic quantity of some shoes over time."""
-    name, _, _, factor = QUANTITIES[quantity]
-    values = history.dataset[name].sel(axis=axis)
-    if name == "position":
-        values = values - values.isel(time=0)
-    for shoe in shoes:
-        ax.plot(history.time, factor * values.sel(shoe=shoe), label=f"shoe {shoe}")
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes of a figure over time.
+
+    Attributes
+    ----------
+    label : str
+        What is drawn, with its unit.
+    curves : mapping
+        Series over time (dimension time) by their names.
+    """
+
+    label: str
+    curves: Mapping[str, xr.DataArray]
+
+
+def draw_panel(ax: Axes, panel: Panel) -> Axes:
+    """Draw the curves of a panel over time."""
+    for name, values in panel.curves.items():
+        ax.plot(values.time, values, label=name)
+    ax.set_ylabel(panel.label)
+    low, high = ax.get_ylim()
+    if high - low < 2.0 * NEGLIGIBLE:
+        ax.set_ylim(-NEGLIGIBLE, NEGLIGIBLE)
     return ax
 
 
+def panel_figure(title: str, panels: Sequence[Panel]) -> Figure:
+    """Panels one below the other, with one legend."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8.0, 0.6 + 2.2 * len(panels)))
+        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0].tolist()
+        for ax, panel in zip(axes, panels, strict=True):
+            draw_panel(ax, panel)
+        axes[-1].set_xlabel("time in s")
+        figure.suptitle(title, x=0.01, ha="left")
+        handles, labels = axes[0].get_legend_handles_labels()
+        if len(labels) > 1:
+            figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+    return figure
+
+
+def axis_panels(
+    label: str, unit: str, curves: Mapping[str, xr.DataArray], axes: Sequence[str] = AXES
+) -> list[Panel]:
+    """Panel for each component of vector series (dimensions time and axis)."""
+    return [
+        Panel(f"{axis} {label}\nin {unit}", {name: v.sel(axis=axis) for name, v in curves.items()})
+        for axis in axes
+    ]
+
+
+def kinematic_series(history: History, quantity: str, shoe: int) -> xr.DataArray:
+    """Kinematic quantity of a shoe in the figures' unit; displacements count from equilibrium."""
+    name, _, factor = KINEMATICS[quantity]
+    values = history.dataset[name].sel(shoe=shoe)
+    return factor * (values - values.isel(time=0) if name == "position" else values)
+
+
 def kinematic_figure(history: History, quantity: str, shoes: Sequence[int] = SHOES) -> Figure:
-    """x, y and z of a kinematic quantity of some shoes, one below the other."""
-    figure, axes = rows_of_axes(3)
-    for ax, axis in zip(axes, AXES, strict=True):
-        draw_kinematic(ax, history, quantity, axis, shoes)
-        _label(ax, quantity, axis)
-    return titled(figure, axes, f"{history.case.name}: {quantity}")
+    """x, y and z of a kinematic quantity of some shoes."""
+    curves = {f"shoe {shoe}": kinematic_series(history, quantity, shoe) for shoe in shoes}
+    panels = axis_panels(quantity, KINEMATICS[quantity][1], curves)
+    return panel_figure(f"{history.case.name}: {quantity}", panels)
 
 
 def comparison_figure(histories: Mapping[str, History], quantity: str, shoe: int) -> Figure:
     """x, y and z of a kinematic quantity of one shoe in several cases."""
-    figure, axes = rows_of_axes(3)
-    for ax, axis in zip(axes, AXES, strict=True):
-        for case, history in histories.items():
-            draw_kinematic(ax, history, quantity, axis, [shoe])
-            ax.lines[-1].set_label(case)
-        _label(ax, quantity, axis)
-    return titled(figure, axes, f"shoe {shoe}: {quantity}")
-
-
-def rows_of_axes(count: int) -> tuple[Figure, Sequence[Axes]]:
-    """Figure with axes over time, one below the other."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(8.0, 2.3 * count))
-        axes = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0].tolist()
-    axes[-1].set_xlabel("time in s")
-    return figure, axes
-
-
-def titled(figure: Figure, axes: Sequence[Axes], title: str) -> Figure:
-    """Give a figure its title and the legend of its first axes; show noise as the zero that it is."""
-    for ax in axes:
-        low, high = ax.get_ylim()
-        if high - low < 2.0 * NEGLIGIBLE:
-            ax.set_ylim(-NEGLIGIBLE, NEGLIGIBLE)
-    figure.suptitle(title, x=0.01, ha="left")
-    handles, labels = axes[0].get_legend_handles_labels()
-    with mpl.rc_context(STYLE):
-        figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
-    return figure
-
-
-def _label(ax: Axes, quantity: str, axis: str) -> None:
-    _, label, unit, _ = QUANTITIES[quantity]
-    ax.set_ylabel(f"{axis} {label}\nin {unit}")
+    curves = {case: kinematic_series(one, quantity, shoe) for case, one in histories.items()}
+    panels = axis_panels(quantity, KINEMATICS[quantity][1], curves)
+    return panel_figure(f"shoe {shoe}: {quantity}", panels)
 
 
 def save_figure(figure: Figure, path: Path, overwrite: bool = False) -> Path:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from exudyn_crawler.comparison import compare_kinematics
-from exudyn_crawler.figures import QUANTITIES, comparison_figure, kinematic_figure, save_figure
+from exudyn_crawler.figures import KINEMATICS, comparison_figure, kinematic_figure, save_figure
 from exudyn_crawler.files import writable_folder
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
@@ -68,12 +68,12 @@ def run_kinematics(
     if out is not None:
         write_table(table, out / "comparison.csv", overwrite)
         for name, history in histories.items():
-            for quantity in QUANTITIES:
+            for quantity in KINEMATICS:
                 figure = kinematic_figure(history, quantity)
                 file = f"{name}_{quantity.replace(' ', '_')}.png"
                 save_figure(figure, out / file, overwrite)
         if len(histories) > 1:
-            for quantity in QUANTITIES:
+            for quantity in KINEMATICS:
                 figure = comparison_figure(histories, quantity, COMPARED_SHOE)
                 file = f"shoe_{COMPARED_SHOE}_{quantity.replace(' ', '_')}.png"
                 save_figure(figure, out / file, overwrite)

@@ -7,10 +7,12 @@ from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
 from exudyn_crawler.simulation import CrawlerModel
 
+RESULT_SUFFIXES = {".nc", ".csv", ".png"}
 
-def history_file(out: Path, name: str) -> Path:
+
+def history_file(folder: Path, name: str) -> Path:
     """Where the history of a case is kept."""
-    return out / f"{name}.nc"
+    return folder / f"{name}.nc"
 
 
 def refuse_results(out: Path, overwrite: bool) -> None:
@@ -21,7 +23,7 @@ def refuse_results(out: Path, overwrite: bool) -> None:
     FileExistsError
         Naming what is there, unless `overwrite`.
     """
-    found = sorted(path.name for path in out.iterdir() if path.suffix in {".nc", ".csv", ".png"})
+    found = sorted(path.name for path in out.iterdir() if path.suffix in RESULT_SUFFIXES)
     if found and not overwrite:
         raise FileExistsError(
             f"{out} holds results already ({', '.join(found[:3])}, ...): "
@@ -48,3 +50,35 @@ def saved_run(
     if out is not None:
         history.save(history_file(out, case.name), overwrite)
     return history
+
+
+def matching_history(folder: Path, case: Case, duration: float) -> History:
+    """History that an earlier run of the same case left in a folder.
+
+    Raises
+    ------
+    FileNotFoundError
+        If the folder holds none of this name.
+    ValueError
+        If it comes from other parameters or is shorter or longer, naming what differs.
+    """
+    path = history_file(folder, case.name)
+    history = History.load(path)
+    differences = _differences(history.case.model_dump(), case.model_dump())
+    if abs(history.duration - duration) > 1e-6:
+        differences.append(f"duration is {history.duration:g} s, not {duration:g} s")
+    if differences:
+        raise ValueError(f"{path} comes from other parameters: {'; '.join(differences[:5])}")
+    return history
+
+
+def _differences(found: object, wanted: object, name: str = "") -> list[str]:
+    """Names of the parameters in which two dumped cases differ, with both values."""
+    if isinstance(found, dict) and isinstance(wanted, dict):
+        names = sorted(found.keys() | wanted.keys())
+        return [
+            difference
+            for key in names
+            for difference in _differences(found.get(key), wanted.get(key), f"{name}.{key}".lstrip("."))
+        ]
+    return [] if found == wanted else [f"{name} is {found}, not {wanted}"]
