@@ -27,6 +27,7 @@ KINEMATICS = {
 """Kinematic quantities that the papers draw: variable, unit of the figure and factor to it."""
 
 STYLE: dict[Any, Any] = {
+    "axes.formatter.limits": (-4, 5),
     "axes.grid": True,
     "axes.spines.right": False,
     "axes.spines.top": False,
@@ -40,8 +41,10 @@ STYLE: dict[Any, Any] = {
 
 AXES = ("x", "y", "z")
 
-NEGLIGIBLE = 1e-6
-"""Half the least range of an axis, in its unit: rounding must not look like motion."""
+NEGLIGIBLE = {"N": 1.0, "N m": 1.0}
+"""Half the least range of an axis by its unit: rounding must not look like motion."""
+NEGLIGIBLE_MOTION = 1e-6
+"""Same for all other units."""
 
 
 @dataclass(frozen=True)
@@ -50,13 +53,14 @@ class Panel:
 
     Attributes
     ----------
-    label : str
-        What is drawn, with its unit.
+    label, unit : str
+        What is drawn and its unit.
     curves : mapping
         Series over time (dimension time) by their names.
     """
 
     label: str
+    unit: str
     curves: Mapping[str, xr.DataArray]
 
 
@@ -64,10 +68,11 @@ def draw_panel(ax: Axes, panel: Panel) -> Axes:
     """Draw the curves of a panel over time."""
     for name, values in panel.curves.items():
         ax.plot(values.time, values, label=name)
-    ax.set_ylabel(panel.label)
+    ax.set_ylabel(f"{panel.label}\nin {panel.unit}")
+    floor = NEGLIGIBLE.get(panel.unit, NEGLIGIBLE_MOTION)
     low, high = ax.get_ylim()
-    if high - low < 2.0 * NEGLIGIBLE:
-        ax.set_ylim(-NEGLIGIBLE, NEGLIGIBLE)
+    if high - low < 2.0 * floor:
+        ax.set_ylim(-floor, floor)
     return ax
 
 
@@ -82,7 +87,7 @@ def panel_figure(title: str, panels: Sequence[Panel]) -> Figure:
         figure.suptitle(title, x=0.01, ha="left")
         handles, labels = axes[0].get_legend_handles_labels()
         if len(labels) > 1:
-            figure.legend(handles, labels, loc="outside upper right", ncols=len(labels))
+            figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
     return figure
 
 
@@ -91,7 +96,7 @@ def axis_panels(
 ) -> list[Panel]:
     """Panel for each component of vector series (dimensions time and axis)."""
     return [
-        Panel(f"{axis} {label}\nin {unit}", {name: v.sel(axis=axis) for name, v in curves.items()})
+        Panel(f"{axis} {label}", unit, {name: v.sel(axis=axis) for name, v in curves.items()})
         for axis in axes
     ]
 

@@ -37,14 +37,14 @@ def force_figures(history: History) -> dict[str, Figure]:
         curves = {f"shoe {shoe}": contacts[name].sel(shoe=shoe) for shoe in SHOES}
         figures[title] = panel_figure(f"{case}: {title}", axis_panels(title, unit, curves))
     scalars = [
-        Panel(f"{title}\nin {unit}", {f"shoe {s}": _scalar(contacts[name].sel(shoe=s)) for s in SHOES})
+        Panel(title, unit, {f"shoe {s}": _scalar(contacts[name].sel(shoe=s)) for s in SHOES})
         for title, (name, unit) in CONTACT_SCALARS.items()
     ]
     figures["sinkage and friction torque"] = panel_figure(f"{case}: sinkage and friction torque", scalars)
     for title, (name, unit) in JOINT_VECTORS.items():
         curves = {f"link {j}-{j + 1}": history.dataset[name].sel(joint=j) for j in JOINTS}
         figures[title] = panel_figure(f"{case}: {title}", axis_panels(title, unit, curves))
-    deformation = Panel("deformation\nin m", {"terrain": terrain_deformation(history)})
+    deformation = Panel("deformation", "m", {"terrain": terrain_deformation(history)})
     figures["terrain deformation"] = panel_figure(
         f"{case}: total terrain deformation from equilibrium", [deformation]
     )
@@ -61,9 +61,9 @@ def crossing_figure(history: History, shoe: int = 7) -> Figure:
         curves["normal"][unit] = history.normal_force.isel(contact=index).sel(axis="z")
         curves["contact"][unit] = forces.isel(contact=index).sel(axis="x")
     panels = [
-        Panel("penetration depth\nin m", curves["penetration"]),
-        Panel("z normal force\nin N", curves["normal"]),
-        Panel("x contact force\nin N", curves["contact"]),
+        Panel("penetration depth", "m", curves["penetration"]),
+        Panel("z normal force", "N", curves["normal"]),
+        Panel("x contact force", "N", curves["contact"]),
     ]
     return panel_figure(f"{history.case.name}: shoe {shoe} crossing units", panels)
 
@@ -78,7 +78,7 @@ def turning_figures(histories: Mapping[str, History], shoe: int = 10, joint: int
             f"shoe {shoe}: {title}", axis_panels(title, unit, curves)
         )
     scalars: Sequence[Panel] = [
-        Panel(f"{title}\nin {unit}", {case: _scalar(one[name]) for case, one in contacts.items()})
+        Panel(title, unit, {case: _scalar(one[name]) for case, one in contacts.items()})
         for title, (name, unit) in CONTACT_SCALARS.items()
     ]
     figures[f"shoe {shoe} sinkage and friction torque"] = panel_figure(
