@@ -41,26 +41,21 @@ class Shoe(Parameters):
 
     @classmethod
     def ph4100c(cls) -> Self:
-        """Shoe of the P&H 4100C BOSS in the rigid studies (K-chapter, table of shoe properties)."""
-        mass = 4681.67  # 0.5966 m3 of steel at 7847.25 kg/m3
-        length = 0.655742  # the pitch of the track: shoes tile the ground
-        width = 3.505
-        height = 0.2596
+        """Shoe of the P&H 4100C BOSS in the rigid studies.
+
+        Mass and COM height are the papers' (K-chapter, tables of shoe properties and COMs). The papers
+        print no inertia and no outline of the underside (CAD): both are those of the shoe in `meshes/`,
+        the inertia scaled from the mesh's mass to this one, products of inertia (0.1 %) left out so that
+        the shoe is even about its middle plane.
+        """
         return cls(
-            mass=mass,
-            inertia=(
-                mass / 12 * (width**2 + height**2),
-                mass / 12 * (length**2 + height**2),
-                mass / 12 * (length**2 + width**2),
-                0.0,
-                0.0,
-                0.0,
-            ),
-            com_height=0.2025,  # table of COMs: z = 0.2025 with the underside at z = 0
-            length=length,
-            width=width,
-            underside_center=(0.3088 - 0.5 * length, 0.0),  # between the pins
-            load_point=(0.3088 - 0.5 * length, 0.0, 0.1),
+            mass=4681.67,  # 0.5966 m3 at 7847.25 kg/m3
+            inertia=(3998.8, 176.0, 4029.2, 0.0, 0.0, 0.0),
+            com_height=0.2025,  # z of the COMs, with the undersides at z = 0
+            length=0.63,
+            width=3.505,
+            underside_center=(0.0, 0.0),
+            load_point=(0.0, 0.0, 0.2013),  # height of the mesh's top face at its centroid
         )
 
     @property
