@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable
 from typing import Literal
 
@@ -18,7 +19,7 @@ except ImportError:  # no wheel for this platform
 
 Backend = Literal["pardiso", "superlu"]
 SYMMETRIC_POSITIVE_DEFINITE = 2
-ANALYSE_AND_FACTORIZE, SOLVE = 12, 33
+ANALYSE_AND_FACTORIZE, SOLVE, RELEASE = 12, 33, -1
 
 
 def default_backend() -> Backend:
@@ -67,4 +68,11 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[F
         columns = np.asfortranarray(b.reshape(len(b), -1), dtype=np.float64)
         return np.asarray(solver._call_pardiso(upper, columns)).reshape(b.shape)
 
+    weakref.finalize(solve, _release, solver, upper, empty)
     return solve
+
+
+def _release(solver: pypardiso.PyPardisoSolver, upper: csr_matrix, empty: Floats) -> None:
+    """Give back the memory of PARDISO's factors, which Python does not see."""
+    solver.set_phase(RELEASE)
+    solver._call_pardiso(upper, empty)
