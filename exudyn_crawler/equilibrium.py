@@ -58,7 +58,7 @@ def _first_guess(system: System) -> NDArray:
     penetration = (loads / law.stiffness) ** (1.0 / law.exponent)
     sag = case.terrain.unit_mass * case.gravity / case.terrain.heave_stiffness
     shoes[:, 2] = -sag - penetration
-    terrain = q[shoes.size :]
+    terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
     if case.terrain_formulation == "constrained":
         terrain.reshape(-1, 6)[:, 2] = -sag
     else:

@@ -94,15 +94,21 @@ def _reactions(system: System, q: NDArray, multipliers: NDArray) -> dict[str, Va
     case = system.case
     count = case.track.shoe_count
     frames = rotation_matrices(q[:, : 6 * count].reshape(len(q), count, 6)[..., 3:])
-    links = multipliers[:, system.link_rows]
     y0 = frames[:, :-1, :, 1]
     x1, z1 = frames[:, 1:, :, 0], frames[:, 1:, :, 2]
-    torque = links[..., 3, None] * np.cross(x1, y0) + links[..., 5, None] * np.cross(z1, y0)
+    force = np.zeros((len(q), count - 1, 3))
+    torque = np.zeros_like(force)
+    for link, pins in enumerate(system.link_rows):
+        for rows in pins:
+            reaction = multipliers[:, rows]
+            force[:, link] += reaction[:, :3]
+            torque[:, link] += reaction[:, 3, None] * np.cross(x1[:, link], y0[:, link])
+            torque[:, link] += reaction[:, 5, None] * np.cross(z1[:, link], y0[:, link])
     turn = np.zeros(len(q)) if system.turn_row is None else -multipliers[:, system.turn_row]
     return {
         "joint_force": (
             ("time", "joint", "axis"),
-            links[..., :3],
+            force,
             {"units": "N", "long_name": "force of the spherical joint on the rear shoe"},
         ),
         "joint_torque": (
