@@ -72,6 +72,12 @@ class System:
         """Start from rest at the coordinates `q`."""
         self.mbs.systemData.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
 
+    def release_drive(self) -> None:
+        """Leave the front shoe free from now on."""
+        for item in (self.drive, self.turn):
+            if item is not None:
+                self.mbs.SetObjectParameter(item, "activeConnector", False)
+
     def state(self) -> NDArray:
         """Time, coordinates, their first and second rates and the multipliers, in one row."""
         data = self.mbs.systemData
@@ -100,7 +106,7 @@ def build(case: Case, static: bool = False) -> System:
     ground = mbs.AddObject(items.ObjectGround())
     floating = None
     if case.flexible is not None:
-        floating = floating_shoe(case.flexible, case.shoe.footprint)
+        floating = floating_shoe(case.flexible, tuple(case.shoe.footprint.tolist()))
     shoe_nodes = add_shoe_nodes(mbs, case)
     terrain_nodes, coordinates = add_terrain(mbs, case, ground)
     shoes = add_shoe_bodies(mbs, case, shoe_nodes, floating)

@@ -7,6 +7,7 @@ carry the motion of its spider, and one that moves as the mean of the top face.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,12 +70,15 @@ class FloatingShoe:
         return self.modes.shape[1]
 
 
-def floating_shoe(flexible: FlexibleShoes, footprint: NDArray) -> FloatingShoe:
+@lru_cache(maxsize=4)
+def floating_shoe(flexible: FlexibleShoes, footprint: tuple[float, ...]) -> FloatingShoe:
     """Reduce the mesh of a flexible shoe and integrate what the multibody system needs.
+
+    The last few results are remembered: a run builds its system twice.
 
     Parameters
     ----------
-    footprint : array (5,)
+    footprint : tuple of float (5)
         Underside that contact takes the shoe to have: least and greatest x, least and greatest y, z; m.
     """
     mesh = shoe_mesh(flexible.mesh) if flexible.mesh in SHOE_SIZES else read_mesh(flexible.mesh)
@@ -93,7 +97,7 @@ def floating_shoe(flexible: FlexibleShoes, footprint: NDArray) -> FloatingShoe:
         positions=positions,
         modes=rows.reshape(-1, rows.shape[2]),
         integrals=_integrals(body, reduced.modes),
-        underside=integrate_underside(mesh.nodes[under, :2], reduced.modes[under], footprint),
+        underside=integrate_underside(mesh.nodes[under, :2], reduced.modes[under], np.array(footprint)),
     )
 
 

@@ -13,6 +13,7 @@ from exudyn_crawler.contact import RESULT
 from exudyn_crawler.engine import System
 from exudyn_crawler.history import History
 from exudyn_crawler.rotations import angular_acceleration, angular_velocity, rotation_matrices
+from exudyn_crawler.shoe_bodies import SIDES
 
 AXES = ["x", "y", "z"]
 
@@ -40,6 +41,7 @@ def history_of(system: System, rows: NDArray) -> History:
         case.loads.loads(time),
         {"units": "N", "long_name": "machine and dipper load, downward"},
     )
+    variables |= _flexible(system, q, q_t, multipliers)
     contacts, pairs = _contacts(system, q, q_t)
     dataset = xr.Dataset(
         variables | contacts,
@@ -49,6 +51,7 @@ def history_of(system: System, rows: NDArray) -> History:
             "joint": ("joint", case.track.joints, {"long_name": "link of shoes i and i + 1"}),
             "unit": case.terrain.units,
             "axis": AXES,
+            **_flexible_coordinates(system),
             "contact_shoe": ("contact", pairs[:, 0]),
             "contact_unit": ("contact", pairs[:, 1]),
         },
@@ -125,6 +128,51 @@ def _reactions(system: System, q: NDArray, multipliers: NDArray) -> dict[str, Va
             ("time",),
             turn,
             {"units": "N m", "long_name": "torque of the turn on the front shoe about its z axis"},
+        ),
+    }
+
+
+def _flexible_coordinates(system: System) -> dict[str, object]:
+    if system.floating is None:
+        return {}
+    assert system.case.flexible is not None
+    return {
+        "flexible_shoe": list(system.case.flexible.shoes),
+        "mode": np.arange(1, system.floating.mode_count + 1),
+        "frequency": ("mode", system.floating.reduced.frequencies, {"units": "Hz"}),
+        "pin": list(SIDES),
+    }
+
+
+def _flexible(
+    system: System, q: NDArray, q_t: NDArray, multipliers: NDArray
+) -> dict[str, Variable]:
+    """Modal coordinates of the flexible shoes and the forces at each pin of their links."""
+    if system.floating is None:
+        return {}
+    assert system.case.flexible is not None
+    numbers = system.case.flexible.shoes
+    modes = system.floating.mode_count
+    bent, bending = (x[:, -len(numbers) * modes :].reshape(len(q), len(numbers), modes) for x in (q, q_t))
+    force = np.full((len(q), len(system.link_rows), len(SIDES), 3), np.nan)
+    for link, pins in enumerate(system.link_rows):
+        for side, rows in enumerate(pins):
+            force[:, link, side] = multipliers[:, rows[:3]]
+    return {
+        "modal_coordinate": (
+            ("time", "flexible_shoe", "mode"),
+            bent,
+            {"units": "kg0.5 m", "long_name": "modal coordinate"},
+        ),
+        "modal_velocity": (
+            ("time", "flexible_shoe", "mode"),
+            bending,
+            {"units": "kg0.5 m/s", "long_name": "rate of the modal coordinate"},
+        ),
+        "pin_force": (
+            ("time", "joint", "pin", "axis"),
+            force,
+            {"units": "N", "long_name": "force at the pin on the rear shoe; rigid links have one joint"},
         ),
     }
 
