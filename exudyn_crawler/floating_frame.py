@@ -14,11 +14,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.parameters.flexible import FlexibleShoes
 from exudyn_crawler.underside import Underside, integrate_underside
-from fem import Material, read_mesh
-from fem.body import ElasticBody
-from fem.interfaces import Interface
-from fem.reduced import ReducedBody
-from fem.reduction import craig_bampton
+from fem import ElasticBody, Interface, Material, ReducedBody, craig_bampton, read_mesh
 from meshes import JOINT_CENTERS, SHOE_SIZES, shoe_mesh
 
 ARM = 0.05
@@ -71,6 +67,18 @@ class FloatingShoe:
 
 
 @lru_cache(maxsize=4)
+def shoe_model(flexible: FlexibleShoes) -> tuple[ElasticBody, list[Interface]]:
+    """Finite-element model of a flexible shoe and its four joint centres."""
+    mesh = shoe_mesh(flexible.mesh) if flexible.mesh in SHOE_SIZES else read_mesh(flexible.mesh)
+    material = Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
+    interfaces = [
+        Interface(name, np.array(center), mesh.nodes_of(f"bore {name}"))
+        for name, center in JOINT_CENTERS.items()
+    ]
+    return ElasticBody(mesh, material), interfaces
+
+
+@lru_cache(maxsize=4)
 def floating_shoe(flexible: FlexibleShoes, footprint: tuple[float, ...]) -> FloatingShoe:
     """Reduce the mesh of a flexible shoe and integrate what the multibody system needs.
 
@@ -81,13 +89,8 @@ def floating_shoe(flexible: FlexibleShoes, footprint: tuple[float, ...]) -> Floa
     footprint : tuple of float (5)
         Underside that contact takes the shoe to have: least and greatest x, least and greatest y, z; m.
     """
-    mesh = shoe_mesh(flexible.mesh) if flexible.mesh in SHOE_SIZES else read_mesh(flexible.mesh)
-    material = Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
-    body = ElasticBody(mesh, material)
-    interfaces = [
-        Interface(name, np.array(center), mesh.nodes_of(f"bore {name}"))
-        for name, center in JOINT_CENTERS.items()
-    ]
+    body, interfaces = shoe_model(flexible)
+    mesh = body.mesh
     reduced = craig_bampton(body, interfaces, n_fixed_modes=flexible.fixed_modes)
     positions, rows = _massless_nodes(reduced)
     under = mesh.nodes_of("underside")

@@ -87,6 +87,18 @@ def _shoes(system: System, q: NDArray, q_t: NDArray, q_tt: NDArray) -> dict[str,
     }
 
 
+def _pin_axes(system: System, q: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Axes y of the rear and x, z of the front shoe of every link: arrays (times, joints, 3)."""
+    count = system.case.track.shoe_count
+    frames = rotation_matrices(q[:, : 6 * count].reshape(len(q), count, 6)[..., 3:])
+    return frames[:, :-1, :, 1], frames[:, 1:, :, 0], frames[:, 1:, :, 2]
+
+
+def _pin_torque(reaction: NDArray, y0: NDArray, x1: NDArray, z1: NDArray) -> NDArray:
+    """Torque on the rear shoe of a joint's multipliers (times, 6): array (times, 3)."""
+    return reaction[:, 3, None] * np.cross(x1, y0) + reaction[:, 5, None] * np.cross(z1, y0)
+
+
 def _reactions(system: System, q: NDArray, multipliers: NDArray) -> dict[str, Variable]:
     """Forces and torques of links and drive.
 
@@ -94,19 +106,14 @@ def _reactions(system: System, q: NDArray, multipliers: NDArray) -> dict[str, Va
     the front one 1, ``y0 . x1 = 0`` and ``y0 . z1 = 0``: the multipliers of the first are the force on
     the rear shoe, those of the others turn it by ``x1 x y0`` and ``z1 x y0``.
     """
-    case = system.case
-    count = case.track.shoe_count
-    frames = rotation_matrices(q[:, : 6 * count].reshape(len(q), count, 6)[..., 3:])
-    y0 = frames[:, :-1, :, 1]
-    x1, z1 = frames[:, 1:, :, 0], frames[:, 1:, :, 2]
-    force = np.zeros((len(q), count - 1, 3))
+    y0, x1, z1 = _pin_axes(system, q)
+    force = np.zeros(y0.shape)
     torque = np.zeros_like(force)
     for link, pins in enumerate(system.link_rows):
         for rows in pins:
             reaction = multipliers[:, rows]
             force[:, link] += reaction[:, :3]
-            torque[:, link] += reaction[:, 3, None] * np.cross(x1[:, link], y0[:, link])
-            torque[:, link] += reaction[:, 5, None] * np.cross(z1[:, link], y0[:, link])
+            torque[:, link] += _pin_torque(reaction, y0[:, link], x1[:, link], z1[:, link])
     turn = np.zeros(len(q)) if system.turn_row is None else -multipliers[:, system.turn_row]
     return {
         "joint_force": (
@@ -155,9 +162,12 @@ def _flexible(
     modes = system.floating.mode_count
     bent, bending = (x[:, -len(numbers) * modes :].reshape(len(q), len(numbers), modes) for x in (q, q_t))
     force = np.full((len(q), len(system.link_rows), len(SIDES), 3), np.nan)
+    torque = np.full_like(force, np.nan)
+    y0, x1, z1 = _pin_axes(system, q)
     for link, pins in enumerate(system.link_rows):
         for side, rows in enumerate(pins):
             force[:, link, side] = multipliers[:, rows[:3]]
+            torque[:, link, side] = _pin_torque(multipliers[:, rows], y0[:, link], x1[:, link], z1[:, link])
     return {
         "modal_coordinate": (
             ("time", "flexible_shoe", "mode"),
@@ -173,6 +183,11 @@ def _flexible(
             ("time", "joint", "pin", "axis"),
             force,
             {"units": "N", "long_name": "force at the pin on the rear shoe; rigid links have one joint"},
+        ),
+        "pin_torque": (
+            ("time", "joint", "pin", "axis"),
+            torque,
+            {"units": "N m", "long_name": "torque at the pin on the rear shoe"},
         ),
     }
 

@@ -88,7 +88,7 @@ class ElasticBody:
 
     @property
     def shift(self) -> float:
-        """Positive spectral shift in 1/s2 that makes K + shift M regular, set by the body's size."""
+        """Spectral shift in 1/s2 that makes K + shift M definite, set by the body's size."""
         speed = np.sqrt(self.material.youngs_modulus / self.material.density)
         length = np.ptp(self.mesh.nodes, axis=0).max()
         return float((SHIFT_FREQUENCY_RATIO * np.pi * speed / length) ** 2)
@@ -132,6 +132,12 @@ class ElasticBody:
         weights = self.surface_weights(surface)
         return weights[:, None] / weights.sum() * np.asarray(force, dtype=float)
 
+    def balanced(self, forces: Floats) -> Floats:
+        """Self-equilibrated nodal forces (3n, m): the rigid acceleration's inertia taken off."""
+        rigid = self.rigid_modes
+        moved = self.mass_matrix @ rigid
+        return np.asarray(forces - moved @ np.linalg.solve(rigid.T @ moved, rigid.T @ forces))
+
     def displacement_under(self, forces: Floats) -> Floats:
         """Displacements under self-equilibrated loads by inertia relief, free of rigid motion.
 
@@ -149,8 +155,8 @@ class ElasticBody:
         rigid = self.rigid_modes
         moved = self.mass_matrix @ rigid
         inertia = rigid.T @ moved
-        balanced = forces - moved @ np.linalg.solve(inertia, rigid.T @ forces)
-        held = self._statically_determinate
+        balanced = self.balanced(forces)
+        held = self.statically_determinate
         answer = np.zeros_like(balanced)
         free = np.setdiff1d(np.arange(len(answer)), held)
         if self._held_solver is None:
@@ -159,7 +165,7 @@ class ElasticBody:
         return answer - rigid @ np.linalg.solve(inertia, moved.T @ answer)
 
     @cached_property
-    def _statically_determinate(self) -> Integers:
+    def statically_determinate(self) -> Integers:
         """Six degrees of freedom of three far-apart nodes that hold the body without stress."""
         nodes = self.mesh.nodes
         first = int(np.argmin(nodes @ np.ones(3)))
@@ -180,27 +186,22 @@ def surface_weights(mesh: Mesh, faces: Integers) -> Floats:
     a, b, c = barycentric.T
     if faces.shape[1] == 3:
         values = barycentric
-        slopes = np.broadcast_to(
-            np.array([[-1, -1], [1, 0], [0, 1]], dtype=float), (len(a), 3, 2)
-        )
+        slopes = np.broadcast_to(np.array([[-1, -1], [1, 0], [0, 1]], dtype=float), (len(a), 3, 2))
     else:
         values = np.column_stack(
             [a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a]
         )
         slopes = np.stack(
             [
-                np.column_stack(
-                    [1 - 4 * a, 4 * b - 1, 0 * c, 4 * (a - b), 4 * c, -4 * c]
-                ),
-                np.column_stack(
-                    [1 - 4 * a, 0 * b, 4 * c - 1, -4 * b, 4 * b, 4 * (a - c)]
-                ),
+                np.column_stack([1 - 4 * a, 4 * b - 1, 0 * c, 4 * (a - b), 4 * c, -4 * c]),
+                np.column_stack([1 - 4 * a, 0 * b, 4 * c - 1, -4 * b, 4 * b, 4 * (a - c)]),
             ],
             axis=2,
         )
     tangents = np.einsum("qas,kac->kqsc", slopes, mesh.nodes[faces])
     area = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2) * parts
-    return np.bincount(faces.ravel(), (area @ values).ravel(), minlength=len(mesh.nodes))
+    shares: Floats = (area @ values).ravel()
+    return np.asarray(np.bincount(faces.ravel(), shares, len(mesh.nodes)), dtype=np.float64)
 
 
 def _triangle_rule() -> tuple[Floats, Floats]:

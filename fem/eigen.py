@@ -85,9 +85,7 @@ def lowest_modes(
     while True:
         width = block.shape[1]
         if size + width > capacity:
-            raise RuntimeError(
-                f"{count} modes did not converge within a basis of {size} vectors"
-            )
+            raise RuntimeError(f"{count} modes did not converge within a basis of {size} vectors")
         new = slice(size, size + width)
         basis[:, new], mass_basis[:, new] = block, moved
         size += width
@@ -95,9 +93,7 @@ def lowest_modes(
         overlap = mass_basis[:, :size].T @ image
         projected[:size, new] = overlap
         projected[new, :size] = overlap.T
-        block, moved = _orthonormal_in_mass(
-            image, mass, basis[:, :size], mass_basis[:, :size]
-        )
+        block, moved = _orthonormal_in_mass(image, mass, basis[:, :size], mass_basis[:, :size])
         if size < count + BLOCK:
             continue
         inverse, coefficients = np.linalg.eigh(projected[:size, :size])

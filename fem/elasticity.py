@@ -83,7 +83,7 @@ def scalar_basis(mesh: Mesh, order: int | None = None, points: Floats | None = N
 def _values_and_gradients(basis: Basis) -> tuple[Floats, Floats]:
     """Shape functions (a, e, q) and their gradients (a, 3, e, q), in 1/m."""
     shape = basis.dx.shape
-    values = np.stack([np.broadcast_to(f[0].value, shape) for f in basis.basis])
+    values = np.stack([np.broadcast_to(np.asarray(f[0]), shape) for f in basis.basis])
     gradients = np.stack([np.broadcast_to(f[0].grad, (3, *shape)) for f in basis.basis])
     return values, gradients
 
@@ -139,4 +139,3 @@ def mass_matrix(mesh: Mesh, density: float) -> csr_array:
     matrix = _blocks_to_csr(mesh, blocks)
     matrix.eliminate_zeros()
     return matrix
-

@@ -83,9 +83,7 @@ def check_interfaces(mesh: Mesh, interfaces: Sequence[Interface]) -> None:
                 f"interface {name!r} has nodes outside 0..{len(mesh.nodes) - 1}: "
                 f"{nodes[0]}..{nodes[-1]}"
             )
-        spread = np.linalg.svd(
-            mesh.nodes[nodes] - mesh.nodes[nodes].mean(axis=0), compute_uv=False
-        )
+        spread = np.linalg.svd(mesh.nodes[nodes] - mesh.nodes[nodes].mean(axis=0), compute_uv=False)
         if len(nodes) < 3 or spread[1] <= COLLINEAR * spread[0]:
             raise ValueError(
                 f"interface {name!r}: its {len(nodes)} nodes lie on a line and cannot carry a "
@@ -111,7 +109,7 @@ def averaging_rows(positions: Floats, weights: Floats, center: Floats) -> Floats
     """
     modes = rigid_modes(positions, center)
     weighted = modes * np.repeat(weights, 3)[:, None]
-    return np.linalg.solve(modes.T @ weighted, weighted.T)
+    return np.asarray(np.linalg.solve(modes.T @ weighted, weighted.T), dtype=np.float64)
 
 
 def rigid_motion_of_centers(interfaces: Sequence[Interface], origin: Floats) -> Floats:
@@ -135,8 +133,8 @@ def spider_transformation(
     """
     size = 3 * len(mesh.nodes)
     free = np.ones(size, dtype=bool)
-    parts = []
-    columns = []
+    parts: list[tuple[Integers, Integers, Floats]] = []
+    columns: list[tuple[Integers, Floats]] = []
     for interface in interfaces:
         dofs = (3 * interface.nodes[:, None] + np.arange(3)).ravel()
         positions = mesh.nodes[interface.nodes]
@@ -148,7 +146,7 @@ def spider_transformation(
         _, _, order = scipy.linalg.qr(rows, mode="economic", pivoting=True)
         dependent, kept = np.sort(order[:6]), np.sort(order[6:])
         free[dofs[dependent]] = False
-        inverse = np.linalg.inv(rows[:, dependent])
+        inverse = np.asarray(np.linalg.inv(rows[:, dependent]), dtype=np.float64)
         columns.append((dofs[dependent], inverse))
         parts.append((dofs[dependent], dofs[kept], -inverse @ rows[:, kept]))
     tq = [

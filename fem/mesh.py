@@ -127,9 +127,7 @@ class Mesh:
             )
         bad = np.flatnonzero(~np.isfinite(nodes).all(axis=1))
         if len(bad):
-            raise MeshError(
-                f"{len(bad)} nodes have coordinates that are not finite: {_first(bad)}"
-            )
+            raise MeshError(f"{len(bad)} nodes have coordinates that are not finite: {_first(bad)}")
         bad = np.flatnonzero(((elements < 0) | (elements >= len(nodes))).any(axis=1))
         if len(bad):
             raise MeshError(

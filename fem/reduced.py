@@ -91,7 +91,7 @@ class ReducedBody:
         return np.diag((2 * np.pi * self.frequencies) ** 2)
 
     def truncated(self, count: int) -> ReducedBody:
-        """Same body with its first modes only.
+        """Leave out all but the first modes.
 
         Raises
         ------

@@ -74,7 +74,7 @@ class Partition:
         return factorized(self.stiffness, self.backend)
 
     def held_response(self, forces: Floats) -> Floats:
-        """Static displacements (3n, k) in m of nodal forces (3n, k) in N, joint centres held."""
+        """Solve for displacements (3n, k) in m of forces (3n, k) in N, joint centres held."""
         return self.of_rest @ self._solver(self.of_rest.T @ forces)
 
     @cached_property
@@ -120,13 +120,12 @@ class Partition:
         moved = self.body.mass_matrix @ rigid
         inertia = rigid.T @ moved
         at_centers = rigid_motion_of_centers(self.interfaces, self.body.center_of_mass)
-        if forces is None and center_loads is None:
+        given = center_loads if forces is None else forces
+        if given is None:
             raise ValueError("forces or center_loads are needed")
-        columns = np.shape(forces if forces is not None else center_loads)[1]
-        loads = np.zeros((len(rigid), columns)) if forces is None else np.asarray(forces)
-        pulls = (
-            np.zeros((6 * len(self.interfaces), columns)) if center_loads is None else center_loads
-        )
+        columns = given.shape[1]
+        loads = np.zeros((len(rigid), columns)) if forces is None else forces
+        pulls = np.zeros((len(at_centers), columns)) if center_loads is None else center_loads
         resultant = rigid.T @ loads + at_centers.T @ pulls
         balanced = loads - moved @ np.linalg.solve(inertia, resultant)
         centers = self._center_flexibility @ (pulls + self.constraint_modes.T @ balanced)
@@ -209,7 +208,7 @@ def craig_bampton(
 def _elastic_combinations(
     body: ElasticBody, basis: Floats, interfaces: Sequence[Interface]
 ) -> tuple[Floats, Floats]:
-    """Combinations (b, m) of a basis (3n, b) that are elastic modes, and their eigenvalues (m,)."""
+    """Find the combinations (b, m) of a basis (3n, b) that are elastic modes; eigenvalues (m,)."""
     mass = basis.T @ (body.mass_matrix @ basis)
     stiffness = basis.T @ (body.stiffness @ basis)
     scale = 1.0 / np.sqrt(np.diag(mass))

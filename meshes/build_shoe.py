@@ -194,9 +194,7 @@ def mesh_shoe(size: Resolution, shoe: ShoeDimensions | None = None) -> Mesh:
     place = np.argsort(tags)[np.searchsorted(np.sort(tags), used)]
     elements = np.searchsorted(used, numbers).reshape(-1, 10)[:, GMSH_TO_MESHIO]
     nodes, _ = straighten_distorted(coordinates.reshape(-1, 3)[place], elements)
-    surfaces = {
-        name: np.searchsorted(used, t).reshape(-1, 6) for name, t in triangles.items()
-    }
+    surfaces = {name: np.searchsorted(used, t).reshape(-1, 6) for name, t in triangles.items()}
     return Mesh(nodes, elements, surfaces)
 
 

@@ -72,12 +72,12 @@ class ShoeDimensions:
 
     @property
     def rear_face(self) -> float:
-        """x of the beam's rear face in m, where the rear lugs have their roots."""
+        """X of the beam's rear face in m, where the rear lugs have their roots."""
         return self.beam_center_x - self.beam_length / 2
 
     @property
     def front_face(self) -> float:
-        """x of the beam's front face in m, where the forks have their roots."""
+        """X of the beam's front face in m, where the forks have their roots."""
         return self.beam_center_x + self.beam_length / 2
 
     @property
@@ -195,6 +195,7 @@ def _throat_cutter(
     """Disc about the pin with rounded rims: the room for the neighbour's rear lug in a fork."""
     x, y, z = pin
     h = width / 2
+    inner = h - fillet
 
     def at(v: float, r: float) -> tuple[float, float, float]:
         return (x, y + v, z + r)
@@ -209,8 +210,13 @@ def _throat_cutter(
                 at(-h + fillet, radius - fillet),
                 at(-h + fillet, radius),
             ),
-            ("line", at(-h + fillet, radius), at(h - fillet, radius)),
-            ("arc", at(h - fillet, radius), at(h - fillet, radius - fillet), at(h, radius - fillet)),
+            ("line", at(-h + fillet, radius), at(inner, radius)),
+            (
+                "arc",
+                at(inner, radius),
+                at(inner, radius - fillet),
+                at(h, radius - fillet),
+            ),
             ("line", at(h, radius - fillet), at(h, 0)),
             ("line", at(h, 0), at(-h, 0)),
         ],
@@ -338,13 +344,14 @@ def build_solid(occ: Any, shoe: ShoeDimensions) -> int:
         (base, base + shoe.plate_thickness),
     )
 
+    rear = shoe.beam_center_x - shoe.top_length / 2
     parts = [_beam(occ, shoe), _top_plate(occ, shoe)]
     for side in (-1.0, 1.0):
         y = side * shoe.rail_center_y
         parts.append(
             _box(
                 occ,
-                (shoe.beam_center_x - shoe.top_length / 2, shoe.beam_center_x + shoe.top_length / 2),
+                (rear, rear + shoe.top_length),
                 (y - shoe.rail_width / 2, y + shoe.rail_width / 2),
                 (base, base + shoe.rail_height),
             )
@@ -378,7 +385,8 @@ def build_solid(occ: Any, shoe: ShoeDimensions) -> int:
 
     tools = []
     for name, (x, y, z) in JOINT_CENTERS.items():
-        tools.append(occ.addCylinder(x, y - shoe.fork_width, z, 0, 2 * shoe.fork_width, 0, shoe.bore_radius))
+        reach = shoe.fork_width
+        tools.append(occ.addCylinder(x, y - reach, z, 0, 2 * reach, 0, shoe.bore_radius))
         if name.startswith("front"):
             radius = shoe.rear_lug_radius + shoe.nose_clearance
             tools.append(_throat_cutter(occ, (x, y, z), shoe.fork_gap, radius, shoe.throat_fillet))
