@@ -35,7 +35,7 @@ def history_of(system: System, rows: NDArray) -> History:
     variables = (
         _shoes(system, q, q_t, q_tt) | _reactions(system, q, multipliers) | _terrain(system, q, q_t, q_tt)
     )
-    variables["load"] = (
+    variables["shoe_load"] = (
         ("time", "shoe"),
         case.loads.loads(time),
         {"units": "N", "long_name": "machine and dipper load, downward"},
