@@ -143,7 +143,7 @@ def energies(history: History) -> xr.Dataset:
 def powers(history: History) -> xr.Dataset:
     """Power of all that stores no energy of its own in `energies`, W, each (time,).
 
-    `drive` and `load` bring power in; `elastic_contact` goes into the contact's stiffness and comes back
+    `drive` and `machine_load` bring power in; `elastic_contact` goes into the contact's stiffness and comes back
     from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping` take power.
     """
     case, terrain, law = history.case, history.case.terrain, history.case.contact
@@ -175,7 +175,7 @@ def powers(history: History) -> xr.Dataset:
         history,
         "W",
         drive=driven,
-        load=loaded,
+        machine_load=loaded,
         elastic_contact=np.sum(share * pressed, axis=1),
         contact_damping=np.sum((1.0 - share) * pressed, axis=1),
         friction=-rubbed.sum(axis=(1, 2)),
@@ -190,12 +190,12 @@ def energy_balance(history: History) -> xr.Dataset:
     -------
     xarray.Dataset
         The changes of `energies`, the works of `powers` (by the trapezoidal rule over the stored states)
-        and `imbalance`: work of drive and load less everything else; each (time,).
+        and `imbalance`: work of drive and machine load less everything else; each (time,).
     """
     stored = energies(history)
     change = stored - stored.isel(time=0)
     work = powers(history).cumulative_integrate("time")
-    given = work["drive"] + work["load"]
+    given = work["drive"] + work["machine_load"]
     taken = sum(work[name] for name in ("elastic_contact", "contact_damping", "friction", "terrain_damping"))
     balance = xr.merge((change, work), combine_attrs="drop").assign(
         imbalance=given - taken - sum(change.data_vars.values())
