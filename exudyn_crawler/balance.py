@@ -39,8 +39,9 @@ def shoe_actions(history: History) -> xr.Dataset:
     touched = history.contact_shoe.values - 1
     forces = history.normal_force.values + history.friction_force.values
     moments = np.cross(history.point.values - position[:, touched], forces) + history.friction_torque.values
-    np.add.at(contact, (slice(None), touched), forces)
-    np.add.at(contact_moment, (slice(None), touched), moments)
+    for column, shoe in enumerate(touched):
+        contact[:, shoe] += forces[:, column]
+        contact_moment[:, shoe] += moments[:, column]
 
     drive, drive_moment = zero.copy(), zero.copy()
     drive[:, -1, 0] = history.drive_force.values
@@ -59,7 +60,11 @@ def shoe_actions(history: History) -> xr.Dataset:
     return xr.Dataset(
         {
             "force": (dims, np.stack((weight, load, contact, drive, joint)), FORCE),
-            "moment": (dims, np.stack((zero, load_moment, contact_moment, drive_moment, joint_moment)), MOMENT),
+            "moment": (
+                dims,
+                np.stack((zero, load_moment, contact_moment, drive_moment, joint_moment)),
+                MOMENT,
+            ),
         },
         coords={
             "source": ["weight", "load", "contact", "drive", "joint"],
@@ -143,8 +148,9 @@ def energies(history: History) -> xr.Dataset:
 def powers(history: History) -> xr.Dataset:
     """Power of all that stores no energy of its own in `energies`, W, each (time,).
 
-    `drive` and `machine_load` bring power in; `elastic_contact` goes into the contact's stiffness and comes back
-    from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping` take power.
+    `drive` and `machine_load` bring power in; `elastic_contact` goes into the contact's stiffness and
+    comes back from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping`
+    take power.
     """
     case, terrain, law = history.case, history.case.terrain, history.case.contact
     frames = rotation_matrices(history.angles.values)

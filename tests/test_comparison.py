@@ -30,7 +30,7 @@ def by_hand(scale=1.0):
     dims = ("time", "shoe", "axis")
     names = ("velocity", "acceleration", "angular_velocity", "angular_acceleration")
     dataset = xr.Dataset(
-        {"position": (dims, 100.0 + motion)} | {name: (dims, motion) for name in names},
+        {"position": (dims, 100.0 + motion)} | dict.fromkeys(names, (dims, motion)),
         coords={"time": TIME, "shoe": shoes, "axis": ["x", "y", "z"]},
     )
     return History(case=Case.translation(), dataset=dataset)
@@ -137,7 +137,10 @@ def test_the_table_has_its_columns_in_order():
 
 def test_the_summary_counts_rows_with_a_verdict():
     reported = pd.DataFrame(
-        [["s", "c", "q", "max", "m", 1.0, kind, "x"] for kind in ("statics", "statics", "lateral", "prescribed")],
+        [
+            ["s", "c", "q", "max", "m", 1.0, kind, "x"]
+            for kind in ("statics", "statics", "lateral", "prescribed")
+        ],
         columns=["study", "case", "quantity", "statistic", "unit", "value", "class", "source"],
     )
     counts = summary(comparison_table(reported, [1.05, 2.0, 1.0, math.nan]))
@@ -152,7 +155,16 @@ def test_unknown_studies_are_refused():
 @pytest.mark.parametrize("study", ["kinematics", "forces", "stress", "verification"])
 def test_reported_rows_are_complete(study):
     table = reported_values(study)
-    assert list(table.columns) == ["study", "case", "quantity", "statistic", "unit", "value", "class", "source"]
+    assert list(table.columns) == [
+        "study",
+        "case",
+        "quantity",
+        "statistic",
+        "unit",
+        "value",
+        "class",
+        "source",
+    ]
     assert table.notna().all(axis=None)
     assert not table.duplicated(["case", "quantity", "statistic"]).any() or study == "stress"
     assert set(table["class"]) <= {"exact", "prescribed", "statics", "structural", "fluctuation", "lateral"}

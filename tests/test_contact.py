@@ -22,9 +22,7 @@ SHOES = 13
 def contacts(request):
     """Contact of the assembled track in both formulations."""
     case = Case.translation().with_(terrain=TERRAINS[request.param])
-    return {
-        one: build(case.with_(terrain_formulation=one)).contact for one in ("reduced", "constrained")
-    }
+    return {one: build(case.with_(terrain_formulation=one)).contact for one in ("reduced", "constrained")}
 
 
 def spread(contact, seed):
@@ -143,7 +141,9 @@ def test_secant_is_the_tangent_at_rest_and_not_beyond_the_stiction_speed(factors
     q[3 : 6 * SHOES : 6] = q[4 : 6 * SHOES : 6] = 0.0
 
     def both(q_t):
-        return [dense(contact.derivatives(q, q_t, *factors, secant=one), contact.size) for one in (True, False)]
+        return [
+            dense(contact.derivatives(q, q_t, *factors, secant=one), contact.size) for one in (True, False)
+        ]
 
     at_rest = both(np.zeros_like(q))
     assert at_rest[0] == pytest.approx(at_rest[1], abs=1e-6 * np.abs(at_rest[1]).max())

@@ -17,7 +17,14 @@ def test_the_work_of_the_drive_is_accounted_for(longer):
 def test_no_term_of_the_balance_could_be_left_out(longer):
     balance = energy_balance(longer).isel(time=-1)
     # half of the smallest counted work is more than what the balance misses
-    for name in ("drive", "friction", "contact_damping", "terrain_damping", "elastic_contact", "machine_load"):
+    for name in (
+        "drive",
+        "friction",
+        "contact_damping",
+        "terrain_damping",
+        "elastic_contact",
+        "machine_load",
+    ):
         assert abs(float(balance[name])) > 2.0 * abs(float(balance.imbalance))
 
 

@@ -8,6 +8,12 @@ import pytest
 from exudyn_crawler.files import whole_file, writable_folder
 
 
+def fail_halfway(path, overwrite=False):
+    with whole_file(path, overwrite) as temporary:
+        temporary.write_text("half")
+        raise RuntimeError("halfway")
+
+
 def test_a_file_takes_its_place_when_the_block_ends(tmp_path):
     path = tmp_path / "table.csv"
     with whole_file(path) as temporary:
@@ -20,18 +26,16 @@ def test_a_file_takes_its_place_when_the_block_ends(tmp_path):
 
 
 def test_a_file_that_fails_halfway_leaves_nothing(tmp_path):
-    with pytest.raises(RuntimeError, match="halfway"), whole_file(tmp_path / "table.csv") as temporary:
-        temporary.write_text("half")
-        raise RuntimeError("halfway")
+    with pytest.raises(RuntimeError, match="halfway"):
+        fail_halfway(tmp_path / "table.csv")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_overwriting_that_fails_halfway_keeps_the_old_file(tmp_path):
     path = tmp_path / "table.csv"
     path.write_text("old")
-    with pytest.raises(RuntimeError, match="halfway"), whole_file(path, overwrite=True) as temporary:
-        temporary.write_text("half")
-        raise RuntimeError("halfway")
+    with pytest.raises(RuntimeError, match="halfway"):
+        fail_halfway(path, overwrite=True)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 
@@ -50,9 +54,14 @@ def test_an_existing_file_is_refused_before_the_block(tmp_path):
 
 def test_a_file_that_appears_in_the_meantime_is_kept(tmp_path):
     path = tmp_path / "table.csv"
-    with pytest.raises(FileExistsError, match="somebody else in the meantime"), whole_file(path) as temporary:
-        temporary.write_text("mine")
-        path.write_text("theirs")
+
+    def two_write():
+        with whole_file(path) as temporary:
+            temporary.write_text("mine")
+            path.write_text("theirs")
+
+    with pytest.raises(FileExistsError, match="somebody else in the meantime"):
+        two_write()
     assert path.read_text() == "theirs"
     assert list(tmp_path.iterdir()) == [path]
 

@@ -102,7 +102,9 @@ def test_friction_is_continuous_where_its_pieces_meet(speed):
 @pytest.mark.parametrize("v", [1e-9, 1e-4, 0.004, 0.01, 0.02, 0.1, 2.0])
 def test_friction_per_slip_times_slip_is_the_coefficient(v):
     # the STEP from -1 to 1 loses digits about zero, the ratio does not
-    assert friction_per_slip(v, *LAW) * v == pytest.approx(friction_coefficient(v, *LAW), rel=1e-12, abs=1e-16)
+    assert friction_per_slip(v, *LAW) * v == pytest.approx(
+        friction_coefficient(v, *LAW), rel=1e-12, abs=1e-16
+    )
 
 
 def test_friction_per_slip_is_finite_at_rest():

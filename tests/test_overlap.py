@@ -18,7 +18,7 @@ def rectangle(x, y, yaw=0.0, depth=0.06, slope_x=0.0, slope_y=0.0, length=LENGTH
     across = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * 0.5 * np.array([length, width])
     c, s = math.cos(yaw), math.sin(yaw)
     offset = across @ np.array([[c, s], [-s, c]])
-    return np.column_stack((offset + [x, y], depth + offset @ [slope_x, slope_y]))
+    return np.column_stack((offset + np.array([x, y]), depth + offset @ [slope_x, slope_y]))
 
 
 def clipped(corners, half_x=HALF, half_y=HALF):
@@ -120,7 +120,7 @@ places = {
 def test_the_two_units_under_a_straddling_shoe_share_all_of_it(x, y, yaw, depth, slope_x, slope_y):
     corners = rectangle(x, y, yaw, depth, slope_x, slope_y)
     whole = clipped(corners, 50.0, 50.0)
-    parts = [clipped(corners + [shift, 0.0, 0.0]) for shift in (HALF, -HALF)]
+    parts = [clipped(corners + np.array([shift, 0.0, 0.0])) for shift in (HALF, -HALF)]
     assert sum(part[0] for part in parts) == pytest.approx(whole[0], rel=1e-9, abs=1e-9)
 
 
@@ -129,7 +129,7 @@ def test_the_two_units_under_a_straddling_shoe_share_all_of_it(x, y, yaw, depth,
 def test_moving_all_together_changes_nothing(x, y, yaw, depth, slope_x, slope_y, dx, dy):
     corners = rectangle(x, y, yaw, depth, slope_x, slope_y)
     here = clipped(corners, 50.0, 50.0)
-    there = clipped(corners + [dx, dy, 0.0], 50.0, 50.0)
+    there = clipped(corners + np.array([dx, dy, 0.0]), 50.0, 50.0)
     assert there[0] == pytest.approx(here[0], rel=1e-9, abs=1e-12)
     if here[0] > 1e-6:
         # a sliver's centroid is a ratio of small numbers

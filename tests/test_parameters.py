@@ -70,9 +70,7 @@ def test_what_is_not_finite_is_refused(part, field, value):
 @pytest.mark.parametrize(("part", "field"), pairs(NOT_NEGATIVE))
 def test_what_must_not_be_negative_is_refused_otherwise(part, field):
     make = MAKERS[part]
-    refusal(
-        lambda: make().with_(**{field: -0.5}), field, "greater than or equal to 0", "input_value=-0.5"
-    )
+    refusal(lambda: make().with_(**{field: -0.5}), field, "greater than or equal to 0", "input_value=-0.5")
     if field != "static_friction":  # without it the dynamic one would exceed it
         assert getattr(make().with_(**{field: 0.0}), field) == 0.0
 
@@ -128,11 +126,16 @@ def test_an_inertia_that_no_body_has_is_refused():
 
 
 def test_a_pin_ahead_of_the_next_com_is_refused():
-    refusal(lambda: Track.ph4100c().with_(pin_ahead=0.7), "pin_ahead must be less than the pitch 0.655742, got 0.7")
+    refusal(
+        lambda: Track.ph4100c().with_(pin_ahead=0.7),
+        "pin_ahead must be less than the pitch 0.655742, got 0.7",
+    )
 
 
 def test_a_least_step_above_the_step_is_refused():
-    refusal(lambda: Solver(step=1e-3, minimum_step=2e-3), "minimum_step must not exceed step = 0.001, got 0.002")
+    refusal(
+        lambda: Solver(step=1e-3, minimum_step=2e-3), "minimum_step must not exceed step = 0.001, got 0.002"
+    )
 
 
 @pytest.mark.parametrize("times", [(0.0, 5.0, 5.0), (0.0, 5.0, 4.0)])
@@ -141,7 +144,9 @@ def test_profiles_whose_times_do_not_increase_are_refused(times):
 
 
 def test_profiles_with_unequal_times_and_values_are_refused():
-    refusal(lambda: StepProfile(times=(0.0, 1.0), values=(0.0,)), "times and values must be equally many: 2 != 1")
+    refusal(
+        lambda: StepProfile(times=(0.0, 1.0), values=(0.0,)), "times and values must be equally many: 2 != 1"
+    )
     refusal(lambda: StepProfile(times=(), values=()), "times", "at least 1 item")
 
 
@@ -192,13 +197,20 @@ def test_shoes_longer_than_the_pitch_are_refused():
 
 def test_a_track_beside_the_terrain_is_refused():
     small = Terrain.kinematics().with_(columns=2)
-    refusal(lambda: Case.translation().with_(terrain=small), "terrain must carry the track", "at t = 0 s", "0..14 m")
+    refusal(
+        lambda: Case.translation().with_(terrain=small),
+        "terrain must carry the track",
+        "at t = 0 s",
+        "0..14 m",
+    )
 
 
 def test_a_drive_off_the_terrain_is_refused_before_anything_runs():
     first = Track.ph4100c().with_(first_com=(61.7, 9.2901))  # front edge at 69.88 of 70 m
     model = CrawlerModel(Case.translation().with_(track=first))
-    with pytest.raises(ValueError, match=r"over the whole drive: at t = 3\.66 s .* x = .*, the terrain 0\.\.70 m"):
+    with pytest.raises(
+        ValueError, match=r"over the whole drive: at t = 3\.66 s .* x = .*, the terrain 0\.\.70 m"
+    ):
         model.simulate(6.0)
 
 
@@ -249,8 +261,8 @@ def test_a_shoe_has_the_mass_and_inertia_of_a_solid():
     assert shoe.mass == pytest.approx(0.5966 * 7847.25, rel=1e-4)
     # the plate of the shoe's outline that has its volume
     height = 0.5966 / (shoe.length * shoe.width)
-    expected = shoe.mass / 12 * np.array(
-        [3.505**2 + height**2, 0.655742**2 + height**2, 0.655742**2 + 3.505**2]
+    expected = (
+        shoe.mass / 12 * np.array([3.505**2 + height**2, 0.655742**2 + height**2, 0.655742**2 + 3.505**2])
     )
     assert np.diag(shoe.inertia_tensor) == pytest.approx(expected, rel=1e-3)
 

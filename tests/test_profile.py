@@ -69,7 +69,8 @@ def test_loads_follow_steps_between_the_ends_of_phases():
         )
     )
     assert cycle.loads([0.0, 15.0, 18.75, 22.5, 30.0]) == pytest.approx(
-        np.array([[386.4e3] * 2, [386.4e3] * 2, [385.2e3, 443.2e3], [384e3, 500e3], [384e3, 500e3]]), rel=1e-12
+        np.array([[386.4e3] * 2, [386.4e3] * 2, [385.2e3, 443.2e3], [384e3, 500e3], [384e3, 500e3]]),
+        rel=1e-12,
     )
     quarter = 386.4e3 + (500e3 - 386.4e3) * 0.25**2 * 2.5
     assert cycle.profile(2).value(15.0 + 7.5 / 4) == pytest.approx(quarter, rel=1e-12)

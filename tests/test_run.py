@@ -67,9 +67,7 @@ def test_the_balance_would_notice_one_missing_force(translation):
 
 def test_pins_stay_together(run):
     frames = rotation_matrices(run.angles.values)
-    pins = [
-        run.position.values + frames @ pin for pin in (run.case.track.front_pin, run.case.track.rear_pin)
-    ]
+    pins = [run.position.values + frames @ pin for pin in (run.case.track.front_pin, run.case.track.rear_pin)]
     assert pins[0][:, :-1] == pytest.approx(pins[1][:, 1:], abs=1e-7)  # m, links of 0.6 m
 
 
@@ -106,7 +104,9 @@ def test_a_step_that_fails_stops_the_run_and_keeps_what_there_is():
     case = Case.translation()
     # two iterations that may not cut the step: enough while the track creeps, not when it slips
     impatient = case.with_(solver=case.solver.with_(maximum_iterations=2, minimum_step=1.5e-3))
-    with pytest.raises(SimulationStopped, match=r"stopped at t = .* s: Newton's method failed at the least step") as stop:
+    with pytest.raises(
+        SimulationStopped, match=r"stopped at t = .* s: Newton's method failed at the least step"
+    ) as stop:
         CrawlerModel(impatient).simulate(3.0)
     kept = stop.value.history
     assert 0.0 <= stop.value.time < 3.0

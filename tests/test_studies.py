@@ -71,7 +71,9 @@ def test_results_are_overwritten_when_asked(tmp_path):
 def test_a_bad_duration_is_one_line_and_exit_code_2(duration, tmp_path):
     refused = study("kinematics", "--duration", duration, "--out", tmp_path / "out")
     assert refused.returncode == 2
-    expected = "terrain must carry the track" if duration == "1000" else "duration must be positive and finite"
+    expected = (
+        "terrain must carry the track" if duration == "1000" else "duration must be positive and finite"
+    )
     assert refused.stderr.startswith(f"error: {expected}")
     assert refused.stderr.count("\n") == 1
     assert not list((tmp_path / "out").iterdir())
@@ -94,7 +96,9 @@ def test_both_cases_are_drawn_against_each_other(tmp_path):
 
 
 def test_unknown_cases_are_refused():
-    with pytest.raises(ValueError, match=r"cases must be of \['translation', 'turning'\], got \['sideways'\]"):
+    with pytest.raises(
+        ValueError, match=r"cases must be of \['translation', 'turning'\], got \['sideways'\]"
+    ):
         run_kinematics(["sideways"], 0.01)
 
 

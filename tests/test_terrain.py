@@ -42,7 +42,9 @@ def test_joints_join_neighbours_at_their_shared_face(grid):
         assert apart == pytest.approx(side * np.eye(3)[joint.axis], abs=1e-12)
 
 
-@pytest.mark.parametrize(("grid", "size"), [("coarse", 15), ("fine", 32), ("coarse rolling", 15), ("fine rolling", 32)])
+@pytest.mark.parametrize(
+    ("grid", "size"), [("coarse", 15), ("fine", 32), ("coarse rolling", 15), ("fine rolling", 32)]
+)
 def test_independent_coordinates_are_as_many_as_columns_and_rows(grid, size):
     assert terrain_modes(VARIANTS[grid]).size == size
 
@@ -117,9 +119,7 @@ def moving_load_response(terrain, formulation):
         return out
 
     mbs.AddObject(
-        items.ObjectGenericODE2(
-            nodeNumbers=nodes, massMatrix=exu.MatrixContainer(), forceUserFunction=force
-        )
+        items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=exu.MatrixContainer(), forceUserFunction=force)
     )
     mbs.Assemble()
     heaves = []
