@@ -91,6 +91,11 @@ def integrate(
             reason = f"Newton's method failed at the least step {system.case.solver.minimum_step:g} s"
         except KeyboardInterrupt:
             reason = "interrupted"
+        except exu.ModelError as error:
+            # where an interrupt meets a user function, Exudyn hands it on as an error of that function
+            if "KeyboardInterrupt" not in str(error):
+                raise
+            reason = "interrupted"
     history = history_of(system, recorder.rows)
     if reason is not None:
         raise SimulationStopped(recorder.time, reason, history)
