@@ -305,7 +305,16 @@ def contact_forces(
                     continue
                 if f >= 0:
                     _patch_motion(
-                        geometry, R, shoes[s], units[u], tilt_axis, flexible, modal[f], modal_rates[f], mean, patch
+                        geometry,
+                        R,
+                        shoes[s],
+                        units[u],
+                        tilt_axis,
+                        flexible,
+                        modal[f],
+                        modal_rates[f],
+                        mean,
+                        patch,
                     )
                 row = results[count] if count < results.shape[0] else spare
                 _forces(
@@ -431,10 +440,20 @@ def contact_derivatives(
                 patch[:] = 0.0
                 if f >= 0:
                     _patch_motion(
-                        geometry, R, shoe, unit, tilt_axis, flexible, modal[f], modal_rates[f],
-                        patch_rows[count], patch,
+                        geometry,
+                        R,
+                        shoe,
+                        unit,
+                        tilt_axis,
+                        flexible,
+                        modal[f],
+                        modal_rates[f],
+                        patch_rows[count],
+                        patch,
                     )
-                _forces(geometry, R, shoe, shoe_rate, patch, unit, unit_rate, tilt_axis, law, -1.0, G, base, spare)
+                _forces(
+                    geometry, R, shoe, shoe_rate, patch, unit, unit_rate, tilt_axis, law, -1.0, G, base, spare
+                )
                 drag_ratio = -1.0
                 if secant:
                     slip = math.sqrt(spare[14] ** 2 + spare[15] ** 2 + spare[16] ** 2)
@@ -451,8 +470,19 @@ def contact_derivatives(
                     moved_geometry = _geometry(shoe, unit, tilt_axis, footprint, half, corners, work, R)
                     if moved_geometry[0] > 0.0:
                         _forces(
-                            moved_geometry, R, shoe, shoe_rate, patch, unit, unit_rate, tilt_axis, law,
-                            drag_ratio, G, moved, spare,
+                            moved_geometry,
+                            R,
+                            shoe,
+                            shoe_rate,
+                            patch,
+                            unit,
+                            unit_rate,
+                            tilt_axis,
+                            law,
+                            drag_ratio,
+                            G,
+                            moved,
+                            spare,
                         )
                     else:
                         moved[:] = 0.0
@@ -465,8 +495,19 @@ def contact_derivatives(
                     old = vector_rate[index]
                     vector_rate[index] = old + VELOCITY_STEP
                     _forces(
-                        geometry, R, shoe, shoe_rate, patch, unit, unit_rate, tilt_axis, law,
-                        drag_ratio, G, moved, spare,
+                        geometry,
+                        R,
+                        shoe,
+                        shoe_rate,
+                        patch,
+                        unit,
+                        unit_rate,
+                        tilt_axis,
+                        law,
+                        drag_ratio,
+                        G,
+                        moved,
+                        spare,
                     )
                     vector_rate[index] = old
                     _difference(moved, base, velocity_factor / VELOCITY_STEP, tilt_moment, block, c)
@@ -477,8 +518,19 @@ def contact_derivatives(
                         old = patch[c]
                         patch[c] = old + size
                         _forces(
-                            geometry, R, shoe, shoe_rate, patch, unit, unit_rate, tilt_axis, law,
-                            drag_ratio, G, moved, spare,
+                            geometry,
+                            R,
+                            shoe,
+                            shoe_rate,
+                            patch,
+                            unit,
+                            unit_rate,
+                            tilt_axis,
+                            law,
+                            drag_ratio,
+                            G,
+                            moved,
+                            spare,
                         )
                         patch[c] = old
                         _difference(moved, base, factor / size, tilt_moment, block, 8 + c % 3)

@@ -156,9 +156,7 @@ def _add_loads(mbs: "exu.MainSystem", case: Case, shoes: Sequence[ShoeBody]) -> 
     """Machine load on the top face of every shoe."""
     for number, shoe in enumerate(shoes, start=1):
         profile = case.loads.profile(number)
-        load = items.LoadForceVector(
-            markerNumber=shoe.top, loadVector=[0.0, 0.0, -float(profile.value(0.0))]
-        )
+        load = items.LoadForceVector(markerNumber=shoe.top, loadVector=[0.0, 0.0, -float(profile.value(0.0))])
         if len(set(profile.values)) > 1:
             load.loadVectorUserFunction = _vertical(profile)
         mbs.AddLoad(load)

@@ -68,14 +68,12 @@ def _add_rigid(mbs: "exu.MainSystem", case: Case, number: int, node: int) -> Sho
         )
     )
     com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
-    mbs.AddLoad(
-        items.LoadForceVector(markerNumber=com, loadVector=[0.0, 0.0, -shoe.mass * case.gravity])
-    )
+    mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0.0, 0.0, -shoe.mass * case.gravity]))
     pins = {}
     for end, place in (("front", track.front_pin), ("rear", track.rear_pin)):
         for side, shift in zip(SIDES, (0.0, track.parallel_y - track.spherical_y), strict=True):
             pins[end, side] = mbs.AddMarker(
-                items.MarkerBodyRigid(bodyNumber=body, localPosition=list(place + [0.0, shift, 0.0]))
+                items.MarkerBodyRigid(bodyNumber=body, localPosition=[place[0], place[1] + shift, place[2]])
             )
     top = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=list(shoe.load_point)))
     return ShoeBody(node, body, top, pins, None)

@@ -151,9 +151,7 @@ def _flexible_coordinates(system: System) -> dict[str, object]:
     }
 
 
-def _flexible(
-    system: System, q: NDArray, q_t: NDArray, multipliers: NDArray
-) -> dict[str, Variable]:
+def _flexible(system: System, q: NDArray, q_t: NDArray, multipliers: NDArray) -> dict[str, Variable]:
     """Modal coordinates of the flexible shoes and the forces at each pin of their links."""
     if system.floating is None:
         return {}

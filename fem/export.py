@@ -97,10 +97,7 @@ def write_calculix(
         lines += ["*STATIC", "*BOUNDARY"]
         lines += [f"{dof // 3 + 1}, {dof % 3 + 1}" for dof in np.asarray(fixed).tolist()]
         lines.append("*CLOAD")
-        lines += [
-            f"{node + 1}, {axis + 1}, {forces[node, axis]:.15g}"
-            for node, axis in np.argwhere(forces)
-        ]
+        lines += [f"{node + 1}, {axis + 1}, {forces[node, axis]:.15g}" for node, axis in np.argwhere(forces)]
         lines += ["*NODE PRINT, NSET=ALL", "U", "*NODE FILE", "S"]
     lines.append("*END STEP")
     Path(path).write_text("\n".join(lines) + "\n")

@@ -80,9 +80,7 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
     part.replace(path)
 
 
-def load_reduced(
-    path: str | Path, mesh: Mesh | None = None, digest: str | None = None
-) -> ReducedBody:
+def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None = None) -> ReducedBody:
     """Read a reduced body.
 
     Parameters

@@ -133,8 +133,7 @@ def hot_spots(
     found = peaks.nodes[places]
     at = rows[peaks.time_indices[places]]
     jumps = {
-        int(row): stress_jump(body.mesh, body.material, body.displacement(q[row])[0])
-        for row in np.unique(at)
+        int(row): stress_jump(body.mesh, body.material, body.displacement(q[row])[0]) for row in np.unique(at)
     }
     flags = np.where(
         np.isin(found, inside), "in spider", np.where(np.isin(found, beside), "beside spider", "")

@@ -47,9 +47,7 @@ class Interface:
         center = np.asarray(self.center, dtype=np.float64)
         nodes = np.unique(np.asarray(self.nodes, dtype=np.int64))
         if center.shape != (3,) or not np.isfinite(center).all():
-            raise ValueError(
-                f"interface {self.name!r}: center = {self.center} must be three finite numbers"
-            )
+            raise ValueError(f"interface {self.name!r}: center = {self.center} must be three finite numbers")
         if len(nodes) == 0:
             raise ValueError(f"interface {self.name!r} has no nodes")
         if self.spider not in ("rigid", "averaging"):
@@ -80,14 +78,12 @@ def check_interfaces(mesh: Mesh, interfaces: Sequence[Interface]) -> None:
         nodes, name = interface.nodes, interface.name
         if nodes[0] < 0 or nodes[-1] >= len(mesh.nodes):
             raise ValueError(
-                f"interface {name!r} has nodes outside 0..{len(mesh.nodes) - 1}: "
-                f"{nodes[0]}..{nodes[-1]}"
+                f"interface {name!r} has nodes outside 0..{len(mesh.nodes) - 1}: {nodes[0]}..{nodes[-1]}"
             )
         spread = np.linalg.svd(mesh.nodes[nodes] - mesh.nodes[nodes].mean(axis=0), compute_uv=False)
         if len(nodes) < 3 or spread[1] <= COLLINEAR * spread[0]:
             raise ValueError(
-                f"interface {name!r}: its {len(nodes)} nodes lie on a line and cannot carry a "
-                "moment about it"
+                f"interface {name!r}: its {len(nodes)} nodes lie on a line and cannot carry a moment about it"
             )
         for node in nodes.tolist():
             if node in owner:
@@ -121,9 +117,7 @@ def rigid_motion_of_centers(interfaces: Sequence[Interface], origin: Floats) -> 
     return motion.reshape(-1, 6)
 
 
-def spider_transformation(
-    mesh: Mesh, interfaces: Sequence[Interface]
-) -> tuple[csr_array, csr_array]:
+def spider_transformation(mesh: Mesh, interfaces: Sequence[Interface]) -> tuple[csr_array, csr_array]:
     """Displacements that the spiders allow: u = Tq q + Tr r.
 
     Returns

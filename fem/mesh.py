@@ -29,9 +29,7 @@ Integers = NDArray[np.int64]
 TETRA_EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
 """Corners joined by each edge of a tetrahedron, in the order of its mid-side nodes."""
 
-TETRA_FACES = np.array(
-    [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]]
-)
+TETRA_FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]])
 """Local nodes of the faces of a tetrahedron; corners in outward sense, then mid-side nodes."""
 
 PHYSICAL = "gmsh:physical"
@@ -104,8 +102,7 @@ class Mesh:
         nodes = np.ascontiguousarray(self.nodes, dtype=np.float64)
         elements = np.ascontiguousarray(self.elements, dtype=np.int64)
         surfaces = {
-            name: np.ascontiguousarray(faces, dtype=np.int64)
-            for name, faces in self.surfaces.items()
+            name: np.ascontiguousarray(faces, dtype=np.int64) for name, faces in self.surfaces.items()
         }
         for array in (nodes, elements, *surfaces.values()):
             array.setflags(write=False)
@@ -118,21 +115,16 @@ class Mesh:
         nodes, elements = self.nodes, self.elements
         if nodes.ndim != 2 or nodes.shape[1] != 3 or elements.ndim != 2:
             raise MeshError(
-                f"nodes must be (n, 3) and elements (m, 4 or 10), "
-                f"not {nodes.shape} and {elements.shape}"
+                f"nodes must be (n, 3) and elements (m, 4 or 10), not {nodes.shape} and {elements.shape}"
             )
         if elements.shape[1] not in (4, 10) or len(elements) == 0:
-            raise MeshError(
-                f"elements are {elements.shape}; tetrahedra with 4 or 10 nodes are needed"
-            )
+            raise MeshError(f"elements are {elements.shape}; tetrahedra with 4 or 10 nodes are needed")
         bad = np.flatnonzero(~np.isfinite(nodes).all(axis=1))
         if len(bad):
             raise MeshError(f"{len(bad)} nodes have coordinates that are not finite: {_first(bad)}")
         bad = np.flatnonzero(((elements < 0) | (elements >= len(nodes))).any(axis=1))
         if len(bad):
-            raise MeshError(
-                f"{len(bad)} elements refer to nodes outside 0..{len(nodes) - 1}: {_first(bad)}"
-            )
+            raise MeshError(f"{len(bad)} elements refer to nodes outside 0..{len(nodes) - 1}: {_first(bad)}")
         used = np.zeros(len(nodes), dtype=bool)
         used[elements.ravel()] = True
         if not used.all():
@@ -140,9 +132,7 @@ class Mesh:
             raise MeshError(f"{len(loose)} loose nodes belong to no element: {_first(loose)}")
         bad = np.flatnonzero(jacobian_determinants(nodes, elements).min(axis=1) <= 0.0)
         if len(bad):
-            raise MeshError(
-                f"{len(bad)} of {len(elements)} elements are inverted or flat: {_first(bad)}"
-            )
+            raise MeshError(f"{len(bad)} of {len(elements)} elements are inverted or flat: {_first(bad)}")
         corners = elements[:, :4]
         links = coo_array(
             (
@@ -165,9 +155,7 @@ class Mesh:
         boundary = {tuple(face) for face in np.sort(self.boundary[:, :3], axis=1).tolist()}
         for name, faces in self.surfaces.items():
             if faces.ndim != 2 or faces.shape[1] != width or len(faces) == 0:
-                raise MeshError(
-                    f"surface {name!r} is {faces.shape}; a non-empty (k, {width}) is needed"
-                )
+                raise MeshError(f"surface {name!r} is {faces.shape}; a non-empty (k, {width}) is needed")
             inside = [
                 i
                 for i, face in enumerate(np.sort(faces[:, :3], axis=1).tolist())

@@ -128,13 +128,9 @@ def recover_peaks(
     start = 0
     for block in _blocks(q):
         if block.shape[1] != modes.shape[2]:
-            raise ValueError(
-                f"the history has {block.shape[1]} modal coordinates, the body {modes.shape[2]}"
-            )
+            raise ValueError(f"the history has {block.shape[1]} modal coordinates, the body {modes.shape[2]}")
         if not np.isfinite(block).all():
-            raise ValueError(
-                f"the history is not finite between rows {start} and {start + len(block) - 1}"
-            )
+            raise ValueError(f"the history is not finite between rows {start} and {start + len(block) - 1}")
         columns = np.asfortranarray(block.T)
         for first in range(0, len(nodes), NODE_BLOCK):
             product = shapes[width * first : width * (first + NODE_BLOCK)] @ columns

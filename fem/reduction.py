@@ -94,14 +94,10 @@ class Partition:
         """First modes (3n, count) with the joint centres held, orthonormal in mass."""
         if count == 0:
             return np.zeros((self.of_rest.shape[0], 0))
-        _, modes = lowest_modes(
-            self.stiffness, self.mass, count, backend=self.backend, solve=self._solver
-        )
+        _, modes = lowest_modes(self.stiffness, self.mass, count, backend=self.backend, solve=self._solver)
         return self.of_rest @ modes
 
-    def static_response(
-        self, forces: Floats | None = None, center_loads: Floats | None = None
-    ) -> Floats:
+    def static_response(self, forces: Floats | None = None, center_loads: Floats | None = None) -> Floats:
         """Inertia-relief displacements under nodal forces and loads on the joint centres.
 
         The loads are balanced by the rigid acceleration that they cause. The answer is that of the
@@ -176,14 +172,11 @@ def craig_bampton(
             f"n_fixed_modes = {n_fixed_modes} must lie in 0..{available}, what the mesh leaves free"
         )
     loads = {
-        name: np.asarray(force, dtype=float).reshape(-1)
-        for name, force in (residual_loads or {}).items()
+        name: np.asarray(force, dtype=float).reshape(-1) for name, force in (residual_loads or {}).items()
     }
     for name, load in loads.items():
         if load.shape != (3 * len(body.mesh.nodes),) or not np.isfinite(load).all():
-            raise ValueError(
-                f"residual load {name!r} must be finite and ({len(body.mesh.nodes)}, 3)"
-            )
+            raise ValueError(f"residual load {name!r} must be finite and ({len(body.mesh.nodes)}, 3)")
     columns = [partition.constraint_modes, partition.fixed_interface_modes(n_fixed_modes)]
     if loads:
         forces = np.column_stack(list(loads.values()))
@@ -224,9 +217,7 @@ def _elastic_combinations(
     rigid[: 6 * len(interfaces)] = rigid_motion_of_centers(interfaces, body.center_of_mass)
     rigid = rigid / scale[:, None]
     elastic = scipy.linalg.null_space((mass @ rigid).T)
-    eigenvalues, vectors = scipy.linalg.eigh(
-        elastic.T @ stiffness @ elastic, elastic.T @ mass @ elastic
-    )
+    eigenvalues, vectors = scipy.linalg.eigh(elastic.T @ stiffness @ elastic, elastic.T @ mass @ elastic)
     energy = np.diag(rigid.T @ stiffness @ rigid) / np.diag(rigid.T @ mass @ rigid)
     if np.abs(energy).max() > RIGID_RESIDUAL * eigenvalues[0] or eigenvalues[0] <= 0:
         raise RuntimeError(

@@ -140,9 +140,7 @@ def stress_jump(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
 def von_mises(stress: Floats) -> Floats:
     """Von Mises equivalent stress of stresses (..., 6)."""
     xx, yy, zz, xy, yz, xz = np.moveaxis(stress, -1, 0)
-    return np.sqrt(
-        0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * (xy**2 + yz**2 + xz**2)
-    )
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * (xy**2 + yz**2 + xz**2))
 
 
 def principal(stress: Floats) -> Floats:

@@ -90,11 +90,7 @@ def _set_sizes(model: Any, bores: list[int], size: Resolution, shoe: ShoeDimensi
     """Small elements on bores, root fillets and noses, growing with the distance from them."""
     curved = [tag for _, tag in model.getEntities(2) if model.getType(2, tag) != "Plane"]
     boxes = {tag: np.reshape(model.getBoundingBox(2, tag), (2, 3)) for tag in curved}
-    roots = [
-        tag
-        for tag, (low, high) in boxes.items()
-        if low[0] > shoe.rear_face - 0.05 and high[0] < 0.0
-    ]
+    roots = [tag for tag, (low, high) in boxes.items() if low[0] > shoe.rear_face - 0.05 and high[0] < 0.0]
     field = model.mesh.field
     thresholds = []
     for faces, fine in (
@@ -183,9 +179,7 @@ def mesh_shoe(size: Resolution, shoe: ShoeDimensions | None = None) -> Mesh:
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         _, numbers = gmsh.model.mesh.getElementsByType(GMSH_TETRA10)
         triangles = {
-            name: np.concatenate(
-                [gmsh.model.mesh.getElementsByType(GMSH_TRIANGLE6, f)[1] for f in tags_]
-            )
+            name: np.concatenate([gmsh.model.mesh.getElementsByType(GMSH_TRIANGLE6, f)[1] for f in tags_])
             for name, tags_ in faces.items()
         }
     finally:

@@ -267,9 +267,7 @@ def _beam(occ: Any, shoe: ShoeDimensions) -> int:
     return common[0][1]
 
 
-def _notch_cutter(
-    occ: Any, y: float, half_width: float, depth_x: float, end_x: float, fillet: float
-) -> int:
+def _notch_cutter(occ: Any, y: float, half_width: float, depth_x: float, end_x: float, fillet: float) -> int:
     """Upright slot about a lug with rounded inner corners, from depth_x to end_x."""
     bottom, round_end = depth_x, depth_x + math.copysign(fillet, end_x)
     h, inner = half_width, half_width - fillet
@@ -303,9 +301,7 @@ def _top_plate(occ: Any, shoe: ShoeDimensions) -> int:
     ]
     bottom = [(y, height - shoe.top_thickness) for y, height in reversed(top)]
     corners = [(rear, y, height - COM_HEIGHT) for y, height in top + bottom]
-    face = _outline(
-        occ, [("line", a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
-    )
+    face = _outline(occ, [("line", a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)])
     flange = _extrude(occ, face, shoe.top_length, 0, 0)
     tools = []
     for name, (x, y, _) in JOINT_CENTERS.items():

@@ -58,7 +58,7 @@ def test_every_other_row_only_puts_a_multiplier_to_zero(straight):
 
 def test_links_have_three_spherical_and_two_parallel_equations_each(straight):
     position, _ = effective(straight[1])
-    rows = straight[0].link_rows
+    rows = np.array([pin for (pin,) in straight[0].link_rows])
     assert rows.shape == (12, 6)
     assert position[rows[:, :3]].sum() == 36
     assert position[rows[:, 3:]].sum() == 24

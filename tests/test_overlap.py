@@ -22,7 +22,8 @@ def rectangle(x, y, yaw=0.0, depth=0.06, slope_x=0.0, slope_y=0.0, length=LENGTH
 
 
 def clipped(corners, half_x=HALF, half_y=HALF):
-    return overlap(np.ascontiguousarray(corners), half_x, half_y, overlap_workspace())
+    area, xi, eta, depth, bounds = overlap(np.ascontiguousarray(corners), half_x, half_y, overlap_workspace())
+    return area, xi, eta, depth, min(bounds[1] - bounds[0], bounds[3] - bounds[2])
 
 
 def quadrature(corners, half_x=HALF, half_y=HALF, cells=1500):

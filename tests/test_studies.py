@@ -8,7 +8,7 @@ import pytest
 
 from exudyn_crawler import Case, CrawlerModel, History
 from exudyn_crawler.comparison import compare_kinematics
-from exudyn_crawler.figures import QUANTITIES
+from exudyn_crawler.figures import KINEMATICS
 from exudyn_crawler.reported import reported_values
 from exudyn_crawler.workflows.kinematics import run_kinematics
 
@@ -31,7 +31,7 @@ def folder(tmp_path_factory):
 
 
 def test_a_short_study_leaves_history_table_and_figures(folder):
-    figures = {f"translation_{quantity.replace(' ', '_')}.png" for quantity in QUANTITIES}
+    figures = {f"translation_{quantity.replace(' ', '_')}.png" for quantity in KINEMATICS}
     assert len(figures) == 5
     assert {path.name for path in folder.iterdir()} == {"translation.nc", "comparison.csv"} | figures
     for figure in figures:

@@ -103,13 +103,15 @@ def test_both_formulations_vibrate_at_the_same_frequencies(grid):
 def moving_load_response(terrain, formulation):
     """Heave of all units over 1.5 s under 1 MN that crosses three coarse units at 12 m/s."""
     container, mbs, nodes, coordinates = terrain_alone(terrain, formulation)
-    load, y = 1.0e6, 0.3 * terrain.extent[1]
+    (start, _), (side, _) = terrain.bounds
+    load, y = 1.0e6, side + 0.3 * terrain.rows * terrain.unit_width
     forces = np.zeros((terrain.unit_count, 6))
     motion = np.zeros((terrain.unit_count, 4))
 
     def force(_mbs, t, _item, q, _q_t):
-        x = 0.2 + 12.0 * t
-        unit = int(x // terrain.unit_length) * terrain.rows + int(y // terrain.unit_width)
+        x = start + 0.2 + 12.0 * t
+        column, row = int((x - start) // terrain.unit_length), int((y - side) // terrain.unit_width)
+        unit = column * terrain.rows + row
         arm = np.array([x, y]) - terrain.centers[unit, :2]
         forces[:] = 0.0
         forces[unit, 2:5] = -load, -arm[1] * load, arm[0] * load

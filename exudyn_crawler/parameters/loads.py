@@ -14,7 +14,6 @@ from scipy.optimize import brentq
 from exudyn_crawler.parameters.base import Parameters, quantity
 from exudyn_crawler.parameters.profile import StepProfile
 
-
 SHOVEL_SHOES = 13
 MIDDLE_SHOE = 7
 PROPEL_LOAD = 386.4e3
@@ -101,8 +100,7 @@ class LoadCycle(Parameters):
         }
         return cls(
             phases=tuple(
-                Phase(name=name, end=end, loads=tuple(loads.tolist()))
-                for name, (end, loads) in ends.items()
+                Phase(name=name, end=end, loads=tuple(loads.tolist())) for name, (end, loads) in ends.items()
             )
         )
 
@@ -154,7 +152,5 @@ class LoadCycle(Parameters):
 
 def _falling(greatest: float, total: float, distance: NDArray) -> NDArray:
     """Loads that fall evenly with the distance from `greatest` to nothing, with a given sum."""
-    slope = brentq(
-        lambda slope: np.clip(greatest - slope * distance, 0.0, None).sum() - total, 0.0, greatest
-    )
+    slope = brentq(lambda slope: np.clip(greatest - slope * distance, 0.0, None).sum() - total, 0.0, greatest)
     return np.clip(greatest - slope * distance, 0.0, None)

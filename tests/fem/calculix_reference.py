@@ -26,9 +26,7 @@ SAMPLES = 400
 
 def pull_forces(body: fem.ElasticBody) -> np.ndarray:
     """Nodal forces (n, 3) in N: backward pull on each rear bore, balanced by inertia."""
-    forces = sum(
-        body.surface_load(f"bore rear {side}", [-PULL, 0.0, 0.0]) for side in ("left", "right")
-    )
+    forces = sum(body.surface_load(f"bore rear {side}", [-PULL, 0.0, 0.0]) for side in ("left", "right"))
     return body.balanced(forces.reshape(-1, 1)).reshape(-1, 3)
 
 
