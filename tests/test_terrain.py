@@ -147,7 +147,10 @@ def test_both_formulations_answer_a_moving_load_alike():
 
 
 def test_both_formulations_carry_the_track_in_the_same_equilibrium():
-    """They differ by the square of the tilt (some 1e-3 rad), which the reduced one leaves out."""
+    """They differ by what is of second order in the tilt (8e-3 rad), which the reduced one leaves out.
+
+    Measured: 0.8 um of 40 mm heave, 1.4 urad of tilt and 9 um of the shoes' places.
+    """
     case = Case.translation()
     states = {}
     for one in ("reduced", "constrained"):
@@ -155,9 +158,8 @@ def test_both_formulations_carry_the_track_in_the_same_equilibrium():
         states[one] = history
     reduced, full = states["reduced"], states["constrained"]
     tilt = float(np.abs(full.unit_tilt).max())
-    assert 1e-4 < tilt < 1e-2
-    assert reduced.unit_heave.values == pytest.approx(full.unit_heave.values, abs=5.0 * tilt**2)
-    assert reduced.unit_heave.values == pytest.approx(full.unit_heave.values, rel=1e-3)
-    assert reduced.unit_tilt.values == pytest.approx(full.unit_tilt.values, abs=1e-3 * tilt)
+    assert 1e-3 < tilt < 1e-2
+    assert reduced.unit_heave.values == pytest.approx(full.unit_heave.values, abs=1e-5)
+    assert reduced.unit_tilt.values == pytest.approx(full.unit_tilt.values, abs=1e-5)
     z = [state.position.sel(axis="z").values for state in (reduced, full)]
-    assert z[0] == pytest.approx(z[1], abs=1e-3 * 0.0657)
+    assert z[0] == pytest.approx(z[1], abs=3e-5)
