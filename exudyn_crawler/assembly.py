@@ -5,6 +5,7 @@ derivatives back into generalized ones, for both formulations of the terrain. Th
 of the shoes (six each) followed by those of the terrain.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -21,6 +22,7 @@ from exudyn_crawler.contact import (
 from exudyn_crawler.overlap import overlap_workspace
 from exudyn_crawler.parameters import ContactLaw, Shoe, Terrain
 from exudyn_crawler.terrain import TerrainModes
+from exudyn_crawler.underside import Underside
 
 UNIT_COORDINATES = 6
 """Coordinates of a unit in the constrained formulation: position and angles about x, y, z."""
@@ -77,18 +79,25 @@ def _modal_project(heave, tilt, tilt_axis, unit_forces, out):
 
 
 @njit(cache=True)
-def _modal_triplets(heave, tilt, reached, pairs, blocks, shoe_count):
-    """Dense blocks of every shoe with itself and with the coordinates, and of the coordinates.
-
-    `reached` is the least number of leading coordinates to write; more are written where a contact
-    moves them.
-    """
+def _moved(heave, tilt, reached, pairs):
+    """Number of leading coordinates to write: `reached`, or more where a contact moves more."""
     modes = reached
     for n in range(pairs.shape[0]):
         u = pairs[n, 1]
         for k in range(modes, heave.shape[1]):
             if heave[u, k] != 0.0 or tilt[u, k] != 0.0:
                 modes = k + 1
+    return modes
+
+
+@njit(cache=True)
+def _modal_triplets(heave, tilt, reached, pairs, blocks, shoe_count):
+    """Dense blocks of every shoe with itself and with the coordinates, and of the coordinates.
+
+    `reached` is the least number of leading coordinates to write; more are written where a contact
+    moves them.
+    """
+    modes = _moved(heave, tilt, reached, pairs)
     own = np.zeros((shoe_count, 6, 6))
     right = np.zeros((shoe_count, 6, modes))
     below = np.zeros((shoe_count, modes, 6))
@@ -153,6 +162,75 @@ class ReducedCoordinates:
     def derivative(self, pairs: NDArray, blocks: NDArray, shoe_count: int) -> NDArray:
         """Triplets in a pattern that rarely changes, so that factorizations can reuse it."""
         return _modal_triplets(self.modes.heave, self.modes.tilt, self.reached, pairs, blocks, shoe_count)
+
+
+@njit(cache=True)
+def _flexible_triplets(heave, tilt, reached, pairs, blocks, patch_rows, flexible_row, first_modal):
+    """Blocks of every flexible shoe's modes with the shoe, the terrain and themselves."""
+    terrain = _moved(heave, tilt, reached, pairs)
+    shoe_count = flexible_row.shape[0]
+    bodies = 0
+    for s in range(shoe_count):
+        bodies = max(bodies, flexible_row[s] + 1)
+    modes = patch_rows.shape[2]
+    right = np.zeros((bodies, 6, modes))
+    below = np.zeros((bodies, modes, 6))
+    ground_right = np.zeros((bodies, terrain, modes))
+    ground_below = np.zeros((bodies, modes, terrain))
+    own = np.zeros((bodies, modes, modes))
+    of_patch = np.zeros((3, modes))
+    for n in range(pairs.shape[0]):
+        s, u = pairs[n, 0], pairs[n, 1]
+        f = flexible_row[s]
+        if f < 0:
+            continue
+        block, rows = blocks[n], patch_rows[n]
+        for m in range(modes):
+            for r in range(6):
+                for c in range(3):
+                    right[f, r, m] += block[r, 8 + c] * rows[c, m]
+                    below[f, m, r] += rows[c, m] * block[8 + c, r]
+            force_by = 0.0
+            moment_by = 0.0
+            by_heave = 0.0
+            by_tilt = 0.0
+            for c in range(3):
+                force_by += block[6, 8 + c] * rows[c, m]
+                moment_by += block[7, 8 + c] * rows[c, m]
+                by_heave += rows[c, m] * block[8 + c, 6]
+                by_tilt += rows[c, m] * block[8 + c, 7]
+                of_patch[c, m] = 0.0
+                for d in range(3):
+                    of_patch[c, m] += block[8 + c, 8 + d] * rows[d, m]
+            for k in range(terrain):
+                ground_right[f, k, m] += heave[u, k] * force_by + tilt[u, k] * moment_by
+                ground_below[f, m, k] += by_heave * heave[u, k] + by_tilt * tilt[u, k]
+        for m in range(modes):
+            for k in range(modes):
+                own[f, m, k] += (
+                    rows[0, m] * of_patch[0, k] + rows[1, m] * of_patch[1, k] + rows[2, m] * of_patch[2, k]
+                )
+    triplets = np.empty((bodies * modes * (12 + 2 * terrain + modes), 3))
+    first_terrain = 6 * shoe_count
+    n = 0
+    for s in range(shoe_count):
+        f = flexible_row[s]
+        if f < 0:
+            continue
+        first = first_modal + f * modes
+        for m in range(modes):
+            for r in range(6):
+                _put(triplets, n, 6 * s + r, first + m, right[f, r, m])
+                _put(triplets, n + 1, first + m, 6 * s + r, below[f, m, r])
+                n += 2
+            for k in range(terrain):
+                _put(triplets, n, first_terrain + k, first + m, ground_right[f, k, m])
+                _put(triplets, n + 1, first + m, first_terrain + k, ground_below[f, m, k])
+                n += 2
+            for k in range(modes):
+                _put(triplets, n, first + m, first + k, own[f, m, k])
+                n += 1
+    return triplets
 
 
 @njit(cache=True)
@@ -230,6 +308,10 @@ class TrackContact:
         Contact law of every pair.
     coordinates : TerrainCoordinates
         Formulation of the terrain.
+    underside : Underside, optional
+        Integrated modes of the flexible shoes' underside.
+    flexible_shoes : sequence of int
+        Indices (from 0) of the flexible shoes.
     """
 
     def __init__(
@@ -239,8 +321,18 @@ class TrackContact:
         terrain: Terrain,
         law: ContactLaw,
         coordinates: TerrainCoordinates,
+        underside: Underside | None = None,
+        flexible_shoes: Sequence[int] = (),
     ) -> None:
         shoes, units = len(com_positions), terrain.unit_count
+        if underside is None:
+            underside = Underside(np.zeros(2), np.ones(2), np.zeros((2, 2, 3, 0)))
+        modes = underside.mode_count
+        self._flexible_row = np.full(shoes, -1)
+        self._flexible_row[list(flexible_shoes)] = np.arange(len(flexible_shoes))
+        self._flexible = (underside.corner, underside.cell, underside.integral, self._flexible_row)
+        self._modal_shape = (len(flexible_shoes), modes)
+        self._modal_forces = np.zeros(self._modal_shape)
         self.coordinates = coordinates
         self.shoe_reference = np.hstack((com_positions, np.zeros((shoes, 3))))
         self.unit_reference = np.hstack((terrain.centers, np.zeros((units, 1))))
@@ -252,6 +344,7 @@ class TrackContact:
                 terrain.unit_length,
                 terrain.unit_width,
                 terrain.unit_height,
+                *terrain.origin,
             ]
         )
         self._footprint = shoe.footprint
@@ -267,34 +360,42 @@ class TrackContact:
         self._unit_forces = np.zeros((units, 6))
         self._results = np.zeros((contacts, RESULTS))
         self._pairs = np.zeros((contacts, 2), dtype=np.int64)
+        self._patch_rows = np.zeros((contacts, 3, modes))
         self._blocks = np.zeros((contacts, PAIR_COORDINATES, PAIR_COORDINATES))
         self._work = overlap_workspace()
 
     @property
     def size(self) -> int:
-        """Number of generalized coordinates: six a shoe, then the terrain's."""
+        """Number of generalized coordinates: six a shoe, the terrain's, the flexible shoes' modes."""
+        return self._first_modal + self._modal_forces.size
+
+    @property
+    def _first_modal(self) -> int:
         return self.shoe_reference.size + self.coordinates.size
 
-    def _places(self, q: NDArray, q_t: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-        """Places and rates of shoes and units."""
-        split = self.shoe_reference.size
+    def _places(self, q: NDArray, q_t: NDArray) -> tuple[NDArray, ...]:
+        """Places and rates of shoes and units, modal coordinates and their rates."""
+        split, modal = self.shoe_reference.size, self._first_modal
         shoes = self.shoe_reference + q[:split].reshape(-1, 6)
         shoe_rates = q_t[:split].reshape(-1, 6)
-        self.coordinates.motion(q[split:], self._displacements)
-        self.coordinates.motion(q_t[split:], self._unit_rates)
+        self.coordinates.motion(q[split:modal], self._displacements)
+        self.coordinates.motion(q_t[split:modal], self._unit_rates)
         units = self.unit_reference + self._displacements
-        return shoes, shoe_rates, units, self._unit_rates
+        bent, bending = (x[modal:].reshape(self._modal_shape) for x in (q, q_t))
+        return shoes, shoe_rates, units, self._unit_rates, bent, bending
 
     def _evaluate(self, q: NDArray, q_t: NDArray) -> tuple[int, NDArray]:
         places = self._places(q, q_t)
         count = contact_forces(
             *places,
+            self._flexible,
             self._tilt_axis,
             self._grid,
             self._footprint,
             self._law,
             self._shoe_forces,
             self._unit_forces,
+            self._modal_forces,
             self._results,
             self._work,
         )
@@ -304,9 +405,10 @@ class TrackContact:
         """Generalized contact forces: array (size,)."""
         _, units = self._evaluate(q, q_t)
         generalized = np.empty(self.size)
-        split = self.shoe_reference.size
+        split, modal = self.shoe_reference.size, self._first_modal
         generalized[:split] = self._shoe_forces.ravel()
-        self.coordinates.project(self._unit_forces, units, generalized[split:])
+        self.coordinates.project(self._unit_forces, units, generalized[split:modal])
+        generalized[modal:] = self._modal_forces.ravel()
         return generalized
 
     def derivatives(
@@ -324,6 +426,7 @@ class TrackContact:
         """
         count = contact_derivatives(
             *self._places(q, q_t),
+            self._flexible,
             self._tilt_axis,
             self._grid,
             self._footprint,
@@ -333,11 +436,25 @@ class TrackContact:
             secant,
             self._pairs,
             self._blocks,
+            self._patch_rows,
             self._work,
         )
-        return self.coordinates.derivative(
-            self._pairs[:count], self._blocks[:count], len(self.shoe_reference)
+        pairs, blocks = self._pairs[:count], self._blocks[:count]
+        triplets = self.coordinates.derivative(pairs, blocks, len(self.shoe_reference))
+        if not self._modal_forces.size:
+            return triplets
+        assert isinstance(self.coordinates, ReducedCoordinates)
+        flexible = _flexible_triplets(
+            self.coordinates.modes.heave,
+            self.coordinates.modes.tilt,
+            self.coordinates.reached,
+            pairs,
+            blocks,
+            self._patch_rows[:count],
+            self._flexible_row,
+            self._first_modal,
         )
+        return np.concatenate((triplets, flexible))
 
     def results(self, q: NDArray, q_t: NDArray) -> NDArray:
         """Contacts at a state: array (contacts, RESULTS), columns as in `contact.RESULT`."""
@@ -347,5 +464,5 @@ class TrackContact:
     def unit_motion(self, q: NDArray) -> NDArray:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
         out = np.zeros_like(self.unit_reference)
-        self.coordinates.motion(q[self.shoe_reference.size :], out)
+        self.coordinates.motion(q[self.shoe_reference.size : self._first_modal], out)
         return out

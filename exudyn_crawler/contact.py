@@ -1,8 +1,9 @@
-"""Contact of rigid shoes with terrain units: forces of every overlapping pair and their derivatives.
+"""Contact of shoes with terrain units: forces of every overlapping pair and their derivatives.
 
 One contact per pair of a shoe and a unit that overlap. It acts at the centroid of the overlap volume,
 along the normal of the unit's top face with the IMPACT law, across it with Coulomb friction and about
-it with the friction torque; the unit receives the opposite of all that the shoe receives.
+it with the friction torque; the unit receives the opposite of all that the shoe receives. Where the shoe is
+flexible, the mean displacement of the patch of its underside over the unit adds to its rigid motion.
 
 Everything here is compiled and knows nothing of Exudyn: arrays of coordinates in, generalized forces
 and their derivatives out.
@@ -23,9 +24,11 @@ from exudyn_crawler.laws import (
 )
 from exudyn_crawler.overlap import overlap
 from exudyn_crawler.rotations import FloatArray, rate_matrix, rotation_matrix
+from exudyn_crawler.underside import mean_rows
 
-PAIR_COORDINATES = 8
-"""Coordinates that one pair's forces depend on: six of the shoe, heave and tilt of the unit."""
+PAIR_COORDINATES = 11
+"""Coordinates that one pair's forces depend on: six of the shoe, heave and tilt of the unit, and three of
+the displacement of a flexible shoe's patch in its own axes."""
 
 RESULTS = 20
 """Numbers kept of each contact; see `RESULT`."""
@@ -52,17 +55,12 @@ VELOCITY_STEP = 1e-6
 
 
 @njit(cache=True)
-def _geometry(
-    shoe: FloatArray,
-    unit: FloatArray,
-    tilt_axis: int,
-    footprint: FloatArray,
-    half: FloatArray,
-    corners: FloatArray,
-    work: FloatArray,
-    R: FloatArray,
-) -> tuple[float, ...]:
-    """Overlap of one pair: (area, width, depth, px, py, pz, nx, ny, nz), point and normal global."""
+def _geometry(shoe, unit, tilt_axis, footprint, half, corners, work, R):
+    """Overlap of one pair with the shoe taken as rigid; writes the shoe's rotation matrix into `R`.
+
+    Returns (area, width, depth, px, py, pz, nx, ny, nz, bounds): point and normal global, bounds of the
+    overlap in the unit's frame.
+    """
     rotation_matrix(shoe[3:6], R)
     ct, st = math.cos(unit[3]), math.sin(unit[3])
     for k in range(4):
@@ -80,9 +78,8 @@ def _geometry(
             corners[k, 0] = x
             corners[k, 1] = ct * y + st * z
             corners[k, 2] = half[2] - (ct * z - st * y)
-    area, xi, eta, depth, width = overlap(corners, half[0], half[1], work)
-    if area <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    area, xi, eta, depth, bounds = overlap(corners, half[0], half[1], work)
+    width = min(bounds[1] - bounds[0], bounds[3] - bounds[2])
     zeta = half[2] - 0.5 * depth
     if tilt_axis == 1:
         px = unit[0] + ct * xi + st * zeta
@@ -94,19 +91,22 @@ def _geometry(
         py = unit[1] + ct * eta - st * zeta
         pz = unit[2] + st * eta + ct * zeta
         nx, ny, nz = 0.0, -st, ct
-    return area, width, depth, px, py, pz, nx, ny, nz
+    return area, width, depth, px, py, pz, nx, ny, nz, bounds
 
 
 @njit(cache=True)
-def _forces(geometry, shoe, shoe_rate, unit, unit_rate, tilt_axis, law, drag_ratio, G, generalized, result):
+def _forces(
+    geometry, R, shoe, shoe_rate, patch, unit, unit_rate, tilt_axis, law, drag_ratio, G, generalized, result
+):
     """Law of one pair at a known overlap.
 
-    Writes the generalized forces on the shoe (6) and the wrench on the unit about its centre
-    (force 3, moment 3) into `generalized` (12), and the contact's results into `result`. A
-    `drag_ratio` (s/m, friction over normal force and slip speed) that is not negative takes the place
-    of the friction curve's.
+    `patch` holds displacement and velocity of the underside's patch in the shoe's axes (6). Writes the
+    generalized forces on the shoe (6), the wrench on the unit about its centre (force 3, moment 3) and the
+    force on the patch in the shoe's axes (3) into `generalized` (15), and the contact's results into
+    `result`. A `drag_ratio` (s/m, friction over normal force and slip speed) that is not negative takes
+    the place of the friction curve's.
     """
-    area, width, depth, px, py, pz, nx, ny, nz = geometry
+    area, width, depth, px, py, pz, nx, ny, nz, _ = geometry
     rate_matrix(shoe[3:6], G)
     wx = G[0, 0] * shoe_rate[3] + G[0, 1] * shoe_rate[4] + G[0, 2] * shoe_rate[5]
     wy = G[1, 0] * shoe_rate[3] + G[1, 1] * shoe_rate[4] + G[1, 2] * shoe_rate[5]
@@ -118,6 +118,13 @@ def _forces(geometry, shoe, shoe_rate, unit, unit_rate, tilt_axis, law, drag_rat
     vx = shoe_rate[0] + wy * az - wz * ay - (unit_rate[0] + uy * bz)
     vy = shoe_rate[1] + wz * ax - wx * az - (unit_rate[1] - ux * bz)
     vz = shoe_rate[2] + wx * ay - wy * ax - (unit_rate[2] + ux * by - uy * bx)
+    dx = R[0, 0] * patch[0] + R[0, 1] * patch[1] + R[0, 2] * patch[2]
+    dy = R[1, 0] * patch[0] + R[1, 1] * patch[1] + R[1, 2] * patch[2]
+    dz = R[2, 0] * patch[0] + R[2, 1] * patch[1] + R[2, 2] * patch[2]
+    vx += R[0, 0] * patch[3] + R[0, 1] * patch[4] + R[0, 2] * patch[5]
+    vy += R[1, 0] * patch[3] + R[1, 1] * patch[4] + R[1, 2] * patch[5]
+    vz += R[2, 0] * patch[3] + R[2, 1] * patch[4] + R[2, 2] * patch[5]
+    depth -= nx * dx + ny * dy + nz * dz
     vn = vx * nx + vy * ny + vz * nz
     tx, ty, tz = vx - vn * nx, vy - vn * ny, vz - vn * nz
     slip = math.sqrt(tx * tx + ty * ty + tz * tz)
@@ -139,6 +146,7 @@ def _forces(geometry, shoe, shoe_rate, unit, unit_rate, tilt_axis, law, drag_rat
     generalized[2] = fz
     for k in range(3):
         generalized[3 + k] = G[0, k] * mx + G[1, k] * my + G[2, k] * mz
+        generalized[12 + k] = R[0, k] * fx + R[1, k] * fy + R[2, k] * fz
     generalized[6] = -fx
     generalized[7] = -fy
     generalized[8] = -fz
@@ -180,11 +188,39 @@ def _unit_range(shoe, footprint, R, grid):
     reach_x += abs(R[0, 2] * footprint[4]) + 0.02 * grid[2]
     reach_y += abs(R[1, 2] * footprint[4]) + 0.02 * grid[2]
     columns, rows = int(grid[0]), int(grid[1])
-    i0 = max(0, int(math.floor((shoe[0] - reach_x) / grid[2])))
-    i1 = min(columns - 1, int(math.floor((shoe[0] + reach_x) / grid[2])))
-    j0 = max(0, int(math.floor((shoe[1] - reach_y) / grid[3])))
-    j1 = min(rows - 1, int(math.floor((shoe[1] + reach_y) / grid[3])))
+    x, y = shoe[0] - grid[5], shoe[1] - grid[6]
+    i0 = max(0, int(math.floor((x - reach_x) / grid[2])))
+    i1 = min(columns - 1, int(math.floor((x + reach_x) / grid[2])))
+    j0 = max(0, int(math.floor((y - reach_y) / grid[3])))
+    j1 = min(rows - 1, int(math.floor((y + reach_y) / grid[3])))
     return i0, i1, j0, j1
+
+
+@njit(cache=True)
+def _patch_motion(geometry, R, shoe, unit, tilt_axis, flexible, modal, modal_rate, rows, patch):
+    """Write mean rows of a flexible shoe's patch, and its displacement and velocity in the shoe's axes.
+
+    The patch is the rectangle in the shoe's axes about the overlap's bounds.
+    """
+    corner, cell, integral, _ = flexible
+    low_xi, high_xi, low_eta, high_eta = geometry[9]
+    half_xi, half_eta = 0.5 * (high_xi - low_xi), 0.5 * (high_eta - low_eta)
+    x = unit[0] + 0.5 * (low_xi + high_xi) - shoe[0]
+    y = unit[1] + 0.5 * (low_eta + high_eta) - shoe[1]
+    z = geometry[5] - shoe[2]
+    cx = R[0, 0] * x + R[1, 0] * y + R[2, 0] * z
+    cy = R[0, 1] * x + R[1, 1] * y + R[2, 1] * z
+    hx = abs(R[0, 0]) * half_xi + abs(R[1, 0]) * half_eta
+    hy = abs(R[0, 1]) * half_xi + abs(R[1, 1]) * half_eta
+    mean_rows(corner, cell, integral, cx - hx, cx + hx, cy - hy, cy + hy, rows)
+    for c in range(3):
+        displacement = 0.0
+        velocity = 0.0
+        for k in range(rows.shape[1]):
+            displacement += rows[c, k] * modal[k]
+            velocity += rows[c, k] * modal_rate[k]
+        patch[c] = displacement
+        patch[3 + c] = velocity
 
 
 @njit(cache=True)
@@ -193,12 +229,16 @@ def contact_forces(
     shoe_rates: FloatArray,
     units: FloatArray,
     unit_rates: FloatArray,
+    modal: FloatArray,
+    modal_rates: FloatArray,
+    flexible: tuple,
     tilt_axis: int,
     grid: FloatArray,
     footprint: FloatArray,
     law: FloatArray,
     shoe_forces: FloatArray,
     unit_forces: FloatArray,
+    modal_forces: FloatArray,
     results: FloatArray,
     work: FloatArray,
 ) -> int:
@@ -211,10 +251,15 @@ def contact_forces(
     units, unit_rates : array (units, 4)
         Centre position (m) and tilt (rad) of each unit, and their rates. Units count along y
         first.
+    modal, modal_rates : array (flexible shoes, modes)
+        Modal coordinates of the flexible shoes, and their rates.
+    flexible : tuple
+        Corner, cell and integral of the flexible undersides (`underside.Underside`) and, for every shoe,
+        its row in `modal`, or -1 where it is rigid.
     tilt_axis : int
         0 where units roll about x, 1 where they pitch about y.
-    grid : array (5,)
-        Columns along x, rows along y, unit lengths in x, y, z (m).
+    grid : array (7,)
+        Columns along x, rows along y, unit lengths in x, y, z (m), x and y of the grid's corner (m).
     footprint : array (5,)
         Underside in the shoe's frame: least x, greatest x, least y, greatest y, z (m).
     law : array (9,)
@@ -223,8 +268,10 @@ def contact_forces(
         Out: generalized forces on the shoes' coordinates (N, N m).
     unit_forces : array (units, 6)
         Out: force (N) and moment about the centre (N m) on each unit, global.
+    modal_forces : array (flexible shoes, modes)
+        Out: modal forces.
     results : array (contacts, RESULTS)
-        Out: one row a contact, columns as in `RESULT`; rows of zero area are not in use.
+        Out: one row a contact, columns as in `RESULT`.
     work : array (2, 12, 3)
         Scratch memory.
 
@@ -235,14 +282,20 @@ def contact_forces(
     """
     corners = np.empty((4, 3))
     R = np.empty((3, 3))
+    G = np.empty((3, 3))
     half = 0.5 * grid[2:5]
-    generalized = np.empty(12)
+    generalized = np.empty(15)
     spare = np.empty(RESULTS)
+    rigid = np.zeros(6)
+    patch = np.zeros(6)
+    mean = np.zeros((3, modal.shape[1]))
     shoe_forces[:] = 0.0
     unit_forces[:] = 0.0
+    modal_forces[:] = 0.0
     rows = int(grid[1])
     count = 0
     for s in range(shoes.shape[0]):
+        f = flexible[3][s]
         i0, i1, j0, j1 = _unit_range(shoes[s], footprint, R, grid)
         for i in range(i0, i1 + 1):
             for j in range(j0, j1 + 1):
@@ -250,17 +303,32 @@ def contact_forces(
                 geometry = _geometry(shoes[s], units[u], tilt_axis, footprint, half, corners, work, R)
                 if geometry[0] <= 0.0:
                     continue
+                if f >= 0:
+                    _patch_motion(
+                        geometry,
+                        R,
+                        shoes[s],
+                        units[u],
+                        tilt_axis,
+                        flexible,
+                        modal[f],
+                        modal_rates[f],
+                        mean,
+                        patch,
+                    )
                 row = results[count] if count < results.shape[0] else spare
                 _forces(
                     geometry,
+                    R,
                     shoes[s],
                     shoe_rates[s],
+                    patch if f >= 0 else rigid,
                     units[u],
                     unit_rates[u],
                     tilt_axis,
                     law,
                     -1.0,
-                    R,
+                    G,
                     generalized,
                     row,
                 )
@@ -270,7 +338,22 @@ def contact_forces(
                 for k in range(6):
                     shoe_forces[s, k] += generalized[k]
                     unit_forces[u, k] += generalized[6 + k]
+                if f >= 0:
+                    for c in range(3):
+                        for k in range(mean.shape[1]):
+                            modal_forces[f, k] += mean[c, k] * generalized[12 + c]
     return count
+
+
+@njit(cache=True)
+def _difference(moved, base, factor, tilt_moment, block, column):
+    """Add weighted force differences to a column of a pair's block."""
+    for k in range(6):
+        block[k, column] += factor * (moved[k] - base[k])
+    block[6, column] += factor * (moved[8] - base[8])
+    block[7, column] += factor * (moved[tilt_moment] - base[tilt_moment])
+    for k in range(3):
+        block[8 + k, column] += factor * (moved[12 + k] - base[12 + k])
 
 
 @njit(cache=True)
@@ -279,6 +362,9 @@ def contact_derivatives(
     shoe_rates: FloatArray,
     units: FloatArray,
     unit_rates: FloatArray,
+    modal: FloatArray,
+    modal_rates: FloatArray,
+    flexible: tuple,
     tilt_axis: int,
     grid: FloatArray,
     footprint: FloatArray,
@@ -288,6 +374,7 @@ def contact_derivatives(
     secant: bool,
     pairs: FloatArray,
     blocks: FloatArray,
+    patch_rows: FloatArray,
     work: FloatArray,
 ) -> int:
     """Derivatives of the contact forces, one block a pair.
@@ -303,9 +390,12 @@ def contact_derivatives(
         more slowly, but does.
     pairs : array (contacts, 2)
         Out: indices of the shoe and the unit of each block.
-    blocks : array (contacts, 8, 8)
+    blocks : array (contacts, 11, 11)
         Out: derivatives of (generalized force on the shoe, force in z and tilting moment on the
-        unit) by (the shoe's coordinates, heave and tilt of the unit).
+        unit, force on the patch in the shoe's axes) by (the shoe's coordinates, heave and tilt of the
+        unit, displacement of the patch in the shoe's axes). The patch's are zero for rigid shoes.
+    patch_rows : array (contacts, 3, modes)
+        Out: mean displacement rows of flexible shoes' patches.
 
     Other parameters as for `contact_forces`.
 
@@ -321,18 +411,21 @@ def contact_derivatives(
     """
     corners = np.empty((4, 3))
     R = np.empty((3, 3))
+    G = np.empty((3, 3))
     half = 0.5 * grid[2:5]
-    base = np.empty(12)
-    moved = np.empty(12)
+    base = np.empty(15)
+    moved = np.empty(15)
     spare = np.empty(RESULTS)
     shoe = np.empty(6)
     shoe_rate = np.empty(6)
     unit = np.empty(4)
     unit_rate = np.empty(4)
+    patch = np.empty(6)
     rows = int(grid[1])
     tilt_moment = 9 if tilt_axis == 0 else 10
     count = 0
     for s in range(shoes.shape[0]):
+        f = flexible[3][s]
         i0, i1, j0, j1 = _unit_range(shoes[s], footprint, R, grid)
         for i in range(i0, i1 + 1):
             for j in range(j0, j1 + 1):
@@ -344,7 +437,23 @@ def contact_derivatives(
                 shoe_rate[:] = shoe_rates[s]
                 unit[:] = units[u]
                 unit_rate[:] = unit_rates[u]
-                _forces(geometry, shoe, shoe_rate, unit, unit_rate, tilt_axis, law, -1.0, R, base, spare)
+                patch[:] = 0.0
+                if f >= 0:
+                    _patch_motion(
+                        geometry,
+                        R,
+                        shoe,
+                        unit,
+                        tilt_axis,
+                        flexible,
+                        modal[f],
+                        modal_rates[f],
+                        patch_rows[count],
+                        patch,
+                    )
+                _forces(
+                    geometry, R, shoe, shoe_rate, patch, unit, unit_rate, tilt_axis, law, -1.0, G, base, spare
+                )
                 drag_ratio = -1.0
                 if secant:
                     slip = math.sqrt(spare[14] ** 2 + spare[15] ** 2 + spare[16] ** 2)
@@ -353,7 +462,7 @@ def contact_derivatives(
                 block[:] = 0.0
                 pairs[count, 0] = s
                 pairs[count, 1] = u
-                for c in range(PAIR_COORDINATES):
+                for c in range(8):
                     vector, vector_rate = (shoe, shoe_rate) if c < 6 else (unit, unit_rate)
                     index = c if c < 6 else c - 4
                     old = vector[index]
@@ -362,46 +471,68 @@ def contact_derivatives(
                     if moved_geometry[0] > 0.0:
                         _forces(
                             moved_geometry,
+                            R,
                             shoe,
                             shoe_rate,
+                            patch,
                             unit,
                             unit_rate,
                             tilt_axis,
                             law,
                             drag_ratio,
-                            R,
+                            G,
                             moved,
                             spare,
                         )
                     else:
                         moved[:] = 0.0
                     vector[index] = old
-                    factor = position_factor / POSITION_STEP
-                    for k in range(6):
-                        block[k, c] += factor * (moved[k] - base[k])
-                    block[6, c] += factor * (moved[8] - base[8])
-                    block[7, c] += factor * (moved[tilt_moment] - base[tilt_moment])
-
+                    _difference(moved, base, position_factor / POSITION_STEP, tilt_moment, block, c)
+                rotation_matrix(shoe[3:6], R)
+                for c in range(8):
+                    vector_rate = shoe_rate if c < 6 else unit_rate
+                    index = c if c < 6 else c - 4
                     old = vector_rate[index]
                     vector_rate[index] = old + VELOCITY_STEP
                     _forces(
                         geometry,
+                        R,
                         shoe,
                         shoe_rate,
+                        patch,
                         unit,
                         unit_rate,
                         tilt_axis,
                         law,
                         drag_ratio,
-                        R,
+                        G,
                         moved,
                         spare,
                     )
                     vector_rate[index] = old
-                    factor = velocity_factor / VELOCITY_STEP
-                    for k in range(6):
-                        block[k, c] += factor * (moved[k] - base[k])
-                    block[6, c] += factor * (moved[8] - base[8])
-                    block[7, c] += factor * (moved[tilt_moment] - base[tilt_moment])
+                    _difference(moved, base, velocity_factor / VELOCITY_STEP, tilt_moment, block, c)
+                if f >= 0:
+                    for c in range(6):
+                        size = POSITION_STEP if c < 3 else VELOCITY_STEP
+                        factor = position_factor if c < 3 else velocity_factor
+                        old = patch[c]
+                        patch[c] = old + size
+                        _forces(
+                            geometry,
+                            R,
+                            shoe,
+                            shoe_rate,
+                            patch,
+                            unit,
+                            unit_rate,
+                            tilt_axis,
+                            law,
+                            drag_ratio,
+                            G,
+                            moved,
+                            spare,
+                        )
+                        patch[c] = old
+                        _difference(moved, base, factor / size, tilt_moment, block, 8 + c % 3)
                 count += 1
     return count

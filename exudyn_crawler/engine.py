@@ -25,7 +25,9 @@ from exudyn_crawler.assembly import (
     TerrainCoordinates,
     TrackContact,
 )
+from exudyn_crawler.floating_frame import FloatingShoe, floating_shoe
 from exudyn_crawler.parameters import Case, Drive, StepProfile
+from exudyn_crawler.shoe_bodies import SIDES, ShoeBody, add_shoe_bodies, add_shoe_nodes
 from exudyn_crawler.terrain import localized, terrain_joints, terrain_modes, units_near
 
 exu.config.printToConsole = False
@@ -47,8 +49,10 @@ class System:
         The assembled system.
     contact : TrackContact
         Contact forces as functions of the system's coordinates.
+    floating : FloatingShoe, optional
+        What the flexible shoes share.
     link_rows, drive_row, turn_row, hold_rows :
-        Indices of the Lagrange multipliers: array (joints, 6) of the links; of the drive; of the turn
+        Indices of the Lagrange multipliers: six for each pin's joint of each link; of the drive; of the turn
         (None without one); of the directions held during statics.
     """
 
@@ -56,7 +60,8 @@ class System:
     mbs: "exu.MainSystem"
     case: Case
     contact: TrackContact
-    link_rows: NDArray
+    floating: FloatingShoe | None
+    link_rows: list[list[list[int]]]
     drive: int
     drive_row: int
     turn: int | None
@@ -66,6 +71,12 @@ class System:
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`."""
         self.mbs.systemData.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
+
+    def release_drive(self) -> None:
+        """Leave the front shoe free from now on."""
+        for item in (self.drive, self.turn):
+            if item is not None:
+                self.mbs.SetObjectParameter(item, "activeConnector", False)
 
     def state(self) -> NDArray:
         """Time, coordinates, their first and second rates and the multipliers, in one row."""
@@ -93,13 +104,25 @@ def build(case: Case, static: bool = False) -> System:
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     ground = mbs.AddObject(items.ObjectGround())
-    shoe_nodes, shoes = _add_shoes(mbs, case)
-    _add_loads(mbs, case, shoes)
-    links = _add_links(mbs, case, shoes)
+    floating = None
+    if case.flexible is not None:
+        floating = floating_shoe(case.flexible, tuple(case.shoe.footprint.tolist()))
+    shoe_nodes = add_shoe_nodes(mbs, case)
     terrain_nodes, coordinates = add_terrain(mbs, case, ground)
-    com_positions = case.track.com_positions(case.shoe.com_height)
-    contact = TrackContact(com_positions, case.shoe, case.terrain, case.contact, coordinates)
-    add_contact(mbs, contact, shoe_nodes + terrain_nodes)
+    shoes = add_shoe_bodies(mbs, case, shoe_nodes, floating)
+    _add_loads(mbs, case, shoes)
+    links = _add_links(mbs, shoes)
+    contact = TrackContact(
+        case.track.com_positions(case.shoe.com_height),
+        case.shoe,
+        case.terrain,
+        case.contact,
+        coordinates,
+        None if floating is None else floating.underside,
+        [index for index, shoe in enumerate(shoes) if shoe.is_flexible],
+    )
+    modal_nodes = [shoe.modal_node for shoe in shoes if shoe.modal_node is not None]
+    add_contact(mbs, contact, shoe_nodes + terrain_nodes + modal_nodes)
 
     fixed = mbs.AddMarker(
         items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
@@ -119,7 +142,8 @@ def build(case: Case, static: bool = False) -> System:
         mbs=mbs,
         case=case,
         contact=contact,
-        link_rows=np.array([rows(link) for link in links]),
+        link_rows=[[rows(pin) for pin in link] for link in links],
+        floating=floating,
         drive=drive,
         drive_row=rows(drive)[0],
         turn=turn,
@@ -128,41 +152,11 @@ def build(case: Case, static: bool = False) -> System:
     )
 
 
-def _add_shoes(mbs: "exu.MainSystem", case: Case) -> tuple[list[int], list[int]]:
-    """Rigid shoes at their places at t = 0: nodes and bodies."""
-    nodes, bodies = [], []
-    for number, position in enumerate(case.track.com_positions(case.shoe.com_height), start=1):
-        nodes.append(
-            mbs.AddNode(
-                items.NodeRigidBodyRxyz(
-                    name=f"shoe {number}", referenceCoordinates=[*position, 0.0, 0.0, 0.0]
-                )
-            )
-        )
-        bodies.append(
-            mbs.AddObject(
-                items.ObjectRigidBody(
-                    name=f"shoe {number}",
-                    mass=case.shoe.mass,
-                    inertia=list(case.shoe.inertia),
-                    nodeNumber=nodes[-1],
-                )
-            )
-        )
-    return nodes, bodies
-
-
-def _add_loads(mbs: "exu.MainSystem", case: Case, shoes: Sequence[int]) -> None:
-    """Weight at the COM and machine load at the top face of every shoe."""
+def _add_loads(mbs: "exu.MainSystem", case: Case, shoes: Sequence[ShoeBody]) -> None:
+    """Machine load on the top face of every shoe."""
     for number, shoe in enumerate(shoes, start=1):
-        com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=shoe))
-        weight = [0.0, 0.0, -case.shoe.mass * case.gravity]
-        mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=weight))
-        top = mbs.AddMarker(
-            items.MarkerBodyPosition(bodyNumber=shoe, localPosition=list(case.shoe.load_point))
-        )
         profile = case.loads.profile(number)
-        load = items.LoadForceVector(markerNumber=top, loadVector=[0.0, 0.0, -float(profile.value(0.0))])
+        load = items.LoadForceVector(markerNumber=shoe.top, loadVector=[0.0, 0.0, -float(profile.value(0.0))])
         if len(set(profile.values)) > 1:
             load.loadVectorUserFunction = _vertical(profile)
         mbs.AddLoad(load)
@@ -178,26 +172,27 @@ def _vertical(profile: StepProfile) -> Callable[..., list[float]]:
     return vertical
 
 
-def _add_links(mbs: "exu.MainSystem", case: Case, shoes: Sequence[int]) -> list[int]:
-    """Hinges between neighbours: the spherical joint and the parallel axis in one item, five equations.
+def _add_links(mbs: "exu.MainSystem", shoes: Sequence[ShoeBody]) -> list[list[int]]:
+    """Hinges between neighbours: for every link its joints, right pin first.
 
-    The parallel axis has no place of its own: where its marker sits changes neither the motion nor the
-    torque.
+    Two rigid shoes have one: a spherical joint and a parallel axis in one item, five equations; the
+    parallel axis has no place of its own, where its marker sits changes neither the motion nor the torque.
+    Where a shoe is flexible each pin is a revolute joint.
     """
     links = []
     for number, (rear, front) in enumerate(pairwise(shoes), start=1):
-        markers = [
-            mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=list(place)))
-            for body, place in ((rear, case.track.front_pin), (front, case.track.rear_pin))
-        ]
+        sides = SIDES if rear.is_flexible or front.is_flexible else SIDES[:1]
         links.append(
-            mbs.AddObject(
-                items.ObjectJointGeneric(
-                    name=f"link {number}",
-                    markerNumbers=markers,
-                    constrainedAxes=[1, 1, 1, 1, 0, 1],
+            [
+                mbs.AddObject(
+                    items.ObjectJointGeneric(
+                        name=f"{side} pin of link {number}",
+                        markerNumbers=[rear.pins["front", side], front.pins["rear", side]],
+                        constrainedAxes=[1, 1, 1, 1, 0, 1],
+                    )
                 )
-            )
+                for side in sides
+            ]
         )
     return links
 

@@ -55,10 +55,10 @@ def _first_guess(system: System) -> NDArray:
     shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
     loads = case.loads.loads(0.0)[0] + case.shoe.mass * case.gravity
     law = case.contact
-    penetration = (loads / law.stiffness) ** (1.0 / law.exponent)
+    penetration = (np.maximum(loads, 0.0) / law.stiffness) ** (1.0 / law.exponent)
     sag = case.terrain.unit_mass * case.gravity / case.terrain.heave_stiffness
     shoes[:, 2] = -sag - penetration
-    terrain = q[shoes.size :]
+    terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
     if case.terrain_formulation == "constrained":
         terrain.reshape(-1, 6)[:, 2] = -sag
     else:

@@ -12,6 +12,8 @@ from exudyn_crawler.rotations import FloatArray
 VERTICES = 12
 """Room for the corners of a clipped rectangle: each of five cuts adds one at most."""
 
+NO_OVERLAP = (0.0, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0))
+
 
 @njit(cache=True)
 def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: float, limit: float) -> int:
@@ -38,7 +40,7 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
 @njit(cache=True)
 def overlap(
     corners: FloatArray, half_x: float, half_y: float, work: FloatArray
-) -> tuple[float, float, float, float, float]:
+) -> tuple[float, float, float, float, tuple[float, float, float, float]]:
     """Clip the underside to a unit's top face and integrate the depth over what is left.
 
     Parameters
@@ -59,8 +61,8 @@ def overlap(
         m, centroid of the overlap volume in the unit's frame.
     depth : float
         m, depth of the underside at the centroid.
-    width : float
-        m, the smaller side of the overlap's bounding rectangle.
+    bounds : tuple of float
+        m, least and greatest xi, least and greatest eta of the overlap.
 
     Notes
     -----
@@ -85,7 +87,7 @@ def overlap(
         ):
             count = _clip(points, count, other, axis, sign, limit)
             if count < 3:
-                return 0.0, 0.0, 0.0, 0.0, 0.0
+                return NO_OVERLAP
             points, other = other, points
 
     area = 0.0
@@ -105,7 +107,7 @@ def overlap(
         moment_eta += triangle * ((eta0 + eta1 + eta2) * total + eta0 * d0 + eta1 * d1 + eta2 * d2) / 12.0
         moment_depth += triangle * (total * total + d0 * d0 + d1 * d1 + d2 * d2) / 12.0
     if area <= 0.0 or volume <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0
+        return NO_OVERLAP
 
     low_xi = high_xi = points[0, 0]
     low_eta = high_eta = points[0, 1]
@@ -114,8 +116,8 @@ def overlap(
         high_xi = max(high_xi, points[k, 0])
         low_eta = min(low_eta, points[k, 1])
         high_eta = max(high_eta, points[k, 1])
-    width = min(high_xi - low_xi, high_eta - low_eta)
-    return area, moment_xi / volume, moment_eta / volume, moment_depth / volume, width
+    bounds = (low_xi, high_xi, low_eta, high_eta)
+    return area, moment_xi / volume, moment_eta / volume, moment_depth / volume, bounds
 
 
 def overlap_workspace() -> FloatArray:

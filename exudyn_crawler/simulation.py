@@ -1,6 +1,7 @@
 """Time integration of a case from its static equilibrium."""
 
 import math
+from collections.abc import Callable
 
 import exudyn as exu
 import numpy as np
@@ -81,16 +82,38 @@ def integrate(
             return True
 
         system.mbs.SetPostStepUserFunction(after_step)
+        off_time = system.case.drive.off_time
+        if off_time is not None and off_time < duration:
+            system.mbs.SetPreStepUserFunction(_release_at(system, off_time))
         try:
             system.mbs.SolveDynamic(settings)
         except exu.SolverError:
             reason = f"Newton's method failed at the least step {system.case.solver.minimum_step:g} s"
         except KeyboardInterrupt:
             reason = "interrupted"
+        except exu.ModelError as error:
+            # where an interrupt meets a user function, Exudyn hands it on as an error of that function
+            if "KeyboardInterrupt" not in str(error):
+                raise
+            reason = "interrupted"
     history = history_of(system, recorder.rows)
     if reason is not None:
         raise SimulationStopped(recorder.time, reason, history)
     return history
+
+
+def _release_at(system: System, off_time: float) -> Callable[["exu.MainSystem", float], bool]:
+    """Exudyn's user function that leaves the front shoe free in the steps that end after a time."""
+    released = False
+
+    def before_step(_mbs: "exu.MainSystem", step_end: float) -> bool:
+        nonlocal released
+        if not released and step_end > off_time * (1.0 + 1e-9):
+            system.release_drive()
+            released = True
+        return True
+
+    return before_step
 
 
 class _Recorder:

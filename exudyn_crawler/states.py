@@ -13,6 +13,7 @@ from exudyn_crawler.contact import RESULT
 from exudyn_crawler.engine import System
 from exudyn_crawler.history import History
 from exudyn_crawler.rotations import angular_acceleration, angular_velocity, rotation_matrices
+from exudyn_crawler.shoe_bodies import SIDES
 
 AXES = ["x", "y", "z"]
 
@@ -35,11 +36,12 @@ def history_of(system: System, rows: NDArray) -> History:
     variables = (
         _shoes(system, q, q_t, q_tt) | _reactions(system, q, multipliers) | _terrain(system, q, q_t, q_tt)
     )
-    variables["load"] = (
+    variables["shoe_load"] = (
         ("time", "shoe"),
         case.loads.loads(time),
         {"units": "N", "long_name": "machine and dipper load, downward"},
     )
+    variables |= _flexible(system, q, q_t, multipliers)
     contacts, pairs = _contacts(system, q, q_t)
     dataset = xr.Dataset(
         variables | contacts,
@@ -49,6 +51,7 @@ def history_of(system: System, rows: NDArray) -> History:
             "joint": ("joint", case.track.joints, {"long_name": "link of shoes i and i + 1"}),
             "unit": case.terrain.units,
             "axis": AXES,
+            **_flexible_coordinates(system),
             "contact_shoe": ("contact", pairs[:, 0]),
             "contact_unit": ("contact", pairs[:, 1]),
         },
@@ -84,6 +87,18 @@ def _shoes(system: System, q: NDArray, q_t: NDArray, q_tt: NDArray) -> dict[str,
     }
 
 
+def _pin_axes(system: System, q: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Axes y of the rear and x, z of the front shoe of every link: arrays (times, joints, 3)."""
+    count = system.case.track.shoe_count
+    frames = rotation_matrices(q[:, : 6 * count].reshape(len(q), count, 6)[..., 3:])
+    return frames[:, :-1, :, 1], frames[:, 1:, :, 0], frames[:, 1:, :, 2]
+
+
+def _pin_torque(reaction: NDArray, y0: NDArray, x1: NDArray, z1: NDArray) -> NDArray:
+    """Torque on the rear shoe of a joint's multipliers (times, 6): array (times, 3)."""
+    return reaction[:, 3, None] * np.cross(x1, y0) + reaction[:, 5, None] * np.cross(z1, y0)
+
+
 def _reactions(system: System, q: NDArray, multipliers: NDArray) -> dict[str, Variable]:
     """Forces and torques of links and drive.
 
@@ -91,18 +106,19 @@ def _reactions(system: System, q: NDArray, multipliers: NDArray) -> dict[str, Va
     the front one 1, ``y0 . x1 = 0`` and ``y0 . z1 = 0``: the multipliers of the first are the force on
     the rear shoe, those of the others turn it by ``x1 x y0`` and ``z1 x y0``.
     """
-    case = system.case
-    count = case.track.shoe_count
-    frames = rotation_matrices(q[:, : 6 * count].reshape(len(q), count, 6)[..., 3:])
-    links = multipliers[:, system.link_rows]
-    y0 = frames[:, :-1, :, 1]
-    x1, z1 = frames[:, 1:, :, 0], frames[:, 1:, :, 2]
-    torque = links[..., 3, None] * np.cross(x1, y0) + links[..., 5, None] * np.cross(z1, y0)
+    y0, x1, z1 = _pin_axes(system, q)
+    force = np.zeros(y0.shape)
+    torque = np.zeros_like(force)
+    for link, pins in enumerate(system.link_rows):
+        for rows in pins:
+            reaction = multipliers[:, rows]
+            force[:, link] += reaction[:, :3]
+            torque[:, link] += _pin_torque(reaction, y0[:, link], x1[:, link], z1[:, link])
     turn = np.zeros(len(q)) if system.turn_row is None else -multipliers[:, system.turn_row]
     return {
         "joint_force": (
             ("time", "joint", "axis"),
-            links[..., :3],
+            force,
             {"units": "N", "long_name": "force of the spherical joint on the rear shoe"},
         ),
         "joint_torque": (
@@ -119,6 +135,57 @@ def _reactions(system: System, q: NDArray, multipliers: NDArray) -> dict[str, Va
             ("time",),
             turn,
             {"units": "N m", "long_name": "torque of the turn on the front shoe about its z axis"},
+        ),
+    }
+
+
+def _flexible_coordinates(system: System) -> dict[str, object]:
+    if system.floating is None:
+        return {}
+    assert system.case.flexible is not None
+    return {
+        "flexible_shoe": list(system.case.flexible.shoes),
+        "mode": np.arange(1, system.floating.mode_count + 1),
+        "frequency": ("mode", system.floating.reduced.frequencies, {"units": "Hz"}),
+        "pin": list(SIDES),
+    }
+
+
+def _flexible(system: System, q: NDArray, q_t: NDArray, multipliers: NDArray) -> dict[str, Variable]:
+    """Modal coordinates of the flexible shoes and the forces at each pin of their links."""
+    if system.floating is None:
+        return {}
+    assert system.case.flexible is not None
+    numbers = system.case.flexible.shoes
+    modes = system.floating.mode_count
+    bent, bending = (x[:, -len(numbers) * modes :].reshape(len(q), len(numbers), modes) for x in (q, q_t))
+    force = np.full((len(q), len(system.link_rows), len(SIDES), 3), np.nan)
+    torque = np.full_like(force, np.nan)
+    y0, x1, z1 = _pin_axes(system, q)
+    for link, pins in enumerate(system.link_rows):
+        for side, rows in enumerate(pins):
+            force[:, link, side] = multipliers[:, rows[:3]]
+            torque[:, link, side] = _pin_torque(multipliers[:, rows], y0[:, link], x1[:, link], z1[:, link])
+    return {
+        "modal_coordinate": (
+            ("time", "flexible_shoe", "mode"),
+            bent,
+            {"units": "kg0.5 m", "long_name": "modal coordinate"},
+        ),
+        "modal_velocity": (
+            ("time", "flexible_shoe", "mode"),
+            bending,
+            {"units": "kg0.5 m/s", "long_name": "rate of the modal coordinate"},
+        ),
+        "pin_force": (
+            ("time", "joint", "pin", "axis"),
+            force,
+            {"units": "N", "long_name": "force at the pin on the rear shoe; rigid links have one joint"},
+        ),
+        "pin_torque": (
+            ("time", "joint", "pin", "axis"),
+            torque,
+            {"units": "N m", "long_name": "torque at the pin on the rear shoe"},
         ),
     }
 

@@ -7,6 +7,7 @@ Values of the P&H 4100C and of the papers are named constructors beside the clas
 from exudyn_crawler.parameters.case import Case
 from exudyn_crawler.parameters.contact import ContactLaw
 from exudyn_crawler.parameters.drive import Drive
+from exudyn_crawler.parameters.flexible import FlexibleShoes
 from exudyn_crawler.parameters.loads import LoadCycle, Phase
 from exudyn_crawler.parameters.profile import StepProfile
 from exudyn_crawler.parameters.shoe import Shoe
@@ -18,6 +19,7 @@ __all__ = [
     "Case",
     "ContactLaw",
     "Drive",
+    "FlexibleShoes",
     "LoadCycle",
     "Phase",
     "Shoe",

@@ -9,6 +9,7 @@ from pydantic import model_validator
 from exudyn_crawler.parameters.base import Parameters, quantity
 from exudyn_crawler.parameters.contact import ContactLaw
 from exudyn_crawler.parameters.drive import Drive
+from exudyn_crawler.parameters.flexible import FlexibleShoes
 from exudyn_crawler.parameters.loads import LoadCycle
 from exudyn_crawler.parameters.shoe import Shoe
 from exudyn_crawler.parameters.solver import Solver
@@ -33,6 +34,7 @@ class Case(Parameters):
     contact: ContactLaw
     drive: Drive
     loads: LoadCycle
+    flexible: FlexibleShoes | None = None
     solver: Solver = Solver()
     terrain_formulation: Literal["reduced", "constrained"] = "reduced"
     gravity: float = quantity("m/s2", "acceleration of gravity, along -z", ge=0, default=9.81)
@@ -49,6 +51,13 @@ class Case(Parameters):
                 f"shoe.length must not exceed the track's pitch {self.track.pitch}, "
                 f"got {self.shoe.length}: neighbours would share ground"
             )
+        if self.flexible is not None:
+            if self.flexible.shoes[0] < 1 or self.flexible.shoes[-1] > self.track.shoe_count:
+                raise ValueError(
+                    f"flexible.shoes must be in 1..{self.track.shoe_count}, got {self.flexible.shoes}"
+                )
+            if self.terrain_formulation != "reduced":
+                raise ValueError("flexible shoes need terrain_formulation 'reduced'")
         self.check_support(0.0)
         return self
 
@@ -101,9 +110,10 @@ class Case(Parameters):
             corners = self.outline(time)
             for axis, name in enumerate("xy"):
                 low, high = corners[:, axis].min(), corners[:, axis].max()
-                extent = self.terrain.extent[axis]
-                if low < 0.0 or high > extent:
+                least, greatest = self.terrain.bounds[axis]
+                if low < least or high > greatest:
                     raise ValueError(
                         f"terrain must carry the track over the whole drive: at t = {time:.3g} s the "
-                        f"track reaches {name} = {low:.3f}..{high:.3f} m, the terrain 0..{extent:g} m"
+                        f"track reaches {name} = {low:.3f}..{high:.3f} m, "
+                        f"the terrain {least:g}..{greatest:g} m"
                     )

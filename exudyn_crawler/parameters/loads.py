@@ -1,14 +1,27 @@
 """Machine and dipper loads on the shoes over time."""
 
+import tomllib
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
+from scipy.optimize import brentq
 
 from exudyn_crawler.parameters.base import Parameters, quantity
 from exudyn_crawler.parameters.profile import StepProfile
+
+SHOVEL_SHOES = 13
+MIDDLE_SHOE = 7
+PROPEL_LOAD = 386.4e3
+"""N on every shoe during propel (F-paper): the weight of the machine less the shoes, evenly spread."""
+DIPPER_LOAD = 445e3
+"""N of dipper load per track (S-paper)."""
+DIG_LOAD, SWING_LOAD, DUMP_LOAD = 384e3, 732e3, 541e3
+"""N on shoe 7 at the ends of dig, swing and dump (S-paper)."""
 
 
 class Phase(Parameters):
@@ -50,6 +63,73 @@ class LoadCycle(Parameters):
         """Machine weight spread evenly (F-paper): 386.4 kN on each shoe."""
         return cls.constant([386.4e3] * shoe_count)
 
+    @classmethod
+    def shovel_cycle(cls) -> Self:
+        """Propel, dig, hoist and swing, dump and return of the P&H 4100C (S-paper).
+
+        Only the loads on shoe 7 are printed. The others follow from what is stated of them, with every
+        sum kept (machine 13 x 386.4 kN, dipper 445 kN):
+
+        - dig: the dipper on shoes 7 to 13, rising evenly from shoe to shoe; the machine's load grows with
+          the square of the distance from shoe 7, where it is what the printed 384 kN leave it;
+        - swing: both symmetric about shoe 7 and falling evenly from there, the machine's from 541 kN, the
+          dipper's from the rest of the printed 732 kN until nothing is left;
+        - dump: the machine's share of the swing alone;
+        - return: even again.
+        """
+        from_middle = np.abs(np.arange(1, SHOVEL_SHOES + 1) - MIDDLE_SHOE)
+        machine = SHOVEL_SHOES * PROPEL_LOAD
+
+        dipper = np.clip(np.arange(1, SHOVEL_SHOES + 1) - (MIDDLE_SHOE - 1), 0, None)
+        dipper = DIPPER_LOAD * dipper / dipper.sum()
+        least = DIG_LOAD - dipper[MIDDLE_SHOE - 1]
+        bowl = (machine - SHOVEL_SHOES * least) / np.sum(from_middle**2)
+        dig = least + bowl * from_middle**2 + dipper
+
+        slope = (SHOVEL_SHOES * DUMP_LOAD - machine) / from_middle.sum()
+        dump = DUMP_LOAD - slope * from_middle
+        swing = dump + _falling(SWING_LOAD - DUMP_LOAD, DIPPER_LOAD, from_middle)
+
+        even = np.full(SHOVEL_SHOES, PROPEL_LOAD)
+        ends = {
+            "propel": (15.0, even),
+            "dig": (22.5, dig),
+            "hoist and swing": (30.0, swing),
+            "dump": (33.5, dump),
+            "return": (40.0, even),
+        }
+        return cls(
+            phases=tuple(
+                Phase(name=name, end=end, loads=tuple(loads.tolist())) for name, (end, loads) in ends.items()
+            )
+        )
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """Read a cycle from a TOML file: a list of tables ``[[phases]]`` with name, end and loads.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If it is not TOML or not a load cycle, naming what is wrong.
+        """
+        with Path(path).open("rb") as file:
+            try:
+                content = tomllib.load(file)
+            except tomllib.TOMLDecodeError as error:
+                raise ValueError(f"{path} is not TOML: {error}") from error
+        return cls.model_validate(content)
+
+    def table(self) -> pd.DataFrame:
+        """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""
+        columns = {
+            f"{phase.name} ({phase.end:g} s)": [*phase.loads, sum(phase.loads)] for phase in self.phases
+        }
+        shoes = [*map(str, range(1, self.shoe_count + 1)), "sum"]
+        return pd.DataFrame({"shoe": shoes, **{n: np.array(v) / 1e3 for n, v in columns.items()}})
+
     @property
     def shoe_count(self) -> int:
         """Number of shoes that the cycle loads."""
@@ -68,3 +148,9 @@ class LoadCycle(Parameters):
         """Loads at each time: array (times, shoes), N downward."""
         t = np.atleast_1d(np.asarray(time, dtype=float))
         return np.column_stack([self.profile(s).value(t) for s in range(1, self.shoe_count + 1)])
+
+
+def _falling(greatest: float, total: float, distance: NDArray) -> NDArray:
+    """Loads that fall evenly with the distance from `greatest` to nothing, with a given sum."""
+    slope = brentq(lambda slope: np.clip(greatest - slope * distance, 0.0, None).sum() - total, 0.0, greatest)
+    return np.clip(greatest - slope * distance, 0.0, None)

@@ -12,10 +12,12 @@ from exudyn_crawler.parameters.base import Parameters, quantity
 class Terrain(Parameters):
     """Grid of rigid units, each with heave and one tilt on vertical spring-dampers.
 
-    The origin is a corner of the top face; units count along y first, from 1. Their top faces lie at
-    z = 0 while the springs are free.
+    Units count along y first, from 1. Their top faces lie at z = 0 while the springs are free.
     """
 
+    origin: tuple[float, float] = quantity(
+        "m", "x and y of the corner of the top face at unit 1, global", default=(0.0, 0.0)
+    )
     columns: int = quantity("1", "units along x", ge=1)
     rows: int = quantity("1", "units along y", ge=1)
     unit_length: float = quantity("m", "side of a unit in x", gt=0)
@@ -61,9 +63,12 @@ class Terrain(Parameters):
 
         Open in the paper and chosen here: the spring stands at the unit's centre and, being a column of
         oil sand as wide as the unit (E = 20 MPa), resists tilting with E I / L; without it a row of
-        units could fold without resistance.
+        units could fold without resistance. The terrain's place is open too; here it has the same margin
+        on both sides of the track and, halfway through the drive, before and behind it (4.7 m and 4.7 m,
+        "4 to 5 m" in the paper).
         """
         return cls(
+            origin=(5.044, 2.7901),
             columns=19,
             rows=13,
             unit_length=1.0,
@@ -89,9 +94,10 @@ class Terrain(Parameters):
         return np.arange(1, self.unit_count + 1)
 
     @property
-    def extent(self) -> tuple[float, float]:
-        """Length in x and width in y of the whole terrain, m."""
-        return self.columns * self.unit_length, self.rows * self.unit_width
+    def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Least and greatest x, least and greatest y of the whole terrain, m, global."""
+        x, y = self.origin
+        return (x, x + self.columns * self.unit_length), (y, y + self.rows * self.unit_width)
 
     @property
     def centers(self) -> NDArray:
@@ -99,8 +105,8 @@ class Terrain(Parameters):
         column, row = np.divmod(np.arange(self.unit_count), self.rows)
         return np.column_stack(
             (
-                (column + 0.5) * self.unit_length,
-                (row + 0.5) * self.unit_width,
+                self.origin[0] + (column + 0.5) * self.unit_length,
+                self.origin[1] + (row + 0.5) * self.unit_width,
                 np.full(self.unit_count, -0.5 * self.unit_height),
             )
         )

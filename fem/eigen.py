@@ -1,0 +1,106 @@
+"""Lowest modes of K u = w^2 M u by shift-inverted block Lanczos.
+
+Single solves dominate the usual Lanczos iteration; a block of right-hand sides costs the direct
+solver about a third of as many single ones. The basis is kept orthonormal in mass by two passes of
+Gram-Schmidt (Golub and Van Loan, Matrix Computations, 10.3) and the answer is a Rayleigh-Ritz
+projection, so that the modes are orthonormal to rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy.linalg
+from scipy.sparse import csr_array
+
+from .mesh import Floats
+from .solver import Backend, factorized
+
+BLOCK = 12
+RESIDUAL = 1e-9
+SEED = 6_2016
+
+
+def _orthonormal_in_mass(
+    block: Floats, mass: csr_array, basis: Floats, mass_basis: Floats
+) -> tuple[Floats, Floats]:
+    """Make a block orthonormal in mass, also to a basis; dependent columns are dropped."""
+    for _ in range(2):
+        block = block - basis @ (mass_basis.T @ block)
+        moved = mass @ block
+        gram = block.T @ moved
+        size = np.sqrt(np.maximum(np.diag(gram), np.finfo(float).tiny))
+        values, vectors = np.linalg.eigh(gram / np.outer(size, size))
+        keep = values > 1e-13 * values[-1]
+        turn = (vectors[:, keep] / np.sqrt(values[keep])) / size[:, None]
+        block, moved = block @ turn, moved @ turn
+    return block, moved
+
+
+def lowest_modes(
+    stiffness: csr_array,
+    mass: csr_array,
+    count: int,
+    shift: float = 0.0,
+    backend: Backend | None = None,
+    solve: Callable[[Floats], Floats] | None = None,
+) -> tuple[Floats, Floats]:
+    """Lowest eigenvalues and modes of a symmetric pencil.
+
+    Parameters
+    ----------
+    stiffness, mass : (n, n) sparse; the stiffness positive semidefinite, the mass definite.
+    count : number of modes.
+    shift : positive number in 1/s2 that makes K + shift M definite; 0 if K is.
+    backend : of `solver.factorized`.
+    solve : solution of (K + shift M) x = b if it is factorized already.
+
+    Returns
+    -------
+    eigenvalues : (count,) in 1/s2, ascending.
+    modes : (n, count), orthonormal in mass.
+
+    Raises
+    ------
+    ValueError
+        If count is not between 1 and n.
+    """
+    n = stiffness.shape[0]
+    if not 1 <= count <= n:
+        raise ValueError(f"count = {count} modes asked of a model with {n} degrees of freedom")
+    if 3 * count + 4 * BLOCK >= n:
+        values, vectors = scipy.linalg.eigh(
+            stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1)
+        )
+        return values, vectors
+    if solve is None:
+        solve = factorized(csr_array(stiffness + shift * mass) if shift else stiffness, backend)
+    block = np.random.default_rng(SEED).standard_normal((n, BLOCK))
+    capacity = 3 * count + 8 * BLOCK
+    basis, mass_basis = np.empty((n, capacity), order="F"), np.empty((n, capacity), order="F")
+    projected = np.zeros((capacity, capacity))
+    block, moved = _orthonormal_in_mass(solve(mass @ block), mass, basis[:, :0], basis[:, :0])
+    size = 0
+    while True:
+        width = block.shape[1]
+        if size + width > capacity:
+            raise RuntimeError(f"{count} modes did not converge within a basis of {size} vectors")
+        new = slice(size, size + width)
+        basis[:, new], mass_basis[:, new] = block, moved
+        size += width
+        image = solve(moved)
+        overlap = mass_basis[:, :size].T @ image
+        projected[:size, new] = overlap
+        projected[new, :size] = overlap.T
+        block, moved = _orthonormal_in_mass(image, mass, basis[:, :size], mass_basis[:, :size])
+        if size < count + BLOCK:
+            continue
+        inverse, coefficients = np.linalg.eigh(projected[:size, :size])
+        coupling = moved.T @ image
+        residual = np.linalg.norm(coupling @ coefficients[size - width :, -count:], axis=0)
+        if (residual <= RESIDUAL * inverse[-count:]).all():
+            break
+    chosen = slice(size - 1, size - count - 1, -1) if size > count else slice(None, None, -1)
+    modes = basis[:, :size] @ coefficients[:, chosen]
+    return 1.0 / inverse[chosen] - shift, modes

@@ -1,0 +1,154 @@
+"""Reduced bodies to and from one HDF5 file, with digests that tell a stale one."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from .body import ElasticBody
+from .elasticity import Material
+from .interfaces import Interface
+from .mesh import Floats, Mesh
+from .reduced import ReducedBody
+from .reduction import craig_bampton
+
+FORMAT = "fem reduced body 1"
+_ARRAYS = ("frequencies", "modes", "stress_modes", "pilots", "center_of_mass", "inertia")
+
+
+class StaleCacheError(ValueError):
+    """A file of a reduced body that belongs to another mesh or to other parameters."""
+
+
+def reduction_digest(
+    body: ElasticBody,
+    interfaces: Sequence[Interface],
+    n_fixed_modes: int,
+    residual_loads: Mapping[str, Floats] | None = None,
+) -> str:
+    """SHA-256 of everything that a reduction depends on."""
+    sha = hashlib.sha256(FORMAT.encode())
+    sha.update(body.mesh.digest.encode())
+    sha.update(json.dumps([asdict(body.material), n_fixed_modes], sort_keys=True).encode())
+    for i in interfaces:
+        sha.update(json.dumps([i.name, i.spider]).encode())
+        sha.update(i.center.tobytes() + i.nodes.tobytes())
+    for name, load in (residual_loads or {}).items():
+        sha.update(name.encode() + np.ascontiguousarray(load, dtype=np.float64).tobytes())
+    return sha.hexdigest()
+
+
+def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
+    """Write a reduced body with its mesh into an HDF5 file.
+
+    Parameters
+    ----------
+    path : file to write, replaced only when complete.
+    body : ReducedBody
+    digest : of `reduction_digest`, if the file is to serve as a cache.
+    """
+    path = Path(path)
+    part = path.with_name(path.name + ".part")
+    with h5py.File(part, "w") as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["mesh_digest"] = body.mesh.digest
+        file.attrs["digest"] = digest
+        file.attrs["material"] = json.dumps(asdict(body.material))
+        file.attrs["parameters"] = json.dumps(dict(body.parameters))
+        file.attrs["mass"] = body.mass
+        for name in _ARRAYS:
+            file[name] = getattr(body, name)
+        mesh = file.create_group("mesh")
+        mesh["nodes"], mesh["elements"] = body.mesh.nodes, body.mesh.elements
+        for group, arrays in (
+            ("surfaces", body.mesh.surfaces),
+            ("surface_weights", body.surface_weights),
+        ):
+            entry = mesh.create_group(group)
+            for name, array in arrays.items():
+                entry.create_dataset(name, data=array, compression="gzip")
+        for number, interface in enumerate(body.interfaces):
+            entry = file.create_group(f"interfaces/{number:03d}")
+            entry.attrs["name"], entry.attrs["spider"] = interface.name, interface.spider
+            entry["center"], entry["nodes"] = interface.center, interface.nodes
+    part.replace(path)
+
+
+def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None = None) -> ReducedBody:
+    """Read a reduced body.
+
+    Parameters
+    ----------
+    path : file of `save_reduced`.
+    mesh : the mesh it must belong to, if given.
+    digest : of `reduction_digest`, that it must have, if given.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is no file of a reduced body.
+    StaleCacheError
+        If mesh or digest differ.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FileNotFoundError(f"no file {path}")
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise ValueError(f"{path} is no HDF5 file: {error}") from error
+    with file:
+        if file.attrs.get("format") != FORMAT:
+            raise ValueError(f"{path} is no {FORMAT!r} file, but {file.attrs.get('format')!r}")
+        if mesh is not None and file.attrs["mesh_digest"] != mesh.digest:
+            raise StaleCacheError(f"{path} belongs to another mesh than the one given")
+        if digest is not None and file.attrs["digest"] != digest:
+            raise StaleCacheError(f"{path} was made with another mesh or other parameters")
+        stored = file["mesh"]
+        own = mesh or Mesh(
+            stored["nodes"][()],
+            stored["elements"][()],
+            {name: data[()] for name, data in stored["surfaces"].items()},
+        )
+        return ReducedBody(
+            mesh=own,
+            material=Material(**json.loads(file.attrs["material"])),
+            interfaces=tuple(
+                Interface(
+                    str(entry.attrs["name"]),
+                    entry["center"][()],
+                    entry["nodes"][()],
+                    entry.attrs["spider"],
+                )
+                for _, entry in sorted(file["interfaces"].items())
+            ),
+            mass=float(file.attrs["mass"]),
+            surface_weights={name: data[()] for name, data in stored["surface_weights"].items()},
+            parameters=json.loads(file.attrs["parameters"]),
+            **{name: file[name][()] for name in _ARRAYS},
+        )
+
+
+def cached_craig_bampton(
+    path: str | Path,
+    body: ElasticBody,
+    interfaces: Sequence[Interface],
+    n_fixed_modes: int = 76,
+    residual_loads: Mapping[str, Floats] | None = None,
+) -> ReducedBody:
+    """Reduced body from a file if mesh and parameters all match, else made anew and written."""
+    digest = reduction_digest(body, interfaces, n_fixed_modes, residual_loads)
+    try:
+        return load_reduced(path, body.mesh, digest)
+    except (FileNotFoundError, StaleCacheError):
+        reduced = craig_bampton(body, interfaces, n_fixed_modes, residual_loads)
+        save_reduced(path, reduced, digest)
+        return reduced

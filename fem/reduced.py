@@ -1,0 +1,205 @@
+"""A reduced elastic body: modes, stress modes, interfaces, loads and what recovers stresses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .body import ElasticBody
+from .elasticity import Material
+from .interfaces import Interface, averaging_rows
+from .mesh import Floats, Integers, Mesh
+from .stress import von_mises
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedBody:
+    """Reduced elastic body in body axes; n nodes, m elastic modes, i interfaces.
+
+    The modal mass matrix is the identity, the modal stiffness diag((2 pi f)^2); rigid-body modes
+    are left out, and all modes are orthogonal to them in mass.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    material : Material
+    interfaces : (i) attachment points.
+    frequencies : (m,) in Hz, ascending.
+    modes : (n, 3, m) in m per unit of a modal coordinate (kg^-1/2).
+    stress_modes : (n, 6, m) nodal stress in Pa per unit, in the order xx, yy, zz, xy, yz, xz.
+    pilots : (i, 6, m) motion of each joint centre, in m and rad per unit.
+    mass, center_of_mass, inertia : kg, (3,) in m, (3, 3) in kg m2 about the centre of mass.
+    surface_weights : (n,) in m2 by surface name, integrals of the shape functions.
+    parameters : what the reduction was asked for.
+    """
+
+    mesh: Mesh
+    material: Material
+    interfaces: tuple[Interface, ...]
+    frequencies: Floats
+    modes: Floats
+    stress_modes: Floats
+    pilots: Floats
+    mass: float
+    center_of_mass: Floats
+    inertia: Floats
+    surface_weights: Mapping[str, Floats]
+    parameters: Mapping[str, Any]
+
+    @classmethod
+    def from_modes(
+        cls,
+        body: ElasticBody,
+        interfaces: Sequence[Interface],
+        frequencies: Floats,
+        modes: Floats,
+        pilots: Floats,
+        parameters: Mapping[str, Any],
+    ) -> ReducedBody:
+        """Take a body's properties and recover the stress of its modes."""
+        return cls(
+            body.mesh,
+            body.material,
+            tuple(interfaces),
+            frequencies,
+            modes,
+            body.stress(modes),
+            pilots,
+            body.mass,
+            body.center_of_mass,
+            body.inertia,
+            {name: body.surface_weights(name) for name in body.mesh.surfaces},
+            dict(parameters),
+        )
+
+    @property
+    def nodes(self) -> Floats:
+        """Positions of the nodes (n, 3) in m."""
+        return self.mesh.nodes
+
+    @property
+    def modal_mass(self) -> Floats:
+        """Modal mass matrix (m, m): the identity."""
+        return np.eye(len(self.frequencies))
+
+    @property
+    def modal_stiffness(self) -> Floats:
+        """Modal stiffness matrix (m, m) in 1/s2, diagonal."""
+        return np.diag((2 * np.pi * self.frequencies) ** 2)
+
+    def truncated(self, count: int) -> ReducedBody:
+        """Leave out all but the first modes.
+
+        Raises
+        ------
+        ValueError
+            If count is not between 1 and the number of modes.
+        """
+        if not 1 <= count <= len(self.frequencies):
+            raise ValueError(f"count = {count} must lie in 1..{len(self.frequencies)}")
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        values |= {
+            "frequencies": self.frequencies[:count],
+            "modes": self.modes[:, :, :count],
+            "stress_modes": self.stress_modes[:, :, :count],
+            "pilots": self.pilots[:, :, :count],
+            "parameters": dict(self.parameters) | {"truncated_to": count},
+        }
+        return ReducedBody(**values)
+
+    def weights(self, where: str | Integers) -> Floats:
+        """Weights (n,) of a load: area shares of a named surface, equal ones of a list of nodes.
+
+        Raises
+        ------
+        KeyError
+            If there is no such surface.
+        ValueError
+            If nodes are missing or do not exist.
+        """
+        n = len(self.mesh.nodes)
+        if isinstance(where, str):
+            if where not in self.surface_weights:
+                raise KeyError(f"no surface {where!r}; there are {sorted(self.surface_weights)}")
+            weights = self.surface_weights[where]
+            return weights / weights.sum()
+        nodes = np.unique(np.asarray(where, dtype=np.int64))
+        if len(nodes) == 0 or nodes[0] < 0 or nodes[-1] >= n:
+            raise ValueError(f"nodes must be a non-empty list of numbers in 0..{n - 1}")
+        weights = np.zeros(n)
+        weights[nodes] = 1.0 / len(nodes)
+        return weights
+
+    def load(self, where: str | Integers, force: Floats) -> Floats:
+        """Modal load (m,) of a total force (3,) in N, spread evenly over a surface or nodes."""
+        return np.asarray(force, dtype=float) @ self.mean_rows(self.weights(where))
+
+    def mean_rows(self, weights: Floats) -> Floats:
+        """Weighted-mean displacement rows (3, m) of nodal weights (n,), which need not sum to 1.
+
+        Their transpose turns a force spread by the same weights into a modal load.
+        """
+        weights = np.asarray(weights, dtype=float)
+        total = weights.sum()
+        if weights.shape != (len(self.mesh.nodes),) or not total > 0.0:
+            raise ValueError(
+                f"weights must be ({len(self.mesh.nodes)},) with a positive sum, "
+                f"not {weights.shape} with sum {total}"
+            )
+        chosen = np.flatnonzero(weights)
+        return np.tensordot(weights[chosen] / total, self.modes[chosen], axes=1)
+
+    def motion_rows(self, weights: Floats, center: Floats) -> Floats:
+        """Weighted-mean motion rows (6, m) of nodal weights (n,) seen at a centre (3,).
+
+        Translation and rotation of the weighted least-squares rigid motion (RBE3); the transpose
+        turns a force and a moment at the centre into a modal load.
+        """
+        chosen = np.flatnonzero(weights)
+        rows = averaging_rows(
+            self.mesh.nodes[chosen], np.asarray(weights)[chosen], np.asarray(center, dtype=float)
+        )
+        return rows @ self.modes[chosen].reshape(3 * len(chosen), -1)
+
+    def polygon_weights(self, surface: str, polygon: Floats) -> Floats:
+        """Area weights (n,) in m2 of a surface's nodes whose x, y lie inside a polygon (k, 2)."""
+        x, y = self.mesh.nodes[:, 0], self.mesh.nodes[:, 1]
+        inside = np.zeros(len(x), dtype=bool)
+        corners = np.asarray(polygon, dtype=float)
+        for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            crosses = (y0 > y) != (y1 > y)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                at = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
+            inside ^= crosses & (x < at)
+        if surface not in self.surface_weights:
+            raise KeyError(f"no surface {surface!r}; there are {sorted(self.surface_weights)}")
+        return np.where(inside, self.surface_weights[surface], 0.0)
+
+    def displacement(self, q: Floats) -> Floats:
+        """Elastic displacements (t, n, 3) in m of modal coordinates (t, m) or (m,)."""
+        return np.tensordot(np.atleast_2d(q), self.modes, axes=([1], [2]))
+
+    def stress(self, q: Floats, nodes: Integers | None = None) -> Floats:
+        """Nodal Cauchy stress (t, n or len(nodes), 6) in Pa of modal coordinates (t, m) or (m,)."""
+        modes = self.stress_modes if nodes is None else self.stress_modes[nodes]
+        return np.tensordot(np.atleast_2d(q), modes, axes=([1], [2]))
+
+    def von_mises(self, q: Floats, nodes: Integers | None = None) -> Floats:
+        """Nodal von Mises stress (t, n or len(nodes)) in Pa of modal coordinates (t, m) or (m,)."""
+        return von_mises(self.stress(q, nodes))
+
+    @property
+    def spider_nodes(self) -> Integers:
+        """Numbers of the nodes inside spiders, ascending."""
+        return np.unique(np.concatenate([i.nodes for i in self.interfaces]))
+
+    @property
+    def nodes_beside_spiders(self) -> Integers:
+        """Numbers of the nodes of elements that touch a spider, spiders' own left out."""
+        inside = np.zeros(len(self.mesh.nodes), dtype=bool)
+        inside[self.spider_nodes] = True
+        touching = inside[self.mesh.elements].any(axis=1)
+        return np.setdiff1d(np.unique(self.mesh.elements[touching]), self.spider_nodes)

@@ -1,0 +1,227 @@
+"""Craig-Bampton reduction of an elastic body with interfaces.
+
+R. R. Craig and M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA Journal 6
+(1968) 1313-1319. Orthonormalised like the flexible bodies of multibody codes: the modes are
+eigenvectors of the reduced pencil, their mass matrix is the identity, their stiffness diagonal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+from scipy.sparse import csr_array
+
+from .body import ElasticBody
+from .eigen import lowest_modes
+from .interfaces import (
+    Interface,
+    check_interfaces,
+    rigid_motion_of_centers,
+    spider_transformation,
+)
+from .mesh import Floats
+from .reduced import ReducedBody
+from .solver import Backend, factorized
+
+RIGID_RESIDUAL = 1e-6
+"""Greatest strain energy of a rigid-body mode over that of the first elastic mode."""
+
+
+class Partition:
+    """An elastic body whose interfaces are tied by spiders: its static answers, exactly.
+
+    Parameters
+    ----------
+    body : ElasticBody
+    interfaces : their nodes must not overlap.
+    backend : of `solver.factorized`.
+
+    Raises
+    ------
+    ValueError
+        If the interfaces do not fit the mesh.
+    """
+
+    def __init__(
+        self,
+        body: ElasticBody,
+        interfaces: Sequence[Interface],
+        backend: Backend | None = None,
+    ) -> None:
+        check_interfaces(body.mesh, interfaces)
+        self.body = body
+        self.interfaces = tuple(interfaces)
+        self.backend = backend
+        self.of_centers, self.of_rest = spider_transformation(body.mesh, interfaces)
+
+    @cached_property
+    def stiffness(self) -> csr_array:
+        """Stiffness (r, r) in N/m with the joint centres held."""
+        matrix = csr_array(self.of_rest.T @ self.body.stiffness @ self.of_rest)
+        matrix.sort_indices()
+        return matrix
+
+    @cached_property
+    def mass(self) -> csr_array:
+        """Mass (r, r) in kg with the joint centres held."""
+        return csr_array(self.of_rest.T @ self.body.mass_matrix @ self.of_rest)
+
+    @cached_property
+    def _solver(self) -> Callable[[Floats], Floats]:
+        return factorized(self.stiffness, self.backend)
+
+    def held_response(self, forces: Floats) -> Floats:
+        """Solve for displacements (3n, k) in m of forces (3n, k) in N, joint centres held."""
+        return self.of_rest @ self._solver(self.of_rest.T @ forces)
+
+    @cached_property
+    def constraint_modes(self) -> Floats:
+        """Static displacements (3n, 6 i) of unit motions of one joint centre, the others held."""
+        unit = self.of_centers.toarray()
+        return unit - self.held_response(self.body.stiffness @ unit)
+
+    @cached_property
+    def _center_flexibility(self) -> Floats:
+        stiffness = self.constraint_modes.T @ (self.body.stiffness @ self.constraint_modes)
+        rigid = np.linalg.qr(rigid_motion_of_centers(self.interfaces, np.zeros(3)))[0]
+        elastic = scipy.linalg.null_space(rigid.T)
+        return elastic @ np.linalg.solve(elastic.T @ stiffness @ elastic, elastic.T)
+
+    def fixed_interface_modes(self, count: int) -> Floats:
+        """First modes (3n, count) with the joint centres held, orthonormal in mass."""
+        if count == 0:
+            return np.zeros((self.of_rest.shape[0], 0))
+        _, modes = lowest_modes(self.stiffness, self.mass, count, backend=self.backend, solve=self._solver)
+        return self.of_rest @ modes
+
+    def static_response(self, forces: Floats | None = None, center_loads: Floats | None = None) -> Floats:
+        """Inertia-relief displacements under nodal forces and loads on the joint centres.
+
+        The loads are balanced by the rigid acceleration that they cause. The answer is that of the
+        full model with its spiders, orthogonal in mass to the rigid-body modes.
+
+        Parameters
+        ----------
+        forces : (3n, k) nodal forces in N.
+        center_loads : (6 i, k) force and moment on each joint centre in N and N m.
+
+        Returns
+        -------
+        (3n, k) in m.
+        """
+        rigid = self.body.rigid_modes
+        moved = self.body.mass_matrix @ rigid
+        inertia = rigid.T @ moved
+        at_centers = rigid_motion_of_centers(self.interfaces, self.body.center_of_mass)
+        given = center_loads if forces is None else forces
+        if given is None:
+            raise ValueError("forces or center_loads are needed")
+        columns = given.shape[1]
+        loads = np.zeros((len(rigid), columns)) if forces is None else forces
+        pulls = np.zeros((len(at_centers), columns)) if center_loads is None else center_loads
+        resultant = rigid.T @ loads + at_centers.T @ pulls
+        balanced = loads - moved @ np.linalg.solve(inertia, resultant)
+        centers = self._center_flexibility @ (pulls + self.constraint_modes.T @ balanced)
+        answer = self.constraint_modes @ centers + self.held_response(balanced)
+        return answer - rigid @ np.linalg.solve(inertia, moved.T @ answer)
+
+
+def craig_bampton(
+    body: ElasticBody,
+    interfaces: Sequence[Interface],
+    n_fixed_modes: int = 76,
+    residual_loads: Mapping[str, Floats] | None = None,
+    backend: Backend | None = None,
+    partition: Partition | None = None,
+) -> ReducedBody:
+    """Reduce a body to constraint modes, fixed-interface modes and optional residual modes.
+
+    The rigid-body modes are those six combinations of constraint modes that move all joint centres
+    as one rigid body. They are taken out exactly, not by a frequency limit.
+
+    Parameters
+    ----------
+    body : ElasticBody
+    interfaces : attachment points; each gives six constraint modes.
+    n_fixed_modes : number of fixed-interface modes.
+    residual_loads : nodal forces (n, 3) in N by name; the static answer to each joins the basis, so
+        that truncation does not lose its stress.
+    backend : of `solver.factorized`.
+    partition : the body with the same interfaces, if it has been factorized already.
+
+    Returns
+    -------
+    ReducedBody
+        With 6 i + n_fixed_modes + len(residual_loads) - 6 modes.
+
+    Raises
+    ------
+    ValueError
+        If interfaces do not fit, more modes are asked for than the mesh has, or the basis is
+        linearly dependent.
+    RuntimeError
+        If a mode that should be rigid stores energy, or another one does not.
+    """
+    partition = partition or Partition(body, interfaces, backend)
+    available = partition.of_rest.shape[1]
+    if not 0 <= n_fixed_modes <= available:
+        raise ValueError(
+            f"n_fixed_modes = {n_fixed_modes} must lie in 0..{available}, what the mesh leaves free"
+        )
+    loads = {
+        name: np.asarray(force, dtype=float).reshape(-1) for name, force in (residual_loads or {}).items()
+    }
+    for name, load in loads.items():
+        if load.shape != (3 * len(body.mesh.nodes),) or not np.isfinite(load).all():
+            raise ValueError(f"residual load {name!r} must be finite and ({len(body.mesh.nodes)}, 3)")
+    columns = [partition.constraint_modes, partition.fixed_interface_modes(n_fixed_modes)]
+    if loads:
+        forces = np.column_stack(list(loads.values()))
+        moved = body.mass_matrix @ body.rigid_modes
+        resultant = np.linalg.solve(body.rigid_modes.T @ moved, body.rigid_modes.T @ forces)
+        columns.append(partition.held_response(forces - moved @ resultant))
+    basis = np.column_stack(columns)
+    centers = np.zeros((6 * len(partition.interfaces), basis.shape[1]))
+    centers[:, : len(centers)] = np.eye(len(centers))
+    turn, eigenvalues = _elastic_combinations(body, basis, partition.interfaces)
+    modes = basis @ turn
+    return ReducedBody.from_modes(
+        body,
+        partition.interfaces,
+        np.sqrt(eigenvalues) / (2 * np.pi),
+        modes.reshape(-1, 3, modes.shape[1]),
+        (centers @ turn).reshape(len(partition.interfaces), 6, -1),
+        {"n_fixed_modes": n_fixed_modes, "residual_loads": list(loads)},
+    )
+
+
+def _elastic_combinations(
+    body: ElasticBody, basis: Floats, interfaces: Sequence[Interface]
+) -> tuple[Floats, Floats]:
+    """Find the combinations (b, m) of a basis (3n, b) that are elastic modes; eigenvalues (m,)."""
+    mass = basis.T @ (body.mass_matrix @ basis)
+    stiffness = basis.T @ (body.stiffness @ basis)
+    scale = 1.0 / np.sqrt(np.diag(mass))
+    mass = mass * np.outer(scale, scale)
+    stiffness = stiffness * np.outer(scale, scale)
+    weakest = np.linalg.eigvalsh(mass)[0]
+    if weakest < 1e-13:
+        raise ValueError(
+            f"the basis of {len(mass)} modes is linearly dependent (least eigenvalue of its scaled "
+            f"mass {weakest:.1e}); leave out repeated residual loads"
+        )
+    rigid = np.zeros((len(mass), 6))
+    rigid[: 6 * len(interfaces)] = rigid_motion_of_centers(interfaces, body.center_of_mass)
+    rigid = rigid / scale[:, None]
+    elastic = scipy.linalg.null_space((mass @ rigid).T)
+    eigenvalues, vectors = scipy.linalg.eigh(elastic.T @ stiffness @ elastic, elastic.T @ mass @ elastic)
+    energy = np.diag(rigid.T @ stiffness @ rigid) / np.diag(rigid.T @ mass @ rigid)
+    if np.abs(energy).max() > RIGID_RESIDUAL * eigenvalues[0] or eigenvalues[0] <= 0:
+        raise RuntimeError(
+            f"rigid-body modes have eigenvalues up to {np.abs(energy).max():.2e} 1/s2, the first "
+            f"elastic one {eigenvalues[0]:.2e}: the body has a mechanism or the solution failed"
+        )
+    return scale[:, None] * (elastic @ vectors), eigenvalues

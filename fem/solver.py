@@ -1,0 +1,78 @@
+"""Sparse direct solution of symmetric positive definite systems: PARDISO or SuperLU."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+from scipy.sparse import csc_matrix, csr_array, csr_matrix, triu
+from scipy.sparse.linalg import splu
+
+from .mesh import Floats
+
+try:
+    import pypardiso
+except ImportError:  # no wheel for this platform
+    pypardiso = None
+
+Backend = Literal["pardiso", "superlu"]
+SYMMETRIC_POSITIVE_DEFINITE = 2
+ANALYSE_AND_FACTORIZE, SOLVE, RELEASE = 12, 33, -1
+
+
+def default_backend() -> Backend:
+    """PARDISO where its wheel exists, SuperLU elsewhere."""
+    return "superlu" if pypardiso is None else "pardiso"
+
+
+def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[Floats], Floats]:
+    """Factorize a symmetric positive definite matrix.
+
+    Parameters
+    ----------
+    matrix : (n, n) sparse
+    backend : "pardiso" or "superlu"; `default_backend` if left out.
+
+    Returns
+    -------
+    Function that solves for right-hand sides (n,) or (n, k).
+
+    Raises
+    ------
+    ValueError
+        If the back end is not known or not installed.
+    """
+    backend = backend or default_backend()
+    if backend == "superlu":
+        factors = splu(
+            csc_matrix(matrix),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        return lambda b: factors.solve(np.ascontiguousarray(b, dtype=np.float64))
+    if backend != "pardiso" or pypardiso is None:
+        raise ValueError(f"backend = {backend!r} must be 'pardiso' (if installed) or 'superlu'")
+
+    upper = csr_matrix(triu(matrix, format="csr"))
+    upper.sort_indices()
+    solver = pypardiso.PyPardisoSolver(mtype=SYMMETRIC_POSITIVE_DEFINITE)
+    empty = np.zeros((upper.shape[0], 1))
+    solver.set_phase(ANALYSE_AND_FACTORIZE)
+    solver._call_pardiso(upper, empty)
+    solver.set_phase(SOLVE)
+
+    def solve(b: Floats) -> Floats:
+        columns = np.asfortranarray(b.reshape(len(b), -1), dtype=np.float64)
+        return np.asarray(solver._call_pardiso(upper, columns)).reshape(b.shape)
+
+    weakref.finalize(solve, _release, solver, upper, empty)
+    return solve
+
+
+def _release(solver: pypardiso.PyPardisoSolver, upper: csr_matrix, empty: Floats) -> None:
+    """Give back the memory of PARDISO's factors, which Python does not see."""
+    solver.set_phase(RELEASE)
+    solver._call_pardiso(upper, empty)

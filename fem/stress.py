@@ -1,0 +1,176 @@
+"""Stresses from nodal displacements, and the scalars that criteria ask for.
+
+Components are always in the order xx, yy, zz, xy, yz, xz, with xy, yz, xz the tensor's shear.
+
+Recovery rule: the strain of each element at its quadrature points (four for tet10, one for tet4)
+is extended linearly to its corners; a mid-side node has the mean of its edge's corners; a node of
+the mesh has the plain mean over its elements. CalculiX has the same rule.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from scipy.sparse import csr_array
+from skfem import ElementTetP1
+from skfem.quadrature import get_quadrature
+
+from .elasticity import STIFFNESS_ORDER, Material, shape_gradients
+from .mesh import TETRA_EDGES, Floats, Integers, Mesh
+
+Criterion = Literal[
+    "von mises",
+    "signed von mises",
+    "greatest principal",
+    "least principal",
+    "greatest shear",
+]
+CRITERIA: tuple[Criterion, ...] = (
+    "von mises",
+    "signed von mises",
+    "greatest principal",
+    "least principal",
+    "greatest shear",
+)
+
+VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+"""Tensor indices of the six components."""
+
+
+def _extension(order: int) -> tuple[Floats, Floats]:
+    """Quadrature points (3, q) and the matrix (nodes, q) that extends values from them."""
+    if order == 1:
+        return np.full((3, 1), 0.25), np.ones((4, 1))
+    points, _ = get_quadrature(ElementTetP1, STIFFNESS_ORDER)
+    barycentric = np.vstack([1.0 - points.sum(axis=0), points]).T
+    corners = np.linalg.inv(barycentric)
+    return points, np.vstack([corners, corners[TETRA_EDGES].mean(axis=1)])
+
+
+def element_gradient_operator(mesh: Mesh) -> Floats:
+    """Gradients of the shape functions at the nodes of each element after extension.
+
+    Returns
+    -------
+    (e, node, 3, function) array in 1/m.
+    """
+    points, extend = _extension(mesh.order)
+    return np.einsum("pq,bieq->epib", extend, shape_gradients(mesh, points), optimize=True)
+
+
+def nodal_gradient_operator(mesh: Mesh) -> csr_array:
+    """Sparse matrix (3n, n): rows 3 k + i give d/dx_i of a nodal field at node k, averaged."""
+    local = element_gradient_operator(mesh)
+    e, a, _, b = local.shape
+    n = len(mesh.nodes)
+    count = np.bincount(mesh.elements.ravel(), minlength=n)
+    values = local / count[mesh.elements][:, :, None, None]
+    rows = 3 * mesh.elements[:, :, None, None] + np.arange(3)[None, None, :, None]
+    columns = mesh.elements[:, None, None, :]
+    shape = (e, a, 3, b)
+    return csr_array(
+        (
+            values.ravel(),
+            (np.broadcast_to(rows, shape).ravel(), np.broadcast_to(columns, shape).ravel()),
+        ),
+        shape=(3 * n, n),
+    )
+
+
+def stress_of_gradient(gradient: Floats, material: Material) -> Floats:
+    """Stress (..., 6) in Pa of displacement gradients (..., i, j) = du_j/dx_i."""
+    lam, mu = material.lame
+    trace = lam * np.einsum("...ii->...", gradient)
+    stress = np.empty((*gradient.shape[:-2], 6))
+    for k, (i, j) in enumerate(VOIGT):
+        stress[..., k] = mu * (gradient[..., i, j] + gradient[..., j, i])
+        if i == j:
+            stress[..., k] += trace
+    return stress
+
+
+def nodal_stress(
+    operator: csr_array, material: Material, displacements: Floats, nodes: Integers | None = None
+) -> Floats:
+    """Nodal stresses of displacement fields.
+
+    Parameters
+    ----------
+    operator : (3n, n) matrix of `nodal_gradient_operator`.
+    material : Material
+    displacements : (n, 3, m) in m.
+    nodes : node numbers to recover, all if left out.
+
+    Returns
+    -------
+    (n or len(nodes), 6, m) in Pa.
+    """
+    n, _, m = displacements.shape
+    if nodes is not None:
+        rows = (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
+        operator = operator[rows]
+    gradient = (operator @ displacements.reshape(n, 3 * m)).reshape(-1, 3, 3, m)
+    return np.moveaxis(stress_of_gradient(np.moveaxis(gradient, 3, 1), material), 1, 2)
+
+
+def element_stress(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
+    """Stress of one displacement field (n, 3) at the nodes of each element, (e, a, 6) in Pa."""
+    operator = element_gradient_operator(mesh)
+    gradient = np.einsum("epib,ebj->epij", operator, displacement[mesh.elements], optimize=True)
+    return stress_of_gradient(gradient, material)
+
+
+def stress_jump(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
+    """Error measure of each node: greatest difference between its elements' stress and the mean.
+
+    It is the von Mises stress of the difference, in Pa, (n,): zero where the elements agree.
+    """
+    local = element_stress(mesh, material, displacement)
+    n = len(mesh.nodes)
+    flat = mesh.elements.ravel()
+    values = local.reshape(-1, 6)
+    count = np.bincount(flat, minlength=n)
+    mean = np.stack([np.bincount(flat, values[:, k], n) for k in range(6)], axis=1)
+    jump = np.zeros(n)
+    np.maximum.at(jump, flat, von_mises(values - (mean / count[:, None])[flat]))
+    return jump
+
+
+def von_mises(stress: Floats) -> Floats:
+    """Von Mises equivalent stress of stresses (..., 6)."""
+    xx, yy, zz, xy, yz, xz = np.moveaxis(stress, -1, 0)
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * (xy**2 + yz**2 + xz**2))
+
+
+def principal(stress: Floats) -> Floats:
+    """Principal stresses (..., 3) of stresses (..., 6), ascending."""
+    tensor = np.empty((*stress.shape[:-1], 3, 3))
+    for k, (i, j) in enumerate(VOIGT):
+        tensor[..., i, j] = tensor[..., j, i] = stress[..., k]
+    return np.linalg.eigvalsh(tensor)
+
+
+def evaluate(criterion: Criterion, stress: Floats) -> Floats:
+    """Scalar (...) of a criterion of stresses (..., 6).
+
+    "signed von mises" has the sign of the hydrostatic stress (tension positive); "greatest shear"
+    is half the difference of the extreme principal stresses.
+
+    Raises
+    ------
+    ValueError
+        If the criterion is not known.
+    """
+    if criterion == "von mises":
+        return von_mises(stress)
+    if criterion == "signed von mises":
+        return np.where(stress[..., :3].sum(axis=-1) < 0.0, -1.0, 1.0) * von_mises(stress)
+    if criterion not in CRITERIA:
+        raise ValueError(f"criterion = {criterion!r} must be one of {CRITERIA}")
+    values = principal(stress)
+    if criterion == "greatest principal":
+        return values[..., 2]
+    if criterion == "least principal":
+        return values[..., 0]
+    return 0.5 * (values[..., 2] - values[..., 0])

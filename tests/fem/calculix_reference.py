@@ -1,0 +1,103 @@
+"""Make `calculix_reference.json` again: `python tests/fem/calculix_reference.py` (needs ccx).
+
+The decks come from `fem.write_calculix` for the coarse shoe: its free-free frequencies, and its
+stresses under 1.3 MN on each rear bore, balanced by inertia. CalculiX 2.20 made the numbers.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import fem
+import meshes
+
+REFERENCE = Path(__file__).with_name("calculix_reference.json")
+STEEL = fem.Material(200e9, 0.3, 7847.25)
+PULL = 1.3e6
+AWAY_FROM_BORES = 0.15
+SAMPLES = 400
+
+
+def pull_forces(body: fem.ElasticBody) -> np.ndarray:
+    """Nodal forces (n, 3) in N: backward pull on each rear bore, balanced by inertia."""
+    forces = sum(body.surface_load(f"bore rear {side}", [-PULL, 0.0, 0.0]) for side in ("left", "right"))
+    return body.balanced(forces.reshape(-1, 1)).reshape(-1, 3)
+
+
+def sample_nodes(mesh: fem.Mesh) -> np.ndarray:
+    """Corner nodes at least 0.15 m away from every pin axis, evenly taken."""
+    distance = np.min(
+        [
+            np.linalg.norm(mesh.nodes[:, [0, 2]] - np.array(center)[[0, 2]], axis=1)
+            for center in meshes.JOINT_CENTERS.values()
+        ],
+        axis=0,
+    )
+    corners = np.unique(mesh.elements[:, :4])
+    corners = corners[distance[corners] > AWAY_FROM_BORES]
+    return corners[:: max(1, len(corners) // SAMPLES)]
+
+
+def run(folder: Path, job: str) -> None:
+    """Run CalculiX on a deck."""
+    done = subprocess.run(["ccx", job], cwd=folder, capture_output=True, text=True, check=False)
+    if not (folder / f"{job}.frd").exists() or "*ERROR" in done.stdout:
+        raise RuntimeError(done.stdout[-2000:])
+
+
+def frequencies_of(dat: str) -> list[float]:
+    """Frequencies in Hz (cycles per time) from the table of eigenvalues; negative ones are 0."""
+    table = dat.split("E I G E N V A L U E   O U T P U T")[1].split("P A R T I C I P A T I O N")[0]
+    rows = re.findall(r"^\s+\d+\s+(\S+)\s+\S+\s+(\S+)\s+\S+\s*$", table, re.MULTILINE)
+    return [float(frequency) if float(value) > 0 else 0.0 for value, frequency in rows]
+
+
+def stresses_of(frd: str) -> dict[int, list[float]]:
+    """Nodal stresses (xx, yy, zz, xy, yz, zx) in Pa by node number from 1."""
+    block = frd.split(" -4  STRESS")[1].split("\n -3")[0]
+    return {
+        int(line[3:13]): [float(line[13 + 12 * k : 25 + 12 * k]) for k in range(6)]
+        for line in block.splitlines()
+        if line.startswith(" -1")
+    }
+
+
+def main() -> None:
+    """Write the decks, run them and keep the numbers that the tests compare."""
+    mesh = meshes.shoe_mesh("coarse")
+    body = fem.ElasticBody(mesh, STEEL)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        fem.write_calculix(folder / "modes.inp", body, frequencies=26)
+        run(folder, "modes")
+        frequencies = frequencies_of((folder / "modes.dat").read_text())
+        fem.write_calculix(
+            folder / "pull.inp",
+            body,
+            forces=pull_forces(body),
+            fixed=body.statically_determinate,
+        )
+        run(folder, "pull")
+        stresses = stresses_of((folder / "pull.frd").read_text())
+    nodes = sample_nodes(mesh)
+    REFERENCE.write_text(
+        json.dumps(
+            {
+                "mesh": mesh.digest,
+                "frequencies": frequencies,
+                "nodes": nodes.tolist(),
+                "stress": [stresses[int(node) + 1] for node in nodes],
+            }
+        )
+        + "\n"
+    )
+
+
+if __name__ == "__main__":
+    main()

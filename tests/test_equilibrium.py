@@ -1,0 +1,64 @@
+"""Static equilibrium before a run: nothing accelerates and the ground carries the weight."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, CrawlerModel, EquilibriumError, LoadCycle, Terrain
+
+CASES = {
+    "translation": Case.translation(),
+    "turning": Case.turning(),
+    "constrained": Case.translation().with_(terrain_formulation="constrained"),
+    "constrained turning": Case.turning().with_(terrain_formulation="constrained"),
+    "fine grid": Case.translation().with_(terrain=Terrain.stress()),
+}
+
+
+@pytest.fixture(scope="module", params=CASES)
+def start(request):
+    """First states of a run: at rest, and after a first step too short for the drive to be felt."""
+    case = CASES[request.param]
+    # a shorter step would show rounding: accelerations lose digits with its square
+    solver = case.solver.with_(step=1e-4, residual=0.02)
+    return CrawlerModel(case.with_(solver=solver)).simulate(1e-4)
+
+
+@pytest.mark.parametrize("when", [0, -1])
+def test_no_shoe_or_unit_accelerates(start, when):
+    state = start.dataset.isel(time=when)
+    for name in ("acceleration", "angular_acceleration", "unit_heave_acceleration", "unit_tilt_acceleration"):
+        assert np.abs(state[name]).max() < 1e-3  # m/s2 or rad/s2
+
+
+def test_acceleration_after_the_step_is_really_computed(start):
+    assert np.abs(start.acceleration.isel(time=-1)).max() > 0.0
+
+
+def test_contact_carries_the_weight(start):
+    case = start.case
+    weight = 13 * (case.shoe.mass * case.gravity + 386.4e3)
+    carried = (start.normal_force + start.friction_force).isel(time=0).sum("contact")
+    assert float(carried.sel(axis="z")) == pytest.approx(weight, rel=1e-6)
+    # on tilted units the normal forces lean by some N, which the held front shoe takes
+    assert abs(float(carried.sel(axis="x"))) < 1e-3 * weight
+    assert abs(float(carried.sel(axis="y"))) < 1e-6 * weight
+
+
+def test_springs_carry_track_and_terrain(start):
+    case = start.case
+    weight = 13 * (case.shoe.mass * case.gravity + 386.4e3)
+    weight += case.terrain.unit_count * case.terrain.unit_mass * case.gravity
+    springs = -case.terrain.heave_stiffness * float(start.unit_heave.isel(time=0).sum())
+    assert springs == pytest.approx(weight, rel=1e-6)
+
+
+def test_every_shoe_sinks_about_as_deep_as_the_papers_say():
+    history = CrawlerModel(Case.translation()).simulate(2e-3)
+    depth = history.penetration.isel(time=0)[np.isin(history.contact_shoe, [3, 10, 12])]
+    assert depth.values == pytest.approx(np.full(3, 0.0657), rel=0.1)
+
+
+def test_a_track_that_no_ground_can_hold_is_refused():
+    loads = LoadCycle.constant([-1e6] * 13)  # pulled up
+    with pytest.raises(EquilibriumError, match="no static equilibrium of case 'lifted'"):
+        CrawlerModel(Case.translation().with_(name="lifted", loads=loads)).simulate(0.01)

@@ -1,0 +1,101 @@
+"""Files appear whole or not at all, and nothing is overwritten unasked."""
+
+import os
+import tempfile
+
+import pytest
+
+from exudyn_crawler.files import whole_file, writable_folder
+
+
+def fail_halfway(path, overwrite=False):
+    with whole_file(path, overwrite) as temporary:
+        temporary.write_text("half")
+        raise RuntimeError("halfway")
+
+
+def test_a_file_takes_its_place_when_the_block_ends(tmp_path):
+    path = tmp_path / "table.csv"
+    with whole_file(path) as temporary:
+        temporary.write_text("whole")
+        assert not path.exists()
+        assert temporary.parent == tmp_path
+        assert temporary.suffix == ".csv"
+    assert path.read_text() == "whole"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_that_fails_halfway_leaves_nothing(tmp_path):
+    with pytest.raises(RuntimeError, match="halfway"):
+        fail_halfway(tmp_path / "table.csv")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_overwriting_that_fails_halfway_keeps_the_old_file(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_text("old")
+    with pytest.raises(RuntimeError, match="halfway"):
+        fail_halfway(path, overwrite=True)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_an_existing_file_is_refused_before_the_block(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_text("old")
+    reached = False
+    with pytest.raises(FileExistsError, match=r"table\.csv exists"), whole_file(path):
+        reached = True
+    assert not reached
+    with whole_file(path, overwrite=True) as temporary:
+        temporary.write_text("new")
+    assert path.read_text() == "new"
+
+
+def test_a_file_that_appears_in_the_meantime_is_kept(tmp_path):
+    path = tmp_path / "table.csv"
+
+    def two_write():
+        with whole_file(path) as temporary:
+            temporary.write_text("mine")
+            path.write_text("theirs")
+
+    with pytest.raises(FileExistsError, match="somebody else in the meantime"):
+        two_write()
+    assert path.read_text() == "theirs"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o077])
+def test_a_file_has_the_rights_of_any_new_one(tmp_path, mask):
+    before = os.umask(mask)
+    try:
+        with whole_file(tmp_path / "table.csv") as temporary:
+            temporary.write_text("whole")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "table.csv").stat().st_mode & 0o777 == 0o666 & ~mask
+
+
+def test_a_folder_is_made_with_its_parents(tmp_path):
+    path = tmp_path / "a" / "b"
+    assert writable_folder(path) == path
+    assert list(path.iterdir()) == []
+
+
+def test_a_file_is_no_folder(tmp_path):
+    file = tmp_path / "file"
+    file.touch()
+    for path in (file, file / "below"):
+        with pytest.raises(NotADirectoryError, match=f"output folder {path} is not a folder"):
+            writable_folder(path)
+
+
+def test_a_folder_without_rights_is_refused(tmp_path, monkeypatch):
+    # a chmod would not stop a superuser
+    def refused(*_args, **_options):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", refused)
+    with pytest.raises(PermissionError, match=f"output folder {tmp_path} cannot be written to: .*denied"):
+        writable_folder(tmp_path)

@@ -1,0 +1,78 @@
+"""Results as data: names, units, saving and reading back."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from exudyn_crawler import History
+
+
+def test_a_history_comes_back_as_it_was_saved(turning, tmp_path):
+    path = turning.save(tmp_path / "turning.nc")
+    again = History.load(path)
+    assert again.case == turning.case
+    xr.testing.assert_identical(again.dataset, turning.dataset)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["turning.nc"]
+
+
+def test_the_constrained_case_keeps_its_formulation(constrained, tmp_path):
+    again = History.load(constrained.save(tmp_path / "run.nc"))
+    assert again.case.terrain_formulation == "constrained"
+    assert again.duration == constrained.duration == pytest.approx(0.1, rel=1e-12)
+
+
+def test_an_existing_file_is_kept_unless_asked(translation, turning, tmp_path):
+    path = translation.save(tmp_path / "run.nc")
+    before = path.read_bytes()
+    with pytest.raises(FileExistsError, match=r"run\.nc exists; ask for overwriting"):
+        turning.save(path)
+    assert path.read_bytes() == before
+    turning.save(path, overwrite=True)
+    assert History.load(path).case.name == "turning"
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"no history at .*nowhere\.nc"):
+        History.load(tmp_path / "nowhere.nc")
+
+
+def test_a_broken_file_is_no_history(translation, tmp_path):
+    path = translation.save(tmp_path / "run.nc")
+    whole = path.read_bytes()
+    for content in (b"", b"no netcdf at all", whole[: len(whole) // 2]):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=r"run\.nc does not hold a history"):
+            History.load(path)
+
+
+def test_a_file_without_a_valid_case_is_no_history(translation, tmp_path):
+    for number, dataset in enumerate(
+        (translation.dataset, translation.dataset.assign_attrs(case='{"name": "half"}'))
+    ):
+        path = tmp_path / f"{number}.nc"
+        dataset.to_netcdf(path, engine="h5netcdf")
+        with pytest.raises(ValueError, match="does not hold a history"):
+            History.load(path)
+
+
+def test_results_are_selected_by_name(translation):
+    x = translation.position.sel(shoe=13, axis="x")
+    assert x.dims == ("time",)
+    assert float(x[0]) == pytest.approx(17.998, abs=1e-4)
+    assert x.attrs["units"] == "m"
+    assert translation.joint_force.sel(joint=12).dims == ("time", "axis")
+    assert translation.unit_heave.sel(unit=50).sizes == {"time": len(translation.time)}
+    seven = translation.normal_force[:, translation.contact_shoe == 7]
+    assert set(seven.contact_unit.values) == {7, 12}
+
+
+def test_dimensions_are_those_of_the_papers(translation):
+    sizes = dict(translation.dataset.sizes)
+    assert sizes.pop("contact") == 14  # shoe 7 on two units
+    assert sizes == {"time": 201, "shoe": 13, "joint": 12, "unit": 50, "axis": 3}
+    assert np.diff(translation.time) == pytest.approx(np.full(200, 2e-3), rel=1e-9)
+
+
+def test_unknown_names_are_refused_with_those_there_are(translation):
+    with pytest.raises(AttributeError, match=r"a history has no 'speed'; it has .*'velocity'"):
+        _ = translation.speed

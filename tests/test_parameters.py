@@ -1,0 +1,288 @@
+"""Parameters: the papers' values and what derives from them, and refusal of what cannot be."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+import fem
+from exudyn_crawler import (
+    Case,
+    ContactLaw,
+    CrawlerModel,
+    Drive,
+    LoadCycle,
+    Phase,
+    Shoe,
+    Solver,
+    StepProfile,
+    Terrain,
+    Track,
+)
+from meshes import shoe_mesh
+
+MAKERS = {
+    "shoe": Shoe.ph4100c,
+    "track": Track.ph4100c,
+    "terrain": Terrain.kinematics,
+    "contact": ContactLaw.oil_sand,
+    "solver": Solver,
+}
+POSITIVE = {
+    "shoe": ["mass", "com_height", "length", "width"],
+    "track": ["pitch", "pin_ahead"],
+    "terrain": ["unit_length", "unit_width", "unit_height", "density", "spring_stiffness"],
+    "contact": ["stiffness", "damping_depth", "stiction_speed", "friction_speed", "edge_width"],
+    "solver": ["step", "minimum_step", "residual", "output_interval", "spectral_radius"],
+}
+NOT_NEGATIVE = {
+    "terrain": ["spring_damping", "spring_offset"],
+    "contact": ["damping", "static_friction", "dynamic_friction"],
+}
+
+
+def pairs(table):
+    return [(part, field) for part, fields in table.items() for field in fields]
+
+
+def refusal(make, *words):
+    """Message of the refusal, which must contain all words."""
+    with pytest.raises(ValidationError) as caught:
+        make()
+    message = str(caught.value)
+    for word in words:
+        assert word in message
+    return message
+
+
+@pytest.mark.parametrize(("part", "field"), pairs(POSITIVE))
+@pytest.mark.parametrize("value", [0.0, -1.0])
+def test_what_must_be_positive_is_refused_otherwise(part, field, value):
+    refusal(lambda: MAKERS[part]().with_(**{field: value}), field, "greater than 0", f"input_value={value}")
+
+
+@pytest.mark.parametrize(("part", "field"), pairs(POSITIVE) + pairs(NOT_NEGATIVE))
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_what_is_not_finite_is_refused(part, field, value):
+    refusal(lambda: MAKERS[part]().with_(**{field: value}), field, "finite number", f"input_value={value}")
+
+
+@pytest.mark.parametrize(("part", "field"), pairs(NOT_NEGATIVE))
+def test_what_must_not_be_negative_is_refused_otherwise(part, field):
+    make = MAKERS[part]
+    refusal(lambda: make().with_(**{field: -0.5}), field, "greater than or equal to 0", "input_value=-0.5")
+    if field != "static_friction":  # without it the dynamic one would exceed it
+        assert getattr(make().with_(**{field: 0.0}), field) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("part", "field", "value", "allowed"),
+    [
+        ("track", "shoe_count", 1, "greater than or equal to 2"),
+        ("terrain", "columns", 0, "greater than or equal to 1"),
+        ("terrain", "rows", -3, "greater than or equal to 1"),
+        ("terrain", "springs_per_unit", 3, "1 or 2"),
+        ("terrain", "tilt", "yaw", "'pitch' or 'roll'"),
+        ("contact", "exponent", 0.9, "greater than or equal to 1"),
+        ("solver", "maximum_iterations", 1, "greater than or equal to 2"),
+        ("solver", "spectral_radius", 1.0, "less than 1"),
+    ],
+)
+def test_what_is_out_of_its_range_is_refused(part, field, value, allowed):
+    refusal(lambda: MAKERS[part]().with_(**{field: value}), field, allowed, f"input_value={value!r}")
+
+
+def test_an_unknown_field_is_refused():
+    refusal(lambda: Shoe.ph4100c().with_(weight=3.0), "weight", "Extra inputs are not permitted")
+
+
+def test_parameters_cannot_be_changed_in_place():
+    shoe = Shoe.ph4100c()
+    refusal(lambda: setattr(shoe, "mass", 1.0), "mass", "frozen")
+    assert shoe.with_(mass=1.0).mass == 1.0
+    assert shoe.mass == 4681.67
+
+
+def test_dynamic_friction_above_static_friction_is_refused():
+    refusal(
+        lambda: ContactLaw.oil_sand().with_(dynamic_friction=0.41),
+        "dynamic_friction must not exceed static_friction = 0.4, got 0.41",
+    )
+    assert ContactLaw.oil_sand().with_(dynamic_friction=0.4).dynamic_friction == 0.4
+
+
+@pytest.mark.parametrize("speed", [0.01, 0.005])
+def test_a_friction_speed_not_above_the_stiction_speed_is_refused(speed):
+    refusal(
+        lambda: ContactLaw.oil_sand().with_(friction_speed=speed),
+        f"friction_speed must exceed stiction_speed = 0.01, got {speed}",
+    )
+
+
+def test_an_inertia_that_no_body_has_is_refused():
+    message = refusal(lambda: Shoe.ph4100c().with_(inertia=(1.0, 1.0, 3.0, 0, 0, 0)), "inertia must be")
+    assert "principal moments [1.0, 1.0, 3.0]" in message
+    refusal(lambda: Shoe.ph4100c().with_(inertia=(1.0, 1.0, 1.0, 2.0, 0, 0)), "inertia must be")
+
+
+def test_a_pin_ahead_of_the_next_com_is_refused():
+    refusal(
+        lambda: Track.ph4100c().with_(pin_ahead=0.7),
+        "pin_ahead must be less than the pitch 0.655742, got 0.7",
+    )
+
+
+def test_a_least_step_above_the_step_is_refused():
+    refusal(
+        lambda: Solver(step=1e-3, minimum_step=2e-3), "minimum_step must not exceed step = 0.001, got 0.002"
+    )
+
+
+@pytest.mark.parametrize("times", [(0.0, 5.0, 5.0), (0.0, 5.0, 4.0)])
+def test_profiles_whose_times_do_not_increase_are_refused(times):
+    refusal(lambda: StepProfile(times=times, values=(0.0, 1.0, 2.0)), f"times must increase, got {times}")
+
+
+def test_profiles_with_unequal_times_and_values_are_refused():
+    refusal(
+        lambda: StepProfile(times=(0.0, 1.0), values=(0.0,)), "times and values must be equally many: 2 != 1"
+    )
+    refusal(lambda: StepProfile(times=(), values=()), "times", "at least 1 item")
+
+
+@pytest.mark.parametrize(("field", "part"), [("speed", "speed"), ("turn_rate", "turn_rate")])
+def test_a_drive_that_does_not_start_from_rest_is_refused(field, part):
+    moving = StepProfile(times=(0.0, 1.0), values=(0.2, 0.3))
+    refusal(lambda: Drive.turning().with_(**{field: moving}), f"{part} must start from", "got 0.2 at 0.0 s")
+
+
+def phases(*ends, names=("a", "b"), loads=((1.0, 2.0), (3.0, 4.0))):
+    return tuple(Phase(name=n, end=e, loads=load) for n, e, load in zip(names, ends, loads, strict=True))
+
+
+@pytest.mark.parametrize("ends", [(15.0, 15.0), (15.0, 12.0)])
+def test_load_cycles_whose_times_do_not_increase_are_refused(ends):
+    refusal(lambda: LoadCycle(phases=phases(*ends)), f"the phases' ends must increase, got {list(ends)}")
+
+
+def test_load_cycles_with_unlike_phases_are_refused():
+    refusal(
+        lambda: LoadCycle(phases=phases(0.0, 1.0, loads=((1.0, 2.0), (3.0,)))),
+        "every phase needs a load for every shoe, got counts {'a': 2, 'b': 1}",
+    )
+    refusal(lambda: LoadCycle(phases=phases(0.0, 1.0, names=("a", "a"))), "names must differ, got ['a', 'a']")
+    refusal(lambda: LoadCycle(phases=()), "phases", "at least 1 item")
+
+
+@pytest.mark.parametrize("shoe", [0, 14])
+def test_loads_of_shoes_that_do_not_exist_are_refused(shoe):
+    with pytest.raises(ValueError, match=re.escape(f"shoe must be in 1..13, got {shoe}")):
+        LoadCycle.propel().profile(shoe)
+
+
+@pytest.mark.parametrize("count", [12, 14])
+def test_a_wrong_number_of_loads_is_refused(count):
+    refusal(
+        lambda: Case.translation().with_(loads=LoadCycle.propel(count)),
+        f"loads must name every shoe of the track (13), got loads for {count}",
+    )
+
+
+def test_shoes_longer_than_the_pitch_are_refused():
+    refusal(
+        lambda: Case.translation().with_(shoe=Shoe.ph4100c().with_(length=0.7)),
+        "shoe.length must not exceed the track's pitch 0.655742, got 0.7",
+    )
+
+
+def test_a_track_beside_the_terrain_is_refused():
+    small = Terrain.kinematics().with_(columns=2)
+    refusal(
+        lambda: Case.translation().with_(terrain=small),
+        "terrain must carry the track",
+        "at t = 0 s",
+        "0..14 m",
+    )
+
+
+def test_a_drive_off_the_terrain_is_refused_before_anything_runs():
+    first = Track.ph4100c().with_(first_com=(61.7, 9.2901))  # front edge at 69.884 of 70 m
+    model = CrawlerModel(Case.translation().with_(track=first))
+    with pytest.raises(
+        ValueError, match=r"over the whole drive: at t = 3\.\d+ s .* x = .*, the terrain 0\.\.70 m"
+    ):
+        model.simulate(6.0)
+
+
+def test_a_unit_and_its_place_are_those_of_the_papers():
+    terrain = Terrain.kinematics()
+    assert terrain.unit_count == 50
+    assert terrain.unit_mass == pytest.approx(1.568e5, rel=1e-12)
+    for unit, place in {1: (3.5, 3.5), 7: (10.5, 10.5), 12: (17.5, 10.5), 50: (66.5, 31.5)}.items():
+        assert terrain.centers[unit - 1].tolist() == [*place, -1.0]
+
+
+def test_the_fine_grid_is_that_of_the_stress_paper():
+    terrain = Terrain.stress()
+    assert terrain.unit_count == 247
+    assert np.diff(terrain.bounds).ravel().tolist() == pytest.approx([19.0, 13.0])
+    assert terrain.unit_mass == pytest.approx(1600.0, rel=1e-12)
+    assert terrain.heave_stiffness == pytest.approx(20e6, rel=1e-12)  # E A / L
+
+
+def test_springs_at_the_gauss_points_resist_pitch_like_an_even_support():
+    terrain = Terrain.kinematics()
+    assert terrain.tilt_stiffness == pytest.approx(terrain.heave_stiffness * 7.0**2 / 12.0, rel=1e-12)
+
+
+def test_coms_and_pins_lie_where_the_papers_print_them():
+    track = Track.ph4100c()
+    coms = track.com_positions(0.2025)
+    # the papers round to 0.1 mm, and a pitch to 1 um that twelve shoes sum up
+    assert coms[0].tolist() == [10.1291, 9.2901, 0.2025]
+    assert coms[-1, 0] == pytest.approx(17.9980, abs=1e-4)
+    last_pin = coms[-2] + track.front_pin
+    assert last_pin == pytest.approx((17.6511, 8.68, 0.25), abs=1e-4)
+    assert coms[-1] + track.rear_pin == pytest.approx(last_pin, abs=1e-12)
+
+
+def test_the_load_is_an_even_share_of_the_machine_and_sinks_a_shoe_by_the_papers_depth():
+    share = (630_185.0 * 9.81) / 16.0  # N on each of 16 shoes
+    load = LoadCycle.propel().loads(0.0)[0]
+    assert load == pytest.approx(np.full(13, 386.4e3), rel=1e-12)
+    assert load[0] == pytest.approx(share, rel=1e-3)
+    weight = load[0] + Shoe.ph4100c().mass * 9.81
+    assert weight == pytest.approx(432.3e3, rel=1e-3)
+    # the paper cuts 6.575 cm off to 6.57
+    assert math.sqrt(weight / ContactLaw.oil_sand().stiffness) == pytest.approx(0.0657, abs=1e-4)
+
+
+def test_a_shoe_has_the_mass_and_inertia_of_a_solid():
+    shoe = Shoe.ph4100c()
+    assert shoe.mass == pytest.approx(0.5966 * 7847.25, rel=1e-4)
+    meshed = fem.ElasticBody(shoe_mesh("study"), fem.Material(200e9, 0.3, 7847.25))
+    scaled = meshed.inertia * shoe.mass / meshed.mass
+    assert np.diag(shoe.inertia_tensor) == pytest.approx(np.diag(scaled), rel=1e-3)
+    assert np.abs(meshed.center_of_mass).max() < 1e-3  # m, in axes whose origin is the papers' COM
+
+
+def test_a_shoes_underside_and_top_are_those_of_the_mesh():
+    shoe, mesh = Shoe.ph4100c(), shoe_mesh("study")
+    under = mesh.nodes[mesh.nodes_of("underside")]
+    low, high = under.min(axis=0), under.max(axis=0)
+    assert shoe.footprint[[0, 2, 4]] == pytest.approx(low, abs=1e-9)
+    assert shoe.footprint[[1, 3]] == pytest.approx(high[:2], abs=1e-9)
+    top = fem.ElasticBody(mesh, fem.Material(200e9, 0.3, 7847.25)).surface_weights("top")
+    assert shoe.load_point[2] == pytest.approx(top @ mesh.nodes[:, 2] / top.sum(), abs=1e-4)
+
+
+def test_the_outline_follows_the_drive():
+    straight = Case.translation()
+    assert straight.outline(10.0) - straight.outline(0.0) == pytest.approx(
+        np.tile([0.75, 0.0], (4, 1)), abs=1e-12
+    )
+    turned = Case.turning().outline(10.0)
+    along = turned[1] - turned[0]
+    assert math.degrees(math.atan2(along[1], along[0])) == pytest.approx(7.5, rel=1e-9)
