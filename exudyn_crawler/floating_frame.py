@@ -19,7 +19,8 @@ from meshes import JOINT_CENTERS, SHOE_SIZES, shoe_mesh
 
 ARM = 0.05
 """m, distance of a joint's massless nodes from its centre."""
-JOINT_OFFSETS = ARM * np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, -1.0]])
+JOINT_OFFSETS = ARM * np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
+"""Corners of a tetrahedron: their mean is the centre, and no axis of rotation is preferred."""
 NODES_A_JOINT = len(JOINT_OFFSETS)
 
 

@@ -54,7 +54,7 @@ def add_shoe_bodies(
     for number, node in enumerate(nodes, start=1):
         if number in chosen:
             assert floating is not None
-            bodies.append(_add_flexible(mbs, case, number, node, floating))
+            bodies.append(add_flexible(mbs, case, number, node, floating))
         else:
             bodies.append(_add_rigid(mbs, case, number, node))
     return bodies
@@ -79,9 +79,10 @@ def _add_rigid(mbs: "exu.MainSystem", case: Case, number: int, node: int) -> Sho
     return ShoeBody(node, body, top, pins, None)
 
 
-def _add_flexible(
+def add_flexible(
     mbs: "exu.MainSystem", case: Case, number: int, node: int, floating: FloatingShoe
 ) -> ShoeBody:
+    """One flexible shoe on its rigid-body node, with its own modal node."""
     assert case.flexible is not None
     count = floating.mode_count
     modal = mbs.AddNode(

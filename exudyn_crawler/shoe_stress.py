@@ -1,14 +1,14 @@
 """Stresses of flexible shoes from a history: the whole modal basis, of which the run integrated a part.
 
 The run integrates the constraint modes and the lowest fixed-interface modes; the other fixed-interface modes
-lie far above what the track excites and follow their loads without inertia (mode-acceleration, W. C. Hurty's
-and R. R. Craig's bases nest, so the part that was integrated is a subspace of the whole).
+lie far above what the track excites and follow their loads without inertia. Craig-Bampton bases nest, so what
+was integrated is a subspace of the whole, and the mode-acceleration method (R. R. Craig, Structural Dynamics,
+1981, ch. 15) gives the whole: its elastic forces are the loads less the inertia and damping of that subspace.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from exudyn_crawler.floating_frame import FloatingShoe, shoe_model
@@ -28,15 +28,12 @@ class StressBasis:
         With M modes.
     inside : array (M, m)
         Whole coordinates of each integrated mode.
-    rest : array (M, M - m)
-        Orthonormal basis of what was not integrated.
     underside : Underside
         Integrated underside of the whole basis.
     """
 
     whole: ReducedBody
     inside: NDArray
-    rest: NDArray
     underside: Underside
 
 
@@ -72,7 +69,6 @@ def stress_basis(history: History, floating: FloatingShoe, fixed_modes: int = 76
     return StressBasis(
         whole=whole,
         inside=inside,
-        rest=scipy.linalg.null_space(inside.T, rcond=1e-6),
         underside=integrate_underside(
             body.mesh.nodes[under, :2], whole.modes[under], history.case.shoe.footprint
         ),
@@ -102,18 +98,20 @@ def modal_loads(history: History, basis: StressBasis, shoe: int) -> NDArray:
     machine[:, 2] = -history.shoe_load.sel(shoe=shoe).values
     loads += _in_body(frames, machine) @ whole.mean_rows(whole.weights("top"))
 
-    position = history.position.sel(shoe=shoe).values
     rows = np.zeros((3, loads.shape[1]))
     terrain = case.terrain
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width])
     footprint = case.shoe.footprint
     under = basis.underside
+    # where the underside's own x = y = 0 lies, and how much its axes are foreshortened from above
+    origin = history.position.sel(shoe=shoe).values[:, :2] + footprint[4] * frames[:, :2, 2]
+    shortened = np.stack((frames[:, 0, 0], frames[:, 1, 1]), axis=-1)
     for index in np.flatnonzero(history.contact_shoe.values == shoe):
         center = terrain.centers[int(history.contact_unit[index]) - 1, :2]
         force = (history.normal_force + history.friction_force).isel(contact=index).values
         body_force = _in_body(frames, force)
-        low = np.maximum(center - half - position[:, :2], footprint[[0, 2]])
-        high = np.minimum(center + half - position[:, :2], footprint[[1, 3]])
+        low = np.maximum((center - half - origin) / shortened, footprint[[0, 2]])
+        high = np.minimum((center + half - origin) / shortened, footprint[[1, 3]])
         for time in np.flatnonzero(history.area.isel(contact=index).values > 0.0):
             (x0, y0), (x1, y1) = low[time], high[time]
             mean_rows(under.corner, under.cell, under.integral, x0, x1, y0, y1, rows)
@@ -129,8 +127,9 @@ def _in_body(frames: NDArray, vectors: NDArray) -> NDArray:
 def whole_coordinates(history: History, basis: StressBasis, shoe: int) -> NDArray:
     """Coordinates of all modes over time: array (times, M), kg^0.5 m.
 
-    The integrated part is taken as it is; the rest answers statically to its loads and to the stiffness
-    that couples it to the integrated part.
+    With loads f and the integrated part's own stiffness k and coordinates q, both in the whole basis through
+    its columns P, the elastic forces of all modes are ``f - P P^T f + P k q``: what P cannot move answers its
+    loads at once, what it can has the elastic forces that were integrated.
 
     Raises
     ------
@@ -140,11 +139,9 @@ def whole_coordinates(history: History, basis: StressBasis, shoe: int) -> NDArra
     flexible = history.case.flexible
     if flexible is None or shoe not in flexible.shoes:
         raise ValueError(f"shoe {shoe} is not flexible in this history")
-    integrated = history.modal_coordinate.sel(flexible_shoe=shoe).values @ basis.inside.T
-    if basis.rest.shape[1] == 0:
-        return integrated
-    stiffness = (2.0 * np.pi * basis.whole.frequencies) ** 2
-    loads = modal_loads(history, basis, shoe) - integrated * stiffness
-    restiffness = basis.rest.T @ (stiffness[:, None] * basis.rest)
-    answer = scipy.linalg.solve(restiffness, basis.rest.T @ loads.T, assume_a="pos").T
-    return integrated + answer @ basis.rest.T
+    inside = basis.inside
+    q = history.modal_coordinate.sel(flexible_shoe=shoe).values
+    own = (2.0 * np.pi * history.frequency.values) ** 2
+    loads = modal_loads(history, basis, shoe)
+    elastic = loads + (q * own - loads @ inside) @ inside.T
+    return elastic / (2.0 * np.pi * basis.whole.frequencies) ** 2
