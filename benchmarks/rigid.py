@@ -40,6 +40,24 @@ def timed_runs() -> tuple[list[float], History]:
     return seconds, history
 
 
+def cost_of_output() -> float:
+    """Wall time of a run that stores every step over that of one that stores none but the ends.
+
+    Both in turn, median of the ratios: the machine's speed drifts.
+    """
+    case = Case.translation()
+    quiet = case.solver.with_(output_interval=DURATION)
+    ratios = []
+    for _ in range(RUNS):
+        seconds = []
+        for solver in (case.solver, quiet):
+            start = clock.perf_counter()
+            CrawlerModel(case.with_(solver=solver)).simulate(DURATION, False)
+            seconds.append(clock.perf_counter() - start)
+        ratios.append(seconds[0] / seconds[1])
+    return statistics.median(ratios)
+
+
 def split() -> dict[str, float]:
     """Wall seconds of each part of one run, by Exudyn's own clocks where it has them.
 
@@ -126,6 +144,7 @@ def main() -> None:
     median = statistics.median(seconds)
     each = ", ".join(f"{value:.2f}" for value in seconds)
     print(f"10 s translation: median {median / DURATION:.3f} wall s per simulated s (runs: {each} s)")
+    print(f"storing everything at every step: {cost_of_output() - 1.0:+.0%} wall time")
     output = subprocess.run(
         [sys.executable, "-m", "benchmarks.rigid", "--split"],
         env={**os.environ, "EXUDYN_CRAWLER_CHECKED": "1"},
