@@ -87,8 +87,10 @@ def tube(inner: float, outer: float, angle: float, grading: float):
     """Map the unit cube to a sector of a tube: x to radius, y to angle, z kept."""
 
     def mapping(p: np.ndarray) -> np.ndarray:
-        r = inner * (outer / inner) ** (p[:, 0] ** grading) if grading != 1.0 else (
-            inner + (outer - inner) * p[:, 0]
+        r = (
+            inner * (outer / inner) ** (p[:, 0] ** grading)
+            if grading != 1.0
+            else (inner + (outer - inner) * p[:, 0])
         )
         return np.column_stack([r * np.cos(angle * p[:, 1]), r * np.sin(angle * p[:, 1]), p[:, 2]])
 
@@ -142,15 +144,25 @@ def test_kirsch_hole() -> None:
     x, y = mesh.nodes[:, 0], mesh.nodes[:, 1]
     r, angle = np.hypot(x, y), np.arctan2(y, x)
     mu, kappa = STEEL.lame[1], 3 - 4 * 0.3
-    ux = a / 8 / mu * (
-        r / a * (kappa + 1) * np.cos(angle)
-        + 2 * a / r * ((1 + kappa) * np.cos(angle) + np.cos(3 * angle))
-        - 2 * a**3 / r**3 * np.cos(3 * angle)
+    ux = (
+        a
+        / 8
+        / mu
+        * (
+            r / a * (kappa + 1) * np.cos(angle)
+            + 2 * a / r * ((1 + kappa) * np.cos(angle) + np.cos(3 * angle))
+            - 2 * a**3 / r**3 * np.cos(3 * angle)
+        )
     )
-    uy = a / 8 / mu * (
-        r / a * (kappa - 3) * np.sin(angle)
-        + 2 * a / r * ((1 - kappa) * np.sin(angle) + np.sin(3 * angle))
-        - 2 * a**3 / r**3 * np.sin(3 * angle)
+    uy = (
+        a
+        / 8
+        / mu
+        * (
+            r / a * (kappa - 3) * np.sin(angle)
+            + 2 * a / r * ((1 - kappa) * np.sin(angle) + np.sin(3 * angle))
+            - 2 * a**3 / r**3 * np.sin(3 * angle)
+        )
     )
     held = {}
     for node in range(len(x)):
