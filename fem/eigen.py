@@ -18,7 +18,9 @@ from .mesh import Floats
 from .solver import Backend, factorized
 
 BLOCK = 12
-RESIDUAL = 1e-9
+DENSE = 1000
+"""Size up to which dense algebra is the quicker way."""
+RESIDUAL = 1e-8
 SEED = 6_2016
 
 
@@ -69,7 +71,7 @@ def lowest_modes(
     n = stiffness.shape[0]
     if not 1 <= count <= n:
         raise ValueError(f"count = {count} modes asked of a model with {n} degrees of freedom")
-    if 3 * count + 4 * BLOCK >= n:
+    if n <= max(DENSE, 4 * count + 12 * BLOCK):
         values, vectors = scipy.linalg.eigh(
             stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1)
         )
@@ -77,7 +79,7 @@ def lowest_modes(
     if solve is None:
         solve = factorized(csr_array(stiffness + shift * mass) if shift else stiffness, backend)
     block = np.random.default_rng(SEED).standard_normal((n, BLOCK))
-    capacity = 3 * count + 8 * BLOCK
+    capacity = 4 * count + 12 * BLOCK
     basis, mass_basis = np.empty((n, capacity), order="F"), np.empty((n, capacity), order="F")
     projected = np.zeros((capacity, capacity))
     block, moved = _orthonormal_in_mass(solve(mass @ block), mass, basis[:, :0], basis[:, :0])

@@ -44,9 +44,9 @@ class Resolution:
 
 
 SIZES = {
-    "coarse": Resolution(0.070, 0.080, 0.13, 0.40, 0.12),
-    "study": Resolution(0.032, 0.019, 0.050, 0.25, 0.18),
-    "fine": Resolution(0.020, 0.011, 0.028, 0.13, 0.22),
+    "coarse": Resolution(0.070, 0.060, 0.14, 0.22, 0.10),
+    "study": Resolution(0.035, 0.021, 0.080, 0.130, 0.12),
+    "fine": Resolution(0.022, 0.012, 0.040, 0.085, 0.15),
 }
 
 

@@ -53,7 +53,7 @@ class ShoeDimensions:
     top_length: float = 0.60
     top_thickness: float = 0.042
     front_notch_margin: float = 0.03
-    rear_notch_margin: float = 0.055
+    rear_notch_margin: float = 0.085
     notch_fillet: float = 0.04
     rail_center_y: float = 0.24
     rail_width: float = 0.22
@@ -381,7 +381,7 @@ def build_solid(occ: Any, shoe: ShoeDimensions) -> int:
 
     tools = []
     for name, (x, y, z) in JOINT_CENTERS.items():
-        reach = shoe.fork_width
+        reach = 0.55 * shoe.fork_width  # through both cheeks, short of the rails
         tools.append(occ.addCylinder(x, y - reach, z, 0, 2 * reach, 0, shoe.bore_radius))
         if name.startswith("front"):
             radius = shoe.rear_lug_radius + shoe.nose_clearance

@@ -1,0 +1,84 @@
+"""Time the finite-element reduction and the stress recovery on the shoe's study mesh.
+
+The yardstick of the reduction is Exudyn's own RBE2 Craig-Bampton routine on the same matrices,
+that of the recovery the bare matrix product that it needs.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+import fem
+import meshes
+
+STEEL = fem.Material(200e9, 0.3, 7847.25)
+ROWS = 4000
+
+
+def exudyn_craig_bampton(body: fem.ElasticBody, interfaces: list[fem.Interface]) -> float:
+    """Wall time in s of Exudyn's reduction with 24 constraint and 76 fixed-interface modes."""
+    from exudyn.FEM import FEMinterface, HCBstaticModeSelection
+
+    interface = FEMinterface()
+    interface.nodes = {"Position": np.array(body.mesh.nodes)}
+    interface.massMatrix = csr_matrix(body.mass_matrix)
+    interface.stiffnessMatrix = csr_matrix(body.stiffness)
+    started = time.perf_counter()
+    interface.ComputeHurtyCraigBamptonModes(
+        boundaryNodesList=[i.nodes.tolist() for i in interfaces],
+        nEigenModes=76,
+        computationMode=HCBstaticModeSelection.RBE2,
+        verboseMode=False,
+    )
+    return time.perf_counter() - started
+
+
+def main(*, yardstick: bool = True, size: str = "study") -> None:
+    """Print the timings.
+
+    Parameters
+    ----------
+    yardstick : also run Exudyn's routine, which takes minutes on the study mesh.
+    size : of the shoe's mesh.
+    """
+    print(f"threads: OMP_NUM_THREADS={os.environ.get('OMP_NUM_THREADS', 'unset')}")
+    body = fem.ElasticBody(meshes.shoe_mesh(size), STEEL)
+    started = time.perf_counter()
+    dofs = max(body.stiffness.shape[0], body.mass_matrix.shape[0])
+    print(f"assembly, {dofs} DOF: {time.perf_counter() - started:.1f} s")
+    interfaces = [
+        fem.Interface(name, center, body.mesh.nodes_of(f"bore {name}"))
+        for name, center in meshes.JOINT_CENTERS.items()
+    ]
+    started = time.perf_counter()
+    reduced = fem.craig_bampton(body, interfaces, 76)
+    own = time.perf_counter() - started
+    print(f"94 modes and stress modes: {own:.1f} s")
+    if yardstick:
+        theirs = exudyn_craig_bampton(body, interfaces)
+        print(f"Exudyn's modes without stress: {theirs:.1f} s, ratio {own / theirs:.2f}")
+
+    rng = np.random.default_rng(0)
+    q = rng.standard_normal((ROWS, len(reduced.frequencies))) / reduced.frequencies**2
+    fem.recover_peaks(reduced.stress_modes, q[:300])  # compiles the kernel
+    started = time.perf_counter()
+    fem.recover_peaks(reduced.stress_modes, q)
+    recovery = time.perf_counter() - started
+    shapes = reduced.stress_modes.reshape(-1, q.shape[1])
+    started = time.perf_counter()
+    for first in range(0, ROWS, 256):
+        shapes @ np.asfortranarray(q[first : first + 256].T)
+    product = time.perf_counter() - started
+    print(
+        f"peaks of {ROWS} rows: {recovery:.2f} s, bare product of the six components "
+        f"{product:.2f} s, ratio {recovery / product:.2f}"
+    )
+
+
+if __name__ == "__main__":
+    main(yardstick="--no-yardstick" not in sys.argv)

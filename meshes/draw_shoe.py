@@ -1,0 +1,86 @@
+"""Draw the shoe's surface: `python -m meshes.draw_shoe [file.png]`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+from fem.mesh import Floats, Mesh
+
+from . import shoe_mesh
+
+COLORS = {"roller path": "#d98c3f", "top": "#e8c48a", "bore": "#b23a48"}
+STEEL_COLOR = "#9fb1bd"
+LIGHT = np.array([0.45, -0.35, 0.82])
+
+
+def draw_surface(
+    ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimuth: float
+) -> Axes3D:
+    """Draw the boundary with shading.
+
+    Parameters
+    ----------
+    ax : 3-D axes.
+    mesh : Mesh
+    colors : (k, 3) red, green, blue of each boundary triangle, 0 to 1.
+    elevation, azimuth : place of the viewer in degrees; faces turned away are left out.
+    """
+    corners = mesh.nodes[mesh.boundary[:, :3]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    up, around = np.radians([elevation, azimuth])
+    viewer = [np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)]
+    seen = normals @ viewer > 0.0
+    shade = 0.62 + 0.38 * (normals @ LIGHT / np.linalg.norm(LIGHT))
+    ax.add_collection3d(
+        Poly3DCollection(
+            corners[seen],
+            facecolors=np.clip(colors * shade[:, None], 0, 1)[seen],
+            edgecolors="#00000030",
+            linewidths=0.2,
+        )
+    )
+    low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    ax.set_box_aspect(tuple(high - low), zoom=1.25)
+    ax.set(xlabel="x", zlabel="z (m)")
+    ax.set_ylabel("y", labelpad=14)
+    ax.view_init(elev=elevation, azim=azimuth)
+    return ax
+
+
+def named_colors(mesh: Mesh) -> Floats:
+    """Colours (k, 3) of the boundary triangles by their named surface."""
+
+    def rgb(code: str) -> list[float]:
+        return [int(code[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+
+    order = {tuple(f): i for i, f in enumerate(np.sort(mesh.boundary[:, :3], axis=1).tolist())}
+    colors = np.tile(rgb(STEEL_COLOR), (len(order), 1))
+    for key in ("top", "roller path", "bore"):
+        for name in (n for n in mesh.surfaces if n.startswith(key)):
+            faces = np.sort(mesh.surface(name)[:, :3], axis=1).tolist()
+            colors[[order[tuple(f)] for f in faces]] = rgb(COLORS[key])
+    return colors
+
+
+def main(path: Path) -> None:
+    """Draw the study mesh from the front above and from the rear above."""
+    mesh = shoe_mesh("study")
+    figure = Figure(figsize=(11, 8))
+    for place, azimuth, title in ((1, 35, "front pins (+x)"), (2, 215, "rear pins (-x)")):
+        ax = figure.add_axes((-0.1, 0.98 - 0.5 * place, 1.2, 0.5), projection="3d")
+        draw_surface(ax, mesh, named_colors(mesh), 28, azimuth)
+        figure.text(0.5, 0.97 - 0.5 * (place - 1), f"seen from the {title}", ha="center")
+        ax.set(xticks=[-0.4, 0.0, 0.4], zticks=[-0.2, 0.0, 0.2])
+    figure.savefig(path, dpi=110)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).with_name("shoe.png")))

@@ -1,0 +1,25 @@
+"""The coarse shoe against CalculiX 2.20, whose numbers `calculix_reference.py` makes."""
+
+import json
+
+import numpy as np
+from calculix_reference import REFERENCE, pull_forces
+
+import fem
+from fem.stress import von_mises
+
+
+def test_first_twenty_elastic_frequencies(shoe: fem.ElasticBody) -> None:
+    reference = json.loads(REFERENCE.read_text())
+    assert reference["mesh"] == shoe.mesh.digest
+    found = shoe.natural_frequencies(26)[6:]
+    np.testing.assert_allclose(found, reference["frequencies"][6:], rtol=1e-3)
+
+
+def test_von_mises_stress_away_from_the_bores(shoe: fem.ElasticBody) -> None:
+    reference = json.loads(REFERENCE.read_text())
+    displacement = shoe.displacement_under(pull_forces(shoe).reshape(-1, 1)).reshape(-1, 3, 1)
+    found = von_mises(shoe.stress(displacement, np.array(reference["nodes"]))[:, :, 0])
+    expected = von_mises(np.array(reference["stress"]))
+    # 3 % of each value; 0.5 % of the greatest for nodes that hardly feel the load
+    np.testing.assert_allclose(found, expected, rtol=0.03, atol=0.005 * expected.max())
