@@ -54,7 +54,7 @@ class Peaks:
 
 
 @numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc"})
-def _keep_greatest_length(parts, values, indices, first, start):  # type: ignore[no-untyped-def]
+def _keep_greatest_length(parts, values, indices, first, start):
     """Update squared maxima from components (5 k, t) of the nodes from `first` on."""
     for k in numba.prange(parts.shape[0] // 5):
         best, at = values[first + k], indices[first + k]

@@ -19,9 +19,7 @@ STEEL_COLOR = "#9fb1bd"
 LIGHT = np.array([0.45, -0.35, 0.82])
 
 
-def draw_surface(
-    ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimuth: float
-) -> Axes3D:
+def draw_surface(ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimuth: float) -> Axes3D:
     """Draw the boundary with shading.
 
     Parameters

@@ -21,9 +21,7 @@ def box_mesh(
     order: int = 2,
 ) -> fem.Mesh:
     """Structured mesh of a box (n, 3), optionally mapped; mid-side nodes follow the mapping."""
-    grid = MeshTet.init_tensor(
-        *(np.linspace(0, s, n + 1) for s, n in zip(size, counts, strict=True))
-    )
+    grid = MeshTet.init_tensor(*(np.linspace(0, s, n + 1) for s, n in zip(size, counts, strict=True)))
     if order == 1:
         points, elements = grid.p.T, grid.t.T
     else:

@@ -82,9 +82,7 @@ def test_regions_have_one_peak_each(small: fem.ReducedBody) -> None:
     # pure bending is greatest at opposite faces, with a calm core in between
     mode = np.zeros(len(small.frequencies))
     mode[0] = 1.0
-    table = fem.hot_spots(
-        small, [0.0], mode, 10, separation="regions", fraction=0.7, criterion="von mises"
-    )
+    table = fem.hot_spots(small, [0.0], mode, 10, separation="regions", fraction=0.7, criterion="von mises")
     assert len(table) == 2
 
 
@@ -141,9 +139,7 @@ def test_vtu_of_a_frame(tmp_path: Path, small: fem.ReducedBody, history: np.ndar
     fem.write_frame_vtu(tmp_path / "frame.vtu", small, history[3])
     fem.write_modes_vtu(tmp_path / "modes.vtu", small, [0, 2])
     frame = meshio.read(tmp_path / "frame.vtu")
-    np.testing.assert_allclose(
-        frame.point_data["von mises"], small.von_mises(history[3])[0], rtol=1e-12
-    )
+    np.testing.assert_allclose(frame.point_data["von mises"], small.von_mises(history[3])[0], rtol=1e-12)
     np.testing.assert_allclose(
         meshio.read(tmp_path / "modes.vtu").point_data["stress 2"], small.stress_modes[:, :, 2]
     )

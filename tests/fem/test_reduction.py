@@ -131,9 +131,7 @@ def test_reduced_stress_is_that_of_the_full_model(
     exact = shoe.stress(full)[:, :, 0]
     q = spring_response(reduced, reduced.pilots.reshape(24, -1).T @ pulls[:, 0])
     found = reduced.stress(q)[0]
-    away = np.setdiff1d(
-        np.arange(len(exact)), np.r_[reduced.spider_nodes, reduced.nodes_beside_spiders]
-    )
+    away = np.setdiff1d(np.arange(len(exact)), np.r_[reduced.spider_nodes, reduced.nodes_beside_spiders])
     # inertia of the balancing acceleration is what 76 fixed-interface modes leave out
     assert von_mises(found - exact)[away].max() < 0.03 * von_mises(exact).max()
 
