@@ -71,6 +71,14 @@ class System:
         """Start from rest at the coordinates `q`."""
         self.mbs.systemData.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
 
+    def set_state(self, row: NDArray) -> None:
+        """Start from a row as of `state`; its time goes into the solver's settings."""
+        q, q_t, q_tt = np.split(row[1 : 1 + 3 * self.contact.size], 3)
+        data = self.mbs.systemData
+        data.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
+        data.SetODE2Coordinates_t(q_t.tolist(), exu.ConfigurationType.Initial)
+        data.SetODE2Coordinates_tt(q_tt.tolist(), exu.ConfigurationType.Initial)
+
     def release_drive(self) -> None:
         """Leave the front shoe free from now on."""
         for item in (self.drive, self.turn):

@@ -29,6 +29,13 @@ class Solver(Parameters):
         default=2.0e-3,
     )
 
+    checkpoint_interval: float = quantity(
+        "s",
+        "the integration starts anew from its state at every multiple of this, where a killed run goes on",
+        gt=0,
+        default=1.0,
+    )
+
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.minimum_step > self.step:
