@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.parameters.flexible import FlexibleShoes
 from exudyn_crawler.underside import Underside, integrate_underside
-from fem import ElasticBody, Interface, Material, ReducedBody, craig_bampton, read_mesh
+from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton, read_mesh
 from meshes import JOINT_CENTERS, SHOE_SIZES, shoe_mesh
 
 ARM = 0.05
@@ -67,16 +67,23 @@ class FloatingShoe:
         return self.modes.shape[1]
 
 
+def _material(flexible: FlexibleShoes) -> Material:
+    return Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
+
+
 @lru_cache(maxsize=4)
-def shoe_model(flexible: FlexibleShoes) -> tuple[ElasticBody, list[Interface]]:
-    """Finite-element model of a flexible shoe and its four joint centres."""
-    mesh = shoe_mesh(flexible.mesh) if flexible.mesh in SHOE_SIZES else read_mesh(flexible.mesh)
-    material = Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
+def _finite_elements(mesh_name: str, material: Material) -> tuple[ElasticBody, list[Interface]]:
+    mesh = shoe_mesh(mesh_name) if mesh_name in SHOE_SIZES else read_mesh(mesh_name)
     interfaces = [
         Interface(name, np.array(center), mesh.nodes_of(f"bore {name}"))
         for name, center in JOINT_CENTERS.items()
     ]
     return ElasticBody(mesh, material), interfaces
+
+
+def shoe_model(flexible: FlexibleShoes) -> tuple[ElasticBody, list[Interface]]:
+    """Finite-element model of a flexible shoe and its four joint centres; remembered."""
+    return _finite_elements(flexible.mesh, _material(flexible))
 
 
 @lru_cache(maxsize=4)
@@ -90,9 +97,9 @@ def floating_shoe(flexible: FlexibleShoes, footprint: tuple[float, ...]) -> Floa
     footprint : tuple of float (5)
         Underside that contact takes the shoe to have: least and greatest x, least and greatest y, z; m.
     """
-    body, interfaces = shoe_model(flexible)
+    body, _ = shoe_model(flexible)
     mesh = body.mesh
-    reduced = craig_bampton(body, interfaces, n_fixed_modes=flexible.fixed_modes)
+    reduced = _integrated_modes(flexible, whole_basis(flexible, flexible.fixed_modes))
     positions, rows = _massless_nodes(reduced)
     under = mesh.nodes_of("underside")
     return FloatingShoe(
@@ -103,6 +110,37 @@ def floating_shoe(flexible: FlexibleShoes, footprint: tuple[float, ...]) -> Floa
         integrals=_integrals(body, reduced.modes),
         underside=integrate_underside(mesh.nodes[under, :2], reduced.modes[under], np.array(footprint)),
     )
+
+
+@lru_cache(maxsize=2)
+def _partition(mesh: str, material: Material) -> Partition:
+    return Partition(*_finite_elements(mesh, material))
+
+
+@lru_cache(maxsize=4)
+def _reduction(mesh: str, material: Material, fixed_modes: int) -> ReducedBody:
+    body, interfaces = _finite_elements(mesh, material)
+    return craig_bampton(body, interfaces, fixed_modes, partition=_partition(mesh, material))
+
+
+def whole_basis(flexible: FlexibleShoes, fixed_modes: int) -> ReducedBody:
+    """Reduce a flexible shoe to its constraint modes and some fixed-interface modes; remembered."""
+    return _reduction(flexible.mesh, _material(flexible), fixed_modes)
+
+
+def _integrated_modes(flexible: FlexibleShoes, whole: ReducedBody) -> ReducedBody:
+    """Modes of a basis that a run integrates."""
+    if flexible.modes is not None:
+        return whole.with_modes([number - 1 for number in flexible.modes])
+    if flexible.highest_frequency is not None:
+        below = np.flatnonzero(whole.frequencies <= flexible.highest_frequency)
+        if len(below) == 0:
+            raise ValueError(
+                f"highest_frequency must be at least that of the first mode, {whole.frequencies[0]:.1f} Hz, "
+                f"got {flexible.highest_frequency:g} Hz"
+            )
+        return whole.with_modes(below)
+    return whole
 
 
 def _massless_nodes(reduced: ReducedBody) -> tuple[NDArray, NDArray]:

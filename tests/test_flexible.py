@@ -131,14 +131,14 @@ def test_a_free_shoe_vibrates_at_its_modal_frequency():
 
 
 def test_integrated_modes_lie_inside_the_whole_basis(history):
-    basis = stress_basis(history, shared_reduction(history.case))
+    basis = stress_basis(history)
     assert len(basis.whole.frequencies) == 94
     assert basis.inside.T @ basis.inside == pytest.approx(np.eye(basis.inside.shape[1]), abs=1e-9)
 
 
 def test_recovered_statics_are_those_of_the_whole_basis(history):
     """At rest all 94 modes answer statically to their loads: K q = f for each of them."""
-    basis = stress_basis(history, shared_reduction(history.case))
+    basis = stress_basis(history)
     still = type(history)(history.case, history.dataset.isel(time=[0]))
     for shoe in (7, 13):
         q = whole_coordinates(still, basis, shoe)
