@@ -79,11 +79,11 @@ class System:
         data.SetODE2Coordinates_t(q_t.tolist(), exu.ConfigurationType.Initial)
         data.SetODE2Coordinates_tt(q_tt.tolist(), exu.ConfigurationType.Initial)
 
-    def release_drive(self) -> None:
-        """Leave the front shoe free from now on."""
+    def switch_drive(self, on: bool) -> None:
+        """Move the front shoe from now on, or leave it free."""
         for item in (self.drive, self.turn):
             if item is not None:
-                self.mbs.SetObjectParameter(item, "activeConnector", False)
+                self.mbs.SetObjectParameter(item, "activeConnector", on)
 
     def state(self) -> NDArray:
         """Time, coordinates, their first and second rates and the multipliers, in one row."""

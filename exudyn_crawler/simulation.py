@@ -77,12 +77,11 @@ def stage_times(case: Case, duration: float) -> list[float]:
     """Ends of the stages of a run, from 0 to its duration, s.
 
     The integration starts anew from its state at every multiple of the solver's checkpoint interval and
-    where the drive is switched off.
+    where the drive goes on or off.
     """
     interval = case.solver.checkpoint_interval
     times = {0.0, duration} | {k * interval for k in range(1, math.ceil(duration / interval))}
-    if case.drive.off_time is not None and case.drive.off_time < duration:
-        times.add(case.drive.off_time)
+    times |= {time for time in case.loads.switch_times if time < duration}
     kept: list[float] = []
     for time in sorted(times):
         if not kept or time - kept[-1] > TIME_TOLERANCE * duration:
@@ -121,8 +120,7 @@ def integrate(
                 recorder.take(saved[number])
                 system.set_state(saved[number].state)
                 continue
-            if case.drive.off_time is not None and start >= case.drive.off_time * (1.0 - TIME_TOLERANCE):
-                system.release_drive()
+            system.switch_drive(case.loads.drives_after(start))
             set_times(settings, case.solver, start, end)
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
             first = recorder.count

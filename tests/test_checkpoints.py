@@ -32,7 +32,7 @@ def staged(interval=INTERVAL):
 def test_stages_end_at_multiples_where_the_drive_goes_off_and_at_the_end():
     case = staged(0.5)
     assert stage_times(case, 1.2) == [0.0, 0.5, 1.0, 1.2]
-    off = case.with_(drive=case.drive.with_(off_time=0.7))
+    off = case.with_(loads=case.loads.with_(drive_on=((0.0, 0.7),)))
     assert stage_times(off, 1.0) == [0.0, 0.5, 0.7, 1.0]
 
 

@@ -46,10 +46,8 @@ class ContactLaw(Parameters):
         return self
 
     @classmethod
-    def oil_sand(cls) -> Self:
-        """Steel shoe on oil sand (all papers, contact table), one whole contact a pair; the edge width is
-        chosen here.
-        """
+    def oil_sand(cls, sharing: Literal["pair", "area"] = "pair") -> Self:
+        """Steel shoe on oil sand (all papers, contact table); sharing and edge width are chosen here."""
         return cls(
             stiffness=1.0e8,
             exponent=2.0,
@@ -59,7 +57,7 @@ class ContactLaw(Parameters):
             dynamic_friction=0.3,
             stiction_speed=0.01,
             friction_speed=0.1,
-            sharing="pair",
+            sharing=sharing,
             edge_width=0.01,
         )
 
