@@ -27,7 +27,8 @@ from exudyn_crawler.assembly import (
 )
 from exudyn_crawler.floating_frame import FloatingShoe, floating_shoe
 from exudyn_crawler.parameters import Case, Drive, StepProfile
-from exudyn_crawler.shoe_bodies import SIDES, ShoeBody, add_shoe_bodies, add_shoe_nodes
+from exudyn_crawler.parameters.track import SIDES
+from exudyn_crawler.shoe_bodies import ShoeBody, add_shoe_bodies, add_shoe_nodes
 from exudyn_crawler.terrain import localized, terrain_joints, terrain_modes, units_near
 
 exu.config.printToConsole = False
@@ -113,7 +114,7 @@ def build(case: Case, static: bool = False) -> System:
     ground = mbs.AddObject(items.ObjectGround())
     floating = None
     if case.flexible is not None:
-        floating = floating_shoe(case.flexible, tuple(case.shoe.footprint.tolist()))
+        floating = floating_shoe(case)
     shoe_nodes = add_shoe_nodes(mbs, case)
     terrain_nodes, coordinates = add_terrain(mbs, case, ground)
     shoes = add_shoe_bodies(mbs, case, shoe_nodes, floating)

@@ -12,10 +12,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.parameters.flexible import FlexibleShoes
+from exudyn_crawler.parameters import Case, FlexibleShoes, Track
 from exudyn_crawler.underside import Underside, integrate_underside
 from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton, read_mesh
-from meshes import JOINT_CENTERS, SHOE_SIZES, shoe_mesh
+from meshes import SHOE_SIZES, shoe_mesh
+
+PIN_TOLERANCE = 1e-3
+"""m, between the axis of a bore and the pin."""
 
 ARM = 0.05
 """m, distance of a joint's massless nodes from its centre."""
@@ -72,60 +75,86 @@ def _material(flexible: FlexibleShoes) -> Material:
 
 
 @lru_cache(maxsize=4)
-def _finite_elements(mesh_name: str, material: Material) -> tuple[ElasticBody, list[Interface]]:
+def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[ElasticBody, list[Interface]]:
     mesh = shoe_mesh(mesh_name) if mesh_name in SHOE_SIZES else read_mesh(mesh_name)
-    interfaces = [
-        Interface(name, np.array(center), mesh.nodes_of(f"bore {name}"))
-        for name, center in JOINT_CENTERS.items()
-    ]
+    interfaces = []
+    for name, center in track.joint_centers.items():
+        if f"bore {name}" not in mesh.surfaces:
+            raise ValueError(
+                f"the mesh {mesh_name!r} must have the surface 'bore {name}', it has {sorted(mesh.surfaces)}"
+            )
+        nodes = mesh.nodes_of(f"bore {name}")
+        bore = mesh.nodes[nodes]
+        off = 0.5 * (bore.min(axis=0) + bore.max(axis=0)) - center
+        # a bore is as long as its lug is wide, of which the joint centre need not be the middle
+        if np.hypot(off[0], off[2]) > PIN_TOLERANCE or abs(off[1]) > 0.5 * np.ptp(bore[:, 1]):
+            raise ValueError(
+                f"the mesh {mesh_name!r} must meet the track's pins within {PIN_TOLERANCE} m: its bore {name!r} "
+                f"is off the pin by {off.round(4).tolist()} m"
+            )
+        interfaces.append(Interface(name, center, nodes))
     return ElasticBody(mesh, material), interfaces
 
 
-def shoe_model(flexible: FlexibleShoes) -> tuple[ElasticBody, list[Interface]]:
-    """Finite-element model of a flexible shoe and its four joint centres; remembered."""
-    return _finite_elements(flexible.mesh, _material(flexible))
+def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list[Interface]]:
+    """Finite-element model of a flexible shoe and its four joint centres; remembered.
+
+    Raises
+    ------
+    ValueError
+        If the mesh has no bores where the track's pins are.
+    """
+    return _finite_elements(flexible.mesh, _material(flexible), track)
+
+
+@lru_cache(maxsize=2)
+def _partition(mesh: str, material: Material, track: Track) -> Partition:
+    return Partition(*_finite_elements(mesh, material, track))
 
 
 @lru_cache(maxsize=4)
-def floating_shoe(flexible: FlexibleShoes, footprint: tuple[float, ...]) -> FloatingShoe:
-    """Reduce the mesh of a flexible shoe and integrate what the multibody system needs.
+def _reduction(
+    mesh: str, material: Material, track: Track, fixed_modes: int, load_mode: bool
+) -> ReducedBody:
+    body, interfaces = _finite_elements(mesh, material, track)
+    loads = {"machine load": body.surface_load("top", np.array([0.0, 0.0, -1.0]))} if load_mode else None
+    return craig_bampton(body, interfaces, fixed_modes, loads, partition=_partition(mesh, material, track))
+
+
+def whole_basis(flexible: FlexibleShoes, track: Track, fixed_modes: int) -> ReducedBody:
+    """Reduce a flexible shoe to its constraint modes and some fixed-interface modes; remembered."""
+    return _reduction(flexible.mesh, _material(flexible), track, fixed_modes, flexible.load_mode)
+
+
+def floating_shoe(case: Case) -> FloatingShoe:
+    """Reduce the mesh of a case's flexible shoes and integrate what the multibody system needs.
 
     The last few results are remembered: a run builds its system twice.
 
-    Parameters
-    ----------
-    footprint : tuple of float (5)
-        Underside that contact takes the shoe to have: least and greatest x, least and greatest y, z; m.
+    Raises
+    ------
+    ValueError
+        If the mesh does not meet the track's pins or no mode remains.
     """
-    body, _ = shoe_model(flexible)
+    assert case.flexible is not None
+    return _floating_shoe(case.flexible, case.track, tuple(case.shoe.footprint.tolist()))
+
+
+@lru_cache(maxsize=4)
+def _floating_shoe(flexible: FlexibleShoes, track: Track, footprint: tuple[float, ...]) -> FloatingShoe:
+    body, interfaces = shoe_model(flexible, track)
     mesh = body.mesh
-    reduced = _integrated_modes(flexible, whole_basis(flexible, flexible.fixed_modes))
+    reduced = _integrated_modes(flexible, whole_basis(flexible, track, flexible.fixed_modes))
     positions, rows = _massless_nodes(reduced)
     under = mesh.nodes_of("underside")
     return FloatingShoe(
         reduced=reduced,
-        joints=tuple(JOINT_CENTERS),
+        joints=tuple(interface.name for interface in interfaces),
         positions=positions,
         modes=rows.reshape(-1, rows.shape[2]),
         integrals=_integrals(body, reduced.modes),
         underside=integrate_underside(mesh.nodes[under, :2], reduced.modes[under], np.array(footprint)),
     )
-
-
-@lru_cache(maxsize=2)
-def _partition(mesh: str, material: Material) -> Partition:
-    return Partition(*_finite_elements(mesh, material))
-
-
-@lru_cache(maxsize=4)
-def _reduction(mesh: str, material: Material, fixed_modes: int) -> ReducedBody:
-    body, interfaces = _finite_elements(mesh, material)
-    return craig_bampton(body, interfaces, fixed_modes, partition=_partition(mesh, material))
-
-
-def whole_basis(flexible: FlexibleShoes, fixed_modes: int) -> ReducedBody:
-    """Reduce a flexible shoe to its constraint modes and some fixed-interface modes; remembered."""
-    return _reduction(flexible.mesh, _material(flexible), fixed_modes)
 
 
 def _integrated_modes(flexible: FlexibleShoes, whole: ReducedBody) -> ReducedBody:

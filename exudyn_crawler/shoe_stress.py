@@ -48,9 +48,9 @@ def stress_basis(history: History) -> StressBasis:
     flexible = history.case.flexible
     if flexible is None:
         raise ValueError("the history has no flexible shoes")
-    floating = floating_shoe(flexible, tuple(history.case.shoe.footprint.tolist()))
-    body, _ = shoe_model(flexible)
-    whole = whole_basis(flexible, flexible.recovered_modes)
+    floating = floating_shoe(history.case)
+    body, _ = shoe_model(flexible, history.case.track)
+    whole = whole_basis(flexible, history.case.track, flexible.recovered_modes)
     count = len(whole.frequencies)
     modes = whole.modes.reshape(-1, count)
     mass = body.mass_matrix

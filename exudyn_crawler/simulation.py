@@ -18,6 +18,8 @@ from exudyn_crawler.states import history_of
 
 TIME_TOLERANCE = 1e-9
 """Relative difference below which two times are the same."""
+SETTLING = 1.0
+"""s after the drive goes off until the track is quiet; its shoes swing at 8 Hz and more."""
 
 
 class CrawlerModel:
@@ -81,7 +83,8 @@ def stage_times(case: Case, duration: float) -> list[float]:
     """
     interval = case.solver.checkpoint_interval
     times = {0.0, duration} | {k * interval for k in range(1, math.ceil(duration / interval))}
-    times |= {time for time in case.loads.switch_times if time < duration}
+    for time in case.loads.switch_times:
+        times |= {other for other in (time, time + SETTLING) if other < duration}
     kept: list[float] = []
     for time in sorted(times):
         if not kept or time - kept[-1] > TIME_TOLERANCE * duration:
@@ -121,7 +124,8 @@ def integrate(
                 system.set_state(saved[number].state)
                 continue
             system.switch_drive(case.loads.drives_after(start))
-            set_times(settings, case.solver, start, end)
+            quiet = case.loads.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)
+            set_times(settings, case.solver, start, end, quiet)
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
             first = recorder.count
             reason = _solve(system, settings)
@@ -196,12 +200,15 @@ class _Recorder:
         return len(self._states)
 
 
-def set_times(settings: "exu.SimulationSettings", solver: Solver, start: float, end: float) -> None:
-    """Put the times of a stage into Exudyn's settings."""
+def set_times(
+    settings: "exu.SimulationSettings", solver: Solver, start: float, end: float, quiet: bool = False
+) -> None:
+    """Put the times of a stage into Exudyn's settings; a quiet one takes longer steps."""
     time = settings.timeIntegration
+    step = max(solver.step, solver.quiet_step) if quiet else solver.step
     time.startTime = start
     time.endTime = end
-    time.numberOfSteps = max(1, math.ceil((end - start) / solver.step - 1e-6))
+    time.numberOfSteps = max(1, math.ceil((end - start) / step - 1e-6))
     time.minimumStepSize = min(solver.minimum_step, end - start)
 
 

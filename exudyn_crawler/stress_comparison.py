@@ -43,9 +43,9 @@ def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
     if quantity == "total terrain deformation from equilibrium":
         return terrain_deformation(history)
     if quantity == "revolute joint torque x and z":
-        return history.pin_torque.sel(axis=["x", "z"])
+        return _revolute(history.pin_torque).sel(axis=["x", "z"])
     if match := REACTION.fullmatch(quantity):
-        return history.pin_force.sel(axis=match["axis"])
+        return _revolute(history.pin_force).sel(axis=match["axis"])
     if match := CONTACT.fullmatch(quantity):
         return contacts_by_shoe(history).contact_force.sel(shoe=shoes, axis=match["axis"])
     if (match := MOTION.fullmatch(quantity)) and match["kind"] in KINEMATIC:
@@ -55,6 +55,11 @@ def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
             values = values - values.isel(time=0)
         return factor * values
     raise ValueError(f"{quantity!r} names no quantity of flexible shoes, joints or terrain")
+
+
+def _revolute(values: xr.DataArray) -> xr.DataArray:
+    """Links that have a revolute joint at either pin: those of a flexible shoe."""
+    return values.isel(joint=values.notnull().all(["time", "pin", "axis"]).values)
 
 
 def in_phase(values: xr.DataArray, history: History, phase: str) -> xr.DataArray:

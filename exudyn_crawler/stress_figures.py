@@ -62,6 +62,8 @@ def _axes_figure(title: str, unit: str, curves: Mapping[str, xr.DataArray]) -> F
 
 def _pins(history: History, name: str, side: str) -> dict[str, xr.DataArray]:
     """Curves of all links with a flexible shoe."""
-    values = history.dataset[name].sel(pin=side)
-    linked = values.notnull().all(["time", "axis"])
-    return {f"link {j}-{j + 1}": values.sel(joint=j) for j in values.joint.values[linked.values]}
+    values = history.dataset[name]
+    linked = values.notnull().all(["time", "pin", "axis"])
+    return {
+        f"link {j}-{j + 1}": values.sel(pin=side, joint=j) for j in values.joint.values[linked.values]
+    }

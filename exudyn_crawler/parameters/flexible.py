@@ -24,6 +24,11 @@ class FlexibleShoes(Parameters):
     density: float = quantity("kg/m3", "density", gt=0)
     fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0)
     recovered_modes: int = quantity("1", "fixed-interface modes of the basis that stress is made of", ge=0)
+    load_mode: bool = Field(
+        default=False,
+        description="whether the static answer to the machine load joins both bases, which else lose what the "
+        "load bends between the lowest modes",
+    )
     highest_frequency: float | None = quantity(
         "Hz", "modes of the integrated basis above this are left out", gt=0, default=None
     )
@@ -55,7 +60,7 @@ class FlexibleShoes(Parameters):
     @property
     def mode_count(self) -> int:
         """Modes of the integrated basis: 24 constraint modes and the fixed-interface ones, less 6 rigid."""
-        return CONSTRAINT_MODES - RIGID_MODES + self.fixed_modes
+        return CONSTRAINT_MODES - RIGID_MODES + self.fixed_modes + int(self.load_mode)
 
     def with_modes(self, choice: str) -> Self:
         """Choose the modes that are integrated; the others follow their loads without inertia.

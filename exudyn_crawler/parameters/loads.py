@@ -65,6 +65,12 @@ class LoadCycle(Parameters):
         """Times after 0 at which the drive goes on or off, s."""
         return tuple(time for window in self.drive_on or () for time in window if time > 0.0)
 
+    def off_since(self, time: float) -> float:
+        """How long the drive has been off just after a time, s; zero while it is on."""
+        if self.drives_after(time):
+            return 0.0
+        return time - max((end for _, end in self.drive_on or () if end <= time * (1.0 + 1e-9)), default=0.0)
+
     def drives_after(self, time: float) -> bool:
         """Whether the drive is on just after a time (s)."""
         if self.drive_on is None:
