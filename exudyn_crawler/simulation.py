@@ -141,6 +141,43 @@ def integrate(
     return history
 
 
+def integrate_from(case: Case, state: NDArray, duration: float) -> History:
+    """Integrate a case for some time from a state such as checkpoints keep.
+
+    Parameters
+    ----------
+    state : array (1 + 3 coordinates or more,)
+        Row as of `engine.System.state`; its multipliers are not needed.
+    duration : float
+        s, beyond the state's time.
+
+    Raises
+    ------
+    SimulationStopped
+        If a step fails at its least size.
+    """
+    system = build(case)
+    start, end = float(state[0]), float(state[0]) + duration
+    recorder = _Recorder(system, case.solver.output_interval, end)
+
+    def after_step(_mbs: "exu.MainSystem", time: float) -> bool:
+        if time > start:
+            recorder.store(time)
+        return True
+
+    system.mbs.SetPostStepUserFunction(after_step)
+    system.set_state(state)
+    system.switch_drive(case.loads.drives_after(start))
+    settings = solver_settings(case.solver)
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    set_times(settings, case.solver, start, end)
+    reason = _solve(system, settings)
+    history = history_of(system, recorder.rows)
+    if reason is not None:
+        raise SimulationStopped(recorder.time, reason, history)
+    return history
+
+
 def _solve(system: System, settings: "exu.SimulationSettings") -> str | None:
     """Integrate one stage; gives why it stopped early, or None."""
     try:

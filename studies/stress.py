@@ -14,7 +14,7 @@ from exudyn_crawler.comparison import summary
 from exudyn_crawler.stress_comparison import stress_summary
 from exudyn_crawler.tables import print_table
 from exudyn_crawler.workflows.script import readable_errors
-from exudyn_crawler.workflows.stress import DURATION, run_stress
+from exudyn_crawler.workflows.stress import DURATION, open_choices, run_stress
 
 
 def main(
@@ -30,12 +30,18 @@ def main(
     cycle: Annotated[Path | None, typer.Option(help="TOML file of an own load cycle")] = None,
     out: Annotated[Path, typer.Option(help="folder for the results")] = Path("results/stress"),
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace earlier results")] = False,
+    choices: Annotated[
+        bool, typer.Option("--choices", help="show instead what the study's open choices do")
+    ] = False,
 ) -> None:
     """Run the stress study and compare it with the paper; a study that was killed goes on.
 
     Example: python -m studies.stress --duration 8 --mesh coarse --out results/short
     """
     with readable_errors():
+        if choices:
+            print_table(open_choices(min(duration, 8.0), mesh), "Paper, and computed for some choices")
+            return
         case = Case.stress(mesh)
         assert case.flexible is not None
         if modes is not None:

@@ -9,6 +9,11 @@ from exudyn_crawler.parameters.base import Parameters, quantity
 from exudyn_crawler.parameters.profile import StepProfile
 
 
+PAPER_DAMPING = StepProfile(times=(1000.0, 10000.0), values=(0.005, 1.0))
+"""Modal damping ratio over frequency of the S-paper: 0.005 up to 1000 Hz, a STEP to 1 at 10 kHz."""
+ADAMS_DAMPING = StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.1, 0.1, 1.0))
+"""ADAMS' own default: 1 % below 100 Hz, 10 % up to 1000 Hz, critical above; its jumps are 2 % wide here."""
+
 CONSTRAINT_MODES = 24
 """Six of each of the four joint centres."""
 RIGID_MODES = 6
@@ -95,10 +100,7 @@ class FlexibleShoes(Parameters):
 
     @classmethod
     def ph4100c(cls, mesh: str = "study") -> Self:
-        """Middle and front shoes of the S-paper: steel, modal damping 0.5 % up to 1 kHz.
-
-        The damping ratio follows the paper's curve: 0.005 up to 1000 Hz, a STEP to 1 at 10 kHz.
-        """
+        """Middle and front shoes of the S-paper: steel, with its modal damping."""
         return cls(
             shoes=(6, 7, 8, 11, 12, 13),
             mesh=mesh,
@@ -107,5 +109,5 @@ class FlexibleShoes(Parameters):
             density=7847.25,
             fixed_modes=10,
             recovered_modes=76,
-            damping=StepProfile(times=(1000.0, 10000.0), values=(0.005, 1.0)),
+            damping=PAPER_DAMPING,
         )

@@ -11,6 +11,7 @@ from exudyn_crawler.figures import save_figure
 from exudyn_crawler.files import writable_folder
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
+from exudyn_crawler.parameters.flexible import ADAMS_DAMPING
 from exudyn_crawler.simulation import CrawlerModel
 from exudyn_crawler.stress_comparison import compare_stresses, stress_summary
 from exudyn_crawler.stress_figures import stress_figures
@@ -103,3 +104,35 @@ def _write(
         write_table(hot_spots, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
     for title, figure in stress_figures(history, results).items():
         save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
+
+
+def open_choices(
+    duration: float = 8.0, mesh: str = "coarse", progress: bool | None = None
+) -> pd.DataFrame:
+    """What the stress study's open choices do: rows of the S-paper for some of them.
+
+    Parameters
+    ----------
+    duration : float
+        s; the coarse mesh and part of the propel tell the directions.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns case, quantity, statistic, unit, paper, then one a choice; rows that the run reaches.
+    """
+    case = Case.stress(mesh)
+    assert case.flexible is not None
+    contact = case.contact
+    choices = {
+        "default": case,
+        "ADAMS' modal damping": case.with_(flexible=case.flexible.with_(damping=ADAMS_DAMPING)),
+        "one contact law a pair": case.with_(contact=contact.with_(sharing="pair")),
+        "contact damping x 10": case.with_(contact=contact.with_(damping=10.0 * contact.damping)),
+    }
+    columns = {}
+    for choice, changed in choices.items():
+        _, _, table = run_stress(changed, duration, progress=progress)
+        columns[choice] = table["computed"]
+    rows = table[["case", "quantity", "statistic", "unit", "paper"]].assign(**columns)
+    return rows.dropna().reset_index(drop=True)
