@@ -46,17 +46,17 @@ def windows(mesh: str = "coarse") -> pd.DataFrame:
         begun = clock.perf_counter()
         many = _peaks(integrate_from(whole, _in_all_modes(history, state), WINDOW))
         spent = clock.perf_counter() - begun
-        for shoe in case.flexible.shoes:
-            rows.append(
-                {
-                    "window": f"{name} from {start:g} s",
-                    "shoe": shoe,
-                    "default": few[shoe],
-                    "all 94": many[shoe],
-                    "off": few[shoe] / many[shoe] - 1.0,
-                    "wall s of all 94": spent,
-                }
-            )
+        rows += [
+            {
+                "window": f"{name} from {start:g} s",
+                "shoe": shoe,
+                "default": few[shoe],
+                "all 94": many[shoe],
+                "off": few[shoe] / many[shoe] - 1.0,
+                "wall s of all 94": spent,
+            }
+            for shoe in case.flexible.shoes
+        ]
     return pd.DataFrame(rows)
 
 
@@ -79,17 +79,19 @@ def _in_all_modes(history: History, state: np.ndarray) -> np.ndarray:
     time, rest = state[:1], state[1 : 1 + 3 * size].reshape(3, size)
     bent = np.array([whole_coordinates(history, basis, shoe)[0] for shoe in shoes])
     rates = rest[1:, -count * modes :].reshape(2, count, modes) @ basis.inside.T
-    parts = [np.concatenate((row[: -count * modes], new.ravel())) for row, new in zip(rest, (bent, *rates), strict=True)]
+    rigid = rest[:, : -count * modes]
+    parts = [np.concatenate((row, new.ravel())) for row, new in zip(rigid, (bent, *rates), strict=True)]
     return np.concatenate((time, *parts))
 
 
 def _peaks(history: History) -> dict[int, float]:
     assert history.case.flexible is not None
     basis = stress_basis(history)
-    return {
-        shoe: recover_extremes(basis.whole.stress_modes, whole_coordinates(history, basis, shoe)).highest.max() / 1e6
-        for shoe in history.case.flexible.shoes
-    }
+    peaks = {}
+    for shoe in history.case.flexible.shoes:
+        found = recover_extremes(basis.whole.stress_modes, whole_coordinates(history, basis, shoe))
+        peaks[shoe] = float(found.highest.max()) / 1e6
+    return peaks
 
 
 def study(duration: float = 40.0, mesh: str = "study") -> pd.DataFrame:

@@ -77,7 +77,8 @@ class Checkpoints:
                 raise ValueError(f"checkpoint {path} cannot be read: {error}; delete it to go on") from error
             if saved != case.model_dump_json():
                 raise ValueError(
-                    f"checkpoint {path} comes from other parameters: choose another folder or ask for overwriting"
+                    f"checkpoint {path} comes from other parameters: choose another folder "
+                    f"or ask for overwriting"
                 )
         return found
 

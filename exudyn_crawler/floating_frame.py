@@ -89,8 +89,8 @@ def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[
         # a bore is as long as its lug is wide, of which the joint centre need not be the middle
         if np.hypot(off[0], off[2]) > PIN_TOLERANCE or abs(off[1]) > 0.5 * np.ptp(bore[:, 1]):
             raise ValueError(
-                f"the mesh {mesh_name!r} must meet the track's pins within {PIN_TOLERANCE} m: its bore {name!r} "
-                f"is off the pin by {off.round(4).tolist()} m"
+                f"the mesh {mesh_name!r} must meet the track's pins within {PIN_TOLERANCE} m: "
+                f"its bore {name!r} is off the pin by {off.round(4).tolist()} m"
             )
         interfaces.append(Interface(name, center, nodes))
     return ElasticBody(mesh, material), interfaces
@@ -113,9 +113,7 @@ def _partition(mesh: str, material: Material, track: Track) -> Partition:
 
 
 @lru_cache(maxsize=4)
-def _reduction(
-    mesh: str, material: Material, track: Track, fixed_modes: int, load_mode: bool
-) -> ReducedBody:
+def _reduction(mesh: str, material: Material, track: Track, fixed_modes: int, load_mode: bool) -> ReducedBody:
     body, interfaces = _finite_elements(mesh, material, track)
     loads = {"machine load": body.surface_load("top", np.array([0.0, 0.0, -1.0]))} if load_mode else None
     return craig_bampton(body, interfaces, fixed_modes, loads, partition=_partition(mesh, material, track))
@@ -168,7 +166,7 @@ def _integrated_modes(flexible: FlexibleShoes, whole: ReducedBody) -> ReducedBod
                 f"highest_frequency must be at least that of the first mode, {whole.frequencies[0]:.1f} Hz, "
                 f"got {flexible.highest_frequency:g} Hz"
             )
-        return whole.with_modes(below)
+        return whole.with_modes(below.tolist())
     return whole
 
 

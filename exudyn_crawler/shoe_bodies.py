@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.floating_frame import NODES_A_JOINT, FloatingShoe
 from exudyn_crawler.parameters import Case
 
+
 @dataclass(frozen=True)
 class ShoeBody:
     """A shoe in the multibody system: its body and the markers that others attach to.
@@ -68,9 +69,7 @@ def _add_rigid(mbs: "exu.MainSystem", case: Case, number: int, node: int) -> Sho
     pins = {}
     for joint, place in case.track.joint_centers.items():
         end, side = joint.split()
-        pins[end, side] = mbs.AddMarker(
-            items.MarkerBodyRigid(bodyNumber=body, localPosition=place.tolist())
-        )
+        pins[end, side] = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=place.tolist()))
     top = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=list(shoe.load_point)))
     return ShoeBody(node, body, top, pins, None)
 

@@ -117,9 +117,7 @@ def stress_summary(history: History, results: StressResults) -> pd.DataFrame:
     highest = results.dataset.highest_von_mises / MEGA
     rows = []
     for shoe in highest.shoe.values:
-        phases = {
-            phase: in_phase(highest.sel(shoe=shoe), history, phase) for phase in ("propel", "loading")
-        }
+        phases = {phase: in_phase(highest.sel(shoe=shoe), history, phase) for phase in ("propel", "loading")}
         peaks = {p: float(v.max()) if v.size else math.nan for p, v in phases.items()}
         rows.append({"shoe": int(shoe)} | peaks | {"ratio": peaks["loading"] / peaks["propel"]})
     return pd.DataFrame(rows)

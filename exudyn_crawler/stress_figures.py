@@ -64,6 +64,4 @@ def _pins(history: History, name: str, side: str) -> dict[str, xr.DataArray]:
     """Curves of all links with a flexible shoe."""
     values = history.dataset[name]
     linked = values.notnull().all(["time", "pin", "axis"])
-    return {
-        f"link {j}-{j + 1}": values.sel(pin=side, joint=j) for j in values.joint.values[linked.values]
-    }
+    return {f"link {j}-{j + 1}": values.sel(pin=side, joint=j) for j in values.joint.values[linked.values]}

@@ -91,7 +91,11 @@ def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -
     spider = np.zeros(len(whole.nodes), dtype=bool)
     spider[whole.spider_nodes] = True
     dataset = dataset.assign(
-        node_position=(("node", "axis"), whole.nodes, {"units": "m", "long_name": "place in the shoe's frame"}),
+        node_position=(
+            ("node", "axis"),
+            whole.nodes,
+            {"units": "m", "long_name": "place in the shoe's frame"},
+        ),
         triangle=(("face", "corner"), whole.mesh.boundary[:, :3], {"long_name": "nodes of the surface"}),
         in_spider=("node", spider, {"long_name": "whether a joint's rigid spider holds the node"}),
     ).assign_coords(axis=["x", "y", "z"])

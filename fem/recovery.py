@@ -170,7 +170,7 @@ def _von_mises_shapes(stress_modes: Floats) -> Floats:
 
 
 def _checked_blocks(q: Floats | Iterable[Floats], modes: int) -> Iterable[Floats]:
-    """Blocks (m, t) of a history; a block that does not fit or is not finite, or no row at all, is refused."""
+    """Blocks (m, t) of a history; refuses one that does not fit or is not finite, and a history of none."""
     start = 0
     for block in _blocks(q):
         if block.shape[1] != modes:

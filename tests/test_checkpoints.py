@@ -76,7 +76,7 @@ def test_a_broken_checkpoint_is_named(tmp_path):
     case = staged()
     CrawlerModel(case).simulate(2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
     (tmp_path / "stage_0000.npz").write_bytes(b"PK\x03\x04 broken")
-    with pytest.raises(ValueError, match="stage_0000.npz cannot be read"):
+    with pytest.raises(ValueError, match=r"stage_0000\.npz cannot be read"):
         Checkpoints(tmp_path).load(case)
 
 

@@ -26,8 +26,8 @@ class ContactLaw(Parameters):
     )
     edge_width: float = quantity(
         "m",
-        "overlap width at which a pair has all of the law; with sharing 'pair' the force grows with STEP from "
-        "zero, since that law knows no area and would jump when a shoe reaches a unit's edge",
+        "overlap width at which a pair has all of the law; with sharing 'pair' the force grows with STEP "
+        "from zero, since that law knows no area and would jump when a shoe reaches a unit's edge",
         gt=0,
     )
 

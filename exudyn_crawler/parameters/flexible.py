@@ -8,7 +8,6 @@ from pydantic import Field, model_validator
 from exudyn_crawler.parameters.base import Parameters, quantity
 from exudyn_crawler.parameters.profile import StepProfile
 
-
 PAPER_DAMPING = StepProfile(times=(1000.0, 10000.0), values=(0.005, 1.0))
 """Modal damping ratio over frequency of the S-paper: 0.005 up to 1000 Hz, a STEP to 1 at 10 kHz."""
 ADAMS_DAMPING = StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.1, 0.1, 1.0))
@@ -31,8 +30,8 @@ class FlexibleShoes(Parameters):
     recovered_modes: int = quantity("1", "fixed-interface modes of the basis that stress is made of", ge=0)
     load_mode: bool = Field(
         default=False,
-        description="whether the static answer to the machine load joins both bases, which else lose what the "
-        "load bends between the lowest modes",
+        description="whether the static answer to the machine load joins both bases, which else lose what "
+        "the load bends between the lowest modes",
     )
     highest_frequency: float | None = quantity(
         "Hz", "modes of the integrated basis above this are left out", gt=0, default=None
@@ -50,7 +49,8 @@ class FlexibleShoes(Parameters):
             raise ValueError(f"damping ratios must not be negative, got {self.damping.values}")
         if self.fixed_modes > self.recovered_modes:
             raise ValueError(
-                f"fixed_modes must not exceed recovered_modes = {self.recovered_modes}, got {self.fixed_modes}"
+                f"fixed_modes must not exceed recovered_modes = {self.recovered_modes}, "
+                f"got {self.fixed_modes}"
             )
         if self.modes is not None:
             if self.highest_frequency is not None:

@@ -34,14 +34,16 @@ class Phase(Parameters):
 
 
 class LoadCycle(Parameters):
-    """Downward loads on the shoes, in phases whose end values are joined by cubic STEPs, and the drive's times.
+    """Downward loads on the shoes, in phases whose ends are joined by cubic STEPs, and the drive's times.
 
     Before the end of the first phase the loads are constant at its values, after the last one at the last.
     """
 
     phases: Annotated[tuple[Phase, ...], Field(min_length=1)]
     drive_on: tuple[tuple[float, float], ...] | None = quantity(
-        "s", "times from and to which the drive moves the front shoe, free otherwise; None: always", default=None
+        "s",
+        "times from and to which the drive moves the front shoe, free otherwise; None: always",
+        default=None,
     )
 
     @model_validator(mode="after")

@@ -12,7 +12,10 @@ class Solver(Parameters):
 
     step: float = quantity("s", "time step", gt=0, default=2.0e-3)
     quiet_step: float = quantity(
-        "s", "time step, if longer, once the drive has been off for 1 s and only the loads change", gt=0, default=1.0e-2
+        "s",
+        "time step, if longer, once the drive has been off for 1 s and only the loads change",
+        gt=0,
+        default=1.0e-2,
     )
     minimum_step: float = quantity("s", "least step tried before giving up", gt=0, default=1.0e-6)
     residual: float = quantity(

@@ -8,7 +8,6 @@ from pydantic import model_validator
 
 from exudyn_crawler.parameters.base import Parameters, quantity
 
-
 SIDES = ("right", "left")
 """Pins of a link: at y = 8.68 m (right) and y = 10.03 m (left)."""
 

@@ -93,9 +93,7 @@ def run_stress(
     return history, results, table
 
 
-def _write(
-    history: History, results: StressResults, table: pd.DataFrame, out: Path, overwrite: bool
-) -> None:
+def _write(history: History, results: StressResults, table: pd.DataFrame, out: Path, overwrite: bool) -> None:
     results.save(out / "stress.nc", overwrite)
     write_table(table, out / "comparison.csv", overwrite)
     write_table(history.case.loads.table(), out / "load_cycle.csv", overwrite)
@@ -106,9 +104,7 @@ def _write(
         save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
 
 
-def open_choices(
-    duration: float = 8.0, mesh: str = "coarse", progress: bool | None = None
-) -> pd.DataFrame:
+def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | None = None) -> pd.DataFrame:
     """What the stress study's open choices do: rows of the S-paper for some of them.
 
     Parameters
