@@ -80,7 +80,7 @@ def write_animation(
     path: Path,
     overwrite: bool = False,
     scale: float | None = None,
-    rate: float = 20.0,
+    rate: int = 20,
     speed: float = 1.0,
     start: float = 0.0,
     end: float | None = None,
@@ -93,7 +93,7 @@ def write_animation(
         File to write; its suffix, `.mp4` or `.gif`, says which.
     scale : float, optional
         Magnification of the ground's displacements in the side view; a fitting round one if not given.
-    rate : float
+    rate : int
         Pictures a second of the animation.
     speed : float
         Simulated seconds that a second of the animation shows.
@@ -131,7 +131,7 @@ def write_animation(
     return path
 
 
-def _write_mp4(picture: TrackPicture, times: NDArray, rate: float, path: Path) -> None:
+def _write_mp4(picture: TrackPicture, times: NDArray, rate: int, path: Path) -> None:
     """H.264 by the ffmpeg that imageio-ffmpeg brings along."""
     with mpl.rc_context({"animation.ffmpeg_path": imageio_ffmpeg.get_ffmpeg_exe()}):
         # players want even sides and 4:2:0 colours
@@ -142,7 +142,7 @@ def _write_mp4(picture: TrackPicture, times: NDArray, rate: float, path: Path) -
                 writer.grab_frame()
 
 
-def _write_gif(picture: TrackPicture, times: NDArray, rate: float, path: Path) -> None:
+def _write_gif(picture: TrackPicture, times: NDArray, rate: int, path: Path) -> None:
     """GIF by pillow, picture for picture, since all of them at once would fill the memory."""
     pictures = (_indexed_image(picture.show(float(time))) for time in times)
     first = next(pictures)

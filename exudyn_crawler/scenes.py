@@ -10,7 +10,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import matplotlib as mpl
 import numpy as np
@@ -31,6 +31,8 @@ FINEST = 0.12
 """m, edges of triangles that the plain backend may draw whole."""
 LIGHT = np.array([0.30, 0.15, 0.94])
 """Where light comes from, in the picture's axes: right, up, toward the viewer."""
+HIDDEN = 0.002
+"""m by which something has to lie before a point to hide it."""
 TRIAL = """
 import pyvista
 plotter = pyvista.Plotter(off_screen=True, window_size=(32, 32))
@@ -38,7 +40,7 @@ plotter.add_mesh(pyvista.Cube(), color="red")
 image = plotter.screenshot(return_img=True)
 raise SystemExit(0 if image.std() > 1.0 else 1)
 """
-"""What a machine with OpenGL can do; run in a process of its own, since VTK ends its process where it cannot."""
+"""What a machine with OpenGL can do; run in a process of its own, since VTK may end its process."""
 
 
 @dataclass(frozen=True)
@@ -105,10 +107,18 @@ class Scene:
             np.concatenate([part.arrows for part in parts]),
         )
 
-    def faces_viewer(self, point: int, view: View) -> bool:
-        """Whether a triangle at a point is turned to the viewer; others may still hide it."""
-        a, b, c = self.points[self.triangles[(self.triangles == point).any(axis=1)]].transpose(1, 0, 2)
-        return bool((np.cross(b - a, c - a) @ view.toward > 0.0).any())
+    def shows(self, point: int, view: View) -> bool:
+        """Whether a point of the surface is seen, or something lies before it."""
+        projected = view.project(self.points)
+        here = projected[point]
+        others = projected[self.triangles[(self.triangles != point).all(axis=1)]]
+        origin = others[:, 0, :2]
+        sides = np.stack((others[:, 1, :2] - origin, others[:, 2, :2] - origin), axis=-1)
+        shares = np.linalg.pinv(sides) @ (here[:2] - origin)[:, :, None]
+        u, v = shares[:, 0, 0], shares[:, 1, 0]
+        depth = others[:, 0, 2] * (1.0 - u - v) + others[:, 1, 2] * u + others[:, 2, 2] * v
+        covers = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+        return not bool((covers & (depth > here[2] + HIDDEN)).any())
 
     def without_arrows(self) -> "Scene":
         """Same surface alone."""
@@ -219,7 +229,7 @@ def opengl_image(
         plotter.close()
 
 
-def _arrow(tail: NDArray, along: NDArray, length: float):
+def _arrow(tail: NDArray, along: NDArray, length: float) -> Any:
     """Arrow of fixed thickness as a PyVista mesh."""
     import pyvista
 
@@ -246,7 +256,7 @@ def draw_plain(ax: Axes, scene: Scene, view: View, limits: tuple[float, float]) 
     colours[:, :3] = np.clip(colours[:, :3] * shade[:, None], 0.0, 1.0)
     ax.add_collection(
         PolyCollection(
-            corners[order, :, :2], facecolors=colours, edgecolors=colours, linewidths=0.3, zorder=1
+            list(corners[order, :, :2]), facecolors=colours, edgecolors=colours, linewidths=0.3, zorder=1
         ),
         autolim=False,
     )

@@ -1,8 +1,8 @@
 """Pictures of the flexible shoes' von Mises stress at single times, with the contact forces as arrows.
 
-Every picture of a study has the same colours, the same arrow lengths and the same magnification of the elastic
-displacement. `stress` is everywhere the dataset that the stress study leaves; `docs/report.md` lists what it
-holds.
+Every picture of a study has the same colours, the same arrow lengths and the same magnification of the
+elastic displacement. `stress` is everywhere the dataset that the stress study leaves; `docs/report.md` lists
+what it holds.
 """
 
 from collections.abc import Sequence
@@ -13,6 +13,7 @@ from typing import Self
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -76,7 +77,7 @@ class Scales:
 def shoe_scene(
     stress: xr.Dataset, frame: float, shoe: int, scales: Scales, points: NDArray, forces: NDArray
 ) -> Scene:
-    """Surface of a shoe in its own frame, coloured by von Mises stress in MPa, bent as it is at a chosen time.
+    """Surface of a shoe in its own frame with its von Mises stress in MPa, bent as it is at a chosen time.
 
     Parameters
     ----------
@@ -102,7 +103,7 @@ def stress_picture(
     scales: Scales | None = None,
     backend: Backend | None = None,
 ) -> Figure:
-    """All flexible shoes at one chosen time: each from behind and above and from ahead and below, all in place.
+    """All flexible shoes at one chosen time: each from two sides, and all in place.
 
     Parameters
     ----------
@@ -156,18 +157,15 @@ def stress_picture(
         figure.text(
             0.01,
             0.985 - 0.3 / figure.get_figheight(),
-            f"elastic displacement drawn {scales.displacement:g} times larger; circle: highest stress on the shoe's surface; "
-            f"blue arrows: contact forces on the shoe, {_force_key(scales.pair_force)} m long for "
-            f"100 kN in single contacts and {_force_key(scales.shoe_force)} m for the sum below",
+            f"elastic displacement drawn {scales.displacement:g} times larger; circle: highest stress on the "
+            f"shoe's surface, where it is seen; blue arrows: contact forces on the shoe, "
+            f"{1e5 * scales.pair_force:.2f} m long for 100 kN in single contacts and "
+            f"{1e5 * scales.shoe_force:.2f} m for the sum below",
             va="top",
             fontsize=8.5,
             color="#444444",
         )
     return figure
-
-
-def _force_key(scale: float) -> str:
-    return f"{1e5 * scale:.2f}"
 
 
 class _Page:
@@ -180,9 +178,8 @@ class _Page:
         self.width, self.height = figure.get_size_inches()
         self.column = 0.5 * (self.width - self.LEFT - self.GAP - self.RIGHT)
         self.tall = self.height - self.TOP - self.STRIP - self.BOTTOM - 0.3
-        self.columns: list = []
 
-    def axes(self, left: float, bottom: float, width: float, height: float):
+    def axes(self, left: float, bottom: float, width: float, height: float) -> Axes:
         """Axes at a place in inches."""
         return self.figure.add_axes(
             (left / self.width, bottom / self.height, width / self.width, height / self.height)
@@ -214,7 +211,7 @@ class _Page:
         draw_scene(ax, Scene.joined(moved), view, window, limits, backend)
         for scene in moved:
             highest = int(scene.values.argmax())
-            if scene.faces_viewer(highest, view):
+            if scene.shows(highest, view):
                 place = view.project(scene.points[[highest]])[0]
                 ax.plot(place[0], place[1], "o", ms=9, mfc="none", mec="black", mew=0.9, zorder=5)
         ax.set_title(title, fontsize=9.5, loc="left")
@@ -257,8 +254,13 @@ def picture_name(frame: float) -> str:
     return f"stress_{frame:08.4f}s.png"
 
 
-PICTURES = "stress_*s.png"
+PICTURES = "stress_[0-9]*s.png"
 """Pattern of the pictures' file names."""
+
+
+def picture_time(path: Path) -> float:
+    """Time (s) that a picture's file name says."""
+    return float(path.stem.removeprefix("stress_").removesuffix("s"))
 
 
 def write_stress_pictures(

@@ -1,8 +1,8 @@
 """Track and terrain at one time, from the side and from above, on axes of matplotlib.
 
-The ground's displacement under the track is millimetres, from where its own weight leaves it, and can be drawn
-larger. Shoes are then lifted or lowered with the ground beneath them, so that their depth in it keeps its true
-scale.
+The ground's displacement under the track is millimetres, from where its own weight leaves it, and can be
+drawn larger. Shoes are then lifted or lowered with the ground beneath them, so that their depth in it keeps
+its true scale.
 """
 
 import numpy as np
@@ -98,18 +98,18 @@ class SideView:
         self._row = self._middle_row(history)
         flexible = () if case.flexible is None else case.flexible.shoes
         colours = [FLEXIBLE_COLOUR if shoe in flexible else SHOE_COLOUR for shoe in case.track.shoes]
-        self._ground = ax.add_collection(
-            PolyCollection([], facecolors=GROUND_COLOUR, edgecolors=GROUND_EDGE, linewidths=0.6, zorder=0)
+        self._ground = PolyCollection(
+            [], facecolors=GROUND_COLOUR, edgecolors=GROUND_EDGE, linewidths=0.6, zorder=0
         )
-        self._shoes = ax.add_collection(
-            PolyCollection(
-                [],
-                facecolors=[to_rgba(colour, 0.75 if filled else 0.0) for colour in colours],
-                edgecolors=SHOE_EDGE,
-                linewidths=0.8,
-                zorder=0.8,
-            )
+        self._shoes = PolyCollection(
+            [],
+            facecolors=[to_rgba(colour, 0.75 if filled else 0.0) for colour in colours],
+            edgecolors=SHOE_EDGE,
+            linewidths=0.8,
+            zorder=0.8,
         )
+        ax.add_collection(self._ground)
+        ax.add_collection(self._shoes)
         (self._pin_marks,) = ax.plot([], [], "o", ms=3.0, mfc="white", mec=SHOE_EDGE, mew=0.8, zorder=3)
         count = case.track.shoe_count
         self._forces = ax.quiver(
@@ -156,12 +156,14 @@ class SideView:
         larger = (self._scale - 1.0) * (z - unloaded_level(self._case))
         deep = np.full(x.shape, -2.0 * DEPTH)
         self._ground.set_verts(
-            np.stack(
-                (
-                    np.concatenate((x, x[:, ::-1]), axis=1),
-                    np.concatenate((deep, (z + larger)[:, ::-1]), axis=1),
-                ),
-                axis=-1,
+            list(
+                np.stack(
+                    (
+                        np.concatenate((x, x[:, ::-1]), axis=1),
+                        np.concatenate((deep, (z + larger)[:, ::-1]), axis=1),
+                    ),
+                    axis=-1,
+                )
             )
         )
 
@@ -200,19 +202,19 @@ class PlanView:
         half = 0.5 * np.array([terrain.unit_length, terrain.unit_width])
         corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
         heave = 1e3 * history.unit_heave.values
-        self.ground = ax.add_collection(
-            PolyCollection(
-                terrain.centers[:, None, :2] + corners,
-                array=heave[0],
-                cmap="cividis",
-                clim=(heave.min(), heave.max()),
-                edgecolors=GROUND_EDGE,
-                linewidths=0.4,
-            )
+        self.ground = PolyCollection(
+            list(terrain.centers[:, None, :2] + corners),
+            array=heave[0],
+            cmap="cividis",
+            clim=(heave.min(), heave.max()),
+            edgecolors=GROUND_EDGE,
+            linewidths=0.4,
         )
-        self._shoes = ax.add_collection(
-            PolyCollection([], facecolors=to_rgba("white", 0.35), edgecolors="black", linewidths=0.9)
+        self._shoes = PolyCollection(
+            [], facecolors=to_rgba("white", 0.35), edgecolors="black", linewidths=0.9
         )
+        ax.add_collection(self.ground)
+        ax.add_collection(self._shoes)
         self._numbers = [
             ax.text(0.0, 0.0, str(shoe), ha="center", va="center", fontsize=7) for shoe in case.track.shoes
         ]
