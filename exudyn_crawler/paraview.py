@@ -96,7 +96,8 @@ def _mesh(stress: xr.Dataset, case: Case) -> Mesh:
     nodes = stress.node_position.transpose("node", "axis").values
     if nodes.shape != mesh.nodes.shape or not np.allclose(nodes, mesh.nodes, atol=1e-6):
         raise ValueError(
-            f"the {len(nodes)} nodes of the stresses are not the {len(mesh.nodes)} of the mesh {case.flexible.mesh!r}"
+            f"the {len(nodes)} nodes of the stresses are not the {len(mesh.nodes)} of the mesh "
+            f"{case.flexible.mesh!r}"
         )
     return mesh
 

@@ -65,6 +65,8 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
         If it holds neither a history nor a comparison.
     FileExistsError
         If the report exists and `overwrite` is false.
+    ValueError
+        If a file of the folder does not hold what its name says.
     """
     folder = Path(folder)
     if not folder.is_dir():
@@ -180,6 +182,9 @@ def _comparison(folder: Path) -> pd.DataFrame | None:
     if not path.is_file():
         return None
     table = pd.read_csv(path)
+    missing = [name for name in ("class", "within") if name not in table]
+    if missing:
+        raise ValueError(f"{path} has no column {missing[-1]!r} and is no comparison")
     return table.assign(within=table["within"].fillna(""))
 
 

@@ -103,8 +103,9 @@ def _links(dataset: xr.Dataset) -> Iterator[Quantity]:
     for label, name, unit in (("pin force", "pin_force", "N"), ("pin torque", "pin_torque", "N m")):
         if name not in dataset:
             continue
-        values = dataset[name].assign_coords(joint=links).stack(place=("joint", "pin"))
-        values = values.dropna("place", how="all")
+        # a rigid link has one joint for both pins, whose force is the link's
+        apart = dataset[name].isel(time=0).notnull().all(("pin", "axis")).values
+        values = dataset[name].assign_coords(joint=links).isel(joint=apart).stack(place=("joint", "pin"))
         places = [f"{joint} {pin}" for joint, pin in values.place.values]
         values = values.drop_vars(["place", "joint", "pin"]).assign_coords(place=places)
         if places:
