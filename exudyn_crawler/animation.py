@@ -1,12 +1,13 @@
 """Moving pictures of a track on its deforming terrain."""
 
-import io
+from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 
 import imageio_ffmpeg
 import matplotlib as mpl
 import numpy as np
-from matplotlib.animation import FFMpegWriter
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
@@ -30,17 +31,19 @@ class TrackPicture:
     history : History
     scale : float
         Magnification of the ground's displacements in the side view.
+    dpi : float
+        Resolution; the picture is 12 by 10 inches.
 
     Attributes
     ----------
     figure : Figure
     """
 
-    def __init__(self, history: History, scale: float) -> None:
+    def __init__(self, history: History, scale: float, dpi: float = DPI) -> None:
         self._history = history
         force = greatest_shoe_force(history)
         with mpl.rc_context(STYLE):
-            self.figure = Figure(figsize=(12.0, 10.0), dpi=DPI)
+            self.figure = Figure(figsize=(12.0, 10.0), dpi=dpi)
             above, side, speed = self.figure.subplots(3, 1, height_ratios=(4.9, 2.2, 1.6))
             plan = PlanView(above, history)
             self._views = (plan, SideView(side, history, scale, LONGEST / force if force > 0.0 else 1.0))
@@ -63,7 +66,10 @@ class TrackPicture:
             speed.legend(loc="upper left", ncols=2)
             self._cursor = speed.axvline(0.0, color="black", lw=0.8)
             self._title = self.figure.suptitle("", x=0.01, ha="left")
-        self.show(0.0)
+            self.show(0.0)
+            # places are found once; finding them anew would take most of the time of a picture
+            self.figure.draw_without_rendering()
+            self.figure.set_layout_engine("none")
 
     def show(self, time: float) -> Figure:
         """Bring the picture to the stored time nearest to `time` (s)."""
@@ -73,6 +79,12 @@ class TrackPicture:
         self._cursor.set_xdata([float(now.time)] * 2)
         self._title.set_text(f"{self._history.case.name}: t = {float(now.time):.2f} s")
         return self.figure
+
+    def image(self, time: float) -> NDArray:
+        """Picture at a time as red, green and blue: array (height, width, 3), uint8."""
+        canvas = FigureCanvasAgg(self.show(time))
+        canvas.draw()
+        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
 def write_animation(
@@ -123,34 +135,33 @@ def write_animation(
     for name, value in (("scale", scale), ("rate", rate), ("speed", speed)):
         if not value > 0.0:
             raise ValueError(f"{name} must be positive, got {value:g}")
-    picture = TrackPicture(history, scale)
     times = np.arange(start, end + 1e-9, speed / rate)
-    write = _write_gif if path.suffix == ".gif" else _write_mp4
+    is_gif = path.suffix == ".gif"
+    picture = TrackPicture(history, scale, GIF_DPI if is_gif else DPI)
+    images = (picture.image(float(time)) for time in times)
     with whole_file(path, overwrite) as temporary:
-        write(picture, times, rate, temporary)
+        (_write_gif if is_gif else _write_mp4)(images, rate, temporary)
     return path
 
 
-def _write_mp4(picture: TrackPicture, times: NDArray, rate: int, path: Path) -> None:
+def _write_mp4(images: Iterator[NDArray], rate: int, path: Path) -> None:
     """H.264 by the ffmpeg that imageio-ffmpeg brings along."""
-    with mpl.rc_context({"animation.ffmpeg_path": imageio_ffmpeg.get_ffmpeg_exe()}):
-        # players want even sides and 4:2:0 colours
-        writer = FFMpegWriter(fps=rate, codec="h264", extra_args=["-pix_fmt", "yuv420p"])
-        with writer.saving(picture.figure, str(path), DPI):
-            for time in times:
-                picture.show(float(time))
-                writer.grab_frame()
+    first = next(images)
+    height, width, _ = first.shape
+    # players want even sides and 4:2:0 colours
+    writer = imageio_ffmpeg.write_frames(
+        str(path), (width, height), fps=rate, codec="libx264", macro_block_size=2, pix_fmt_out="yuv420p"
+    )
+    writer.send(None)
+    try:
+        for image in chain([first], images):
+            writer.send(np.ascontiguousarray(image))
+    finally:
+        writer.close()
 
 
-def _write_gif(picture: TrackPicture, times: NDArray, rate: int, path: Path) -> None:
+def _write_gif(images: Iterator[NDArray], rate: int, path: Path) -> None:
     """GIF by pillow, picture for picture, since all of them at once would fill the memory."""
-    pictures = (_indexed_image(picture.show(float(time))) for time in times)
+    pictures = (Image.fromarray(image).quantize(COLOURS, dither=Image.Dither.NONE) for image in images)
     first = next(pictures)
     first.save(path, save_all=True, append_images=pictures, duration=1e3 / rate, loop=0)
-
-
-def _indexed_image(figure: Figure) -> Image.Image:
-    """Figure as an image of few colours."""
-    memory = io.BytesIO()
-    figure.savefig(memory, format="png", dpi=GIF_DPI)
-    return Image.open(memory).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TypeAlias
 from xml.etree import ElementTree
 
 import meshio
@@ -78,7 +79,7 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
     return path
 
 
-Content = meshio.Mesh | tuple[Mesh, dict[str, NDArray]]
+Content: TypeAlias = "meshio.Mesh | tuple[Mesh, dict[str, NDArray]]"
 
 
 def _write(content: Content, path: Path) -> None:

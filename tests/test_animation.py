@@ -75,6 +75,11 @@ def test_shoes_and_forces_are_where_the_history_has_them(translation):
 def test_a_picture_says_time_and_scale(turning):
     scale = ground_scale(turning)
     figure = TrackPicture(turning, scale).show(0.2)
+    width = figure.get_window_extent().width
+    for ax in figure.axes[:3]:
+        # the panels use the width, and what is written over them fits
+        assert ax.get_window_extent().width > 0.8 * width
+        assert ax._left_title.get_window_extent().x1 < width
     assert figure._suptitle.get_text() == "turning: t = 0.20 s"
     assert any(f"ground drawn {scale:g} times larger" in ax.get_title(loc="left") for ax in figure.axes)
 

@@ -3,7 +3,7 @@
 const data = JSON.parse(document.getElementById("report-data").textContent);
 const KINDS = { f4: Float32Array, u2: Uint16Array, u4: Uint32Array, i2: Int16Array };
 const COLOURS = ["#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b", "#e377c2", "#7f7f7f",
-  "#bcbd22", "#17becf", "#393b79", "#637939", "#ad494a"];
+  "#bcbd22", "#17becf", "#393b79", "#637939", "#111111"];
 const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["sendDataToCloud", "lasso2d", "select2d"] };
 
 function unpack(text, kind) {
@@ -113,7 +113,7 @@ class SeriesPlot {
   }
 
   draw() {
-    const { items, axes, label, unit } = this.quantity;
+    const { items, axes, label, unit, floor } = this.quantity;
     const chosenAxes = axes.length < 2 ? axes : this.picked(this.axisBox);
     const chosenItems = items.length < 2 ? items : this.picked(this.itemBox);
     const traces = [];
@@ -130,16 +130,19 @@ class SeriesPlot {
     chosenAxes.forEach((axis, row) => {
       const name = row === 0 ? "yaxis" : `yaxis${row + 1}`;
       layout[name] = { title: { text: `${axis} ${label}<br>in ${unit}`.trim(), font: { size: 12 } }, exponentformat: "power" };
-      for (const item of chosenItems) {
+      const drawn = chosenItems.map((item) => this.series(items.indexOf(item), axes.indexOf(axis)));
+      // rounding must not look like motion
+      if (drawn.every(({ y }) => y.every((value) => Math.abs(value) < floor))) layout[name].range = [-floor, floor];
+      chosenItems.forEach((item, k) => {
         const number = items.indexOf(item);
         traces.push({
-          ...this.series(number, axes.indexOf(axis)),
+          ...drawn[k],
           type: "scatter", mode: "lines", name: item, legendgroup: item, showlegend: row === 0,
           line: { width: 1.2, color: COLOURS[number % COLOURS.length] },
           xaxis: "x", yaxis: row === 0 ? "y" : `y${row + 1}`,
           hovertemplate: `%{y:.4g} ${unit}`,
         });
-      }
+      });
     });
     Plotly.react(this.figure, traces, layout, CONFIG);
   }
