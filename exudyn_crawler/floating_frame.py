@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.parameters.flexible import FlexibleShoes
 from exudyn_crawler.underside import Underside, integrate_underside
-from fem import ElasticBody, Interface, Material, Mesh, ReducedBody, craig_bampton, read_mesh
+from fem import ElasticBody, Interface, Material, ReducedBody, craig_bampton, read_mesh
 from meshes import JOINT_CENTERS, SHOE_SIZES, shoe_mesh
 
 ARM = 0.05
@@ -67,15 +67,10 @@ class FloatingShoe:
         return self.modes.shape[1]
 
 
-def flexible_mesh(flexible: FlexibleShoes) -> Mesh:
-    """Mesh that the flexible shoes share, in shoe's axes."""
-    return shoe_mesh(flexible.mesh) if flexible.mesh in SHOE_SIZES else read_mesh(flexible.mesh)
-
-
 @lru_cache(maxsize=4)
 def shoe_model(flexible: FlexibleShoes) -> tuple[ElasticBody, list[Interface]]:
     """Finite-element model of a flexible shoe and its four joint centres."""
-    mesh = flexible_mesh(flexible)
+    mesh = shoe_mesh(flexible.mesh) if flexible.mesh in SHOE_SIZES else read_mesh(flexible.mesh)
     material = Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
     interfaces = [
         Interface(name, np.array(center), mesh.nodes_of(f"bore {name}"))

@@ -11,12 +11,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.files import whole_file, writable_folder
-from exudyn_crawler.floating_frame import flexible_mesh
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
 from exudyn_crawler.placement import Pose, instant, touching
 from exudyn_crawler.rotations import rotation_matrices
 from fem import Mesh, write_vtu
+from meshes import mesh_named
 
 SERIES = "track.pvd"
 PARTS = "track_parts"
@@ -93,7 +93,7 @@ def _mesh(stress: xr.Dataset, case: Case) -> Mesh:
     """Mesh of the flexible shoes."""
     if case.flexible is None:
         raise ValueError("the history has no flexible shoes")
-    mesh = flexible_mesh(case.flexible)
+    mesh = mesh_named(case.flexible.mesh)
     nodes = stress.node_position.transpose("node", "axis").values
     if nodes.shape != mesh.nodes.shape or not np.allclose(nodes, mesh.nodes, atol=1e-6):
         raise ValueError(

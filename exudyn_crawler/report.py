@@ -94,7 +94,7 @@ def report_page(folder: Path) -> str:
     }
     points = points_a_series(found)
     pictures = _pictures(folder, stress, owner)
-    hot_spots = [_hot_spot_table(path) for path in _by_number(folder.glob("hot_spots_*.csv"))]
+    hot_spots = hot_spot_tables(folder, stress)
     data = {
         "cases": {name: packed_case(one, points) for name, one in found.items()},
         "shoes": None if stress is None or owner is None else packed_shoes(stress, owner),
@@ -217,21 +217,31 @@ def _table(title: str, table: pd.DataFrame) -> dict[str, Any]:
     return {"title": title, "html": Markup(html)}
 
 
-def _hot_spot_table(path: Path) -> dict[str, Any]:
-    """Table of hot spots with stresses in MPa."""
+def hot_spot_tables(folder: Path, stress: xr.Dataset | None) -> list[dict[str, Any]]:
+    """Titles and HTML of the hot spots' tables of a folder, in the order of the shoes."""
+    return [_hot_spot_table(path, stress) for path in _by_number(folder.glob("hot_spots_*.csv"))]
+
+
+def _hot_spot_table(path: Path, stress: xr.Dataset | None) -> dict[str, Any]:
+    """Table of hot spots with stresses in MPa and places in the shoe's frame.
+
+    Studies give places in the track at t = 0, as the S-paper does, which are kept beside.
+    """
     table = pd.read_csv(path)
     for name in ("value", "jump"):
         if name in table:
             table[name] = table[name] / 1e6
-    table = table.rename(
-        columns={
-            "value": "von Mises in MPa",
-            "jump": "jump in MPa",
-            "time": "time in s",
-            **{axis: f"{axis} in m" for axis in "xyz"},
-        }
-    )
-    return _table(path.stem.removeprefix("hot_spots_").replace("_", " "), table)
+    names = {"value": "von Mises in MPa", "jump": "jump in MPa", "time": "time in s"}
+    if stress is not None and {"node", *"xyz"} <= set(table.columns):
+        local = stress.node_position.transpose("node", "axis").values[table["node"]]
+        if not np.allclose(local, table[list("xyz")], atol=1e-6):
+            at = table.columns.get_loc("z") + 1
+            for k, axis in enumerate("xyz"):
+                table.insert(at + k, f"{axis} in the shoe, m", local[:, k])
+                names[axis] = f"{axis} at t = 0, m"
+    names = {axis: f"{axis} in the shoe, m" for axis in "xyz"} | names
+    title = path.stem.removeprefix("hot_spots_").replace("_", " ")
+    return _table(title, table.rename(columns=names))
 
 
 def _by_number(paths: Iterator[Path]) -> list[Path]:

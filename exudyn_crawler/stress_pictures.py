@@ -123,7 +123,7 @@ def stress_picture(
     ValueError
         If `frame` is none of the chosen times.
     """
-    if not np.isclose(stress.frame.values, frame, rtol=0.0, atol=1e-9).any():
+    if not np.isclose(stress.frame.values, frame, rtol=0.0, atol=1e-6).any():
         raise ValueError(
             f"frame must be one of the chosen times {stress.frame.values.tolist()}, got {frame:g}"
         )

@@ -19,7 +19,7 @@ from hypothesis.extra.numpy import arrays
 from exudyn_crawler import History
 from exudyn_crawler.comparison import comparison_table
 from exudyn_crawler.contact_forces import contacts_of
-from exudyn_crawler.report import case_rows, report_page, write_report
+from exudyn_crawler.report import case_rows, hot_spot_tables, report_page, write_report
 from exudyn_crawler.report_data import quantities, thinned
 from exudyn_crawler.reported import reported_values
 from exudyn_crawler.stress_pictures import write_stress_pictures
@@ -124,6 +124,21 @@ def test_the_page_has_every_section_and_its_numbers(stress_folder, stress_page):
     assert stress_page.count("data:image/webp;base64,") == 2
     assert "{&#34;wall time&#34;: &#34;&lt;1 s&#34;}" in stress_page
     assert "Every stored time is drawn." in stress_page
+
+
+def test_places_of_hot_spots_are_given_in_the_shoe_whatever_the_table_has(flexible_run, tmp_path):
+    history, stress, hot_spots = flexible_run
+    history.save(tmp_path / "history.nc")
+    stress.to_netcdf(tmp_path / "stress.nc", engine="h5netcdf")
+    write_table(hot_spots[7], tmp_path / "hot_spots_shoe_7.csv")
+    in_track = hot_spots[13].assign(x=hot_spots[13]["x"] + 17.998)
+    write_table(in_track, tmp_path / "hot_spots_shoe_13.csv")
+    local, placed = (table["html"] for table in hot_spot_tables(tmp_path, stress))
+    assert "at t = 0" not in local
+    for html, shoe in ((local, 7), (placed, 13)):
+        assert html.count("x in the shoe, m") == 1
+        assert f"<td>{hot_spots[shoe]['x'][0]:.5g}</td>" in html
+    assert f"<td>{in_track['x'][0]:.5g}</td>" in placed
 
 
 def test_the_case_is_listed_with_units(flexible_run):
