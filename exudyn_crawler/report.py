@@ -231,15 +231,16 @@ def _hot_spot_table(path: Path, stress: xr.Dataset | None) -> dict[str, Any]:
     for name in ("value", "jump"):
         if name in table:
             table[name] = table[name] / 1e6
-    names = {"value": "von Mises in MPa", "jump": "jump in MPa", "time": "time in s"}
-    if stress is not None and {"node", *"xyz"} <= set(table.columns):
+    places = {"place in the shoe, m": table[list("xyz")].to_numpy()}
+    if stress is not None:
         local = stress.node_position.transpose("node", "axis").values[table["node"]]
-        if not np.allclose(local, table[list("xyz")], atol=1e-6):
-            at = table.columns.get_loc("z") + 1
-            for k, axis in enumerate("xyz"):
-                table.insert(at + k, f"{axis} in the shoe, m", local[:, k])
-                names[axis] = f"{axis} at t = 0, m"
-    names = {axis: f"{axis} in the shoe, m" for axis in "xyz"} | names
+        if not np.allclose(local, places["place in the shoe, m"], atol=1e-6):
+            places = {"place in the shoe, m": local, "place at t = 0, m": places["place in the shoe, m"]}
+    at = table.columns.get_loc("x")
+    table = table.drop(columns=list("xyz"))
+    for offset, (name, values) in enumerate(places.items()):
+        table.insert(at + offset, name, [", ".join(f"{value:.4f}" for value in row) for row in values])
+    names = {"value": "von Mises, MPa", "jump": "jump, MPa", "time": "time, s"}
     title = path.stem.removeprefix("hot_spots_").replace("_", " ")
     return _table(title, table.rename(columns=names))
 

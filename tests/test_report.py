@@ -130,15 +130,17 @@ def test_places_of_hot_spots_are_given_in_the_shoe_whatever_the_table_has(flexib
     history, stress, hot_spots = flexible_run
     history.save(tmp_path / "history.nc")
     stress.to_netcdf(tmp_path / "stress.nc", engine="h5netcdf")
-    write_table(hot_spots[7], tmp_path / "hot_spots_shoe_7.csv")
-    in_track = hot_spots[13].assign(x=hot_spots[13]["x"] + 17.998)
+    local = hot_spots[7].copy()
+    local[["x", "y", "z"]] = stress.node_position.values[local["node"]]
+    in_track = local.assign(x=local["x"] + 13.8)
+    write_table(local, tmp_path / "hot_spots_shoe_7.csv")
     write_table(in_track, tmp_path / "hot_spots_shoe_13.csv")
-    local, placed = (table["html"] for table in hot_spot_tables(tmp_path, stress))
-    assert "at t = 0" not in local
-    for html, shoe in ((local, 7), (placed, 13)):
-        assert html.count("x in the shoe, m") == 1
-        assert f"<td>{hot_spots[shoe]['x'][0]:.5g}</td>" in html
-    assert f"<td>{in_track['x'][0]:.5g}</td>" in placed
+    of_shoe, of_track = (table["html"] for table in hot_spot_tables(tmp_path, stress))
+    x, y, z = local.loc[0, ["x", "y", "z"]]
+    for html in (of_shoe, of_track):
+        assert f"<td>{x:.4f}, {y:.4f}, {z:.4f}</td>" in html
+    assert f"<td>{x + 13.8:.4f}, {y:.4f}, {z:.4f}</td>" in of_track
+    assert "at t = 0" not in of_shoe
 
 
 def test_the_case_is_listed_with_units(flexible_run):
