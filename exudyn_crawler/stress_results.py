@@ -98,7 +98,7 @@ def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -
         ),
         triangle=(("face", "corner"), whole.mesh.boundary[:, :3], {"long_name": "nodes of the surface"}),
         in_spider=("node", spider, {"long_name": "whether a joint's rigid spider holds the node"}),
-    ).assign_coords(axis=["x", "y", "z"])
+    ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
     return StressResults(dataset, tables, whole)
 
 

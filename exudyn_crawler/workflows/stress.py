@@ -12,9 +12,11 @@ from exudyn_crawler.files import writable_folder
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
 from exudyn_crawler.parameters.flexible import ADAMS_DAMPING
+from exudyn_crawler.paraview import write_paraview
 from exudyn_crawler.simulation import CrawlerModel
 from exudyn_crawler.stress_comparison import compare_stresses, stress_summary
 from exudyn_crawler.stress_figures import stress_figures
+from exudyn_crawler.stress_pictures import write_stress_pictures
 from exudyn_crawler.stress_results import StressResults, recover_stresses
 from exudyn_crawler.tables import write_table
 from exudyn_crawler.workflows.runs import refuse_results
@@ -102,6 +104,8 @@ def _write(history: History, results: StressResults, table: pd.DataFrame, out: P
         write_table(hot_spots, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
     for title, figure in stress_figures(history, results).items():
         save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
+    write_stress_pictures(results.dataset, history, out, overwrite)
+    write_paraview(results.dataset, history, out, overwrite)
 
 
 def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | None = None) -> pd.DataFrame:
