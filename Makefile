@@ -8,7 +8,7 @@ OUT ?= results
 ARGS ?=
 INSTALLED := $(VENV)/installed
 
-.PHONY: help kinematics forces verify test test-slow lint format bench lock clean
+.PHONY: help kinematics forces stress verify test test-slow lint format bench lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -26,6 +26,9 @@ kinematics: $(INSTALLED)  ## the kinematics study: 10 s, straight and turning
 
 forces: $(INSTALLED)  ## the forces study; reuses the histories of the kinematics study
 	$(BIN)/python -m studies.forces --out $(OUT)/forces $(ARGS)
+
+stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on where it was killed
+	$(BIN)/python -m studies.stress --out $(OUT)/stress $(ARGS)
 
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
 	$(BIN)/python -m studies.verification

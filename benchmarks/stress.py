@@ -21,6 +21,7 @@ from exudyn_crawler.states import history_of
 from exudyn_crawler.stress_comparison import compare_stresses
 from exudyn_crawler.stress_figures import stress_figures
 from exudyn_crawler.stress_results import recover_stresses
+from exudyn_crawler.tables import print_table
 from fem import recover_extremes
 
 WINDOW = 0.1
@@ -118,3 +119,13 @@ def study(duration: float = 40.0, mesh: str = "study") -> pd.DataFrame:
     lap("tables and figures")
     spent["total"] = sum(spent.values())
     return pd.DataFrame({"part": list(spent), "s": list(spent.values())})
+
+
+def main() -> None:
+    """Print both tables."""
+    print_table(study(), "Stress study: 40 s, study mesh, six flexible shoes, 28 modes each")
+    print_table(windows(), f"Peak von Mises stress over {WINDOW:g} s, MPa, coarse mesh")
+
+
+if __name__ == "__main__":
+    main()
