@@ -278,3 +278,14 @@ def test_a_highest_frequency_below_the_first_mode_is_refused():
     case = track().with_(flexible=COARSE.with_modes("100Hz"))
     with pytest.raises(ValueError, match="highest_frequency must be at least"):
         shared_reduction(case)
+
+
+def test_a_staged_run_with_flexible_shoes_is_the_unstaged_one(history):
+    """Solver calls one after the other with floating-frame bodies, each from the state that the last left."""
+    case = history.case
+    staged = case.with_(solver=case.solver.with_(checkpoint_interval=0.02))
+    parts = CrawlerModel(staged).simulate(history.duration).dataset
+    for name in ("position", "velocity", "joint_force", "modal_coordinate", "modal_velocity"):
+        whole = history.dataset[name].values
+        off = np.sqrt(np.mean((whole - parts[name].values) ** 2) / np.mean(whole**2))
+        assert off < 1e-3, (name, off)

@@ -1,5 +1,6 @@
 """The stress study on a short propel: frequencies, peaks, files, comparison, refusals."""
 
+import meshio
 import numpy as np
 import pandas as pd
 import pytest
@@ -85,6 +86,10 @@ def test_everything_is_written_and_read_back(study):
     assert {"history.nc", "stress.nc", "comparison.csv", "load_cycle.csv", "highest_stresses.csv"} <= names
     assert {"hot_spots_shoe_7.csv", "hot_spots_shoe_13.csv", "highest_von_Mises_stress.png"} <= names
     assert "checkpoints" not in names
+    fields = meshio.read(out / "fields_shoe_13.vtu").point_data
+    assert fields["greatest von Mises"] == pytest.approx(results.dataset.peak_von_mises.sel(shoe=13).values)
+    assert (fields["range of von Mises"] >= 0.0).all()
+    assert fields["time of the greatest"].max() <= DURATION + 1e-9
     again = History.load(out / "history.nc")
     assert again.case == history.case
     assert recover_stresses(again).dataset.identical(results.dataset)

@@ -8,7 +8,7 @@ import pandas as pd
 from exudyn_crawler.checkpoints import Checkpoints
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.figures import save_figure
-from exudyn_crawler.files import writable_folder
+from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
 from exudyn_crawler.parameters.flexible import ADAMS_DAMPING
@@ -20,6 +20,7 @@ from exudyn_crawler.stress_pictures import write_stress_pictures
 from exudyn_crawler.stress_results import StressResults, recover_stresses
 from exudyn_crawler.tables import write_table
 from exudyn_crawler.workflows.runs import refuse_results
+from fem import write_vtu
 
 DURATION = 40.0
 """s, propel and one loading cycle of the S-paper."""
@@ -104,8 +105,22 @@ def _write(history: History, results: StressResults, table: pd.DataFrame, out: P
         write_table(hot_spots, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
     for title, figure in stress_figures(history, results).items():
         save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
+    _write_fields(results, out, overwrite)
     write_stress_pictures(results.dataset, history, out, overwrite)
     write_paraview(results.dataset, history, out, overwrite)
+
+
+def _write_fields(results: StressResults, out: Path, overwrite: bool) -> None:
+    """Greatest von Mises stress of every node, when it occurs and its range, for ParaView."""
+    for shoe in results.dataset.shoe.values:
+        own = results.dataset.sel(shoe=shoe)
+        fields = {
+            "greatest von Mises": own.peak_von_mises.values,
+            "time of the greatest": own.peak_time.values,
+            "range of von Mises": (own.peak_von_mises - own.least_von_mises).values,
+        }
+        with whole_file(out / f"fields_shoe_{shoe}.vtu", overwrite) as temporary:
+            write_vtu(temporary, results.whole.mesh, fields)
 
 
 def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | None = None) -> pd.DataFrame:
