@@ -26,6 +26,7 @@ from exudyn_crawler.assembly import (
     TrackContact,
 )
 from exudyn_crawler.floating_frame import FloatingShoe, floating_shoe
+from exudyn_crawler.general_contact import SphereContact, add_general_contact
 from exudyn_crawler.parameters import Case, Drive, StepProfile
 from exudyn_crawler.shoe_bodies import SIDES, ShoeBody, add_shoe_bodies, add_shoe_nodes
 from exudyn_crawler.terrain import localized, terrain_joints, terrain_modes, units_near
@@ -47,8 +48,10 @@ class System:
     ----------
     mbs : exudyn.MainSystem
         The assembled system.
-    contact : TrackContact
+    contact : TrackContact or SphereContact
         Contact forces as functions of the system's coordinates.
+    general : exudyn.GeneralContact, optional
+        The engine's own contact, where it makes the forces.
     floating : FloatingShoe, optional
         What the flexible shoes share.
     link_rows, drive_row, turn_row, hold_rows :
@@ -59,7 +62,8 @@ class System:
     container: "exu.SystemContainer"
     mbs: "exu.MainSystem"
     case: Case
-    contact: TrackContact
+    contact: TrackContact | SphereContact
+    general: "exu.GeneralContact | None"
     floating: FloatingShoe | None
     link_rows: list[list[list[int]]]
     drive: int
@@ -79,17 +83,22 @@ class System:
                 self.mbs.SetObjectParameter(item, "activeConnector", False)
 
     def state(self) -> NDArray:
-        """Time, coordinates, their first and second rates and the multipliers, in one row."""
+        """Time, coordinates, their first and second rates and the multipliers, in one row.
+
+        After them, with contact model "general", the shoes' generalized contact forces.
+        """
         data = self.mbs.systemData
-        return np.concatenate(
-            (
-                [data.GetTime()],
-                data.GetODE2Coordinates(),
-                data.GetODE2Coordinates_t(),
-                data.GetODE2Coordinates_tt(),
-                data.GetAECoordinates(),
-            )
-        )
+        parts = [
+            [data.GetTime()],
+            data.GetODE2Coordinates(),
+            data.GetODE2Coordinates_t(),
+            data.GetODE2Coordinates_tt(),
+            data.GetAECoordinates(),
+        ]
+        if self.general is not None:
+            forces = self.general.GetSystemODE2RhsContactForces(copy=True)
+            parts.append(forces[: self.contact.shoe_reference.size])
+        return np.concatenate(parts)
 
 
 def build(case: Case, static: bool = False) -> System:
@@ -112,17 +121,24 @@ def build(case: Case, static: bool = False) -> System:
     shoes = add_shoe_bodies(mbs, case, shoe_nodes, floating)
     _add_loads(mbs, case, shoes)
     links = _add_links(mbs, shoes)
-    contact = TrackContact(
-        case.track.com_positions(case.shoe.com_height),
-        case.shoe,
-        case.terrain,
-        case.contact,
-        coordinates,
-        None if floating is None else floating.underside,
-        [index for index, shoe in enumerate(shoes) if shoe.is_flexible],
-    )
+    contact: TrackContact | SphereContact
+    general = None
+    if case.contact_model == "general":
+        contact = SphereContact(case)
+        if not static:
+            general = add_general_contact(mbs, case, shoes, terrain_nodes)
+    else:
+        contact = TrackContact(
+            case.track.com_positions(case.shoe.com_height),
+            case.shoe,
+            case.terrain,
+            case.contact,
+            coordinates,
+            None if floating is None else floating.underside,
+            [index for index, shoe in enumerate(shoes) if shoe.is_flexible],
+        )
     modal_nodes = [shoe.modal_node for shoe in shoes if shoe.modal_node is not None]
-    add_contact(mbs, contact, shoe_nodes + terrain_nodes + modal_nodes)
+    add_contact(mbs, contact, shoe_nodes + terrain_nodes + modal_nodes, forces=general is None)
 
     fixed = mbs.AddMarker(
         items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
@@ -142,6 +158,7 @@ def build(case: Case, static: bool = False) -> System:
         mbs=mbs,
         case=case,
         contact=contact,
+        general=general,
         link_rows=[[rows(pin) for pin in link] for link in links],
         floating=floating,
         drive=drive,
@@ -199,7 +216,8 @@ def _add_links(mbs: "exu.MainSystem", shoes: Sequence[ShoeBody]) -> list[list[in
 
 def add_terrain(mbs: "exu.MainSystem", case: Case, ground: int) -> tuple[list[int], TerrainCoordinates]:
     """Add the terrain in the case's formulation: its nodes and how they carry the units' motion."""
-    if case.terrain_formulation == "constrained":
+    # the engine's own contact needs the units as bodies
+    if case.terrain_formulation == "constrained" or case.contact_model == "general":
         return _add_constrained_terrain(mbs, case, ground)
     return _add_reduced_terrain(mbs, case)
 
@@ -330,8 +348,13 @@ def _hold(mbs: "exu.MainSystem", fixed: int, node: int, coordinate: int) -> int:
     )
 
 
-def add_contact(mbs: "exu.MainSystem", contact: TrackContact, nodes: Sequence[int]) -> None:
-    """All contacts as one item over the shoes' and the terrain's nodes."""
+def add_contact(
+    mbs: "exu.MainSystem", contact: TrackContact | SphereContact, nodes: Sequence[int], forces: bool = True
+) -> None:
+    """All contacts as one item over the shoes' and the terrain's nodes.
+
+    Without `forces` it gives their derivatives only, the forces being another's.
+    """
     size = contact.size
     asked_time, asked = -1.0, 0
 
@@ -358,7 +381,7 @@ def add_contact(mbs: "exu.MainSystem", contact: TrackContact, nodes: Sequence[in
             name="contact",
             nodeNumbers=list(nodes),
             massMatrix=exu.MatrixContainer(),
-            forceUserFunction=force,
+            forceUserFunction=force if forces else 0,
             jacobianUserFunction=jacobian,
         )
     )

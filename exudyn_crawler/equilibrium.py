@@ -4,6 +4,7 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
+from exudyn_crawler.assembly import ConstrainedCoordinates
 from exudyn_crawler.engine import System, build
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.parameters import Case
@@ -59,7 +60,7 @@ def _first_guess(system: System) -> NDArray:
     sag = case.terrain.unit_mass * case.gravity / case.terrain.heave_stiffness
     shoes[:, 2] = -sag - penetration
     terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
-    if case.terrain_formulation == "constrained":
+    if isinstance(system.contact.coordinates, ConstrainedCoordinates):
         terrain.reshape(-1, 6)[:, 2] = -sag
     else:
         # heave of all units by the same amount is a combination of the modes
