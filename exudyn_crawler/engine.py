@@ -75,6 +75,11 @@ class System:
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`."""
         self.mbs.systemData.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
+        if self.general is not None:
+            # the engine looked for touching spheres when it was assembled, with none in the ground yet, and
+            # would let the track fall through the first step
+            self.mbs.systemData.SetODE2Coordinates(q.tolist())
+            self.general.UpdateContacts(self.mbs)
 
     def release_drive(self) -> None:
         """Leave the front shoe free from now on."""
@@ -147,6 +152,8 @@ def build(case: Case, static: bool = False) -> System:
     held = []
     if static:
         drive, *held = (_hold(mbs, fixed, shoe_nodes[-1], axis) for axis in (0, 1, 5))
+        if case.terrain.heights is not None:
+            _add_dashpots(mbs, case, fixed, shoe_nodes)
     else:
         drive = _add_drive(mbs, case.drive, fixed, shoe_nodes[-1])
         if case.drive.turn_rate is not None:
@@ -339,6 +346,21 @@ def _add_constrained_terrain(
 
 def _coordinate(mbs: "exu.MainSystem", node: int, coordinate: int) -> int:
     return mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+
+
+def _add_dashpots(mbs: "exu.MainSystem", case: Case, fixed: int, nodes: Sequence[int]) -> None:
+    """Dashpots that damp the shoes on their contact critically; at rest they do nothing."""
+    stiffness = case.mean_load / case.settled_penetration
+    damping = 2.0 * np.sqrt(case.shoe.mass * stiffness)
+    arms = 0.5 * np.array([case.shoe.width, case.shoe.length, case.shoe.width])
+    for node in nodes:
+        for coordinate in range(6):
+            mbs.AddObject(
+                items.ObjectConnectorCoordinateSpringDamper(
+                    markerNumbers=[fixed, _coordinate(mbs, node, coordinate)],
+                    damping=damping if coordinate < 3 else damping * arms[coordinate - 3] ** 2,
+                )
+            )
 
 
 def _hold(mbs: "exu.MainSystem", fixed: int, node: int, coordinate: int) -> int:

@@ -7,10 +7,17 @@ from numpy.typing import NDArray
 from exudyn_crawler.assembly import ConstrainedCoordinates
 from exudyn_crawler.engine import System, build
 from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.general_contact import SphereContact
 from exudyn_crawler.parameters import Case
 
 RESIDUAL = 1e-3
 """N, root mean square of the residual that ends the iteration: 1e-9 of a shoe's load."""
+
+RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
+"""s, s and number: duration, step and most repetitions of the damped motion on uneven ground."""
+
+SLOW = 1e-6
+"""m/s and rad/s, greatest speed at rest: its dashpots take less than 1e-4 m/s2 of a shoe's mass."""
 
 
 def static_equilibrium(case: Case) -> NDArray:
@@ -24,11 +31,17 @@ def static_equilibrium(case: Case) -> NDArray:
     Raises
     ------
     EquilibriumError
-        Where Newton's method finds none.
+        Where Newton's method finds none; on uneven ground it names the shoes that the ground carries least.
     """
+    if case.terrain.heights is not None:
+        return _on_uneven_ground(case)
     system = build(case, static=True)
-    q = _first_guess(system)
-    system.set_initial(q)
+    return _rest(system, _first_guess(system))
+
+
+def _rest(system: System, guess: NDArray) -> NDArray:
+    """Rest of a system built for statics, by Newton's method from a guess."""
+    system.set_initial(guess)
     settings = exu.SimulationSettings()
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     settings.solution.file.write = False
@@ -42,8 +55,78 @@ def static_equilibrium(case: Case) -> NDArray:
     try:
         system.mbs.SolveStatic(settings)
     except exu.SolverError as error:
-        raise EquilibriumError(f"no static equilibrium of case {case.name!r} was found: {error}") from error
+        name = system.case.name
+        raise EquilibriumError(f"no static equilibrium of case {name!r} was found: {error}") from error
     return np.asarray(system.mbs.systemData.GetODE2Coordinates())
+
+
+def _on_uneven_ground(case: Case) -> NDArray:
+    """Rest on uneven ground: by Newton's method from even ground, or else by damped motion.
+
+    Exudyn's derivatives leave out how the links' forces turn with the shoes, so that Newton's method alone
+    creeps away from some states where shoes stand on edges.
+    """
+    even = build(case.with_(terrain=case.terrain.with_(heights=None)), static=True)
+    q = _rest(even, _first_guess(even))
+    system = build(case, static=True)
+    assert isinstance(system.contact, SphereContact)
+    ground = system.contact.ground_below(q, case.terrain.top_heights)
+    guess = q.copy()
+    guess[2 : 6 * len(ground) : 6] += ground.mean(axis=1)
+    try:
+        return _rest(system, guess)
+    except EquilibriumError:
+        pass
+    return _relaxed(system, guess)
+
+
+def _relaxed(system: System, q: NDArray) -> NDArray:
+    """Rest by damped motion until it is slow or Newton's method takes over."""
+    name = system.case.name
+    settings = exu.SimulationSettings()
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    settings.solution.file.write = False
+    time = settings.timeIntegration
+    time.verboseMode = 0
+    time.endTime = RELAXATION
+    time.numberOfSteps = round(RELAXATION / RELAXATION_STEP)
+    time.generalizedAlpha.spectralRadius = 0.0
+    time.newton.useModifiedNewton = False
+    time.newton.absoluteTolerance = 1.0
+    time.newton.relativeTolerance = 1e-16
+    time.newton.weightTolerancePerCoordinate = True
+    time.newton.maxIterations = 40
+    for _ in range(RELAXATIONS):
+        system.set_initial(q)
+        try:
+            system.mbs.SolveDynamic(settings)
+        except exu.SolverError as error:
+            raise EquilibriumError(
+                f"no static equilibrium of case {name!r} was found on its uneven ground. "
+                f"{_unsupported(system)}"
+            ) from error
+        q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
+        speed = np.abs(system.mbs.systemData.GetODE2Coordinates_t()).max()
+        if speed < SLOW:
+            return q
+        try:
+            return _rest(system, q)
+        except EquilibriumError:
+            pass
+    raise EquilibriumError(
+        f"no static equilibrium of case {name!r} was found on its uneven ground: it still moves at "
+        f"{speed:.2g} m/s after {RELAXATIONS * RELAXATION:g} s of damped motion. {_unsupported(system)}"
+    )
+
+
+def _unsupported(system: System) -> str:
+    """Which shoes the ground carries least in the last state of a search."""
+    q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
+    force = system.contact.forces(q, np.zeros_like(q))[2 : 6 * system.case.track.shoe_count : 6]
+    lifted = np.flatnonzero(force < 0.1 * system.case.mean_load) + 1
+    if len(lifted):
+        return f"Last, hardly any ground carried shoes {lifted.tolist()}."
+    return f"Last, the ground carried shoe {force.argmin() + 1} least, with {force.min():.3g} N."
 
 
 def _first_guess(system: System) -> NDArray:

@@ -187,6 +187,15 @@ class SphereContact:
         self.coordinates.motion(q[self.shoe_reference.size :], out)
         return out
 
+    def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
+        """Heights (units,) of the units below every sphere: array (shoes, spheres), m."""
+        shoes = self.shoe_reference + q[: self.shoe_reference.size].reshape(-1, 6)
+        centers = shoes[:, None, :2] + self._places[:, :2]
+        columns, rows = self._grid[:2].astype(int)
+        cells = np.floor((centers - self._grid[4:6]) / self._grid[2:4]).astype(int)
+        cells = np.clip(cells, 0, [columns - 1, rows - 1])
+        return heights[cells[..., 0] * rows + cells[..., 1]]
+
     def forces(self, q: NDArray, q_t: NDArray) -> NDArray:
         """Generalized contact forces: array (size,)."""
         table, shoes, units = self.touching(q, q_t)

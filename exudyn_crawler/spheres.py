@@ -265,6 +265,20 @@ def _lever(shoe, unit, tilt_axis, place, G, out):
 
 
 @njit(cache=True)
+def _turn_axes(shoe, point, force, factor, block):
+    """Add what the generalized moments on a shoe change by as the axes of its angles turn."""
+    ca, sa = math.cos(shoe[3]), math.sin(shoe[3])
+    cb, sb = math.cos(shoe[4]), math.sin(shoe[4])
+    x, y, z = point[0] - shoe[0], point[1] - shoe[1], point[2] - shoe[2]
+    mx = factor * (y * force[2] - z * force[1])
+    my = factor * (z * force[0] - x * force[2])
+    mz = factor * (x * force[1] - y * force[0])
+    block[4, 3] += -sa * my + ca * mz
+    block[5, 3] += -ca * cb * my - sa * cb * mz
+    block[5, 4] += cb * mx + sa * sb * my - ca * sb * mz
+
+
+@njit(cache=True)
 def sphere_derivatives(
     shoes: FloatArray,
     units: FloatArray,
@@ -301,8 +315,7 @@ def sphere_derivatives(
 
     Notes
     -----
-    What turns with the bodies (normals, levers) is left out: it is smaller than what it stands beside by
-    the penetration over a lever.
+    The change of the slip with the places is left out: it is far smaller than what it stands beside.
     """
     stiffness, damping, slow = law[0], law[1], law[4]
     G = np.empty((3, 3))
@@ -311,7 +324,12 @@ def sphere_derivatives(
     moved = np.empty((3, 8))
     lever = np.empty((3, 8))
     changed = np.empty((3, 8))
+    on_shoe = np.empty((3, 8))
+    on_unit = np.empty((3, 8))
     center = np.empty(3)
+    force = np.empty(3)
+    spin = np.zeros(3)
+    spin[tilt_axis] = 1.0
     count = 0
     for n in range(table.shape[0]):
         row = table[n]
@@ -354,8 +372,41 @@ def sphere_derivatives(
                     total += position_factor * by_place[k, m] * moved[m, c]
                     total += velocity_factor * by_speed[k, m] * lever[m, c]
                 changed[k, c] = total
+            # the normal turns with the unit
+            a, b = (k + 1) % 3, (k + 2) % 3
+            turned = spin[a] * normal[b] - spin[b] * normal[a]
+            changed[k, 7] += position_factor * row[10] * turned
         for r in range(8):
             for c in range(8):
                 for k in range(3):
                     blocks[p, r, c] += lever[k, r] * changed[k, c]
+        for k in range(3):
+            force[k] = row[10] * normal[k] - row[14] * slip[k]
+        _turn_axes(shoes[s], row[4:7], force, position_factor, blocks[p])
+        # what the forces do about the COM and the unit's centre as the point wanders
+        for k in range(3):
+            a, b = (k + 1) % 3, (k + 2) % 3
+            turned = spin[a] * normal[b] - spin[b] * normal[a]
+            for c in range(8):
+                back = 0.0
+                for m in range(3):
+                    one = 1.0 if k == m else 0.0
+                    held = normal[k] * normal[m]
+                    if row[19] > 0.0:
+                        held = one - (edge[k] * edge[m] if row[19] == 1.0 else 0.0)
+                    back += held * moved[m, c]
+                if c == 7:
+                    back += row[15] * turned
+                own = moved[k, c] if c < 6 else 0.0
+                on_shoe[k, c] = (own if c > 2 else 0.0) - back
+                on_unit[k, c] = own - back - (1.0 if k == 2 and c == 6 else 0.0)
+        for c in range(8):
+            for k in range(3):
+                a, b = (k + 1) % 3, (k + 2) % 3
+                moment = position_factor * (on_shoe[a, c] * force[b] - on_shoe[b, c] * force[a])
+                for r in range(3):
+                    blocks[p, 3 + r, c] += G[k, r] * moment
+            a, b = (tilt_axis + 1) % 3, (tilt_axis + 2) % 3
+            moment = on_unit[a, c] * force[b] - on_unit[b, c] * force[a]
+            blocks[p, 7, c] -= position_factor * moment
     return count

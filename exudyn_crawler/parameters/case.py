@@ -192,8 +192,8 @@ class Case(Parameters):
                 i, j = np.unravel_index(steps.argmax(), steps.shape)
                 unit = int((i0 + i) * terrain.rows + j0 + j + 1)
                 raise ValueError(
-                    f"terrain.heights leave the track unsupported: units {unit} and {unit + stride}, below "
-                    f"it at t = {time:.3g} s, differ by {steps.max():.4g} m; spheres of general_contact.radius "
-                    f"= {self.general_contact.radius} m that settle by {self.settled_penetration:.4g} m "
-                    f"stand on steps of less than {allowed:.4g} m"
+                    f"terrain.heights leave the track unsupported: at t = {time:.3g} s units {unit} and "
+                    f"{unit + stride} below it differ by {steps.max():.4g} m, allowed is less than "
+                    f"{allowed:.4g} m: general_contact.radius = {self.general_contact.radius} m less the "
+                    f"settled penetration of {self.settled_penetration:.4g} m"
                 )
