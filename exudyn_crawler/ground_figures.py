@@ -2,7 +2,8 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Polygon
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Polygon
 
 from exudyn_crawler.history import History
 
@@ -62,6 +63,9 @@ def draw_side_view(ax: Axes, history: History, time: float) -> Axes:
     ax.set_xlim(*x)
     ax.set_ylim(min(0.0, tops.min()) - 0.4, position[:, 2].max() + 0.5)
     ax.set_aspect("equal")
+    labels = [Patch(color=SHOE, alpha=0.6, label="shoes"), Patch(color=UNIT, label="units")]
+    pin_label = Line2D([], [], color="k", marker=".", ls="none", label="link pins")
+    ax.legend(handles=[*labels, pin_label], ncols=3, loc="lower center", fontsize="small")
     ax.set_xlabel("x (m)")
     ax.set_ylabel("z (m)")
     ax.set_title(f"{case.name}, t = {float(now.time):.3g} s")
