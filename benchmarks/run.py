@@ -1,6 +1,7 @@
 """All benchmarks; `benchmarks/README.md` keeps what they printed on a named machine."""
 
-from benchmarks import rigid
+from benchmarks import fem, rigid
 
 if __name__ == "__main__":
     rigid.main()
+    fem.main()

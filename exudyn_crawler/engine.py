@@ -54,9 +54,9 @@ class System:
         The engine's own contact, where it makes the forces.
     floating : FloatingShoe, optional
         What the flexible shoes share.
-    link_rows, drive_row, turn_row, hold_rows :
+    link_rows, drive_row, turn_row :
         Indices of the Lagrange multipliers: six for each pin's joint of each link; of the drive; of the turn
-        (None without one); of the directions held during statics.
+        (None without one).
     """
 
     container: "exu.SystemContainer"
@@ -70,7 +70,6 @@ class System:
     drive_row: int
     turn: int | None
     turn_row: int | None
-    hold_rows: list[int]
 
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`."""
@@ -149,9 +148,8 @@ def build(case: Case, static: bool = False) -> System:
         items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
     )
     turn = None
-    held = []
     if static:
-        drive, *held = (_hold(mbs, fixed, shoe_nodes[-1], axis) for axis in (0, 1, 5))
+        drive, _, _ = (_hold(mbs, fixed, shoe_nodes[-1], axis) for axis in (0, 1, 5))
         if case.terrain.heights is not None:
             _add_dashpots(mbs, case, fixed, shoe_nodes)
     else:
@@ -172,7 +170,6 @@ def build(case: Case, static: bool = False) -> System:
         drive_row=rows(drive)[0],
         turn=turn,
         turn_row=None if turn is None else rows(turn)[0],
-        hold_rows=[rows(item)[0] for item in held],
     )
 
 

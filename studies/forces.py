@@ -12,7 +12,7 @@ import typer
 from exudyn_crawler.comparison import summary
 from exudyn_crawler.tables import print_table
 from exudyn_crawler.workflows.forces import lateral_effects, run_forces
-from exudyn_crawler.workflows.kinematics import CASES, DURATION
+from exudyn_crawler.workflows.runs import CASES, DURATION
 from exudyn_crawler.workflows.script import readable_errors
 from studies.kinematics import CaseChoice
 

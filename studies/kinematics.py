@@ -14,7 +14,8 @@ import typer
 
 from exudyn_crawler.comparison import summary
 from exudyn_crawler.tables import print_table
-from exudyn_crawler.workflows.kinematics import CASES, DURATION, run_kinematics
+from exudyn_crawler.workflows.kinematics import run_kinematics
+from exudyn_crawler.workflows.runs import CASES, DURATION
 from exudyn_crawler.workflows.script import readable_errors
 
 

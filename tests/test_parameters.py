@@ -265,7 +265,7 @@ def test_a_shoe_has_the_mass_and_inertia_of_a_solid():
     meshed = fem.ElasticBody(shoe_mesh("study"), fem.Material(200e9, 0.3, 7847.25))
     scaled = meshed.inertia * shoe.mass / meshed.mass
     assert np.diag(shoe.inertia_tensor) == pytest.approx(np.diag(scaled), rel=1e-3)
-    assert np.abs(meshed.center_of_mass).max() < 1e-3  # m, in axes whose origin is the papers' COM
+    assert np.abs(meshed.center_of_mass).max() < 2e-3  # m, in axes whose origin is the papers' COM
 
 
 def test_a_shoes_underside_and_top_are_those_of_the_mesh():

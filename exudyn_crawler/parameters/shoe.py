@@ -50,12 +50,12 @@ class Shoe(Parameters):
         """
         return cls(
             mass=4681.67,  # 0.5966 m3 at 7847.25 kg/m3
-            inertia=(3998.8, 176.0, 4029.2, 0.0, 0.0, 0.0),
+            inertia=(3995.7, 176.0, 4026.4, 0.0, 0.0, 0.0),
             com_height=0.2025,  # z of the COMs, with the undersides at z = 0
             length=0.63,
             width=3.505,
             underside_center=(0.0, 0.0),
-            load_point=(0.0, 0.0, 0.2013),  # height of the mesh's top face at its centroid
+            load_point=(0.0, 0.0, 0.2014),  # height of the mesh's top face at its centroid
         )
 
     @property

@@ -8,14 +8,13 @@ import pandas as pd
 from exudyn_crawler.comparison import compare_kinematics
 from exudyn_crawler.contact_forces import contact_force, terrain_deformation
 from exudyn_crawler.figures import save_figure
-from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.files import whole_file
 from exudyn_crawler.force_comparison import compare_forces, turning_ratios
 from exudyn_crawler.force_figures import crossing_figure, force_figures, turning_figures
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
 from exudyn_crawler.tables import write_table
-from exudyn_crawler.workflows.kinematics import CASES, DURATION
-from exudyn_crawler.workflows.runs import matching_history, refuse_results, saved_run
+from exudyn_crawler.workflows.runs import CASES, DURATION, matching_history, prepare, saved_run
 
 ECCENTRICITY = 0.05
 """m, offset of the machine load along y that `lateral_effects` shows."""
@@ -67,11 +66,7 @@ def run_forces(
     SimulationStopped
         If a run ends early; its history is saved.
     """
-    unknown = sorted(set(cases) - set(CASES))
-    if unknown or not cases:
-        raise ValueError(f"cases must be of {list(CASES)}, got {list(cases)}")
-    if out is not None:
-        refuse_results(writable_folder(out), overwrite)
+    prepare(cases, out, overwrite)
     histories: dict[str, History] = {}
     for name in cases:
         found = _reused(CASES[name](), duration, reuse, strict, say)

@@ -7,15 +7,10 @@ import pandas as pd
 
 from exudyn_crawler.comparison import compare_kinematics
 from exudyn_crawler.figures import KINEMATICS, comparison_figure, kinematic_figure, save_figure
-from exudyn_crawler.files import writable_folder
 from exudyn_crawler.history import History
-from exudyn_crawler.parameters import Case
 from exudyn_crawler.tables import write_table
-from exudyn_crawler.workflows.runs import refuse_results, saved_run
+from exudyn_crawler.workflows.runs import CASES, DURATION, prepare, saved_run
 
-CASES = {"translation": Case.translation, "turning": Case.turning}
-DURATION = 10.0
-"""s, as in the papers."""
 COMPARED_SHOE = 10
 """Shoe that the K-chapter draws turning against translation."""
 
@@ -56,11 +51,7 @@ def run_kinematics(
     SimulationStopped
         If a run ends early; its history is saved beside the others.
     """
-    unknown = sorted(set(cases) - set(CASES))
-    if unknown or not cases:
-        raise ValueError(f"cases must be of {list(CASES)}, got {list(cases)}")
-    if out is not None:
-        refuse_results(writable_folder(out), overwrite)
+    prepare(cases, out, overwrite)
     histories: dict[str, History] = {}
     for name in cases:
         histories[name] = saved_run(CASES[name](), duration, out, overwrite, progress)

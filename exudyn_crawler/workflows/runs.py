@@ -1,8 +1,10 @@
 """Runs that are kept: one history file a case."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.files import writable_folder
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
 from exudyn_crawler.simulation import CrawlerModel
@@ -13,6 +15,29 @@ RESULT_SUFFIXES = {".nc", ".csv", ".png"}
 def history_file(folder: Path, name: str) -> Path:
     """Where the history of a case is kept."""
     return folder / f"{name}.nc"
+
+
+CASES = {"translation": Case.translation, "turning": Case.turning}
+"""Cases of the rigid studies by name."""
+DURATION = 10.0
+"""s, simulated in the rigid studies of the papers."""
+
+
+def prepare(cases: Sequence[str], out: Path | None, overwrite: bool) -> None:
+    """Check what a rigid study was asked for, before anything runs.
+
+    Raises
+    ------
+    ValueError
+        For an unknown case or none.
+    FileExistsError, PermissionError, NotADirectoryError
+        If `out` holds results and `overwrite` is false, or cannot be written to.
+    """
+    unknown = sorted(set(cases) - set(CASES))
+    if unknown or not cases:
+        raise ValueError(f"cases must be of {list(CASES)}, got {list(cases)}")
+    if out is not None:
+        refuse_results(writable_folder(out), overwrite)
 
 
 def refuse_results(out: Path, overwrite: bool) -> None:

@@ -136,6 +136,50 @@ def test_reduced_stress_is_that_of_the_full_model(
     assert von_mises(found - exact)[away].max() < 0.03 * von_mises(exact).max()
 
 
+def test_stress_of_loads_at_the_pins_is_exact_beside_the_spiders_too(
+    shoe: fem.ElasticBody, partition: fem.Partition, reduced: fem.ReducedBody
+) -> None:
+    """A chain's pull through the shoe: the constraint modes hold it, whatever the fixed modes leave out."""
+    pull = np.zeros((24, 1))
+    for place, interface in enumerate(reduced.interfaces):
+        pull[6 * place] = 0.7e6 if interface.name.startswith("front") else -0.7e6
+    exact = shoe.stress(partition.static_response(center_loads=pull).reshape(-1, 3, 1))[:, :, 0]
+    found = reduced.stress(spring_response(reduced, reduced.pilots.reshape(24, -1).T @ pull[:, 0]))[0]
+    assert von_mises(found - exact).max() < 1e-6 * von_mises(exact).max()
+
+
+def test_residual_mode_of_inertia_completes_an_unbalanced_pull(
+    shoe: fem.ElasticBody, partition: fem.Partition
+) -> None:
+    """Two pins pulled and the body's inertia in answer: within 1 % away from the spiders."""
+    push = (shoe.mass_matrix @ np.tile([1.0, 0.0, 0.0], len(shoe.mesh.nodes))).reshape(-1, 3)
+    body = fem.craig_bampton(
+        shoe, partition.interfaces, 76, residual_loads={"inertia": push}, partition=partition
+    )
+    pulls = np.zeros((24, 1))
+    for place, interface in enumerate(body.interfaces):
+        if interface.name.startswith("rear"):
+            pulls[6 * place] = -1.3e6
+    exact = shoe.stress(partition.static_response(center_loads=pulls).reshape(-1, 3, 1))[:, :, 0]
+    found = body.stress(spring_response(body, body.pilots.reshape(24, -1).T @ pulls[:, 0]))[0]
+    away = np.setdiff1d(np.arange(len(exact)), np.r_[body.spider_nodes, body.nodes_beside_spiders])
+    assert von_mises(found - exact)[away].max() < 0.01 * von_mises(exact).max()
+
+
+def test_a_peak_splits_into_the_shares_of_its_loads(
+    shoe: fem.ElasticBody, partition: fem.Partition, reduced: fem.ReducedBody
+) -> None:
+    forces = [shoe.surface_load(name, np.array([0.0, 0.0, -1e5])) for name in ("top", "roller path")]
+    static = partition.static_response(np.stack([f.ravel() for f in forces], axis=1))
+    stress = shoe.stress(static.reshape(len(shoe.mesh.nodes), 3, 2))
+    sizes = np.array([3.0, 0.5])
+    node = int(von_mises(stress @ sizes).argmax())
+    parts = fem.shares(stress, sizes, node)
+    assert parts.shape == (2,)
+    assert parts.sum() == pytest.approx(von_mises((stress @ sizes)[node]), rel=1e-9)
+    assert abs(parts[0]) > abs(parts[1])
+
+
 def test_residual_mode_restores_the_stress_of_its_load(
     shoe: fem.ElasticBody, partition: fem.Partition, reduced: fem.ReducedBody
 ) -> None:
