@@ -41,10 +41,12 @@ def sphere_places(case: Case) -> NDArray:
 def seam(case: Case) -> tuple[float, float]:
     """How far the faces are drawn back from the edges between units, along x and along y, m.
 
-    A sphere over the seam of two units touches the edges of both faces. Were these as large as the units, it
-    would be pushed twice as hard there; drawn back by this much, both together push a sphere at the settled
-    depth that stands over the middle of the seam up as hard as one face does.
+    Nothing where they are whole: a sphere over the seam of two units touches the edges of both faces and is
+    pushed twice as hard. Drawn back by this much, both together push a sphere at the settled depth that
+    stands over the middle of the seam up as hard as one face does.
     """
+    if case.general_contact.faces == "whole":
+        return 0.0, 0.0
     radius, depth = case.general_contact.radius, case.settled_penetration
     height = radius - depth
     slant = radius / (1.0 + 0.5 * depth / height)  # from 2 (radius - slant) height / slant = depth

@@ -1,13 +1,45 @@
-"""Drawing of shoes on the ground in side view; nothing is computed but what is drawn."""
+"""Drawing of shoes on the ground in side view and of what it carries; computes nothing but what it draws."""
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
+from exudyn_crawler.contact_forces import contact_force
 from exudyn_crawler.history import History
 
 SHOE, UNIT = "tab:blue", "tan"
+
+
+def ground_figure(history: History, time: float) -> Figure:
+    """Side view of a run at a time (s), and below it what the ground carries under every shoe."""
+    figure = Figure(figsize=(11.0, 4.6), layout="constrained")
+    side, carried = figure.subplots(2, 1, sharex=True)
+    draw_side_view(side, history, time)
+    side.set_xlabel("")
+    draw_carried(carried, history, time)
+    return figure
+
+
+def draw_carried(ax: Axes, history: History, time: float) -> Axes:
+    """Draw the vertical contact force (kN) on every shoe, summed over the units, over the shoe's x (m).
+
+    At the stored instant nearest to `time` (s); a dashed line shows the mean of loads and weights.
+    """
+    x = history.position.sel(axis="x").sel(time=time, method="nearest")
+    of_contacts = contact_force(history).sel(axis="z").sel(time=time, method="nearest")
+    force = np.zeros(len(x))
+    np.add.at(force, history.contact_shoe.values - 1, of_contacts.values)
+    ax.bar(x, 1e-3 * force, width=0.8 * history.case.shoe.length, color=SHOE, alpha=0.6)
+    for place, number in zip(x.values, x["shoe"].values, strict=True):
+        ax.annotate(str(number), (place, 0.0), xytext=(0, 3), textcoords="offset points", ha="center")
+    ax.axhline(1e-3 * history.case.mean_load, color="k", ls="--", lw=0.8, label="mean load and weight")
+    ax.set_ylim(top=1.25e-3 * max(force.max(), history.case.mean_load))
+    ax.legend(loc="upper left", fontsize="small", frameon=False)
+    ax.set_xlabel("x (m); numbers are those of the shoes")
+    ax.set_ylabel("contact force z (kN)")
+    return ax
 
 
 def draw_side_view(ax: Axes, history: History, time: float) -> Axes:
@@ -61,11 +93,11 @@ def draw_side_view(ax: Axes, history: History, time: float) -> Axes:
     x = position[[0, -1], 0] + [low - 0.3, high + 0.3]
     tops = terrain.top_heights[near]
     ax.set_xlim(*x)
-    ax.set_ylim(min(0.0, tops.min()) - 0.4, position[:, 2].max() + 0.5)
+    ax.set_ylim(min(0.0, tops.min()) - 0.4, position[:, 2].max() + 0.7)
     ax.set_aspect("equal")
     labels = [Patch(color=SHOE, alpha=0.6, label="shoes"), Patch(color=UNIT, label="units")]
     pin_label = Line2D([], [], color="k", marker=".", ls="none", label="link pins")
-    ax.legend(handles=[*labels, pin_label], ncols=3, loc="lower center", fontsize="small")
+    ax.legend(handles=[*labels, pin_label], ncols=3, loc="upper left", fontsize="small", frameon=False)
     ax.set_xlabel("x (m)")
     ax.set_ylabel("z (m)")
     ax.set_title(f"{case.name}, t = {float(now.time):.3g} s")

@@ -28,14 +28,14 @@ def main(
     out: Annotated[Path | None, typer.Option(help="folder for the results [results/uneven_GROUND]")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace earlier results")] = False,
 ) -> None:
-    """Run the track over uneven ground; keep the history and a side view.
+    """Run the track over uneven ground; keep the history and a figure of its end.
 
     Example: python -m studies.uneven_ground ramp --duration 2
     """
     out = Path(f"results/uneven_{ground.value}") if out is None else out
     with readable_errors():
         run_uneven_ground(ground.value, duration, out, overwrite)
-    typer.echo(f"history and side view are in {out}")
+    typer.echo(f"history and figure are in {out}")
 
 
 if __name__ == "__main__":

@@ -27,24 +27,24 @@ from exudyn_crawler.workflows.uneven_ground import (
     uneven_case,
 )
 
-GENERAL = Case.translation().with_(contact_model="general")
+GENERAL = Case.translation(contact="general")
 INNER = slice(2, 12)
 """Shoes with a neighbour on both sides."""
 
 
 @pytest.fixture(scope="module")
 def step() -> History:
-    return run_uneven_ground("step")
+    return run_uneven_ground("step", 1.0)
 
 
 @pytest.fixture(scope="module")
 def ramp() -> History:
-    return run_uneven_ground("ramp")
+    return run_uneven_ground("ramp", 1.0)
 
 
 @pytest.fixture(scope="module")
 def rough() -> History:
-    return run_uneven_ground("rough")
+    return run_uneven_ground("rough", 1.0)
 
 
 def test_shoes_stand_higher_beyond_a_step(step):
@@ -209,7 +209,7 @@ def test_study_runs_as_a_script(tmp_path):
     ]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert {path.name for path in (tmp_path / "a").iterdir()} == {"step.nc", "step_side_view.png"}
+    assert {path.name for path in (tmp_path / "a").iterdir()} == {"step.nc", "step_ground.png"}
     again = subprocess.run(command, capture_output=True, text=True)
     assert again.returncode == 2
     assert "holds results already" in again.stderr

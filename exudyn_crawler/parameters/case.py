@@ -4,7 +4,7 @@ from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from exudyn_crawler.parameters.base import Parameters, quantity
 from exudyn_crawler.parameters.contact import ContactLaw
@@ -16,6 +16,9 @@ from exudyn_crawler.parameters.shoe import Shoe
 from exudyn_crawler.parameters.solver import Solver
 from exudyn_crawler.parameters.terrain import Terrain
 from exudyn_crawler.parameters.track import Track
+
+ContactModel = Literal["pair", "general"]
+"""How shoes and terrain touch: by the pair law, or by spheres in Exudyn's `GeneralContact`."""
 
 
 class Case(Parameters):
@@ -35,12 +38,21 @@ class Case(Parameters):
     contact: ContactLaw
     drive: Drive
     loads: LoadCycle
-    contact_model: Literal["pair", "general"] = "pair"
+    contact_model: ContactModel = "pair"
     general_contact: GeneralContact = GeneralContact.oil_sand()
     flexible: FlexibleShoes | None = None
     solver: Solver = Solver()
     terrain_formulation: Literal["reduced", "constrained"] = "reduced"
     gravity: float = quantity("m/s2", "acceleration of gravity, along -z", ge=0, default=9.81)
+
+    @field_validator("contact", mode="before")
+    @classmethod
+    def _check_contact(cls, value: object) -> object:
+        if isinstance(value, str):
+            raise ValueError(
+                f"contact holds the parameters of the pair law; choose the model with contact_model={value!r}"
+            )
+        return value
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -114,8 +126,8 @@ class Case(Parameters):
         return self.settled_penetration * load / self.mean_load
 
     @classmethod
-    def translation(cls) -> Self:
-        """Straight propel of the K-chapter, the K-paper and the F-paper."""
+    def translation(cls, contact: ContactModel = "pair") -> Self:
+        """Straight propel of the K-chapter, the K-paper and the F-paper, with a model of contact."""
         return cls(
             name="translation",
             shoe=Shoe.ph4100c(),
@@ -124,12 +136,13 @@ class Case(Parameters):
             contact=ContactLaw.oil_sand(),
             drive=Drive.translation(),
             loads=LoadCycle.propel(),
+            contact_model=contact,
         )
 
     @classmethod
-    def turning(cls) -> Self:
-        """Propel with a turn of the K-chapter, the K-paper and the F-paper."""
-        return cls.translation().with_(name="turning", drive=Drive.turning())
+    def turning(cls, contact: ContactModel = "pair") -> Self:
+        """Propel with a turn of the K-chapter, the K-paper and the F-paper, with a model of contact."""
+        return cls.translation(contact).with_(name="turning", drive=Drive.turning())
 
     def outline(self, time: float) -> NDArray:
         """Corners of the track on the ground at a time: array (4, 2), m, global x and y.

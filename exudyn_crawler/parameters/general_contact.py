@@ -1,6 +1,6 @@
 """Contact of spheres under the shoes with the units' top faces (Exudyn's `GeneralContact`)."""
 
-from typing import Self
+from typing import Literal, Self
 
 from exudyn_crawler.parameters.base import Parameters, quantity
 
@@ -20,6 +20,12 @@ class GeneralContact(Parameters):
     damping: float = quantity("N s/m", "damping along the normal of all spheres of a shoe together", ge=0)
     friction: float = quantity("1", "coefficient of friction", ge=0)
     friction_speed: float = quantity("m/s", "slip speed at which friction is full", gt=0)
+    faces: Literal["whole", "drawn_back"] = quantity(
+        "",
+        "whole: as large as the units, each of which pushes a sphere over their seam by its own law, as in "
+        "the pair law; drawn_back: short of the seams, so that both push it about as hard as one would",
+        default="whole",
+    )
 
     @classmethod
     def oil_sand(cls) -> Self:
