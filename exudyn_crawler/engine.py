@@ -71,6 +71,12 @@ class System:
     turn: int | None
     turn_row: int | None
 
+    def sunken(self) -> list[int]:
+        """Numbers of the shoes with spheres below the ground in the current state; see `SphereContact`."""
+        if self.general is None or not isinstance(self.contact, SphereContact):
+            return []
+        return self.contact.sunken(np.array(self.mbs.systemData.GetODE2Coordinates()))
+
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`."""
         self.mbs.systemData.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)

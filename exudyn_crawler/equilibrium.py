@@ -31,12 +31,29 @@ def static_equilibrium(case: Case) -> NDArray:
     Raises
     ------
     EquilibriumError
-        Where Newton's method finds none; on uneven ground it names the shoes that the ground carries least.
+        Where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
+        shoes that the ground carries least.
     """
     if case.terrain.heights is not None:
-        return _on_uneven_ground(case)
-    system = build(case, static=True)
-    return _rest(system, _first_guess(system))
+        q = _on_uneven_ground(case)
+    else:
+        system = build(case, static=True)
+        try:
+            q = _rest(system, _first_guess(system))
+        except EquilibriumError as error:
+            if case.contact_model != "general":
+                raise
+            raise EquilibriumError(
+                f"{error}. {_unsupported(system)} The spheres' radius of {case.general_contact.radius} m may "
+                f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
+            ) from error
+    if case.contact_model == "general" and (sunken := SphereContact(case).sunken(q)):
+        raise EquilibriumError(
+            f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
+            f"the ground; they need a greater general_contact.radius than "
+            f"{case.general_contact.radius} m, or flatter ground"
+        )
+    return q
 
 
 def _rest(system: System, guess: NDArray) -> NDArray:

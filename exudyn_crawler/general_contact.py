@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.assembly import ConstrainedCoordinates
 from exudyn_crawler.contact import RESULT, RESULTS
 from exudyn_crawler.parameters import Case
-from exudyn_crawler.rotations import angular_velocity
+from exudyn_crawler.rotations import angular_velocity, rotation_matrices
 from exudyn_crawler.shoe_bodies import ShoeBody
 from exudyn_crawler.spheres import COLUMN, COLUMNS, sphere_contacts, sphere_derivatives, sphere_forces
 
@@ -192,11 +192,26 @@ class SphereContact:
     def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
         """Heights (units,) of the units below every sphere: array (shoes, spheres), m."""
         shoes = self.shoe_reference + q[: self.shoe_reference.size].reshape(-1, 6)
-        centers = shoes[:, None, :2] + self._places[:, :2]
+        return heights[self._units_below(shoes[:, None, :2] + self._places[:, :2])]
+
+    def _units_below(self, centers: NDArray) -> NDArray:
+        """Index of the unit below each sphere, of which x and y come last: array (shoes, spheres)."""
         columns, rows = self._grid[:2].astype(int)
         cells = np.floor((centers - self._grid[4:6]) / self._grid[2:4]).astype(int)
         cells = np.clip(cells, 0, [columns - 1, rows - 1])
-        return heights[cells[..., 0] * rows + cells[..., 1]]
+        return cells[..., 0] * rows + cells[..., 1]
+
+    def sunken(self, q: NDArray) -> list[int]:
+        """Numbers of the shoes with a sphere whose centre is below its unit's face: nothing holds that up."""
+        shoes = self.shoe_reference + q[: self.shoe_reference.size].reshape(-1, 6)
+        centers = shoes[:, None, :3] + self._places @ rotation_matrices(shoes[:, 3:]).transpose(0, 2, 1)
+        below = self._units_below(centers[..., :2])
+        units = (self.unit_reference + self.unit_motion(q))[below]
+        apart = centers - units[..., :3]
+        sine, cosine = np.sin(units[..., 3]), np.cos(units[..., 3])
+        across = -apart[..., 1] if self._tilt_axis == 0 else apart[..., 0]
+        above = sine * across + cosine * apart[..., 2] - self._tops[below]
+        return (np.flatnonzero((above <= 0.0).any(axis=1)) + 1).tolist()
 
     def forces(self, q: NDArray, q_t: NDArray) -> NDArray:
         """Generalized contact forces: array (size,)."""

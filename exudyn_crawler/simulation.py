@@ -50,7 +50,8 @@ class CrawlerModel:
         EquilibriumError
             If the track finds no rest before t = 0.
         SimulationStopped
-            If a step fails at its least size, or on an interrupt; it carries the history up to there.
+            If a step fails at its least size, if spheres of the second contact model sink through the ground,
+            or on an interrupt; it carries the history up to there.
         """
         if not (math.isfinite(duration) and duration > 0.0):
             raise ValueError(f"duration must be positive and finite, got {duration!r} s")
@@ -74,12 +75,14 @@ def integrate(
         settings = solver_settings(system.case.solver, duration)
     recorder = _Recorder(system, system.case.solver.output_interval, duration)
     reason = None
+    sunken: list[int] = []
     with progress_bar(system.case.name, duration, progress) as tell:
 
         def after_step(_mbs: "exu.MainSystem", time: float) -> bool:
             recorder.store(time)
             tell(time)
-            return True
+            sunken[:] = system.sunken()
+            return not sunken
 
         system.mbs.SetPostStepUserFunction(after_step)
         off_time = system.case.drive.off_time
@@ -96,6 +99,11 @@ def integrate(
             if "KeyboardInterrupt" not in str(error):
                 raise
             reason = "interrupted"
+    if sunken:
+        reason = (
+            f"spheres of shoes {sunken} sank through the ground; they need a greater "
+            f"general_contact.radius than {system.case.general_contact.radius} m, or flatter ground"
+        )
     history = history_of(system, recorder.rows)
     if reason is not None:
         raise SimulationStopped(recorder.time, reason, history)

@@ -12,6 +12,7 @@ from exudyn_crawler.balance import powers, shoe_imbalance, track_imbalance
 from exudyn_crawler.comparison import compare_kinematics
 from exudyn_crawler.contact_forces import contacts_by_shoe
 from exudyn_crawler.engine import build
+from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.force_comparison import compare_forces
 from exudyn_crawler.general_contact import SphereContact, seam, sphere_places
 from exudyn_crawler.parameters import FlexibleShoes, GeneralContact, LoadCycle, Phase, Terrain
@@ -206,6 +207,35 @@ def test_spheres_that_would_sink_through_are_refused():
     Case.translation().with_(general_contact=spheres)  # the pair law has no spheres
 
 
+def small_spheres(radius: float) -> Case:
+    return CASE.with_(general_contact=GeneralContact.oil_sand().with_(radius=radius))
+
+
+def test_spheres_without_rest_are_named():
+    with pytest.raises(EquilibriumError, match=r"radius of 0\.07 m may be too small for a .* of 0\.06575 m"):
+        CrawlerModel(small_spheres(0.07)).equilibrium()
+
+
+def test_spheres_that_sink_through_stop_the_run():
+    """They stand at rest; the pull of the drive presses shoe 12 deeper until its spheres lose the ground."""
+    with pytest.raises(SimulationStopped, match=r"spheres of shoes \[12\] sank through the ground") as stop:
+        CrawlerModel(small_spheres(0.08)).simulate(2.0)
+    kept = stop.value.history
+    assert 0.5 < kept.duration < 2.0
+    assert float(kept.position.sel(axis="z").min()) > 0.0
+
+
+def test_centres_below_a_face_are_found(rest):
+    contact = SphereContact(CASE)
+    assert contact.sunken(rest) == []
+    lower = rest.copy()
+    height = CASE.general_contact.radius - CASE.settled_penetration
+    lower[6 * 3 + 2] -= 0.9 * height
+    assert contact.sunken(lower) == []
+    lower[6 * 3 + 2] -= 0.2 * height
+    assert contact.sunken(lower) == [4]
+
+
 def test_spheres_too_large_for_the_units_are_refused():
     with pytest.raises(ValidationError, match=r"quarter of a unit's side, 1\.75 m, got 2"):
         CASE.with_(general_contact=GeneralContact.oil_sand().with_(radius=2.0))
@@ -232,7 +262,9 @@ def test_model_is_chosen_by_name():
     assert Case.translation().with_(contact_model="general") == CASE
     assert Case.turning(contact="general").contact_model == "general"
     assert Case.translation().contact_model == "pair"
-    with pytest.raises(ValidationError, match="choose the model with contact_model='general'"):
+    with pytest.raises(
+        ValidationError, match="with contact_model, .*, got 'general'"
+    ):
         Case.translation().with_(contact="general")
 
 

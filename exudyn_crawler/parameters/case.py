@@ -50,7 +50,8 @@ class Case(Parameters):
     def _check_contact(cls, value: object) -> object:
         if isinstance(value, str):
             raise ValueError(
-                f"contact holds the parameters of the pair law; choose the model with contact_model={value!r}"
+                "contact must be the parameters of the pair law (ContactLaw); the model is chosen with "
+                f"contact_model, 'pair' or 'general', got {value!r}"
             )
         return value
 
