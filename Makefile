@@ -8,7 +8,7 @@ OUT ?= results
 ARGS ?=
 INSTALLED := $(VENV)/installed
 
-.PHONY: help kinematics forces stress verify test test-slow lint format bench lock clean
+.PHONY: help kinematics forces uneven stress verify test test-slow lint format bench lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -26,6 +26,11 @@ kinematics: $(INSTALLED)  ## the kinematics study: 10 s, straight and turning
 
 forces: $(INSTALLED)  ## the forces study; reuses the histories of the kinematics study
 	$(BIN)/python -m studies.forces --out $(OUT)/forces $(ARGS)
+
+uneven: $(INSTALLED)  ## the track over a step, a ramp and rough ground, with the second contact model
+	for ground in step ramp rough; do \
+		$(BIN)/python -m studies.uneven_ground $$ground --out $(OUT)/uneven_$$ground $(ARGS) || exit; \
+	done
 
 stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on where it was killed
 	$(BIN)/python -m studies.stress --out $(OUT)/stress $(ARGS)

@@ -58,6 +58,18 @@ def cost_of_output() -> float:
     return statistics.median(ratios)
 
 
+def general_contact_seconds() -> list[float]:
+    """Wall seconds of each run with the second contact model, after one that compiles."""
+    model = CrawlerModel(Case.translation(contact="general"))
+    model.simulate(0.1, False)
+    seconds = []
+    for _ in range(RUNS):
+        start = clock.perf_counter()
+        model.simulate(DURATION, False)
+        seconds.append(clock.perf_counter() - start)
+    return seconds
+
+
 def split() -> dict[str, float]:
     """Wall seconds of each part of one run, by Exudyn's own clocks where it has them.
 
@@ -147,6 +159,12 @@ def main() -> None:
     each = ", ".join(f"{value:.2f}" for value in seconds)
     print(f"10 s translation: median {median / DURATION:.3f} wall s per simulated s (runs: {each} s)")
     print(f"storing everything at every step: {cost_of_output() - 1.0:+.0%} wall time")
+    general = general_contact_seconds()
+    each = ", ".join(f"{value:.2f}" for value in general)
+    print(
+        f"the same with contact_model 'general': median {statistics.median(general) / DURATION:.3f} "
+        f"wall s per simulated s (runs: {each} s)"
+    )
     output = subprocess.run(
         [sys.executable, "-m", "benchmarks.rigid", "--split"],
         env={**os.environ, "EXUDYN_CRAWLER_CHECKED": "1"},

@@ -151,7 +151,14 @@ def powers(history: History) -> xr.Dataset:
     `drive` and `machine_load` bring power in; `elastic_contact` goes into the contact's stiffness and
     comes back from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping`
     take power.
+
+    Raises
+    ------
+    ValueError
+        For a history of contact model "general": one row a pair does not tell what its spheres take.
     """
+    if history.case.contact_model != "pair":
+        raise ValueError("powers need a history of contact_model 'pair', whose law they divide")
     case, terrain, law = history.case, history.case.terrain, history.case.contact
     frames = rotation_matrices(history.angles.values)
     omega, velocity = history.angular_velocity.values, history.velocity.values

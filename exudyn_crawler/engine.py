@@ -26,6 +26,7 @@ from exudyn_crawler.assembly import (
     TrackContact,
 )
 from exudyn_crawler.floating_frame import FloatingShoe, floating_shoe
+from exudyn_crawler.general_contact import SphereContact, add_general_contact
 from exudyn_crawler.parameters import Case, Drive, StepProfile
 from exudyn_crawler.parameters.track import SIDES
 from exudyn_crawler.shoe_bodies import ShoeBody, add_shoe_bodies, add_shoe_nodes
@@ -48,8 +49,10 @@ class System:
     ----------
     mbs : exudyn.MainSystem
         The assembled system.
-    contact : TrackContact
+    contact : TrackContact or SphereContact
         Contact forces as functions of the system's coordinates.
+    general : exudyn.GeneralContact, optional
+        The engine's own contact, where it makes the forces.
     floating : FloatingShoe, optional
         What the flexible shoes share.
     link_rows, drive_row, turn_row :
@@ -60,7 +63,8 @@ class System:
     container: "exu.SystemContainer"
     mbs: "exu.MainSystem"
     case: Case
-    contact: TrackContact
+    contact: TrackContact | SphereContact
+    general: "exu.GeneralContact | None"
     floating: FloatingShoe | None
     link_rows: list[list[list[int]]]
     drive: int
@@ -68,9 +72,23 @@ class System:
     turn: int | None
     turn_row: int | None
 
+    def sunken(self) -> list[int]:
+        """Numbers of the shoes with spheres below the ground in the current state; see `SphereContact`."""
+        if self.general is None or not isinstance(self.contact, SphereContact):
+            return []
+        return self.contact.sunken(np.array(self.mbs.systemData.GetODE2Coordinates()))
+
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`."""
         self.mbs.systemData.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
+        self._find_contacts(q)
+
+    def _find_contacts(self, q: NDArray) -> None:
+        if self.general is not None:
+            # the engine looked for touching spheres when it was assembled, with none in the ground yet, and
+            # would let the track fall through the first step
+            self.mbs.systemData.SetODE2Coordinates(q.tolist())
+            self.general.UpdateContacts(self.mbs)
 
     def set_state(self, row: NDArray) -> None:
         """Start from a row as of `state`; its time goes into the solver's settings."""
@@ -79,6 +97,7 @@ class System:
         data.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
         data.SetODE2Coordinates_t(q_t.tolist(), exu.ConfigurationType.Initial)
         data.SetODE2Coordinates_tt(q_tt.tolist(), exu.ConfigurationType.Initial)
+        self._find_contacts(q)
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free."""
@@ -87,17 +106,22 @@ class System:
                 self.mbs.SetObjectParameter(item, "activeConnector", on)
 
     def state(self) -> NDArray:
-        """Time, coordinates, their first and second rates and the multipliers, in one row."""
+        """Time, coordinates, their first and second rates and the multipliers, in one row.
+
+        After them, with contact model "general", the shoes' generalized contact forces.
+        """
         data = self.mbs.systemData
-        return np.concatenate(
-            (
-                [data.GetTime()],
-                data.GetODE2Coordinates(),
-                data.GetODE2Coordinates_t(),
-                data.GetODE2Coordinates_tt(),
-                data.GetAECoordinates(),
-            )
-        )
+        parts = [
+            [data.GetTime()],
+            data.GetODE2Coordinates(),
+            data.GetODE2Coordinates_t(),
+            data.GetODE2Coordinates_tt(),
+            data.GetAECoordinates(),
+        ]
+        if self.general is not None:
+            forces = self.general.GetSystemODE2RhsContactForces(copy=True)
+            parts.append(forces[: self.contact.shoe_reference.size])
+        return np.concatenate(parts)
 
 
 def build(case: Case, static: bool = False) -> System:
@@ -120,17 +144,24 @@ def build(case: Case, static: bool = False) -> System:
     shoes = add_shoe_bodies(mbs, case, shoe_nodes, floating)
     _add_loads(mbs, case, shoes)
     links = _add_links(mbs, shoes)
-    contact = TrackContact(
-        case.track.com_positions(case.shoe.com_height),
-        case.shoe,
-        case.terrain,
-        case.contact,
-        coordinates,
-        None if floating is None else floating.underside,
-        [index for index, shoe in enumerate(shoes) if shoe.is_flexible],
-    )
+    contact: TrackContact | SphereContact
+    general = None
+    if case.contact_model == "general":
+        contact = SphereContact(case)
+        if not static:
+            general = add_general_contact(mbs, case, shoes, terrain_nodes)
+    else:
+        contact = TrackContact(
+            case.track.com_positions(case.shoe.com_height),
+            case.shoe,
+            case.terrain,
+            case.contact,
+            coordinates,
+            None if floating is None else floating.underside,
+            [index for index, shoe in enumerate(shoes) if shoe.is_flexible],
+        )
     modal_nodes = [shoe.modal_node for shoe in shoes if shoe.modal_node is not None]
-    add_contact(mbs, contact, shoe_nodes + terrain_nodes + modal_nodes)
+    add_contact(mbs, contact, shoe_nodes + terrain_nodes + modal_nodes, forces=general is None)
 
     fixed = mbs.AddMarker(
         items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
@@ -138,6 +169,8 @@ def build(case: Case, static: bool = False) -> System:
     turn = None
     if static:
         drive, _, _ = (_hold(mbs, fixed, shoe_nodes[-1], axis) for axis in (0, 1, 5))
+        if case.terrain.heights is not None:
+            _add_dashpots(mbs, case, fixed, shoe_nodes)
     else:
         drive = _add_drive(mbs, case.drive, fixed, shoe_nodes[-1])
         if case.drive.turn_rate is not None:
@@ -149,6 +182,7 @@ def build(case: Case, static: bool = False) -> System:
         mbs=mbs,
         case=case,
         contact=contact,
+        general=general,
         link_rows=[[rows(pin) for pin in link] for link in links],
         floating=floating,
         drive=drive,
@@ -205,7 +239,8 @@ def _add_links(mbs: "exu.MainSystem", shoes: Sequence[ShoeBody]) -> list[list[in
 
 def add_terrain(mbs: "exu.MainSystem", case: Case, ground: int) -> tuple[list[int], TerrainCoordinates]:
     """Add the terrain in the case's formulation: its nodes and how they carry the units' motion."""
-    if case.terrain_formulation == "constrained":
+    # the engine's own contact needs the units as bodies
+    if case.terrain_formulation == "constrained" or case.contact_model == "general":
         return _add_constrained_terrain(mbs, case, ground)
     return _add_reduced_terrain(mbs, case)
 
@@ -329,6 +364,21 @@ def _coordinate(mbs: "exu.MainSystem", node: int, coordinate: int) -> int:
     return mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
 
 
+def _add_dashpots(mbs: "exu.MainSystem", case: Case, fixed: int, nodes: Sequence[int]) -> None:
+    """Dashpots that damp the shoes on their contact critically; at rest they do nothing."""
+    stiffness = case.mean_load / case.settled_penetration
+    damping = 2.0 * np.sqrt(case.shoe.mass * stiffness)
+    arms = 0.5 * np.array([case.shoe.width, case.shoe.length, case.shoe.width])
+    for node in nodes:
+        for coordinate in range(6):
+            mbs.AddObject(
+                items.ObjectConnectorCoordinateSpringDamper(
+                    markerNumbers=[fixed, _coordinate(mbs, node, coordinate)],
+                    damping=damping if coordinate < 3 else damping * arms[coordinate - 3] ** 2,
+                )
+            )
+
+
 def _hold(mbs: "exu.MainSystem", fixed: int, node: int, coordinate: int) -> int:
     """Keep one coordinate of a node where it is."""
     return mbs.AddObject(
@@ -336,8 +386,13 @@ def _hold(mbs: "exu.MainSystem", fixed: int, node: int, coordinate: int) -> int:
     )
 
 
-def add_contact(mbs: "exu.MainSystem", contact: TrackContact, nodes: Sequence[int]) -> None:
-    """All contacts as one item over the shoes' and the terrain's nodes."""
+def add_contact(
+    mbs: "exu.MainSystem", contact: TrackContact | SphereContact, nodes: Sequence[int], forces: bool = True
+) -> None:
+    """All contacts as one item over the shoes' and the terrain's nodes.
+
+    Without `forces` it gives their derivatives only, the forces being another's.
+    """
     size = contact.size
     asked_time, asked = -1.0, 0
 
@@ -364,7 +419,7 @@ def add_contact(mbs: "exu.MainSystem", contact: TrackContact, nodes: Sequence[in
             name="contact",
             nodeNumbers=list(nodes),
             massMatrix=exu.MatrixContainer(),
-            forceUserFunction=force,
+            forceUserFunction=force if forces else 0,
             jacobianUserFunction=jacobian,
         )
     )

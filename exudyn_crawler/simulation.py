@@ -63,7 +63,8 @@ class CrawlerModel:
         EquilibriumError
             If the track finds no rest before t = 0.
         SimulationStopped
-            If a step fails at its least size, or on an interrupt; it carries the history up to there.
+            If a step fails at its least size, if spheres of the second contact model sink through the ground,
+            or on an interrupt; it carries the history up to there.
         """
         if not (math.isfinite(duration) and duration > 0.0):
             raise ValueError(f"duration must be positive and finite, got {duration!r} s")
@@ -109,12 +110,14 @@ def integrate(
         settings = solver_settings(case.solver)
     recorder = _Recorder(system, case.solver.output_interval, duration)
     reason = None
+    sunken: list[int] = []
     with progress_bar(case.name, duration, progress) as tell:
 
         def after_step(_mbs: "exu.MainSystem", time: float) -> bool:
             recorder.store(time)
             tell(time)
-            return True
+            sunken[:] = system.sunken()
+            return not sunken
 
         system.mbs.SetPostStepUserFunction(after_step)
         saved = [] if checkpoints is None else checkpoints.load(case)
@@ -129,6 +132,11 @@ def integrate(
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
             first = recorder.count
             reason = _solve(system, settings)
+            if sunken:
+                reason = (
+                    f"spheres of shoes {sunken} sank through the ground; they need a greater "
+                    f"general_contact.radius than {case.general_contact.radius} m, or flatter ground"
+                )
             if reason is not None:
                 break
             state = system.state()

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.contact import RESULT
 from exudyn_crawler.engine import System
+from exudyn_crawler.general_contact import SphereContact
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters.track import SIDES
 from exudyn_crawler.rotations import angular_acceleration, angular_velocity, rotation_matrices
@@ -42,7 +43,7 @@ def history_of(system: System, rows: NDArray) -> History:
         {"units": "N", "long_name": "machine and dipper load, downward"},
     )
     variables |= _flexible(system, q, q_t, multipliers)
-    contacts, pairs = _contacts(system, q, q_t)
+    contacts, pairs = _contacts(system, rows, q, q_t)
     dataset = xr.Dataset(
         variables | contacts,
         coords={
@@ -206,9 +207,14 @@ def _terrain(system: System, q: NDArray, q_t: NDArray, q_tt: NDArray) -> dict[st
     return named
 
 
-def _contacts(system: System, q: NDArray, q_t: NDArray) -> tuple[dict[str, Variable], NDArray]:
+def _contacts(system: System, rows: NDArray, q: NDArray, q_t: NDArray) -> tuple[dict[str, Variable], NDArray]:
     """Contacts over time, one column a pair that ever met; zero while the pair is apart."""
-    found = [system.contact.results(*state) for state in zip(q, q_t, strict=True)]
+    if isinstance(system.contact, SphereContact):
+        shoe_forces = rows[:, -system.contact.shoe_reference.size :]
+        states = zip(q, q_t, shoe_forces, strict=True)
+        found = [system.contact.results(*state) for state in states]
+    else:
+        found = [system.contact.results(*state) for state in zip(q, q_t, strict=True)]
     rows = np.concatenate(found)
     keys = [
         rows[:, RESULT["shoe"]].astype(int) + 1,

@@ -64,6 +64,14 @@ def test_a_killed_run_goes_on_and_gives_the_same_numbers(tmp_path):
     assert resumed.dataset.identical(straight.dataset)
 
 
+def test_the_second_contact_model_goes_on_from_checkpoints_too(tmp_path):
+    case = staged().with_(contact_model="general")
+    whole = CrawlerModel(case).simulate(3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+    (tmp_path / "stage_0001.npz").unlink()
+    resumed = CrawlerModel(case).simulate(3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+    assert resumed.dataset.identical(whole.dataset)
+
+
 def test_checkpoints_of_other_parameters_are_refused(tmp_path):
     case = staged()
     CrawlerModel(case).simulate(2 * INTERVAL, checkpoints=Checkpoints(tmp_path))

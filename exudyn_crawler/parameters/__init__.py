@@ -8,6 +8,7 @@ from exudyn_crawler.parameters.case import Case
 from exudyn_crawler.parameters.contact import ContactLaw
 from exudyn_crawler.parameters.drive import Drive
 from exudyn_crawler.parameters.flexible import FlexibleShoes
+from exudyn_crawler.parameters.general_contact import GeneralContact
 from exudyn_crawler.parameters.loads import LoadCycle, Phase
 from exudyn_crawler.parameters.profile import StepProfile
 from exudyn_crawler.parameters.shoe import Shoe
@@ -20,6 +21,7 @@ __all__ = [
     "ContactLaw",
     "Drive",
     "FlexibleShoes",
+    "GeneralContact",
     "LoadCycle",
     "Phase",
     "Shoe",

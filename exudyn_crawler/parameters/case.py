@@ -4,18 +4,22 @@ from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from exudyn_crawler.parameters.base import Parameters, quantity
 from exudyn_crawler.parameters.contact import ContactLaw
 from exudyn_crawler.parameters.drive import Drive
 from exudyn_crawler.parameters.flexible import FlexibleShoes
+from exudyn_crawler.parameters.general_contact import GeneralContact
 from exudyn_crawler.parameters.loads import LoadCycle
 from exudyn_crawler.parameters.profile import StepProfile
 from exudyn_crawler.parameters.shoe import Shoe
 from exudyn_crawler.parameters.solver import Solver
 from exudyn_crawler.parameters.terrain import Terrain
 from exudyn_crawler.parameters.track import Track
+
+ContactModel = Literal["pair", "general"]
+"""How shoes and terrain touch: by the pair law, or by spheres in Exudyn's `GeneralContact`."""
 
 
 class Case(Parameters):
@@ -35,10 +39,22 @@ class Case(Parameters):
     contact: ContactLaw
     drive: Drive
     loads: LoadCycle
+    contact_model: ContactModel = "pair"
+    general_contact: GeneralContact = GeneralContact.oil_sand()
     flexible: FlexibleShoes | None = None
     solver: Solver = Solver()
     terrain_formulation: Literal["reduced", "constrained"] = "reduced"
     gravity: float = quantity("m/s2", "acceleration of gravity, along -z", ge=0, default=9.81)
+
+    @field_validator("contact", mode="before")
+    @classmethod
+    def _check_contact(cls, value: object) -> object:
+        if isinstance(value, str):
+            raise ValueError(
+                "contact must be the parameters of the pair law (ContactLaw); the model is chosen with "
+                f"contact_model, 'pair' or 'general', got {value!r}"
+            )
+        return value
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -65,12 +81,61 @@ class Case(Parameters):
                 )
             if self.terrain_formulation != "reduced":
                 raise ValueError("flexible shoes need terrain_formulation 'reduced'")
+        if self.contact_model == "general":
+            self._check_spheres()
+        elif self.terrain.heights is not None:
+            raise ValueError(
+                "terrain.heights must be None with contact_model 'pair', whose law presumes one height; "
+                "contact_model 'general' takes uneven ground"
+            )
         self.check_support(0.0)
         return self
 
+    def _check_spheres(self) -> None:
+        """Refuse spheres that cannot carry the shoes."""
+        if self.flexible is not None:
+            raise ValueError("flexible must be None with contact_model 'general', whose shoes are rigid")
+        radius, depth = self.general_contact.radius, self._greatest_depth
+        if not self.mean_load > 0.0:
+            raise ValueError(f"loads must press the shoes down on the whole, got {self.mean_load:g} N a shoe")
+        if radius <= depth:
+            raise ValueError(
+                f"general_contact.radius must exceed the settled penetration of the most loaded shoe, "
+                f"{depth:.4g} m, got {radius}: its spheres would sink through the ground"
+            )
+        side = min(self.terrain.unit_length, self.terrain.unit_width)
+        if 4.0 * radius > side:
+            raise ValueError(
+                f"general_contact.radius must not exceed a quarter of a unit's side, {0.25 * side:g} m, "
+                f"got {radius}"
+            )
+
+    @property
+    def mean_load(self) -> float:
+        """Mean over the shoes of the force that the ground carries at t = 0, N: load and weight."""
+        return float(self.loads.loads(0.0).mean()) + self.shoe.mass * self.gravity
+
+    @property
+    def settled_penetration(self) -> float:
+        """Penetration of an evenly carried shoe under the mean load by the pair law, m."""
+        return (self.mean_load / self.contact.stiffness) ** (1.0 / self.contact.exponent)
+
+    @property
+    def sphere_stiffness(self) -> float:
+        """Stiffness of one sphere, N/m: all of a shoe carry the mean load at the settled penetration."""
+        spheres = self.general_contact.spheres_x * self.general_contact.spheres_y
+        return self.mean_load / self.settled_penetration / spheres
+
+    @property
+    def _greatest_depth(self) -> float:
+        """Penetration of the most loaded shoe at its most loaded time on linear spheres, m."""
+        profiles = [self.loads.profile(number) for number in self.track.shoes]
+        load = max(max(profile.values) for profile in profiles) + self.shoe.mass * self.gravity
+        return self.settled_penetration * load / self.mean_load
+
     @classmethod
-    def translation(cls) -> Self:
-        """Straight propel of the K-chapter, the K-paper and the F-paper."""
+    def translation(cls, contact: ContactModel = "pair") -> Self:
+        """Straight propel of the K-chapter, the K-paper and the F-paper, with a model of contact."""
         return cls(
             name="translation",
             shoe=Shoe.ph4100c(),
@@ -79,12 +144,13 @@ class Case(Parameters):
             contact=ContactLaw.oil_sand(),
             drive=Drive.translation(),
             loads=LoadCycle.propel(),
+            contact_model=contact,
         )
 
     @classmethod
-    def turning(cls) -> Self:
-        """Propel with a turn of the K-chapter, the K-paper and the F-paper."""
-        return cls.translation().with_(name="turning", drive=Drive.turning())
+    def turning(cls, contact: ContactModel = "pair") -> Self:
+        """Propel with a turn of the K-chapter, the K-paper and the F-paper, with a model of contact."""
+        return cls.translation(contact).with_(name="turning", drive=Drive.turning())
 
     @classmethod
     def stress(cls, mesh: str = "study") -> Self:
@@ -155,3 +221,31 @@ class Case(Parameters):
                         f"track reaches {name} = {low:.3f}..{high:.3f} m, "
                         f"the terrain {least:g}..{greatest:g} m"
                     )
+            if self.terrain.heights is not None:
+                self._check_steps(time, corners)
+
+    def _check_steps(self, time: float, corners: NDArray) -> None:
+        """Refuse a step between neighbouring units under the track that its spheres cannot stand on.
+
+        A sphere settled on a unit has its centre at its radius less its depth above that unit. A neighbour
+        higher than that lies above the centre: the sphere would pass under its face unhindered, and where
+        the ground falls by as much, shoes hang with nothing in reach.
+        """
+        terrain = self.terrain
+        sides = np.array([terrain.unit_length, terrain.unit_width])
+        cells = np.floor((corners - np.array(terrain.origin)) / sides + 1e-9).astype(int)
+        last = np.array([terrain.columns, terrain.rows]) - 1
+        (i0, j0), (i1, j1) = np.clip(cells.min(axis=0), 0, last), np.clip(cells.max(axis=0), 0, last)
+        heights = terrain.top_heights.reshape(terrain.columns, terrain.rows)[i0 : i1 + 1, j0 : j1 + 1]
+        allowed = self.general_contact.radius - self.settled_penetration
+        for axis, stride in enumerate((terrain.rows, 1)):
+            steps = np.abs(np.diff(heights, axis=axis))
+            if steps.size and steps.max() >= allowed:
+                i, j = np.unravel_index(steps.argmax(), steps.shape)
+                unit = int((i0 + i) * terrain.rows + j0 + j + 1)
+                raise ValueError(
+                    f"terrain.heights leave the track unsupported: at t = {time:.3g} s units {unit} and "
+                    f"{unit + stride} below it differ by {steps.max():.4g} m, allowed is less than "
+                    f"{allowed:.4g} m: general_contact.radius = {self.general_contact.radius} m less the "
+                    f"settled penetration of {self.settled_penetration:.4g} m"
+                )

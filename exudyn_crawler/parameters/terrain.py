@@ -5,6 +5,7 @@ from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import model_validator
 
 from exudyn_crawler.parameters.base import Parameters, quantity
 
@@ -32,6 +33,19 @@ class Terrain(Parameters):
     )
     column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
     tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
+
+    heights: tuple[float, ...] | None = quantity(
+        "m",
+        "height of every unit's top face above even ground, units counting along y first; None: all even. "
+        "The units' centres, masses and springs stay as they are",
+        default=None,
+    )
+
+    @model_validator(mode="after")
+    def _check_heights(self) -> Self:
+        if self.heights is not None and len(self.heights) != self.unit_count:
+            raise ValueError(f"heights must name every unit ({self.unit_count}), got {len(self.heights)}")
+        return self
 
     @classmethod
     def kinematics(cls) -> Self:
@@ -82,6 +96,44 @@ class Terrain(Parameters):
             column_tilt=True,
             tilt="pitch",
         )
+
+    def with_step(self, x: float, height: float) -> Self:
+        """Copy with all units whose centres lie beyond `x` (m) higher by `height` (m)."""
+        return self._raised(np.where(self.centers[:, 0] > x, height, 0.0))
+
+    def with_ramp(self, x0: float, x1: float, height: float) -> Self:
+        """Copy that rises from `x0` to `x1` (m) by `height` (m), unit by unit, and stays up beyond.
+
+        Each unit is raised by the ramp's height at its centre and stays level: a ramp of many small steps.
+
+        Raises
+        ------
+        ValueError
+            If `x1` is not beyond `x0`.
+        """
+        if not x1 > x0:
+            raise ValueError(f"x1 must be greater than x0 = {x0}, got {x1}")
+        return self._raised(height * np.clip((self.centers[:, 0] - x0) / (x1 - x0), 0.0, 1.0))
+
+    def with_roughness(self, standard_deviation: float, seed: int) -> Self:
+        """Copy with normally distributed random heights (m) of the units added; same seed, same heights.
+
+        Raises
+        ------
+        ValueError
+            If `standard_deviation` is negative or not finite.
+        """
+        if not 0.0 <= standard_deviation < math.inf:
+            raise ValueError(f"standard_deviation must be finite and not negative, got {standard_deviation}")
+        return self._raised(np.random.default_rng(seed).normal(0.0, standard_deviation, self.unit_count))
+
+    def _raised(self, change: NDArray) -> Self:
+        return self.with_(heights=tuple((self.top_heights + change).tolist()))
+
+    @property
+    def top_heights(self) -> NDArray:
+        """Height of every unit's top face, with the springs free: array (units,), m."""
+        return np.zeros(self.unit_count) if self.heights is None else np.array(self.heights)
 
     @property
     def unit_count(self) -> int:
