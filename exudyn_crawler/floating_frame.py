@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.parameters import Case, FlexibleShoes, Track
 from exudyn_crawler.underside import Underside, integrate_underside
-from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton, read_mesh
-from meshes import SHOE_SIZES, shoe_mesh
+from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton
+from meshes import mesh_named
 
 PIN_TOLERANCE = 1e-3
 """m, between the axis of a bore and the pin."""
@@ -76,7 +76,7 @@ def _material(flexible: FlexibleShoes) -> Material:
 
 @lru_cache(maxsize=4)
 def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[ElasticBody, list[Interface]]:
-    mesh = shoe_mesh(mesh_name) if mesh_name in SHOE_SIZES else read_mesh(mesh_name)
+    mesh = mesh_named(mesh_name)
     interfaces = []
     for name, center in track.joint_centers.items():
         if f"bore {name}" not in mesh.surfaces:
