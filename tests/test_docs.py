@@ -17,7 +17,10 @@ from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser, SkipP
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
-    [*ROOT.glob("*.md"), *(page for part in ("docs", "meshes", "benchmarks") for page in (ROOT / part).rglob("*.md"))]
+    [
+        *ROOT.glob("*.md"),
+        *(page for part in ("docs", "meshes", "benchmarks") for page in (ROOT / part).rglob("*.md")),
+    ]
 )
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 LANGUAGES = {"python", "toml", "sh", "text"}
@@ -46,7 +49,9 @@ def links_of(page: Path) -> Iterator[str]:
 def anchors_of(page: Path) -> set[str]:
     """Anchors of a page's headings, as GitHub names them."""
     tokens = tokens_of(page)
-    headings = [tokens[index + 1].content for index, token in enumerate(tokens) if token.type == "heading_open"]
+    headings = [
+        tokens[index + 1].content for index, token in enumerate(tokens) if token.type == "heading_open"
+    ]
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
