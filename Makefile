@@ -8,7 +8,7 @@ OUT ?= results
 ARGS ?=
 INSTALLED := $(VENV)/installed
 
-.PHONY: help kinematics forces uneven stress verify test test-slow lint format bench lock clean
+.PHONY: help kinematics forces uneven stress verify test test-slow lint format bench docs lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -52,6 +52,9 @@ lint: $(INSTALLED)  ## ruff and mypy
 format: $(INSTALLED)  ## put the code into its standard form
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+docs: $(INSTALLED)  ## the API reference, into site/; docs/ holds the handbook
+	$(BIN)/python -m docs.build_api site
 
 bench: $(INSTALLED)  ## time the runs and show their accuracy
 	$(BIN)/python -m benchmarks.run
