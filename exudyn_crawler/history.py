@@ -6,7 +6,7 @@ from typing import Self
 
 import xarray as xr
 
-from exudyn_crawler.files import whole_file
+from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.parameters import Case
 
 
@@ -53,11 +53,8 @@ class History:
         compressed = {
             name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.dataset.data_vars
         }
-        with whole_file(path, overwrite) as temporary:
-            self.dataset.assign_attrs(case=self.case.model_dump_json()).to_netcdf(
-                temporary, engine="h5netcdf", encoding=compressed
-            )
-        return path
+        whole = self.dataset.assign_attrs(case=self.case.model_dump_json())
+        return write_netcdf(whole, path, overwrite, compressed)
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
