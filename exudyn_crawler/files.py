@@ -2,7 +2,7 @@
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -45,7 +45,7 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
 
 
 def write_netcdf(
-    dataset: "xr.Dataset", path: Path, overwrite: bool = False, encoding: dict[str, Any] | None = None
+    dataset: "xr.Dataset", path: Path, overwrite: bool = False, encoding: Mapping[Any, Any] | None = None
 ) -> Path:
     """Write a dataset as NetCDF, whole or not at all; raises as `whole_file`.
 
