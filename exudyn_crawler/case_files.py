@@ -41,7 +41,7 @@ class CaseFile(Parameters):
     """
 
     case: Case
-    duration: float = quantity("s", "simulated time", default=10.0)
+    duration: float = quantity("s", "simulated time", default=10.0, allow_inf_nan=True)
     outputs: Outputs = Outputs()
 
     @model_validator(mode="after")
@@ -207,6 +207,12 @@ def faults(error: ValidationError, model: type[BaseModel] = Case) -> Iterator[st
             yield f"{path}: {message}" if path else message
         else:
             yield f"{path}: {message}, got {shown(one['input'])}"
+
+
+def validated_model(error: ValidationError) -> type[BaseModel]:
+    """Parameter class whose construction failed."""
+    kinds: list[type[BaseModel]] = [CaseFile, *Parameters.__subclasses__()]
+    return next((kind for kind in kinds if kind.__name__ == error.title), Case)
 
 
 def key_path(place: tuple[int | str, ...]) -> str:
