@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+import h5py
 import xarray as xr
 
 from exudyn_crawler.files import write_netcdf
@@ -71,8 +72,11 @@ class History:
         if not path.is_file():
             raise FileNotFoundError(f"no history at {path}")
         try:
+            # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
+            with h5py.File(path, "r") as file:
+                case = Case.model_validate_json(file.attrs["case"])
             dataset = xr.load_dataset(path, engine="h5netcdf")
-            case = Case.model_validate_json(dataset.attrs.pop("case"))
-        except (OSError, KeyError, ValueError) as error:
+            del dataset.attrs["case"]
+        except (OSError, KeyError, ValueError, RuntimeError) as error:
             raise ValueError(f"{path} does not hold a history: {error}") from error
         return cls(case=case, dataset=dataset)
