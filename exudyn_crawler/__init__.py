@@ -6,22 +6,35 @@
 (6,)
 """
 
-from exudyn_crawler.errors import CrawlerError, EquilibriumError, SimulationStopped
-from exudyn_crawler.history import History
-from exudyn_crawler.parameters import (
-    Case,
-    ContactLaw,
-    Drive,
-    FlexibleShoes,
-    LoadCycle,
-    Phase,
-    Shoe,
-    Solver,
-    StepProfile,
-    Terrain,
-    Track,
-)
-from exudyn_crawler.simulation import CrawlerModel
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from exudyn_crawler.errors import CrawlerError, EquilibriumError, SimulationStopped
+    from exudyn_crawler.history import History
+    from exudyn_crawler.parameters import (
+        Case,
+        ContactLaw,
+        Drive,
+        FlexibleShoes,
+        LoadCycle,
+        Phase,
+        Shoe,
+        Solver,
+        StepProfile,
+        Terrain,
+        Track,
+    )
+    from exudyn_crawler.simulation import CrawlerModel
+
+_HOMES = {
+    "CrawlerError": "errors",
+    "CrawlerModel": "simulation",
+    "EquilibriumError": "errors",
+    "History": "history",
+    "SimulationStopped": "errors",
+}
+"""Modules of the names that are not parameters."""
 
 __all__ = [
     "Case",
@@ -41,3 +54,10 @@ __all__ = [
     "Terrain",
     "Track",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is asked for when it is: the engine alone takes a second, and help needs none of it."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES.get(name, 'parameters')}"), name)

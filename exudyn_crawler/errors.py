@@ -1,5 +1,6 @@
 """Errors that a user of the package can meet."""
 
+from pathlib import Path
 from typing import Any
 
 
@@ -26,3 +27,17 @@ class SimulationStopped(CrawlerError):  # noqa: N818 - it carries a result, as S
         super().__init__(f"the simulation stopped at t = {time:.6g} s: {reason}")
         self.time = time
         self.history = history
+
+
+class CaseFileError(CrawlerError, ValueError):
+    """A case file cannot be used.
+
+    Attributes
+    ----------
+    faults : list of str
+        A line each.
+    """
+
+    def __init__(self, path: Path, faults: list[str]) -> None:
+        super().__init__("\n".join(f"{path}: {fault}" for fault in faults))
+        self.faults = faults

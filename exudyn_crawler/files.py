@@ -2,9 +2,13 @@
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @contextmanager
@@ -15,6 +19,8 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
     ------
     FileExistsError
         If `path` exists and `overwrite` is false.
+    OSError
+        Naming `path`, if it cannot be written: the disk is full, say.
     """
     if path.exists() and not overwrite:
         raise FileExistsError(f"{path} exists; ask for overwriting to replace it")
@@ -30,8 +36,29 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
         os.umask(mask)
         temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
+    except FileExistsError:
+        raise
+    except OSError as error:
+        raise type(error)(f"{path} could not be written: {error.strerror or error}") from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def write_netcdf(
+    dataset: "xr.Dataset", path: Path, overwrite: bool = False, encoding: Mapping[Any, Any] | None = None
+) -> Path:
+    """Write a dataset as NetCDF, whole or not at all; raises as `whole_file`.
+
+    The file is made in memory first: where a disk is full, HDF5 does not fail but ends the process.
+
+    Parameters
+    ----------
+    encoding : dict, optional
+        As of `xarray.Dataset.to_netcdf`.
+    """
+    with whole_file(path, overwrite) as temporary:
+        temporary.write_bytes(dataset.to_netcdf(None, engine="h5netcdf", encoding=encoding))
+    return path
 
 
 def writable_folder(path: Path) -> Path:

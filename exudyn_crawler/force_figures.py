@@ -28,21 +28,23 @@ JOINT_VECTORS = {
 }
 
 
-def force_figures(history: History) -> dict[str, Figure]:
-    """Every figure of one case, by a name that can be a file's."""
+def force_figures(
+    history: History, shoes: Sequence[int] = SHOES, joints: Sequence[int] = JOINTS
+) -> dict[str, Figure]:
+    """Every figure of one case, by a name that can be a file's; some shoes, and links by their rear shoe."""
     contacts = contacts_by_shoe(history)
     case = history.case.name
     figures = {}
     for title, (name, unit) in CONTACT_VECTORS.items():
-        curves = {f"shoe {shoe}": contacts[name].sel(shoe=shoe) for shoe in SHOES}
+        curves = {f"shoe {shoe}": contacts[name].sel(shoe=shoe) for shoe in shoes}
         figures[title] = panel_figure(f"{case}: {title}", axis_panels(title, unit, curves))
     scalars = [
-        Panel(title, unit, {f"shoe {s}": _scalar(contacts[name].sel(shoe=s)) for s in SHOES})
+        Panel(title, unit, {f"shoe {s}": _scalar(contacts[name].sel(shoe=s)) for s in shoes})
         for title, (name, unit) in CONTACT_SCALARS.items()
     ]
     figures["sinkage and friction torque"] = panel_figure(f"{case}: sinkage and friction torque", scalars)
     for title, (name, unit) in JOINT_VECTORS.items():
-        curves = {f"link {j}-{j + 1}": history.dataset[name].sel(joint=j) for j in JOINTS}
+        curves = {f"link {j}-{j + 1}": history.dataset[name].sel(joint=j) for j in joints}
         figures[title] = panel_figure(f"{case}: {title}", axis_panels(title, unit, curves))
     deformation = Panel("deformation", "m", {"terrain": terrain_deformation(history)})
     figures["terrain deformation"] = panel_figure(

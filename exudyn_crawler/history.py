@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+import h5py
 import xarray as xr
 
-from exudyn_crawler.files import whole_file
+from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.parameters import Case
 
 
@@ -53,11 +54,8 @@ class History:
         compressed = {
             name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.dataset.data_vars
         }
-        with whole_file(path, overwrite) as temporary:
-            self.dataset.assign_attrs(case=self.case.model_dump_json()).to_netcdf(
-                temporary, engine="h5netcdf", encoding=compressed
-            )
-        return path
+        whole = self.dataset.assign_attrs(case=self.case.model_dump_json())
+        return write_netcdf(whole, path, overwrite, compressed)
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
@@ -74,8 +72,11 @@ class History:
         if not path.is_file():
             raise FileNotFoundError(f"no history at {path}")
         try:
+            # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
+            with h5py.File(path, "r") as file:
+                case = Case.model_validate_json(file.attrs["case"])
             dataset = xr.load_dataset(path, engine="h5netcdf")
-            case = Case.model_validate_json(dataset.attrs.pop("case"))
-        except (OSError, KeyError, ValueError) as error:
+            del dataset.attrs["case"]
+        except (OSError, KeyError, ValueError, RuntimeError) as error:
             raise ValueError(f"{path} does not hold a history: {error}") from error
         return cls(case=case, dataset=dataset)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from exudyn_crawler.files import whole_file
@@ -16,12 +17,12 @@ def print_table(table: pd.DataFrame, title: str, console: Console | None = None)
     console = console or Console()
     if not console.is_terminal:
         console = Console(width=150)
-    shown = Table(title=title, title_justify="left")
+    shown = Table(title=escape(title), title_justify="left")
     numeric = [pd.api.types.is_numeric_dtype(table[name]) for name in table.columns]
     for name, right in zip(table.columns, numeric, strict=True):
-        shown.add_column(str(name), justify="right" if right else "left")
+        shown.add_column(escape(str(name)), justify="right" if right else "left")
     for row in table.itertuples(index=False):
-        cells = [_cell(value) for value in row]
+        cells = [escape(_cell(value)) for value in row]
         style = COLOURS.get(getattr(row, "within", ""), "")
         shown.add_row(*cells, style=style)
     console.print(shown)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import json
+import os
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -54,8 +57,9 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
     digest : of `reduction_digest`, if the file is to serve as a cache.
     """
     path = Path(path)
-    part = path.with_name(path.name + ".part")
-    with h5py.File(part, "w") as file:
+    # made in memory first: where a disk is full, HDF5 does not fail but ends the process
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
         file.attrs["format"] = FORMAT
         file.attrs["mesh_digest"] = body.mesh.digest
         file.attrs["digest"] = digest
@@ -77,7 +81,14 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
             entry = file.create_group(f"interfaces/{number:03d}")
             entry.attrs["name"], entry.attrs["spider"] = interface.name, interface.spider
             entry["center"], entry["nodes"] = interface.center, interface.nodes
-    part.replace(path)
+    handle, part = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    try:
+        with open(handle, "wb") as stream:
+            stream.write(content.getbuffer())
+        os.replace(part, path)
+    except BaseException:
+        os.unlink(part)
+        raise
 
 
 def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None = None) -> ReducedBody:
@@ -94,7 +105,7 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
     FileNotFoundError
         If there is no such file.
     ValueError
-        If it is no file of a reduced body.
+        If it is no file of a reduced body, or a broken one.
     StaleCacheError
         If mesh or digest differ.
     """
@@ -105,36 +116,43 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
         file = h5py.File(path, "r")
     except OSError as error:
         raise ValueError(f"{path} is no HDF5 file: {error}") from error
-    with file:
-        if file.attrs.get("format") != FORMAT:
-            raise ValueError(f"{path} is no {FORMAT!r} file, but {file.attrs.get('format')!r}")
-        if mesh is not None and file.attrs["mesh_digest"] != mesh.digest:
-            raise StaleCacheError(f"{path} belongs to another mesh than the one given")
-        if digest is not None and file.attrs["digest"] != digest:
-            raise StaleCacheError(f"{path} was made with another mesh or other parameters")
-        stored = file["mesh"]
-        own = mesh or Mesh(
-            stored["nodes"][()],
-            stored["elements"][()],
-            {name: data[()] for name, data in stored["surfaces"].items()},
-        )
-        return ReducedBody(
-            mesh=own,
-            material=Material(**json.loads(file.attrs["material"])),
-            interfaces=tuple(
-                Interface(
-                    str(entry.attrs["name"]),
-                    entry["center"][()],
-                    entry["nodes"][()],
-                    entry.attrs["spider"],
-                )
-                for _, entry in sorted(file["interfaces"].items())
-            ),
-            mass=float(file.attrs["mass"]),
-            surface_weights={name: data[()] for name, data in stored["surface_weights"].items()},
-            parameters=json.loads(file.attrs["parameters"]),
-            **{name: file[name][()] for name in _ARRAYS},
-        )
+    try:
+        with file:
+            return _read(file, path, mesh, digest)
+    except (OSError, KeyError, TypeError, RuntimeError) as error:
+        raise ValueError(f"{path} is broken: {error}") from error
+
+
+def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) -> ReducedBody:
+    if file.attrs.get("format") != FORMAT:
+        raise ValueError(f"{path} is no {FORMAT!r} file, but {file.attrs.get('format')!r}")
+    if mesh is not None and file.attrs["mesh_digest"] != mesh.digest:
+        raise StaleCacheError(f"{path} belongs to another mesh than the one given")
+    if digest is not None and file.attrs["digest"] != digest:
+        raise StaleCacheError(f"{path} was made with another mesh or other parameters")
+    stored = file["mesh"]
+    own = mesh or Mesh(
+        stored["nodes"][()],
+        stored["elements"][()],
+        {name: data[()] for name, data in stored["surfaces"].items()},
+    )
+    return ReducedBody(
+        mesh=own,
+        material=Material(**json.loads(file.attrs["material"])),
+        interfaces=tuple(
+            Interface(
+                str(entry.attrs["name"]),
+                entry["center"][()],
+                entry["nodes"][()],
+                entry.attrs["spider"],
+            )
+            for _, entry in sorted(file["interfaces"].items())
+        ),
+        mass=float(file.attrs["mass"]),
+        surface_weights={name: data[()] for name, data in stored["surface_weights"].items()},
+        parameters=json.loads(file.attrs["parameters"]),
+        **{name: file[name][()] for name in _ARRAYS},
+    )
 
 
 def cached_craig_bampton(
@@ -144,7 +162,13 @@ def cached_craig_bampton(
     n_fixed_modes: int = 76,
     residual_loads: Mapping[str, Floats] | None = None,
 ) -> ReducedBody:
-    """Reduced body from a file if mesh and parameters all match, else made anew and written."""
+    """Reduced body from a file if mesh and parameters all match, else made anew and written.
+
+    Raises
+    ------
+    ValueError
+        If the file is broken or something else; it is left as it is.
+    """
     digest = reduction_digest(body, interfaces, n_fixed_modes, residual_loads)
     try:
         return load_reduced(path, body.mesh, digest)

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, CrawlerModel, History
+from exudyn_crawler.case_files import CaseFile
 from exudyn_crawler.comparison import compare_kinematics
 from exudyn_crawler.figures import KINEMATICS
 from exudyn_crawler.reported import reported_values
@@ -33,10 +34,18 @@ def folder(tmp_path_factory):
 def test_a_short_study_leaves_history_table_and_figures(folder):
     figures = {f"translation_{quantity.replace(' ', '_')}.png" for quantity in KINEMATICS}
     assert len(figures) == 5
-    assert {path.name for path in folder.iterdir()} == {"translation.nc", "comparison.csv"} | figures
+    assert {path.name for path in folder.iterdir() if not path.name.startswith(".")} == {
+        "translation.nc",
+        "translation.toml",
+        "comparison.csv",
+        "run.json",
+        "run.log",
+    } | figures
     for figure in figures:
         assert (folder / figure).read_bytes().startswith(b"\x89PNG")
     history = History.load(folder / "translation.nc")
+    kept = CaseFile.read(folder / "translation.toml")
+    assert kept == CaseFile(case=history.case, duration=0.05)
     assert history.case == Case.translation()
     assert history.duration == pytest.approx(0.05, rel=1e-9)
 
@@ -76,7 +85,7 @@ def test_a_bad_duration_is_one_line_and_exit_code_2(duration, tmp_path):
     )
     assert refused.stderr.startswith(f"error: {expected}")
     assert refused.stderr.count("\n") == 1
-    assert not list((tmp_path / "out").iterdir())
+    assert not (tmp_path / "out").exists()
 
 
 def test_an_output_folder_under_a_file_is_one_line_and_exit_code_2(tmp_path):

@@ -4,7 +4,7 @@ from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from exudyn_crawler.parameters.base import Parameters, quantity
 from exudyn_crawler.parameters.contact import ContactLaw
@@ -32,7 +32,7 @@ class Case(Parameters):
         not stand on the terrain.
     """
 
-    name: str = "case"
+    name: str = Field(default="case", description="name of the case in results and figures")
     shoe: Shoe
     track: Track
     terrain: Terrain
@@ -43,7 +43,10 @@ class Case(Parameters):
     general_contact: GeneralContact = GeneralContact.oil_sand()
     flexible: FlexibleShoes | None = None
     solver: Solver = Solver()
-    terrain_formulation: Literal["reduced", "constrained"] = "reduced"
+    terrain_formulation: Literal["reduced", "constrained"] = Field(
+        default="reduced",
+        description="independent coordinates of the terrain, or all of them with its joints",
+    )
     gravity: float = quantity("m/s2", "acceleration of gravity, along -z", ge=0, default=9.81)
 
     @field_validator("contact", mode="before")

@@ -27,10 +27,11 @@ DIG_LOAD, SWING_LOAD, DUMP_LOAD = 384e3, 732e3, 541e3
 class Phase(Parameters):
     """Part of a load cycle: the load on every shoe at its end."""
 
-    name: Annotated[str, Field(min_length=1)]
+    name: Annotated[str, Field(min_length=1, description="name of the phase")]
     end: float = quantity("s", "time at which the phase ends", ge=0)
-    loads: Annotated[tuple[float, ...], Field(min_length=1, json_schema_extra={"unit": "N"})]
-    """Downward load on shoes 1..n at the end of the phase."""
+    loads: tuple[float, ...] = quantity(
+        "N", "downward load on shoes 1..n at the end of the phase", min_length=1
+    )
 
 
 class LoadCycle(Parameters):

@@ -7,14 +7,16 @@ import pandas as pd
 
 from exudyn_crawler.comparison import compare_kinematics
 from exudyn_crawler.contact_forces import contact_force, terrain_deformation
-from exudyn_crawler.figures import save_figure
-from exudyn_crawler.files import whole_file
-from exudyn_crawler.force_comparison import compare_forces, turning_ratios
+from exudyn_crawler.figures import SHOES, save_figure
+from exudyn_crawler.files import write_netcdf
+from exudyn_crawler.force_comparison import JOINTS, compare_forces, turning_ratios
 from exudyn_crawler.force_figures import crossing_figure, force_figures, turning_figures
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
+from exudyn_crawler.run_folder import kept_run
 from exudyn_crawler.tables import write_table
-from exudyn_crawler.workflows.runs import CASES, DURATION, matching_history, prepare, saved_run
+from exudyn_crawler.workflows.defaults import DURATION
+from exudyn_crawler.workflows.runs import CASES, matching_history, saved_run, study_cases
 
 ECCENTRICITY = 0.05
 """m, offset of the machine load along y that `lateral_effects` shows."""
@@ -39,7 +41,7 @@ def run_forces(
     duration : float
         s.
     out : Path, optional
-        Folder for the forces, figures, `comparison.csv` and `turning_ratios.csv`; None writes nothing.
+        Folder for the cases, forces, figures, `comparison.csv` and `turning_ratios.csv`; None writes nothing.
     reuse : Path, optional
         Folder whose histories take the place of runs where the parameters are the same.
     strict : bool
@@ -61,19 +63,26 @@ def run_forces(
     ------
     ValueError
         For an unknown case, a bad duration or, if `strict`, a history from other parameters.
-    FileExistsError
-        Before anything runs, if results are there and `overwrite` is false.
+    FileExistsError, BlockingIOError
+        Before anything runs, if results are there and `overwrite` is false, or another run works there.
     SimulationStopped
         If a run ends early; its history is saved.
     """
-    prepare(cases, out, overwrite)
+    files = study_cases(cases, duration)
+    reused = {name: _reused(one.case, duration, reuse, strict, say) for name, one in files.items()}
     histories: dict[str, History] = {}
-    for name in cases:
-        found = _reused(CASES[name](), duration, reuse, strict, say)
-        histories[name] = found or saved_run(CASES[name](), duration, out, overwrite, progress)
-    table = compare_forces(histories)
-    if out is not None:
-        _write(histories, table, out, overwrite)
+    with kept_run(out, files, overwrite, say) as keeper:
+        for name, one in files.items():
+            if found := reused[name]:
+                keeper.say(f"{name}: reusing the history in {reuse}, whose parameters are the same")
+                histories[name] = found
+                continue
+            with keeper.timed(f"simulate {name}"):
+                histories[name] = saved_run(one.case, duration, out, overwrite, progress)
+        table = compare_forces(histories)
+        if out is not None:
+            with keeper.timed("tables and figures"):
+                _write(histories, table, out, overwrite)
     return histories, table
 
 
@@ -83,34 +92,48 @@ def _reused(
     if reuse is None:
         return None
     try:
-        history = matching_history(reuse, case, duration)
+        return matching_history(reuse, case, duration)
     except (FileNotFoundError, ValueError) as error:
         if strict:
             raise
         if not isinstance(error, FileNotFoundError):
             say(f"{case.name}: running anew, since {error}")
         return None
-    say(f"{case.name}: reusing the history in {reuse}, whose parameters are the same")
-    return history
 
 
 def _write(histories: dict[str, History], table: pd.DataFrame, out: Path, overwrite: bool) -> None:
     write_table(table, out / "comparison.csv", overwrite)
     for name, history in histories.items():
-        forces = history.dataset.drop_dims("unit").assign(
-            contact_force=contact_force(history), terrain_deformation=terrain_deformation(history)
-        )
-        with whole_file(out / f"{name}_forces.nc", overwrite) as temporary:
-            forces.to_netcdf(temporary, engine="h5netcdf")
-        figures = force_figures(history)
-        figures["shoe 7 crossing"] = crossing_figure(history)
-        for title, figure in figures.items():
-            save_figure(figure, out / f"{name}_{title.replace(' ', '_')}.png", overwrite)
+        write_forces(history, out / f"{name}_forces.nc", overwrite)
+        write_force_figures(history, out, f"{name}_", overwrite)
+        save_figure(crossing_figure(history), out / f"{name}_shoe_7_crossing.png", overwrite)
     if set(histories) == set(CASES):
         ratios = turning_ratios(histories["translation"], histories["turning"])
         write_table(ratios, out / "turning_ratios.csv", overwrite)
         for title, figure in turning_figures(histories).items():
             save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
+
+
+def write_forces(history: History, path: Path, overwrite: bool = False) -> Path:
+    """Write contact and joint forces with what derives from them, without the units of the terrain."""
+    forces = history.dataset.drop_dims("unit").assign(
+        contact_force=contact_force(history), terrain_deformation=terrain_deformation(history)
+    )
+    return write_netcdf(forces, path, overwrite)
+
+
+def write_force_figures(
+    history: History,
+    out: Path,
+    prefix: str = "",
+    overwrite: bool = False,
+    shoes: Sequence[int] = SHOES,
+    joints: Sequence[int] = JOINTS,
+    suffix: str = "png",
+) -> None:
+    """Draw contact, joint forces and deformation of some shoes and links, a file each."""
+    for title, figure in force_figures(history, shoes, joints).items():
+        save_figure(figure, out / f"{prefix}{title.replace(' ', '_')}.{suffix}", overwrite)
 
 
 def lateral_effects(duration: float = DURATION, progress: bool | None = None) -> pd.DataFrame:

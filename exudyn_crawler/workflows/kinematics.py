@@ -1,15 +1,17 @@
 """Kinematics study (K-chapter and K-paper): motion of the shoes, straight and turning."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pandas as pd
 
 from exudyn_crawler.comparison import compare_kinematics
-from exudyn_crawler.figures import KINEMATICS, comparison_figure, kinematic_figure, save_figure
+from exudyn_crawler.figures import KINEMATICS, SHOES, comparison_figure, kinematic_figure, save_figure
 from exudyn_crawler.history import History
+from exudyn_crawler.run_folder import Keeper, kept_run
 from exudyn_crawler.tables import write_table
-from exudyn_crawler.workflows.runs import CASES, DURATION, prepare, saved_run
+from exudyn_crawler.workflows.defaults import DURATION
+from exudyn_crawler.workflows.runs import CASES, saved_run, study_cases
 
 COMPARED_SHOE = 10
 """Shoe that the K-chapter draws turning against translation."""
@@ -21,6 +23,7 @@ def run_kinematics(
     out: Path | None = None,
     overwrite: bool = False,
     progress: bool | None = None,
+    say: Callable[[str], None] = lambda _text: None,
 ) -> tuple[dict[str, History], pd.DataFrame]:
     """Run the cases and compare them with the papers.
 
@@ -31,9 +34,11 @@ def run_kinematics(
     duration : float
         s.
     out : Path, optional
-        Folder for the histories, figures and `comparison.csv`; None writes nothing.
+        Folder for the cases, histories, figures and `comparison.csv`; None writes nothing.
     overwrite : bool
         Replace files of an earlier run.
+    say : callable
+        Is told, in a line, what is going on.
 
     Returns
     -------
@@ -46,26 +51,46 @@ def run_kinematics(
     ------
     ValueError
         For an unknown case or a bad duration.
-    FileExistsError
-        Before anything runs, if results are there and `overwrite` is false.
+    FileExistsError, BlockingIOError
+        Before anything runs, if results are there and `overwrite` is false, or another run works there.
     SimulationStopped
         If a run ends early; its history is saved beside the others.
     """
-    prepare(cases, out, overwrite)
+    files = study_cases(cases, duration)
     histories: dict[str, History] = {}
-    for name in cases:
-        histories[name] = saved_run(CASES[name](), duration, out, overwrite, progress)
-    table = compare_kinematics(histories)
-    if out is not None:
+    with kept_run(out, files, overwrite, say) as keeper:
+        for name, one in files.items():
+            with keeper.timed(f"simulate {name}"):
+                histories[name] = saved_run(one.case, duration, out, overwrite, progress)
+        table = compare_kinematics(histories)
+        if out is not None:
+            _write(histories, table, out, overwrite, keeper)
+    return histories, table
+
+
+def _write(
+    histories: dict[str, History], table: pd.DataFrame, out: Path, overwrite: bool, keeper: Keeper
+) -> None:
+    with keeper.timed("tables and figures"):
         write_table(table, out / "comparison.csv", overwrite)
         for name, history in histories.items():
-            for quantity in KINEMATICS:
-                figure = kinematic_figure(history, quantity)
-                file = f"{name}_{quantity.replace(' ', '_')}.png"
-                save_figure(figure, out / file, overwrite)
+            write_kinematic_figures(history, out, f"{name}_", overwrite)
         if len(histories) > 1:
             for quantity in KINEMATICS:
                 figure = comparison_figure(histories, quantity, COMPARED_SHOE)
                 file = f"shoe_{COMPARED_SHOE}_{quantity.replace(' ', '_')}.png"
                 save_figure(figure, out / file, overwrite)
-    return histories, table
+
+
+def write_kinematic_figures(
+    history: History,
+    out: Path,
+    prefix: str = "",
+    overwrite: bool = False,
+    shoes: Sequence[int] = SHOES,
+    suffix: str = "png",
+) -> None:
+    """Draw every kinematic quantity of some shoes, a file each."""
+    for quantity in KINEMATICS:
+        figure = kinematic_figure(history, quantity, shoes)
+        save_figure(figure, out / f"{prefix}{quantity.replace(' ', '_')}.{suffix}", overwrite)

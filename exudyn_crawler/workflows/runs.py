@@ -1,59 +1,44 @@
 """Runs that are kept: one history file a case."""
 
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from exudyn_crawler.case_files import CaseFile
+from exudyn_crawler.checkpoints import Checkpoints
 from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.files import writable_folder
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
+from exudyn_crawler.run_folder import Keeper
 from exudyn_crawler.simulation import CrawlerModel
 
-RESULT_SUFFIXES = {".nc", ".csv", ".png"}
+STOPPED_HISTORY = "history_stopped.nc"
+"""History of a run that stopped early."""
+HISTORY = "history.nc"
+"""History of a folder that keeps the run of one case; a study's folder has one named after every case."""
 
 
 def history_file(folder: Path, name: str) -> Path:
-    """Where the history of a case is kept."""
+    """Where a study keeps the history of a case."""
     return folder / f"{name}.nc"
 
 
 CASES = {"translation": Case.translation, "turning": Case.turning}
 """Cases of the rigid studies by name."""
-DURATION = 10.0
-"""s, simulated in the rigid studies of the papers."""
 
 
-def prepare(cases: Sequence[str], out: Path | None, overwrite: bool) -> None:
-    """Check what a rigid study was asked for, before anything runs.
+def study_cases(names: Sequence[str], duration: float) -> dict[str, CaseFile]:
+    """Cases of the rigid studies with their duration, checked before anything runs.
 
     Raises
     ------
     ValueError
-        For an unknown case or none.
-    FileExistsError, PermissionError, NotADirectoryError
-        If `out` holds results and `overwrite` is false, or cannot be written to.
+        For an unknown case or none, or a duration that is not positive or takes a track off its terrain.
     """
-    unknown = sorted(set(cases) - set(CASES))
-    if unknown or not cases:
-        raise ValueError(f"cases must be of {list(CASES)}, got {list(cases)}")
-    if out is not None:
-        refuse_results(writable_folder(out), overwrite)
-
-
-def refuse_results(out: Path, overwrite: bool) -> None:
-    """Refuse a folder that holds results already.
-
-    Raises
-    ------
-    FileExistsError
-        Naming what is there, unless `overwrite`.
-    """
-    found = sorted(path.name for path in out.iterdir() if path.suffix in RESULT_SUFFIXES)
-    if found and not overwrite:
-        raise FileExistsError(
-            f"{out} holds results already ({', '.join(found[:3])}, ...): "
-            f"choose another folder or ask for overwriting"
-        )
+    unknown = sorted(set(names) - set(CASES))
+    if unknown or not names:
+        raise ValueError(f"cases must be of {list(CASES)}, got {list(names)}")
+    return {name: CaseFile(case=CASES[name](), duration=duration) for name in names}
 
 
 def saved_run(
@@ -65,16 +50,48 @@ def saved_run(
     ------
     SimulationStopped
         After what there is was saved.
+    OSError
+        If it cannot be saved in `out`, with the place where it is.
     """
     try:
         history = CrawlerModel(case).simulate(duration, progress)
     except SimulationStopped as stop:
         if out is not None:
-            stop.history.save(history_file(out, f"{case.name}_stopped"), overwrite)
+            keep_history(stop.history, history_file(out, f"{case.name}_stopped"), overwrite)
         raise
     if out is not None:
-        history.save(history_file(out, case.name), overwrite)
+        keep_history(history, history_file(out, case.name), overwrite)
     return history
+
+
+def keep_history(history: History, path: Path, overwrite: bool = False) -> None:
+    """Save a history; where that fails, in a temporary folder, since it may have taken hours to make.
+
+    Raises
+    ------
+    OSError
+        If the history is not at `path`, with the place where it is.
+    """
+    try:
+        history.save(path, overwrite)
+    except OSError as error:
+        spare = Path(tempfile.mkdtemp(prefix="exudyn-crawler-")) / path.name
+        try:
+            history.save(spare)
+        except OSError:
+            spare.parent.rmdir()
+            raise error from None
+        raise OSError(f"{error}; the history was kept as {spare}") from error
+
+
+def kept_checkpoints(out: Path, case: Case, overwrite: bool, keeper: Keeper) -> Checkpoints:
+    """Checkpoints of a run in its folder; tells where it goes on."""
+    checkpoints = Checkpoints(out / "checkpoints")
+    if overwrite:
+        checkpoints.clear()
+    elif kept := checkpoints.load(case):
+        keeper.say(f"going on from the checkpoint at t = {kept[-1].time:g} s")
+    return checkpoints
 
 
 def matching_history(folder: Path, case: Case, duration: float) -> History:
@@ -88,6 +105,8 @@ def matching_history(folder: Path, case: Case, duration: float) -> History:
         If it comes from other parameters or is shorter or longer, naming what differs.
     """
     path = history_file(folder, case.name)
+    if not path.is_file() and (folder / HISTORY).is_file():
+        path = folder / HISTORY
     history = History.load(path)
     differences = _differences(history.case.model_dump(), case.model_dump())
     if abs(history.duration - duration) > 1e-6:

@@ -5,30 +5,29 @@ from pathlib import Path
 
 import pandas as pd
 
-from exudyn_crawler.checkpoints import Checkpoints
+from exudyn_crawler.case_files import CaseFile
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.figures import save_figure
-from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.files import whole_file
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
 from exudyn_crawler.parameters.flexible import ADAMS_DAMPING
 from exudyn_crawler.paraview import write_paraview
+from exudyn_crawler.run_folder import kept_run
 from exudyn_crawler.simulation import CrawlerModel
 from exudyn_crawler.stress_comparison import compare_stresses, stress_summary
 from exudyn_crawler.stress_figures import stress_figures
 from exudyn_crawler.stress_pictures import write_stress_pictures
 from exudyn_crawler.stress_results import StressResults, recover_stresses
 from exudyn_crawler.tables import write_table
-from exudyn_crawler.workflows.runs import refuse_results
+from exudyn_crawler.workflows.defaults import CYCLE_DURATION
+from exudyn_crawler.workflows.runs import HISTORY, STOPPED_HISTORY, keep_history, kept_checkpoints
 from fem import write_vtu
-
-DURATION = 40.0
-"""s, propel and one loading cycle of the S-paper."""
 
 
 def run_stress(
     case: Case | None = None,
-    duration: float = DURATION,
+    duration: float = CYCLE_DURATION,
     out: Path | None = None,
     overwrite: bool = False,
     progress: bool | None = None,
@@ -62,47 +61,49 @@ def run_stress(
     ValueError
         Before anything runs: no flexible shoes, interfaces that do not meet the pins, modes that do not
         exist, a bad duration, or checkpoints of other parameters.
-    FileExistsError
-        Before anything runs, if results are there and `overwrite` is false.
+    FileExistsError, BlockingIOError
+        Before anything runs, if results are there and `overwrite` is false, or another run works there.
     SimulationStopped
         If the run ends early; its history is saved.
     """
     case = Case.stress() if case is None else case
     if case.flexible is None:
         raise ValueError("the stress study needs flexible shoes: set the case's `flexible`")
-    checkpoints = None
-    if out is not None:
-        refuse_results(writable_folder(out), overwrite)
-        checkpoints = Checkpoints(out / "checkpoints")
-        if overwrite:
-            checkpoints.clear()
-        elif kept := checkpoints.load(case):
-            say(f"going on from the checkpoint at t = {kept[-1].time:g} s")
-    try:
-        history = CrawlerModel(case).simulate(duration, progress, checkpoints)
-    except SimulationStopped as stop:
+    case_file = CaseFile(case=case, duration=duration)
+    with kept_run(out, {"case": case_file}, overwrite, say) as keeper:
+        checkpoints = None if out is None else kept_checkpoints(out, case, overwrite, keeper)
+        with keeper.timed("simulate"):
+            try:
+                history = CrawlerModel(case).simulate(duration, progress, checkpoints)
+            except SimulationStopped as stop:
+                if out is not None:
+                    keep_history(stop.history, out / STOPPED_HISTORY, overwrite=True)
+                raise
         if out is not None:
-            stop.history.save(out / "history_stopped.nc", overwrite=True)
-        raise
-    if out is not None:
-        history.save(out / "history.nc", overwrite)
-    say("recovering stresses")
-    results = recover_stresses(history)
-    table = compare_stresses(history, results)
-    if out is not None:
-        _write(history, results, table, out, overwrite)
-        assert checkpoints is not None
-        checkpoints.remove()
+            keep_history(history, out / HISTORY, overwrite)
+        with keeper.timed("recover stresses"):
+            results = recover_stresses(history)
+            table = compare_stresses(history, results)
+        if out is not None:
+            with keeper.timed("tables and figures"):
+                write_stresses(history, results, out, overwrite)
+                write_table(table, out / "comparison.csv", overwrite)
+        if checkpoints is not None:
+            checkpoints.remove()
     return history, results, table
 
 
-def _write(history: History, results: StressResults, table: pd.DataFrame, out: Path, overwrite: bool) -> None:
+def write_stresses(
+    history: History, results: StressResults, out: Path, overwrite: bool = False, figures: bool = True
+) -> None:
+    """Write stresses, hot spots, fields and, if wanted, figures, pictures and the ParaView series."""
     results.save(out / "stress.nc", overwrite)
-    write_table(table, out / "comparison.csv", overwrite)
     write_table(history.case.loads.table(), out / "load_cycle.csv", overwrite)
     write_table(stress_summary(history, results), out / "highest_stresses.csv", overwrite)
     for shoe, hot_spots in results.hot_spots.items():
         write_table(hot_spots, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
+    if not figures:
+        return
     for title, figure in stress_figures(history, results).items():
         save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
     _write_fields(results, out, overwrite)

@@ -3,12 +3,13 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from exudyn_crawler.case_files import CaseFile
 from exudyn_crawler.figures import save_figure
-from exudyn_crawler.files import writable_folder
 from exudyn_crawler.ground_figures import ground_figure
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case, Terrain
-from exudyn_crawler.workflows.runs import refuse_results, saved_run
+from exudyn_crawler.run_folder import kept_run
+from exudyn_crawler.workflows.runs import saved_run
 
 STEP_PLACE, STEP_HEIGHT = 14.0, 0.1
 """m: below the middle of the track at t = 0; height."""
@@ -87,15 +88,15 @@ def run_uneven_ground(
     ------
     ValueError
         For an unknown ground or a bad duration.
-    FileExistsError
-        Before anything runs, if results are there and `overwrite` is false.
+    FileExistsError, BlockingIOError
+        Before anything runs, if results are there and `overwrite` is false, or another run works there.
     EquilibriumError, SimulationStopped
         As of `CrawlerModel.simulate`.
     """
     case = uneven_case(ground)
-    if out is not None:
-        refuse_results(writable_folder(out), overwrite)
-    history = saved_run(case, duration, out, overwrite, progress)
-    if out is not None:
-        save_figure(ground_figure(history, duration), out / f"{ground}_ground.png", overwrite)
+    with kept_run(out, {ground: CaseFile(case=case, duration=duration)}, overwrite) as keeper:
+        with keeper.timed("simulate"):
+            history = saved_run(case, duration, out, overwrite, progress)
+        if out is not None:
+            save_figure(ground_figure(history, duration), out / f"{ground}_ground.png", overwrite)
     return history

@@ -1,0 +1,34 @@
+"""What a run leaves beside its history."""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from exudyn_crawler.parameters.base import Parameters
+
+
+class Outputs(Parameters):
+    """What a run leaves beside its history, whose interval is `solver.output_interval`."""
+
+    figures: bool = Field(default=True, description="whether kinematics and forces are drawn")
+    figure_format: Literal["png", "pdf", "svg"] = Field(default="png", description="of the figures")
+    tables: bool = Field(default=True, description="whether extremes and loads are written as CSV")
+    forces: bool = Field(default=True, description="whether forces derived from the history are written")
+    shoes: tuple[int, ...] | None = Field(
+        default=None,
+        description="numbers of the shoes that are drawn; none: five along the track",
+        min_length=1,
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.shoes is not None and list(self.shoes) != sorted(set(self.shoes)):
+            raise ValueError(f"shoes must be different numbers in rising order, got {self.shoes}")
+        return self
+
+    def drawn_shoes(self, shoe_count: int) -> tuple[int, ...]:
+        """Shoes to draw of a track: those asked for, else up to five, the ends included."""
+        if self.shoes is not None:
+            return self.shoes
+        count = min(5, shoe_count)
+        return tuple(1 + round(k * (shoe_count - 1) / (count - 1)) for k in range(count))
