@@ -21,7 +21,6 @@ from pydantic import BaseModel
 
 from exudyn_crawler.comparison import summary
 from exudyn_crawler.contact_forces import terrain_deformation
-from exudyn_crawler.figures import SHOES
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import LoadCycle
@@ -99,7 +98,6 @@ def report_page(folder: Path) -> str:
         "cases": {name: packed_case(one, points) for name, one in found.items()},
         "shoes": None if stress is None or owner is None else packed_shoes(stress, owner),
         "first": _first_plots(found),
-        "drawn": SHOES,
         "colours": _colour_scale(),
         "arrows": ARROW_COLOUR,
     }
@@ -132,7 +130,7 @@ def report_page(folder: Path) -> str:
         # the page's own parser must not find the end of a script in the data
         data=Markup(json.dumps(data, separators=(",", ":")).replace("</", "<\\/")),
         sections=[(anchor, name) for anchor, (name, there) in named.items() if there],
-        summary=None if comparison is None else _summary_rows(comparison),
+        summary=[] if comparison is None else _summary_rows(comparison),
         comparison=None if comparison is None else _comparison_rows(comparison),
         has_series=bool(variables),
         thinning=_thinning(variables, points),
@@ -181,7 +179,7 @@ def _comparison(folder: Path) -> pd.DataFrame | None:
     path = folder / "comparison.csv"
     if not path.is_file():
         return None
-    table = pd.read_csv(path)
+    table = pd.read_csv(path, dtype={"within": str})
     missing = [name for name in ("class", "within") if name not in table]
     if missing:
         raise ValueError(f"{path} has no column {missing[-1]!r} and is no comparison")

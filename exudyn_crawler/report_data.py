@@ -14,7 +14,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.contact_forces import contacts_of
-from exudyn_crawler.figures import KINEMATICS, NEGLIGIBLE, NEGLIGIBLE_MOTION
+from exudyn_crawler.figures import KINEMATICS, NEGLIGIBLE, NEGLIGIBLE_MOTION, SHOES
+from exudyn_crawler.force_comparison import JOINTS
 from exudyn_crawler.force_figures import CONTACT_SCALARS, CONTACT_VECTORS, JOINT_VECTORS
 from exudyn_crawler.history import History
 from exudyn_crawler.placement import Pose, instant, touching
@@ -161,6 +162,7 @@ def packed_quantity(quantity: Quantity, points: int) -> dict[str, Any]:
         "items": [str(item) for item in quantity.values["item"].values],
         "axes": [str(axis) for axis in quantity.values.axis.values],
         "index": kind,
+        "drawn": JOINTS if quantity.group == "links" else SHOES,
         "series": series,
     }
 

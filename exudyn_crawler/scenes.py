@@ -208,11 +208,13 @@ def opengl_image(
             feature_angle=30.0,
             ambient=0.45,
             diffuse=0.65,
+            render=False,
         )
         for tail, head in scene.arrows:
             length = float(np.linalg.norm(head - tail))
             if length > ARROW_WIDTH:
-                plotter.add_mesh(_arrow(tail, head - tail, length), color=ARROW_COLOUR, ambient=0.4)
+                arrow = _arrow(tail, head - tail, length)
+                plotter.add_mesh(arrow, color=ARROW_COLOUR, ambient=0.4, render=False)
         center = 0.5 * (
             (window[0] + window[1]) * view.right + (window[2] + window[3]) * view.up
         ) + view.toward * float((scene.points @ view.toward).mean())

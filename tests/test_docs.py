@@ -23,7 +23,7 @@ PAGES = sorted(
     ]
 )
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
-LANGUAGES = {"python", "toml", "sh", "text"}
+LANGUAGES = {"python", "toml", "sh", "math", "text"}
 """Of fenced blocks: the first two are checked here, the others are for reading."""
 
 

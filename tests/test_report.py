@@ -204,6 +204,15 @@ def test_rigid_studies_are_reported_too(rigid_folders):
     assert time[-1] == pytest.approx(0.02)
 
 
+def test_a_comparison_alone_is_a_report_even_if_nothing_was_judged(tmp_path):
+    reported = reported_values("kinematics")
+    write_table(comparison_table(reported, [np.nan] * len(reported)), tmp_path / "comparison.csv")
+    page = write_report(tmp_path).read_text(encoding="utf-8")
+    assert page.count('<tr class="none">') == len(reported)
+    assert "<h2>Time histories</h2>" not in page
+    assert len(page) < 100_000
+
+
 def test_what_cannot_be_reported_is_refused(tmp_path, stress_folder):
     with pytest.raises(NotADirectoryError, match="no folder"):
         write_report(tmp_path / "nowhere")
@@ -308,7 +317,12 @@ def test_quantities_axes_and_shoes_can_be_picked(reader, flexible_run):
     assert drawn == pytest.approx((position - position[0]).values, rel=1e-5, abs=1e-12)
     plot.locator(".items").get_by_text("all").click()
     assert reader.shown("data.length") == 26
-    # an axis that was left out stays so for the next quantity
+    plot.get_by_label("quantity").select_option(label="spherical joint reaction in N")
+    assert reader.shown("data.map((trace) => trace.name)")[:5] == [
+        f"link {n}-{n + 1}" for n in (1, 4, 7, 10, 12)
+    ]
+    # an axis that was left out stays so for the next quantity of shoes
+    plot.locator(".axes input[value=y]").uncheck()
     plot.get_by_label("quantity").select_option(label="acceleration in m/s²")
     assert reader.shown("new Set(data.map((trace) => trace.yaxis)).size") == 2
 

@@ -76,7 +76,7 @@ class SeriesPlot {
 
   fillItems() {
     const items = this.quantity.items;
-    const shown = (item) => items.length <= 7 || data.drawn.includes(Number(item.match(/\d+/)?.[0]));
+    const shown = (item) => items.length <= 7 || this.quantity.drawn.includes(Number(item.match(/\d+/)?.[0]));
     const all = (checked) => {
       for (const box of this.itemBox.querySelectorAll("input")) box.checked = checked;
       this.draw();
