@@ -88,6 +88,7 @@ def run_stress(
             with keeper.timed("tables and figures"):
                 write_stresses(history, results, out, overwrite)
                 write_table(table, out / "comparison.csv", overwrite)
+                write_table(case.loads.table(), out / "loads.csv", overwrite)
         if checkpoints is not None:
             checkpoints.remove()
     return history, results, table
@@ -98,14 +99,13 @@ def write_stresses(
 ) -> None:
     """Write stresses, hot spots, fields and, if wanted, figures, pictures and the ParaView series."""
     results.save(out / "stress.nc", overwrite)
-    write_table(history.case.loads.table(), out / "load_cycle.csv", overwrite)
     write_table(stress_summary(history, results), out / "highest_stresses.csv", overwrite)
     for shoe, hot_spots in results.hot_spots.items():
         write_table(hot_spots, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
     if not figures:
         return
     for title, figure in stress_figures(history, results).items():
-        save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
+        save_figure(figure, out / f"flexible_{title.replace(' ', '_')}.png", overwrite)
     _write_fields(results, out, overwrite)
     write_stress_pictures(results.dataset, history, out, overwrite)
     write_paraview(results.dataset, history, out, overwrite)
