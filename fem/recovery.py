@@ -102,9 +102,9 @@ class Extremes:
 
 
 @numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc"})
-def _squared_length(parts, out):
-    """Sum the squares of components (5 k, t) into (k, t)."""
-    for k in numba.prange(out.shape[0]):
+def _keep_node_extremes(parts, squares, greatest, at, least, first, start):
+    """Square lengths of components (5 k, t) into (k, t), with the extremes of the nodes from `first` on."""
+    for k in numba.prange(squares.shape[0]):
         a, b, c, d, e = (
             parts[5 * k],
             parts[5 * k + 1],
@@ -112,8 +112,29 @@ def _squared_length(parts, out):
             parts[5 * k + 3],
             parts[5 * k + 4],
         )
-        for t in range(out.shape[1]):
-            out[k, t] = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
+        low, high = np.inf, -np.inf
+        for t in range(squares.shape[1]):
+            square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
+            squares[k, t] = square
+            low = min(low, square)
+            high = max(high, square)
+        least[first + k] = min(least[first + k], low)
+        if high > greatest[first + k]:
+            greatest[first + k] = high
+            for t in range(squares.shape[1]):
+                if squares[k, t] == high:
+                    at[first + k] = start + t
+                    break
+
+
+@numba.njit(cache=True)
+def _keep_highest(squares, top, nodes, first):
+    """Update the highest square of each time and its node; the nodes of `squares` count from `first`."""
+    for k in range(squares.shape[0]):
+        for t in range(squares.shape[1]):
+            if squares[k, t] > top[t]:
+                top[t] = squares[k, t]
+                nodes[t] = first + k
 
 
 def recover_extremes(stress_modes: Floats, q: Floats | Iterable[Floats]) -> Extremes:
@@ -141,20 +162,11 @@ def recover_extremes(stress_modes: Floats, q: Floats | Iterable[Floats]) -> Extr
         count = columns.shape[1]
         top, top_node = np.full(count, -np.inf), np.zeros(count, dtype=np.int64)
         for first in range(0, nodes, NODE_BLOCK):
-            place = slice(first, min(first + NODE_BLOCK, nodes))
-            square = squares[: place.stop - first, :count]
-            _squared_length(shapes[5 * first : 5 * place.stop] @ columns, square)
-            when = square.argmax(axis=1)
-            best = np.take_along_axis(square, when[:, None], axis=1)[:, 0]
-            better = best > greatest[place]
-            at[place] = np.where(better, start + when, at[place])
-            greatest[place] = np.maximum(greatest[place], best)
-            least[place] = np.minimum(least[place], square.min(axis=1))
-            where = square.argmax(axis=0)
-            best = np.take_along_axis(square, where[None], axis=0)[0]
-            better = best > top
-            top_node = np.where(better, first + where, top_node)
-            top = np.maximum(top, best)
+            last = min(first + NODE_BLOCK, nodes)
+            square = squares[: last - first, :count]
+            product = shapes[5 * first : 5 * last] @ columns
+            _keep_node_extremes(product, square, greatest, at, least, first, start)
+            _keep_highest(square, top, top_node, first)
         highest.append(top)
         highest_nodes.append(top_node)
         start += count
