@@ -9,6 +9,7 @@ import difflib
 import inspect
 import json
 import math
+import re
 import tomllib
 import typing
 from collections.abc import Callable, Iterator, Mapping
@@ -219,7 +220,11 @@ def key_path(place: tuple[int | str, ...]) -> str:
     """Place of a value as it is written: ``loads.phases[2].end``."""
     text = ""
     for part in place:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}"
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            # keys that need quotes in TOML have them here, and cannot break the line
+            text += "." + (part if re.fullmatch(r"[\w-]+", part, re.ASCII) else json.dumps(part))
     return text.lstrip(".")
 
 

@@ -9,7 +9,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from tomlkit.items import AoT, Array, Float, InlineTable, Item, Table, Trivia
 
-from exudyn_crawler.case_files import BASE, NONE, CaseFile, named_values
+from exudyn_crawler.case_files import BASE, NONE, CaseFile, model_of, named_values
 from exudyn_crawler.parameters import Case, StepProfile
 
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
@@ -47,8 +47,7 @@ def _are_tables(value: object) -> bool:
 
 def _heading(model: BaseModel, field: FieldInfo | None) -> Iterator[str]:
     """What a table is, and the named values that its `base` may take."""
-    words = (field and field.description) or inspect.getdoc(type(model)) or ""
-    yield words.split("\n\n")[0].replace("\n", " ")
+    yield (field and field.description) or _first_line(type(model))
     yield from _bases(type(model))
 
 
@@ -77,7 +76,7 @@ def _table(model: BaseModel, field: FieldInfo | None = None, heading: bool = Tru
 
 def _commented(item: Item, field: FieldInfo) -> Item:
     """Item with its unit and meaning behind it."""
-    words = ", ".join(part for part in (unit_of(field), field.description or "") if part)
+    words = ", ".join(part for part in (unit_of(field), meaning_of(field)) if part)
     return item.comment(words) if words else item
 
 
@@ -86,6 +85,16 @@ def unit_of(field: FieldInfo) -> str:
     extra = field.json_schema_extra
     unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
     return "" if unit == "1" else unit
+
+
+def meaning_of(field: FieldInfo) -> str:
+    """Description of a field, or that of the parameter class which it holds."""
+    kind = model_of(field.annotation)
+    return field.description or (_first_line(kind) if kind else "")
+
+
+def _first_line(kind: type[BaseModel]) -> str:
+    return (inspect.getdoc(kind) or "").split("\n\n")[0].replace("\n", " ")
 
 
 def _plain(value: object) -> Item:
@@ -122,7 +131,7 @@ def number_text(value: float) -> str:
 def case_table(case_file: CaseFile) -> pd.DataFrame:
     """Every value of a case file: columns key, value, unit, meaning."""
     rows = [
-        (path, _shown(value), unit_of(field), field.description or "")
+        (path, _shown(value), unit_of(field), meaning_of(field))
         for path, field, value in (*_rows(case_file.case, ""), *_rows(case_file, ""))
     ]
     return pd.DataFrame(rows, columns=["key", "value", "unit", "meaning"])

@@ -267,7 +267,7 @@ def verify(debug: Debug = False) -> None:
 @app.command()
 @readable
 def init(
-    name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml")],
+    name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml", metavar="NAME")],
     study: Annotated[StudyChoice, typer.Option(help="study whose case to start from")] = (
         StudyChoice.kinematics
     ),

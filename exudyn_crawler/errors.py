@@ -39,5 +39,5 @@ class CaseFileError(CrawlerError, ValueError):
     """
 
     def __init__(self, path: Path, faults: list[str]) -> None:
-        super().__init__("\n".join(f"{path}: {fault}" for fault in faults))
-        self.faults = faults
+        self.faults = [" ".join(fault.split()) for fault in faults]
+        super().__init__("\n".join(f"{path}: {fault}" for fault in self.faults))

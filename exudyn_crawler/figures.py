@@ -84,7 +84,8 @@ def panel_figure(title: str, panels: Sequence[Panel]) -> Figure:
         for ax, panel in zip(axes, panels, strict=True):
             draw_panel(ax, panel)
         axes[-1].set_xlabel("time in s")
-        figure.suptitle(title, x=0.01, ha="left")
+        # a case may have any name, also one that looks like a formula
+        figure.suptitle(title, x=0.01, ha="left", parse_math=False)
         handles, labels = axes[0].get_legend_handles_labels()
         if len(labels) > 1:
             figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))

@@ -24,7 +24,10 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
     """
     if path.exists() and not overwrite:
         raise FileExistsError(f"{path} exists; ask for overwriting to replace it")
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    except OSError as error:
+        raise _not_written(path, error) from error
     os.close(handle)
     temporary = Path(name)
     try:
@@ -39,9 +42,14 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
     except FileExistsError:
         raise
     except OSError as error:
-        raise type(error)(f"{path} could not be written: {error.strerror or error}") from error
+        raise _not_written(path, error) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _not_written(path: Path, error: OSError) -> OSError:
+    """Same error in words that name the file which was meant."""
+    return type(error)(f"{path} could not be written: {error.strerror or error}")
 
 
 def write_netcdf(

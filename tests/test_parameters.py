@@ -98,6 +98,11 @@ def test_an_unknown_field_is_refused():
     refusal(lambda: Shoe.ph4100c().with_(weight=3.0), "weight", "Extra inputs are not permitted")
 
 
+@pytest.mark.parametrize("name", ["a\0b", "two\nlines"])
+def test_a_case_name_that_cannot_be_printed_is_refused(name):
+    refusal(lambda: Case.translation().with_(name=name), f"name must be printable, got {name!r}")
+
+
 def test_parameters_cannot_be_changed_in_place():
     shoe = Shoe.ph4100c()
     refusal(lambda: setattr(shoe, "mass", 1.0), "mass", "frozen")

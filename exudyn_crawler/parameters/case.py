@@ -61,6 +61,8 @@ class Case(Parameters):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        if not self.name.isprintable():
+            raise ValueError(f"name must be printable, got {self.name!r}")
         if self.loads.shoe_count != self.track.shoe_count:
             raise ValueError(
                 f"loads must name every shoe of the track ({self.track.shoe_count}), "

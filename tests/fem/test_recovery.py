@@ -135,6 +135,35 @@ def test_cache_is_used_only_if_all_matches(tmp_path: Path, beam: fem.ElasticBody
     assert len(more.frequencies) == len(first.frequencies) + 1
 
 
+def test_a_broken_cache_is_named_and_left_as_it_is(tmp_path: Path, beam: fem.ElasticBody) -> None:
+    path, ends = tmp_path / "cache.h5", beam_interfaces(beam)
+    fem.cached_craig_bampton(path, beam, ends, 4)
+    whole = path.read_bytes()
+    for broken in (b"", b"nothing", whole[: len(whole) // 2], whole[:100] + b"x" * 5000 + whole[5100:]):
+        path.write_bytes(broken)
+        with pytest.raises(ValueError, match=r"cache\.h5 is (no HDF5 file|broken|no 'fem reduced body 1')"):
+            fem.cached_craig_bampton(path, beam, ends, 4)
+        assert path.read_bytes() == broken
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_cache_that_finds_no_room_leaves_the_old_one(
+    tmp_path: Path, beam: fem.ElasticBody, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, ends = tmp_path / "cache.h5", beam_interfaces(beam)
+    fem.cached_craig_bampton(path, beam, ends, 4)
+    whole = path.read_bytes()
+
+    def full(*_args: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", full)
+    with pytest.raises(OSError, match="No space left"):
+        fem.cached_craig_bampton(path, beam, ends, 5)
+    assert path.read_bytes() == whole
+    assert list(tmp_path.iterdir()) == [path]
+
+
 def test_vtu_of_a_frame(tmp_path: Path, small: fem.ReducedBody, history: np.ndarray) -> None:
     fem.write_frame_vtu(tmp_path / "frame.vtu", small, history[3])
     fem.write_modes_vtu(tmp_path / "modes.vtu", small, [0, 2])

@@ -1,0 +1,223 @@
+"""The command as a user meets it: help, exit codes, errors in one line."""
+
+import importlib
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from exudyn_crawler import Case, History, cli
+from exudyn_crawler.case_files import CaseFile
+from exudyn_crawler.workflows import kinematics as kinematics_workflow
+
+COMMANDS = ("kinematics", "forces", "verify", "init", "run", "info")
+
+
+@pytest.fixture
+def call(monkeypatch, capsys, tmp_path):
+    """Call the command in an empty folder: exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["exudyn-crawler", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        told = capsys.readouterr()
+        return end.value.code, told.out, told.err
+
+    return call
+
+
+@pytest.fixture
+def short(tmp_path):
+    """Case file of a run that takes a moment."""
+    path = tmp_path / "short.toml"
+    path.write_text('base = "translation"\nname = "short"\nduration = 0.02\n[outputs]\nfigures = false\n')
+    return path
+
+
+def assert_one_line(told, *words):
+    assert told.startswith("error: ")
+    assert told.count("\n") == 1
+    for word in words:
+        assert word in told
+
+
+def test_the_installed_command_is_this_one():
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+    module, _, name = project["scripts"]["exudyn-crawler"].partition(":")
+    assert getattr(importlib.import_module(module), name) is cli.main
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_shows_an_example(call, command):
+    code, out, err = call(command, "--help")
+    assert (code, err) == (0, "")
+    assert f"Example: exudyn-crawler {command}" in out
+    assert "--debug" in out
+
+
+def test_every_command_is_among_those_tested(call):
+    _, out, _ = call("--help")
+    listed = {command.callback.__name__ for command in cli.app.registered_commands}
+    assert listed >= set(COMMANDS)
+    assert all(name in out for name in listed)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"]])
+def test_help_loads_nothing_heavy(arguments):
+    script = (
+        f"import sys; sys.argv = ['exudyn-crawler', *{arguments}]\n"
+        "from exudyn_crawler.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "heavy = {'exudyn', 'numba', 'matplotlib', 'numpy', 'xarray', 'pandas', 'scipy'} & set(sys.modules)\n"
+        "sys.exit(str(heavy) if heavy else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("script", "command"), [("kinematics", "kinematics"), ("forces", "forces"), ("verification", "verify")]
+)
+def test_scripts_and_command_are_one(script, command):
+    module = importlib.import_module(f"studies.{script}")
+    assert getattr(module, command) is getattr(cli, command)
+
+
+def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
+    code, out, err = call("init", "soft")
+    assert (code, err) == (0, "")
+    assert "exudyn-crawler run soft.toml" in out
+    path = tmp_path / "soft.toml"
+    assert CaseFile.read(path) == CaseFile(case=Case.translation().with_(name="soft"), duration=10.0)
+    text = path.read_text().replace("duration = 10.0", "duration = 0.02")
+    path.write_text(text.replace("spring_stiffness = 20e6", "spring_stiffness = 10e6"))
+
+    code, out, err = call("run", "soft.toml")
+    assert (code, err) == (0, "")
+    assert "results/soft" in out
+    history = History.load(tmp_path / "results" / "soft" / "history.nc")
+    assert history.case.terrain.heave_stiffness == 20e6
+    assert history.duration == pytest.approx(0.02, rel=1e-9)
+
+    code, out, err = call("info", "results/soft/case.toml")
+    assert (code, err) == (0, "")
+    for words in ("terrain.spring_stiffness", "1e+07", "N/m", "stiffness of each spring", "simulated time"):
+        assert words in out
+
+
+@pytest.mark.parametrize(("study", "duration"), [("kinematics", 10.0), ("forces", 10.0), ("stress", 40.0)])
+def test_every_study_has_a_case_to_start_from(call, tmp_path, study, duration):
+    assert call("init", "own", "--study", study)[0] == 0
+    found = CaseFile.read(tmp_path / "own.toml")
+    assert (found.case.name, found.duration) == ("own", duration)
+    assert (found.case.flexible is not None) == (study == "stress")
+    assert call("info", study)[0] == 0
+    code, _, err = call("init", "own", "--study", study)
+    assert code == 2
+    assert_one_line(err, "own.toml exists")
+
+
+def test_a_run_takes_a_history_that_fits_and_no_other(call, short, tmp_path):
+    assert call("run", short, "--out", "first")[0] == 0
+    code, out, _ = call("run", short, "--out", "second", "--reuse", "first")
+    assert code == 0
+    assert "reusing the history in first" in out
+    first, second = (History.load(tmp_path / name / "history.nc") for name in ("first", "second"))
+    assert first.dataset.identical(second.dataset)
+    short.write_text(short.read_text() + "[contact]\nstiffness = 2e8\n")
+    code, _, err = call("run", short, "--out", "third", "--reuse", "first")
+    assert code == 2
+    assert_one_line(err, "contact.stiffness is 100000000.0, not 200000000.0")
+    assert not (tmp_path / "third").exists()
+
+
+def test_a_track_of_another_length_has_all_figures(call, tmp_path):
+    (tmp_path / "case.toml").write_text(
+        'base = "translation"\nduration = 0.01\n[track]\nshoe_count = 3\n'
+        '[[loads.phases]]\nname = "constant"\nend = 0\nloads = [4e5, 4e5, 4e5]\n'
+        '[outputs]\nfigure_format = "svg"\n'
+    )
+    assert call("run", "case.toml", "--out", "out")[0] == 0
+    assert len(list((tmp_path / "out").glob("*.svg"))) == 13
+    table = pd.read_csv(tmp_path / "out" / "extremes.csv").set_index(["variable", "axis"])
+    load = table.loc[("shoe_load", float("nan"))]
+    assert (load["least"], load["greatest"], load["unit"]) == (4e5, 4e5, "N")
+    assert pd.read_csv(tmp_path / "out" / "loads.csv")["shoe"].tolist() == ["1", "2", "3", "sum"]
+
+
+def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
+    # two iterations that may not cut the step: enough while the track creeps, not when it slips
+    (tmp_path / "case.toml").write_text(
+        'base = "translation"\n[solver]\nmaximum_iterations = 2\nminimum_step = 1.5e-3\n'
+    )
+    code, _, err = call("run", "case.toml", "--out", "out")
+    assert code == 3
+    assert_one_line(err, "the simulation stopped at t = ", "what there is was kept")
+    history = History.load(tmp_path / "out" / "history_stopped.nc")
+    assert 0.0 < history.duration < 10.0
+    assert not (tmp_path / "out" / "history.nc").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "nowhere.toml"], "no case file nowhere.toml"),
+        (["info", "nowhere.toml"], "no case file nowhere.toml"),
+        (["kinematics", "--duration", "-1"], "duration must be positive and finite, got -1.0 s"),
+        (["kinematics", "--duration", "soon"], "Invalid value for '--duration'"),
+        (["kinematics", "--case", "sideways"], "'sideways'"),
+        (["forces", "--reuse", "nowhere", "--duration", "0.01"], "no history at nowhere/translation.nc"),
+        (["init"], "Missing argument 'NAME'"),
+        (["init", "nowhere/case"], "nowhere/case.toml"),
+        (["sing"], "No such command 'sing'"),
+        (["run", "a.toml", "--fast"], "No such option"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(call, tmp_path, arguments, words):
+    code, _, err = call(*arguments)
+    assert code == 2
+    assert_one_line(err, words)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_bad_case_file_is_a_line_a_fault(call, tmp_path):
+    (tmp_path / "case.toml").write_text('base = "translation"\n[shoe]\nmas = 1\nwidth = "wide"\n')
+    code, _, err = call("run", "case.toml")
+    assert code == 2
+    assert err.splitlines() == [
+        "error: case.toml: shoe.width: Input should be a valid number, got 'wide'",
+        "error: case.toml: shoe.mas: unknown key; did you mean shoe.mass?",
+    ]
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_traceback_is_for_debugging(call):
+    assert "Traceback" not in call("run", "nowhere.toml")[2]
+    code, _, err = call("run", "nowhere.toml", "--debug")
+    assert code == 2
+    assert err.startswith("Traceback")
+    assert err.endswith("error: no case file nowhere.toml\n")
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (ZeroDivisionError("division by\nzero"), 1, "ZeroDivisionError: division by zero (unexpected"),
+        (OSError("disk is full"), 1, "disk is full"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+)
+def test_all_else_is_one_line_too(call, monkeypatch, error, code, words):
+    def fail(*_args, **_options):
+        raise error
+
+    monkeypatch.setattr(kinematics_workflow, "run_kinematics", fail)
+    found, _, err = call("kinematics")
+    assert found == code
+    assert_one_line(err, words)

@@ -1,0 +1,223 @@
+"""What goes wrong around a run: bad files, full disks, folders that cannot be written, kills."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import tomlkit
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from strategies import TOML
+
+from exudyn_crawler import Case, CrawlerModel, History
+from exudyn_crawler.case_files import CaseFile
+from exudyn_crawler.case_text import case_text
+from exudyn_crawler.cli import main
+from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.parameters.outputs import Outputs
+from exudyn_crawler.workflows.runs import keep_history
+from exudyn_crawler.workflows.single import run_case
+
+SAME_FOLDER = settings(
+    deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
+SHORT = 'base = "translation"\nduration = 0.05\n[outputs]\nfigures = false\n'
+VALID = case_text(CaseFile(case=Case.turning()))
+
+
+def command(*arguments, cwd, **options):
+    line = [sys.executable, "-m", "exudyn_crawler.cli", *map(str, arguments)]
+    return subprocess.run(line, capture_output=True, text=True, cwd=cwd, timeout=300, check=False, **options)
+
+
+def read_or_refused(path):
+    """A file is either a case or refused in lines that name it; anything else is raised."""
+    refusal = None
+    try:
+        return CaseFile.read(path)
+    except CaseFileError as error:
+        refusal = error
+    assert refusal.faults
+    assert str(refusal).splitlines() == [f"{path}: {fault}" for fault in refusal.faults]
+    return None
+
+
+@SAME_FOLDER
+@given(TOML, st.sampled_from(["", 'base = "translation"\n', 'base = "turning"\n']))
+def test_any_table_is_a_case_or_refused(tmp_path, content, head):
+    path = tmp_path / "case.toml"
+    if head:
+        content.pop("base", None)
+    path.write_text(head + tomlkit.dumps(content), encoding="utf-8")
+    read_or_refused(path)
+
+
+@SAME_FOLDER
+@given(st.binary(max_size=200) | st.text(st.characters(exclude_categories=["Cs"])).map(str.encode))
+def test_any_bytes_are_a_case_or_refused(tmp_path, content):
+    path = tmp_path / "case.toml"
+    path.write_bytes(content)
+    assert read_or_refused(path) is None
+
+
+@SAME_FOLDER
+@given(st.data())
+def test_a_mangled_case_file_is_a_case_or_refused(tmp_path, data):
+    path = tmp_path / "case.toml"
+    start = data.draw(st.integers(0, len(VALID)))
+    end = data.draw(st.integers(start, min(len(VALID), start + 40)))
+    new = data.draw(
+        st.sampled_from(["", "1", "-1", "0", "nan", "1e300", "-1e-300", '"', "[", "{}", "9" * 5000])
+    )
+    path.write_text(VALID[:start] + new + VALID[end:], encoding="utf-8")
+    read_or_refused(path)
+
+
+@pytest.mark.parametrize("text", ["a = ", 'base = "x"', "[shoe]\nmass = {}", "a = 0x" + "f" * 9999])
+def test_a_bad_case_file_never_shows_a_traceback(tmp_path, monkeypatch, capsys, text):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "case.toml").write_text(text)
+    monkeypatch.setattr(sys, "argv", ["exudyn-crawler", "run", "case.toml"])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    told = capsys.readouterr().err.splitlines()
+    assert told
+    assert all(line.startswith("error: case.toml: ") for line in told)
+
+
+FULL_DISK = """
+import resource, signal, sys
+import matplotlib.font_manager  # keeps a cache, which has to be there
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)),) * 2)
+from exudyn_crawler.cli import main
+main()
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
+@pytest.mark.parametrize("limit", [100, 1000, 100_000])
+def test_a_file_that_finds_no_room_is_one_line_and_leaves_nothing_half(tmp_path, limit):
+    (tmp_path / "case.toml").write_text(SHORT)
+    line = [sys.executable, "-c", FULL_DISK, str(limit), "run", "case.toml", "--out", "out"]
+    done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, timeout=120, check=False)
+    assert done.returncode == 1, done.stderr
+    assert done.stderr.startswith("error: ")
+    assert done.stderr.count("\n") == 1
+    assert "could not be written: File too large" in done.stderr
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names <= {".lock", "case.toml", "run.json", "run.log"}
+    if "case.toml" in names:
+        assert CaseFile.read(tmp_path / "out" / "case.toml").duration == 0.05
+
+
+def test_a_history_that_finds_no_room_is_kept_elsewhere(translation, tmp_path, monkeypatch):
+    (tmp_path / "spare").mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "spare"))
+    lost = tmp_path / "gone" / "history.nc"
+    with pytest.raises(
+        OSError, match=r"history\.nc could not be written: .*the history was kept as "
+    ) as caught:
+        keep_history(translation, lost)
+    spare = str(caught.value).rpartition(" kept as ")[2]
+    assert History.load(spare).dataset.identical(translation.dataset)
+
+
+def test_a_history_that_finds_no_room_anywhere_says_so(translation, tmp_path, monkeypatch):
+    (tmp_path / "spare").mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "spare"))
+
+    def full(_history, path, _overwrite=False):
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr(History, "save", full)
+    with pytest.raises(OSError, match="No space left on device") as caught:
+        keep_history(translation, tmp_path / "history.nc")
+    assert "kept" not in str(caught.value)
+    assert list((tmp_path / "spare").iterdir()) == []
+
+
+@pytest.mark.parametrize("place", ["file", "file/below", "/proc/nowhere"])
+def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, place):
+    if place.startswith("/proc") and not os.path.isdir("/proc/self"):
+        pytest.skip("no /proc here")
+    (tmp_path / "file").touch()
+    (tmp_path / "case.toml").write_text(SHORT)
+    done = command("run", "case.toml", "--out", place, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"error: output folder {place} ")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
+    (tmp_path / "case.toml").write_text(SHORT.replace("0.05", "20.0"))
+    line = [sys.executable, "-m", "exudyn_crawler.cli", "run", "case.toml", "--out", "out"]
+    with subprocess.Popen(line, cwd=tmp_path) as run:
+        log = tmp_path / "out" / "run.log"
+        try:
+            end = time.monotonic() + 60.0
+            while not (log.exists() and "simulate: begins" in log.read_text()):
+                assert time.monotonic() < end
+                assert run.poll() is None
+                time.sleep(0.05)
+        finally:
+            run.send_signal(signal.SIGKILL)
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["status"] == "running"
+    (tmp_path / "case.toml").write_text(SHORT)
+    other = command("run", "case.toml", "--out", "out", cwd=tmp_path)
+    assert other.returncode == 2
+    assert "is the case of another run" in other.stderr
+    done = command("run", "case.toml", "--out", "out", "--overwrite", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert History.load(tmp_path / "out" / "history.nc").duration == pytest.approx(0.05, rel=1e-9)
+
+
+@pytest.fixture(scope="module")
+def short_file(tmp_path_factory):
+    history = CrawlerModel(Case.translation()).simulate(0.01)
+    return history.save(tmp_path_factory.mktemp("file") / "history.nc").read_bytes()
+
+
+@SAME_FOLDER
+@given(st.data())
+def test_a_broken_history_is_refused_by_name(tmp_path, short_file, data):
+    content = bytearray(short_file)
+    if data.draw(st.booleans()):
+        content = content[: data.draw(st.integers(0, len(content) - 1))]
+    else:
+        for _ in range(10):
+            content[data.draw(st.integers(0, len(content) - 1))] ^= data.draw(st.integers(1, 255))
+    path = tmp_path / "translation.nc"
+    path.write_bytes(content)
+    message = ""
+    try:
+        History.load(path)
+    except ValueError as error:
+        message = str(error)
+    assert not message or message.startswith(f"{path} does not hold a history: ")
+    assert path.read_bytes() == content
+
+
+def test_reusing_a_broken_history_is_one_line_and_runs_nothing(tmp_path, short_file):
+    (tmp_path / "case.toml").write_text(SHORT)
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "history.nc").write_bytes(short_file[:5000])
+    done = command("run", "case.toml", "--out", "out", "--reuse", "old", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: old/history.nc does not hold a history: ")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_case_name_is_no_path_markup_or_formula(tmp_path):
+    odd = Case.translation().with_(name=r"../[red]../x/[/] $\frac$")
+    run_case(CaseFile(case=odd, duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path / "out")
+    assert {path.name for path in tmp_path.iterdir()} == {"out"}
+    done = command("info", "out/case.toml", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
