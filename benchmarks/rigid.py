@@ -1,19 +1,14 @@
 """Speed and accuracy of the rigid model: the 10 s translation run of the papers."""
 
-import json
-import os
 import statistics
-import subprocess
-import sys
 import time as clock
 
 import numpy as np
 import pandas as pd
 
+from benchmarks.split import print_split
 from exudyn_crawler import Case, CrawlerModel, History
 from exudyn_crawler.comparison import time_mean
-from exudyn_crawler.engine import build
-from exudyn_crawler.simulation import integrate, solver_settings
 from exudyn_crawler.tables import print_table
 
 DURATION = 10.0
@@ -70,56 +65,6 @@ def general_contact_seconds() -> list[float]:
     return seconds
 
 
-def split() -> dict[str, float]:
-    """Wall seconds of each part of one run, by Exudyn's own clocks where it has them.
-
-    Only the build with range checks keeps these clocks; it is a little slower.
-    """
-    case = Case.translation()
-    # the clocks count a stage, so that the run is to have one only
-    case = case.with_(solver=case.solver.with_(checkpoint_interval=DURATION))
-    system = build(case)
-    system.set_initial(CrawlerModel(case).equilibrium())
-    contact = system.contact
-    spent = {"contact forces": 0.0, "contact derivatives": 0.0}
-
-    def clocked(name, function):
-        def wrapper(*args, **kwargs):
-            start = clock.perf_counter()
-            result = function(*args, **kwargs)
-            spent[name] += clock.perf_counter() - start
-            return result
-
-        return wrapper
-
-    contact.forces = clocked("contact forces", contact.forces)  # type: ignore[method-assign]
-    contact.derivatives = clocked("contact derivatives", contact.derivatives)  # type: ignore[method-assign]
-    settings = solver_settings(case.solver)
-    settings.show.computationTime = True
-    start = clock.perf_counter()
-    integrate(system, DURATION, False, settings)
-    total = clock.perf_counter() - start
-    solver = system.mbs.sys["dynamicSolver"]
-    timer = solver.timer
-    parts = {
-        "total": total,
-        **spent,
-        "rest of the right-hand side": timer.ODE2RHS
-        + timer.AERHS
-        + timer.massMatrix
-        + timer.reactionForces
-        - spent["contact forces"],
-        "rest of the Jacobian": timer.totalJacobian - spent["contact derivatives"],
-        "factorization": timer.factorization,
-        "solution": timer.newtonIncrement,
-    }
-    parts["output and rest"] = total - sum(value for name, value in parts.items() if name != "total")
-    parts["steps"] = solver.it.currentStepIndex - 1
-    parts["iterations"] = solver.it.newtonStepsCount
-    parts["Jacobians"] = solver.it.newtonJacobiCount
-    return parts
-
-
 def accuracy(history: History) -> pd.DataFrame:
     """Difference of a run from the tight one: RMS by seconds, and of the 10 s means."""
     tight = run(DURATION, **TIGHT)
@@ -165,24 +110,9 @@ def main() -> None:
         f"the same with contact_model 'general': median {statistics.median(general) / DURATION:.3f} "
         f"wall s per simulated s (runs: {each} s)"
     )
-    output = subprocess.run(
-        [sys.executable, "-m", "benchmarks.rigid", "--split"],
-        env={**os.environ, "EXUDYN_CRAWLER_CHECKED": "1"},
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout
-    parts = json.loads(output.splitlines()[-1])
-    counts = {name: parts.pop(name) for name in ("steps", "iterations", "Jacobians")}
-    total = parts["total"]
-    table = pd.DataFrame([(k, v / DURATION, f"{v / total:.0%}") for k, v in parts.items()])
-    table.columns = ["part", "wall s per simulated s", "share"]
-    print_table(table, f"Split of one run of the checked build: {counts}")
+    print_split("translation", DURATION)
     print_table(accuracy(history), f"Difference from a tight run {TIGHT}")
 
 
 if __name__ == "__main__":
-    if "--split" in sys.argv:
-        print(json.dumps(split()))
-    else:
-        main()
+    main()
