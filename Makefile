@@ -8,7 +8,7 @@ OUT ?= results
 ARGS ?=
 INSTALLED := $(VENV)/installed
 
-.PHONY: help kinematics forces uneven verify test test-slow lint format bench lock clean
+.PHONY: help kinematics forces uneven stress verify test test-slow lint format bench lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -31,6 +31,9 @@ uneven: $(INSTALLED)  ## the track over a step, a ramp and rough ground, with th
 	for ground in step ramp rough; do \
 		$(BIN)/python -m studies.uneven_ground $$ground --out $(OUT)/uneven_$$ground $(ARGS) || exit; \
 	done
+
+stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on where it was killed
+	$(BIN)/python -m studies.stress --out $(OUT)/stress $(ARGS)
 
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
 	$(BIN)/python -m studies.verification

@@ -348,7 +348,7 @@ class TrackContact:
             ]
         )
         self._footprint = shoe.footprint
-        self._law = law.as_array
+        self._law = law.as_array(shoe.length * shoe.width)
         # units that a shoe's outline can meet at once, at any yaw
         diagonal = float(np.hypot(shoe.length, shoe.width))
         reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)

@@ -131,7 +131,8 @@ def _forces(
     spin = (wx - ux) * nx + (wy - uy) * ny + wz * nz
 
     normal = impact_force(depth, -vn, law[0], law[1], law[2], law[3])
-    normal *= step(width, 0.0, 0.0, law[8], 1.0)
+    # share of the law that this pair has, by the width or by the area of its overlap
+    normal *= step(width, 0.0, 0.0, law[8], 1.0) if law[9] == 0.0 else area / law[9]
     if drag_ratio < 0.0:
         drag_ratio = friction_per_slip(slip, law[4], law[5], law[6], law[7])
     drag = drag_ratio * normal
@@ -262,8 +263,8 @@ def contact_forces(
         Columns along x, rows along y, unit lengths in x, y, z (m), x and y of the grid's corner (m).
     footprint : array (5,)
         Underside in the shoe's frame: least x, greatest x, least y, greatest y, z (m).
-    law : array (9,)
-        Contact law in the order of `ContactLaw.as_array`.
+    law : array (10,)
+        Contact law as of `ContactLaw.as_array`.
     shoe_forces : array (shoes, 6)
         Out: generalized forces on the shoes' coordinates (N, N m).
     unit_forces : array (units, 6)

@@ -43,10 +43,15 @@ def contacts_by_shoe(history: History) -> xr.Dataset:
         Dimensions time, shoe, axis: normal_force, friction_force, contact_force (N), friction_torque
         (N m), penetration (m), penetration_rate and slip_velocity (m/s).
     """
-    shoes = history.shoe.values
+    return contacts_of(history.dataset)
+
+
+def contacts_of(dataset: xr.Dataset) -> xr.Dataset:
+    """Same from a history's variables alone."""
+    shoes = dataset.shoe.values
     found: dict[str, list[xr.DataArray]] = {name: [] for name in (*PER_CONTACT, *LEADING)}
     for shoe in shoes:
-        own = history.dataset.isel(contact=np.flatnonzero(history.contact_shoe.values == shoe))
+        own = dataset.isel(contact=np.flatnonzero(dataset.contact_shoe.values == shoe))
         deepest = own.penetration.argmax("contact")
         for name in PER_CONTACT:
             found[name].append(own[name].sum("contact", keep_attrs=True))

@@ -28,7 +28,8 @@ from exudyn_crawler.assembly import (
 from exudyn_crawler.floating_frame import FloatingShoe, floating_shoe
 from exudyn_crawler.general_contact import SphereContact, add_general_contact
 from exudyn_crawler.parameters import Case, Drive, StepProfile
-from exudyn_crawler.shoe_bodies import SIDES, ShoeBody, add_shoe_bodies, add_shoe_nodes
+from exudyn_crawler.parameters.track import SIDES
+from exudyn_crawler.shoe_bodies import ShoeBody, add_shoe_bodies, add_shoe_nodes
 from exudyn_crawler.terrain import localized, terrain_joints, terrain_modes, units_near
 
 exu.config.printToConsole = False
@@ -80,17 +81,29 @@ class System:
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`."""
         self.mbs.systemData.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
+        self._find_contacts(q)
+
+    def _find_contacts(self, q: NDArray) -> None:
         if self.general is not None:
             # the engine looked for touching spheres when it was assembled, with none in the ground yet, and
             # would let the track fall through the first step
             self.mbs.systemData.SetODE2Coordinates(q.tolist())
             self.general.UpdateContacts(self.mbs)
 
-    def release_drive(self) -> None:
-        """Leave the front shoe free from now on."""
+    def set_state(self, row: NDArray) -> None:
+        """Start from a row as of `state`; its time goes into the solver's settings."""
+        q, q_t, q_tt = np.split(row[1 : 1 + 3 * self.contact.size], 3)
+        data = self.mbs.systemData
+        data.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
+        data.SetODE2Coordinates_t(q_t.tolist(), exu.ConfigurationType.Initial)
+        data.SetODE2Coordinates_tt(q_tt.tolist(), exu.ConfigurationType.Initial)
+        self._find_contacts(q)
+
+    def switch_drive(self, on: bool) -> None:
+        """Move the front shoe from now on, or leave it free."""
         for item in (self.drive, self.turn):
             if item is not None:
-                self.mbs.SetObjectParameter(item, "activeConnector", False)
+                self.mbs.SetObjectParameter(item, "activeConnector", on)
 
     def state(self) -> NDArray:
         """Time, coordinates, their first and second rates and the multipliers, in one row.
@@ -125,7 +138,7 @@ def build(case: Case, static: bool = False) -> System:
     ground = mbs.AddObject(items.ObjectGround())
     floating = None
     if case.flexible is not None:
-        floating = floating_shoe(case.flexible, tuple(case.shoe.footprint.tolist()))
+        floating = floating_shoe(case)
     shoe_nodes = add_shoe_nodes(mbs, case)
     terrain_nodes, coordinates = add_terrain(mbs, case, ground)
     shoes = add_shoe_bodies(mbs, case, shoe_nodes, floating)

@@ -12,10 +12,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.parameters.flexible import FlexibleShoes
+from exudyn_crawler.parameters import Case, FlexibleShoes, Track
 from exudyn_crawler.underside import Underside, integrate_underside
-from fem import ElasticBody, Interface, Material, ReducedBody, craig_bampton, read_mesh
-from meshes import JOINT_CENTERS, SHOE_SIZES, shoe_mesh
+from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton
+from meshes import mesh_named
+
+PIN_TOLERANCE = 1e-3
+"""m, between the axis of a bore and the pin."""
 
 ARM = 0.05
 """m, distance of a joint's massless nodes from its centre."""
@@ -67,42 +70,104 @@ class FloatingShoe:
         return self.modes.shape[1]
 
 
+def _material(flexible: FlexibleShoes) -> Material:
+    return Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
+
+
 @lru_cache(maxsize=4)
-def shoe_model(flexible: FlexibleShoes) -> tuple[ElasticBody, list[Interface]]:
-    """Finite-element model of a flexible shoe and its four joint centres."""
-    mesh = shoe_mesh(flexible.mesh) if flexible.mesh in SHOE_SIZES else read_mesh(flexible.mesh)
-    material = Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
-    interfaces = [
-        Interface(name, np.array(center), mesh.nodes_of(f"bore {name}"))
-        for name, center in JOINT_CENTERS.items()
-    ]
+def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[ElasticBody, list[Interface]]:
+    mesh = mesh_named(mesh_name)
+    interfaces = []
+    for name, center in track.joint_centers.items():
+        if f"bore {name}" not in mesh.surfaces:
+            raise ValueError(
+                f"the mesh {mesh_name!r} must have the surface 'bore {name}', it has {sorted(mesh.surfaces)}"
+            )
+        nodes = mesh.nodes_of(f"bore {name}")
+        bore = mesh.nodes[nodes]
+        off = 0.5 * (bore.min(axis=0) + bore.max(axis=0)) - center
+        # a bore is as long as its lug is wide, of which the joint centre need not be the middle
+        if np.hypot(off[0], off[2]) > PIN_TOLERANCE or abs(off[1]) > 0.5 * np.ptp(bore[:, 1]):
+            raise ValueError(
+                f"the mesh {mesh_name!r} must meet the track's pins within {PIN_TOLERANCE} m: "
+                f"its bore {name!r} is off the pin by {off.round(4).tolist()} m"
+            )
+        interfaces.append(Interface(name, center, nodes))
     return ElasticBody(mesh, material), interfaces
 
 
+def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list[Interface]]:
+    """Finite-element model of a flexible shoe and its four joint centres; remembered.
+
+    Raises
+    ------
+    ValueError
+        If the mesh has no bores where the track's pins are.
+    """
+    return _finite_elements(flexible.mesh, _material(flexible), track)
+
+
+@lru_cache(maxsize=2)
+def _partition(mesh: str, material: Material, track: Track) -> Partition:
+    return Partition(*_finite_elements(mesh, material, track))
+
+
 @lru_cache(maxsize=4)
-def floating_shoe(flexible: FlexibleShoes, footprint: tuple[float, ...]) -> FloatingShoe:
-    """Reduce the mesh of a flexible shoe and integrate what the multibody system needs.
+def _reduction(mesh: str, material: Material, track: Track, fixed_modes: int, load_mode: bool) -> ReducedBody:
+    body, interfaces = _finite_elements(mesh, material, track)
+    loads = {"machine load": body.surface_load("top", np.array([0.0, 0.0, -1.0]))} if load_mode else None
+    return craig_bampton(body, interfaces, fixed_modes, loads, partition=_partition(mesh, material, track))
+
+
+def whole_basis(flexible: FlexibleShoes, track: Track, fixed_modes: int) -> ReducedBody:
+    """Reduce a flexible shoe to its constraint modes and some fixed-interface modes; remembered."""
+    return _reduction(flexible.mesh, _material(flexible), track, fixed_modes, flexible.load_mode)
+
+
+def floating_shoe(case: Case) -> FloatingShoe:
+    """Reduce the mesh of a case's flexible shoes and integrate what the multibody system needs.
 
     The last few results are remembered: a run builds its system twice.
 
-    Parameters
-    ----------
-    footprint : tuple of float (5)
-        Underside that contact takes the shoe to have: least and greatest x, least and greatest y, z; m.
+    Raises
+    ------
+    ValueError
+        If the mesh does not meet the track's pins or no mode remains.
     """
-    body, interfaces = shoe_model(flexible)
+    assert case.flexible is not None
+    return _floating_shoe(case.flexible, case.track, tuple(case.shoe.footprint.tolist()))
+
+
+@lru_cache(maxsize=4)
+def _floating_shoe(flexible: FlexibleShoes, track: Track, footprint: tuple[float, ...]) -> FloatingShoe:
+    body, interfaces = shoe_model(flexible, track)
     mesh = body.mesh
-    reduced = craig_bampton(body, interfaces, n_fixed_modes=flexible.fixed_modes)
+    reduced = _integrated_modes(flexible, whole_basis(flexible, track, flexible.fixed_modes))
     positions, rows = _massless_nodes(reduced)
     under = mesh.nodes_of("underside")
     return FloatingShoe(
         reduced=reduced,
-        joints=tuple(JOINT_CENTERS),
+        joints=tuple(interface.name for interface in interfaces),
         positions=positions,
         modes=rows.reshape(-1, rows.shape[2]),
         integrals=_integrals(body, reduced.modes),
         underside=integrate_underside(mesh.nodes[under, :2], reduced.modes[under], np.array(footprint)),
     )
+
+
+def _integrated_modes(flexible: FlexibleShoes, whole: ReducedBody) -> ReducedBody:
+    """Modes of a basis that a run integrates."""
+    if flexible.modes is not None:
+        return whole.with_modes([number - 1 for number in flexible.modes])
+    if flexible.highest_frequency is not None:
+        below = np.flatnonzero(whole.frequencies <= flexible.highest_frequency)
+        if len(below) == 0:
+            raise ValueError(
+                f"highest_frequency must be at least that of the first mode, {whole.frequencies[0]:.1f} Hz, "
+                f"got {flexible.highest_frequency:g} Hz"
+            )
+        return whole.with_modes(below.tolist())
+    return whole
 
 
 def _massless_nodes(reduced: ReducedBody) -> tuple[NDArray, NDArray]:

@@ -11,9 +11,6 @@ from numpy.typing import NDArray
 from exudyn_crawler.floating_frame import NODES_A_JOINT, FloatingShoe
 from exudyn_crawler.parameters import Case
 
-SIDES = ("right", "left")
-"""Pins of a link: at y = 8.68 m (right) and y = 10.03 m (left)."""
-
 
 @dataclass(frozen=True)
 class ShoeBody:
@@ -61,7 +58,7 @@ def add_shoe_bodies(
 
 
 def _add_rigid(mbs: "exu.MainSystem", case: Case, number: int, node: int) -> ShoeBody:
-    shoe, track = case.shoe, case.track
+    shoe = case.shoe
     body = mbs.AddObject(
         items.ObjectRigidBody(
             name=f"shoe {number}", mass=shoe.mass, inertia=list(shoe.inertia), nodeNumber=node
@@ -70,11 +67,9 @@ def _add_rigid(mbs: "exu.MainSystem", case: Case, number: int, node: int) -> Sho
     com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
     mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0.0, 0.0, -shoe.mass * case.gravity]))
     pins = {}
-    for end, place in (("front", track.front_pin), ("rear", track.rear_pin)):
-        for side, shift in zip(SIDES, (0.0, track.parallel_y - track.spherical_y), strict=True):
-            pins[end, side] = mbs.AddMarker(
-                items.MarkerBodyRigid(bodyNumber=body, localPosition=[place[0], place[1] + shift, place[2]])
-            )
+    for joint, place in case.track.joint_centers.items():
+        end, side = joint.split()
+        pins[end, side] = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=place.tolist()))
     top = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=list(shoe.load_point)))
     return ShoeBody(node, body, top, pins, None)
 

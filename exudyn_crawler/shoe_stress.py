@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.floating_frame import FloatingShoe, shoe_model
+from exudyn_crawler.floating_frame import floating_shoe, shoe_model, whole_basis
 from exudyn_crawler.history import History
 from exudyn_crawler.rotations import rotation_matrices
 from exudyn_crawler.underside import Underside, integrate_underside, mean_rows
-from fem import ReducedBody, craig_bampton
+from fem import ReducedBody
 
 
 @dataclass(frozen=True)
@@ -37,30 +37,20 @@ class StressBasis:
     underside: Underside
 
 
-def stress_basis(history: History, floating: FloatingShoe, fixed_modes: int = 76) -> StressBasis:
+def stress_basis(history: History) -> StressBasis:
     """Reduce the shoe of a history again, with all the modes that its stress is to have.
-
-    Parameters
-    ----------
-    floating : FloatingShoe
-        Shoe that the run integrated.
-    fixed_modes : int
-        Fixed-interface modes of the whole basis (S-paper: 76).
 
     Raises
     ------
     ValueError
-        If the whole basis has fewer modes than were integrated.
+        If the history has no flexible shoes.
     """
     flexible = history.case.flexible
     if flexible is None:
         raise ValueError("the history has no flexible shoes")
-    if fixed_modes < flexible.fixed_modes:
-        raise ValueError(
-            f"fixed_modes must be at least the {flexible.fixed_modes} that were integrated, got {fixed_modes}"
-        )
-    body, interfaces = shoe_model(flexible)
-    whole = craig_bampton(body, interfaces, n_fixed_modes=fixed_modes)
+    floating = floating_shoe(history.case)
+    body, _ = shoe_model(flexible, history.case.track)
+    whole = whole_basis(flexible, history.case.track, flexible.recovered_modes)
     count = len(whole.frequencies)
     modes = whole.modes.reshape(-1, count)
     mass = body.mass_matrix

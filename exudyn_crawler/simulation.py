@@ -1,12 +1,13 @@
 """Time integration of a case from its static equilibrium."""
 
 import math
-from collections.abc import Callable
+from itertools import pairwise
 
 import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
+from exudyn_crawler.checkpoints import Checkpoint, Checkpoints
 from exudyn_crawler.engine import System, build
 from exudyn_crawler.equilibrium import static_equilibrium
 from exudyn_crawler.errors import SimulationStopped
@@ -14,6 +15,11 @@ from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case, Solver
 from exudyn_crawler.progress import progress_bar
 from exudyn_crawler.states import history_of
+
+TIME_TOLERANCE = 1e-9
+"""Relative difference below which two times are the same."""
+SETTLING = 1.0
+"""s after the drive goes off until the track is quiet; its shoes swing at 8 Hz and more."""
 
 
 class CrawlerModel:
@@ -32,8 +38,13 @@ class CrawlerModel:
         """Coordinates at rest before t = 0; see `equilibrium.static_equilibrium`."""
         return static_equilibrium(self.case)
 
-    def simulate(self, duration: float, progress: bool | None = None) -> History:
-        """Run from static equilibrium.
+    def simulate(
+        self, duration: float, progress: bool | None = None, checkpoints: Checkpoints | None = None
+    ) -> History:
+        """Run from static equilibrium, or from the last of the checkpoints.
+
+        The run is made of stages (`stage_times`); each starts from the end of the one before, whether in
+        the same process or, after a kill, in a later one, so that both give the same numbers.
 
         Parameters
         ----------
@@ -41,12 +52,14 @@ class CrawlerModel:
             s, simulated time.
         progress : bool, optional
             Show a progress bar; None shows it on a terminal only.
+        checkpoints : Checkpoints, optional
+            Keeps every stage but the last; the run goes on behind those that are there.
 
         Raises
         ------
         ValueError
-            Before anything runs, if `duration` is not positive and finite or the drive takes the track
-            off the terrain within it.
+            Before anything runs, if `duration` is not positive and finite, the drive takes the track
+            off the terrain within it or the checkpoints come from other parameters.
         EquilibriumError
             If the track finds no rest before t = 0.
         SimulationStopped
@@ -56,9 +69,29 @@ class CrawlerModel:
         if not (math.isfinite(duration) and duration > 0.0):
             raise ValueError(f"duration must be positive and finite, got {duration!r} s")
         self.case.check_support(duration)
+        if checkpoints is not None:
+            checkpoints.load(self.case)
         system = build(self.case)
         system.set_initial(self.equilibrium())
-        return integrate(system, duration, progress)
+        return integrate(system, duration, progress, checkpoints=checkpoints)
+
+
+def stage_times(case: Case, duration: float) -> list[float]:
+    """Ends of the stages of a run, from 0 to its duration, s.
+
+    The integration starts anew from its state at every multiple of the solver's checkpoint interval and
+    where the drive goes on or off.
+    """
+    interval = case.solver.checkpoint_interval
+    times = {0.0, duration} | {k * interval for k in range(1, math.ceil(duration / interval))}
+    for time in case.loads.switch_times:
+        times |= {other for other in (time, time + SETTLING) if other < duration}
+    kept: list[float] = []
+    for time in sorted(times):
+        if not kept or time - kept[-1] > TIME_TOLERANCE * duration:
+            kept.append(time)
+    kept[-1] = duration
+    return kept
 
 
 def integrate(
@@ -66,17 +99,19 @@ def integrate(
     duration: float,
     progress: bool | None = None,
     settings: "exu.SimulationSettings | None" = None,
+    checkpoints: Checkpoints | None = None,
 ) -> History:
     """Integrate a built system from its initial state; see `CrawlerModel.simulate`.
 
-    `settings` take the place of those that `solver_settings` makes of the case.
+    `settings` take the place of those that `solver_settings` makes of the case, their times apart.
     """
+    case = system.case
     if settings is None:
-        settings = solver_settings(system.case.solver, duration)
-    recorder = _Recorder(system, system.case.solver.output_interval, duration)
+        settings = solver_settings(case.solver)
+    recorder = _Recorder(system, case.solver.output_interval, duration)
     reason = None
     sunken: list[int] = []
-    with progress_bar(system.case.name, duration, progress) as tell:
+    with progress_bar(case.name, duration, progress) as tell:
 
         def after_step(_mbs: "exu.MainSystem", time: float) -> bool:
             recorder.store(time)
@@ -85,43 +120,86 @@ def integrate(
             return not sunken
 
         system.mbs.SetPostStepUserFunction(after_step)
-        off_time = system.case.drive.off_time
-        if off_time is not None and off_time < duration:
-            system.mbs.SetPreStepUserFunction(_release_at(system, off_time))
-        try:
-            system.mbs.SolveDynamic(settings)
-        except exu.SolverError:
-            reason = f"Newton's method failed at the least step {system.case.solver.minimum_step:g} s"
-        except KeyboardInterrupt:
-            reason = "interrupted"
-        except exu.ModelError as error:
-            # where an interrupt meets a user function, Exudyn hands it on as an error of that function
-            if "KeyboardInterrupt" not in str(error):
-                raise
-            reason = "interrupted"
-    if sunken:
-        reason = (
-            f"spheres of shoes {sunken} sank through the ground; they need a greater "
-            f"general_contact.radius than {system.case.general_contact.radius} m, or flatter ground"
-        )
+        saved = [] if checkpoints is None else checkpoints.load(case)
+        for number, (start, end) in enumerate(pairwise(stage_times(case, duration))):
+            if number < len(saved) and abs(saved[number].time - end) < TIME_TOLERANCE * duration:
+                recorder.take(saved[number])
+                system.set_state(saved[number].state)
+                continue
+            system.switch_drive(case.loads.drives_after(start))
+            quiet = case.loads.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)
+            set_times(settings, case.solver, start, end, quiet)
+            settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
+            first = recorder.count
+            reason = _solve(system, settings)
+            if sunken:
+                reason = (
+                    f"spheres of shoes {sunken} sank through the ground; they need a greater "
+                    f"general_contact.radius than {case.general_contact.radius} m, or flatter ground"
+                )
+            if reason is not None:
+                break
+            state = system.state()
+            system.set_state(state)
+            if checkpoints is not None and end < duration:
+                checkpoints.save(case, number, Checkpoint(state, recorder.rows_from(first)))
     history = history_of(system, recorder.rows)
     if reason is not None:
         raise SimulationStopped(recorder.time, reason, history)
     return history
 
 
-def _release_at(system: System, off_time: float) -> Callable[["exu.MainSystem", float], bool]:
-    """Exudyn's user function that leaves the front shoe free in the steps that end after a time."""
-    released = False
+def integrate_from(case: Case, state: NDArray, duration: float) -> History:
+    """Integrate a case for some time from a state such as checkpoints keep.
 
-    def before_step(_mbs: "exu.MainSystem", step_end: float) -> bool:
-        nonlocal released
-        if not released and step_end > off_time * (1.0 + 1e-9):
-            system.release_drive()
-            released = True
+    Parameters
+    ----------
+    state : array (1 + 3 coordinates or more,)
+        Row as of `engine.System.state`; its multipliers are not needed.
+    duration : float
+        s, beyond the state's time.
+
+    Raises
+    ------
+    SimulationStopped
+        If a step fails at its least size.
+    """
+    system = build(case)
+    start, end = float(state[0]), float(state[0]) + duration
+    recorder = _Recorder(system, case.solver.output_interval, end)
+
+    def after_step(_mbs: "exu.MainSystem", time: float) -> bool:
+        if time > start:
+            recorder.store(time)
         return True
 
-    return before_step
+    system.mbs.SetPostStepUserFunction(after_step)
+    system.set_state(state)
+    system.switch_drive(case.loads.drives_after(start))
+    settings = solver_settings(case.solver)
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    set_times(settings, case.solver, start, end)
+    reason = _solve(system, settings)
+    history = history_of(system, recorder.rows)
+    if reason is not None:
+        raise SimulationStopped(recorder.time, reason, history)
+    return history
+
+
+def _solve(system: System, settings: "exu.SimulationSettings") -> str | None:
+    """Integrate one stage; gives why it stopped early, or None."""
+    try:
+        system.mbs.SolveDynamic(settings)
+    except exu.SolverError:
+        return f"Newton's method failed at the least step {system.case.solver.minimum_step:g} s"
+    except KeyboardInterrupt:
+        return "interrupted"
+    except exu.ModelError as error:
+        # where an interrupt meets a user function, Exudyn hands it on as an error of that function
+        if "KeyboardInterrupt" not in str(error):
+            raise
+        return "interrupted"
+    return None
 
 
 class _Recorder:
@@ -135,22 +213,52 @@ class _Recorder:
         self._states: list[NDArray] = []
         self.time = 0.0
 
+    def take(self, checkpoint: Checkpoint) -> None:
+        """Go on behind a checkpoint."""
+        self._states.extend(checkpoint.rows)
+        self._end_of(checkpoint.time)
+
+    def _end_of(self, time: float) -> None:
+        self.time = time
+        self._next = (math.floor(time / self._interval + 1e-6) + 1) * self._interval
+
     def store(self, time: float) -> None:
         """Store the state if its turn has come; the last one always."""
         self.time = time
-        tolerance = 1e-9 * max(1.0, self._duration)
+        tolerance = TIME_TOLERANCE * max(1.0, self._duration)
         if time >= self._next - tolerance or time >= self._duration - tolerance:
             self._states.append(self._system.state())
-            self._next = (math.floor(time / self._interval + 1e-6) + 1) * self._interval
+            self._end_of(time)
 
     @property
     def rows(self) -> NDArray:
         """All stored states, one a row."""
         return np.array(self._states)
 
+    def rows_from(self, first: int) -> NDArray:
+        """Stored states from a number on."""
+        return np.array(self._states[first:])
 
-def solver_settings(solver: Solver, duration: float) -> "exu.SimulationSettings":
-    """Exudyn's settings for a run."""
+    @property
+    def count(self) -> int:
+        """Number of stored states."""
+        return len(self._states)
+
+
+def set_times(
+    settings: "exu.SimulationSettings", solver: Solver, start: float, end: float, quiet: bool = False
+) -> None:
+    """Put the times of a stage into Exudyn's settings; a quiet one takes longer steps."""
+    time = settings.timeIntegration
+    step = max(solver.step, solver.quiet_step) if quiet else solver.step
+    time.startTime = start
+    time.endTime = end
+    time.numberOfSteps = max(1, math.ceil((end - start) / step - 1e-6))
+    time.minimumStepSize = min(solver.minimum_step, end - start)
+
+
+def solver_settings(solver: Solver) -> "exu.SimulationSettings":
+    """Exudyn's settings for a run; `set_times` gives it its times."""
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.active = False
@@ -158,9 +266,8 @@ def solver_settings(solver: Solver, duration: float) -> "exu.SimulationSettings"
     # every factorization has the same pattern
     settings.linearSolver.reuseAnalyzedPattern = True
     time = settings.timeIntegration
-    time.endTime = duration
-    time.numberOfSteps = max(1, math.ceil(duration / solver.step - 1e-9))
-    time.minimumStepSize = min(solver.minimum_step, duration)
+    # a stage starts from the accelerations that the one before ended with
+    time.generalizedAlpha.resetAccelerations = False
     time.adaptiveStepRecoverySteps = 1
     time.adaptiveStepRecoveryIterations = solver.maximum_iterations
     time.verboseMode = 0

@@ -13,8 +13,8 @@ from exudyn_crawler.contact import RESULT
 from exudyn_crawler.engine import System
 from exudyn_crawler.general_contact import SphereContact
 from exudyn_crawler.history import History
+from exudyn_crawler.parameters.track import SIDES
 from exudyn_crawler.rotations import angular_acceleration, angular_velocity, rotation_matrices
-from exudyn_crawler.shoe_bodies import SIDES
 
 AXES = ["x", "y", "z"]
 

@@ -7,12 +7,13 @@ from .files import StaleCacheError, cached_craig_bampton, load_reduced, save_red
 from .hotspots import hot_spots
 from .interfaces import Interface
 from .mesh import Mesh, MeshError, read_mesh, write_mesh
-from .recovery import Peaks, recover_peaks, shares
+from .recovery import Extremes, Peaks, recover_extremes, recover_peaks, shares
 from .reduced import ReducedBody
 from .reduction import Partition, craig_bampton
 
 __all__ = [
     "ElasticBody",
+    "Extremes",
     "Interface",
     "Material",
     "Mesh",
@@ -26,6 +27,7 @@ __all__ = [
     "hot_spots",
     "load_reduced",
     "read_mesh",
+    "recover_extremes",
     "recover_peaks",
     "save_reduced",
     "shares",

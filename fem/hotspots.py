@@ -71,6 +71,7 @@ def hot_spots(
     nodes: Integers | None = None,
     surface_only: bool = False,
     with_spiders: bool = True,
+    peaks: Peaks | None = None,
 ) -> pd.DataFrame:
     """Table of the most severe nodes of a history.
 
@@ -88,6 +89,7 @@ def hot_spots(
     nodes : numbers of the nodes to look at.
     surface_only : look at the boundary only.
     with_spiders : include nodes inside and beside spiders.
+    peaks : of `recover_peaks` over all nodes and the whole history, if they are known.
 
     Returns
     -------
@@ -123,7 +125,12 @@ def hot_spots(
     if len(rows) == 0 or len(chosen) == 0:
         raise ValueError(f"nothing to look at: {len(rows)} times, {len(chosen)} nodes")
 
-    peaks = recover_peaks(body.stress_modes, q[rows], criterion, chosen)
+    if peaks is None:
+        peaks = recover_peaks(body.stress_modes, q[rows], criterion, chosen)
+    elif window is not None or peaks.criterion != criterion or len(peaks.nodes) != len(body.nodes):
+        raise ValueError("peaks must be of all nodes, the same criterion and the whole history")
+    else:
+        peaks = Peaks(criterion, chosen, peaks.values[chosen], peaks.time_indices[chosen])
     if separation == "none":
         places = peaks.order[:count].tolist()
     elif separation == "radius":

@@ -90,23 +90,27 @@ class ReducedBody:
         """Modal stiffness matrix (m, m) in 1/s2, diagonal."""
         return np.diag((2 * np.pi * self.frequencies) ** 2)
 
-    def truncated(self, count: int) -> ReducedBody:
-        """Leave out all but the first modes.
+    def with_modes(self, modes: Sequence[int]) -> ReducedBody:
+        """Keep some of the modes only, counted from 0.
 
         Raises
         ------
         ValueError
-            If count is not between 1 and the number of modes.
+            If there is none, one twice or one that does not exist.
         """
-        if not 1 <= count <= len(self.frequencies):
-            raise ValueError(f"count = {count} must lie in 1..{len(self.frequencies)}")
+        chosen = np.asarray(modes, dtype=np.int64)
+        count = len(self.frequencies)
+        if len(chosen) == 0 or len(np.unique(chosen)) < len(chosen):
+            raise ValueError(f"modes must be different numbers, not {list(modes)}")
+        if chosen.min() < 0 or chosen.max() >= count:
+            raise ValueError(f"modes must lie in 0..{count - 1}, not {list(modes)}")
         values = {name: getattr(self, name) for name in self.__dataclass_fields__}
         values |= {
-            "frequencies": self.frequencies[:count],
-            "modes": self.modes[:, :, :count],
-            "stress_modes": self.stress_modes[:, :, :count],
-            "pilots": self.pilots[:, :, :count],
-            "parameters": dict(self.parameters) | {"truncated_to": count},
+            "frequencies": self.frequencies[chosen],
+            "modes": self.modes[:, :, chosen],
+            "stress_modes": self.stress_modes[:, :, chosen],
+            "pilots": self.pilots[:, :, chosen],
+            "parameters": dict(self.parameters) | {"modes": chosen.tolist()},
         }
         return ReducedBody(**values)
 

@@ -38,6 +38,11 @@ def shoe_mesh(size: str = "study") -> Mesh:
     return read_mesh(shoe_path(size))
 
 
+def mesh_named(name: str) -> Mesh:
+    """Ready mesh of the shoe by its size, or any mesh by its path; as `fem.read_mesh`."""
+    return shoe_mesh(name) if name in SHOE_SIZES else read_mesh(name)
+
+
 __all__ = [
     "COM_HEIGHT",
     "FRONT_PIN_X",
@@ -48,6 +53,7 @@ __all__ = [
     "REAR_PIN_X",
     "SHOE_SIZES",
     "ShoeDimensions",
+    "mesh_named",
     "shoe_mesh",
     "shoe_path",
 ]

@@ -1,8 +1,16 @@
 """Short runs of the papers' cases, shared by the tests: a run costs more than what is asked of it."""
 
+import pandas as pd
 import pytest
+import xarray as xr
+from hypothesis import settings
+from stress_results import short_run, stress_results
 
 from exudyn_crawler import Case, CrawlerModel, History
+
+# the same examples in every run
+settings.register_profile("reproducible", derandomize=True)
+settings.load_profile("reproducible")
 
 
 @pytest.fixture(scope="session")
@@ -24,3 +32,10 @@ def constrained() -> History:
 def longer() -> History:
     """Long enough to slip, stick and bounce."""
     return CrawlerModel(Case.translation()).simulate(3.0)
+
+
+@pytest.fixture(scope="session")
+def flexible_run() -> tuple[History, xr.Dataset, dict[int, pd.DataFrame]]:
+    """Two flexible shoes pulled for a moment: history, stresses at two chosen times, hot spots by shoe."""
+    history = short_run(0.06)
+    return history, *stress_results(history, [0.0, 0.06])

@@ -24,7 +24,7 @@ def track(**changes):
 
 
 def shared_reduction(case):
-    return floating_shoe(case.flexible, tuple(case.shoe.footprint.tolist()))
+    return floating_shoe(case)
 
 
 @pytest.fixture(scope="module")
@@ -131,14 +131,14 @@ def test_a_free_shoe_vibrates_at_its_modal_frequency():
 
 
 def test_integrated_modes_lie_inside_the_whole_basis(history):
-    basis = stress_basis(history, shared_reduction(history.case))
+    basis = stress_basis(history)
     assert len(basis.whole.frequencies) == 94
     assert basis.inside.T @ basis.inside == pytest.approx(np.eye(basis.inside.shape[1]), abs=1e-9)
 
 
 def test_recovered_statics_are_those_of_the_whole_basis(history):
     """At rest all 94 modes answer statically to their loads: K q = f for each of them."""
-    basis = stress_basis(history, shared_reduction(history.case))
+    basis = stress_basis(history)
     still = type(history)(history.case, history.dataset.isel(time=[0]))
     for shoe in (7, 13):
         q = whole_coordinates(still, basis, shoe)
@@ -151,7 +151,7 @@ def test_recovered_statics_are_those_of_the_whole_basis(history):
 
 def test_a_shoe_bends_under_its_load_as_the_whole_model_does():
     """A free shoe between its evenly spread load and an even ground, against a direct solution."""
-    body, _ = shoe_model(track().flexible)
+    body, _ = shoe_model(track().flexible, track().track)
     reduced = shared_reduction(track()).reduced
     frequencies = reduced.frequencies
     load = reduced.load("top", np.array([0.0, 0.0, -386.4e3])) - reduced.load(
@@ -215,12 +215,77 @@ def test_a_cycle_is_read_from_toml(tmp_path):
         LoadCycle.from_toml(path)
 
 
-def test_a_released_shoe_is_driven_no_more():
-    drive = Drive(speed=StepProfile(times=(0.0, 0.05, 0.1), values=(0.0, 0.01, 0.0)), off_time=0.1)
-    history = CrawlerModel(Case.translation().with_(drive=drive)).simulate(0.15)
-    on = history.time <= 0.1 + 1e-9
-    assert (history.drive_force.where(on, drop=True)[1:] != 0.0).all()
-    assert (history.drive_force.where(~on, drop=True) == 0.0).all()
+def driven(*windows, **drive):
+    case = Case.translation()
+    speed = StepProfile(times=(0.0, 0.05, 0.1, 0.15, 0.2), values=(0.0, 0.01, 0.0, 0.0, 0.02))
+    return case.with_(
+        drive=Drive(speed=speed, **drive), loads=case.loads.with_(drive_on=windows if windows else None)
+    )
+
+
+def test_a_released_shoe_is_driven_no_more_until_the_drive_is_on_again():
+    history = CrawlerModel(driven((0.0, 0.1), (0.15, 9.0))).simulate(0.2)
+    t = history.time
+    off = (t > 0.1 + 1e-9) & (t <= 0.15 + 1e-9)
     front = history.velocity.sel(shoe=13, axis="x")
-    assert float(front.where(on, drop=True)[-1]) == pytest.approx(0.0, abs=1e-12)
-    assert float(np.abs(front.where(~on, drop=True)).max()) > 0.0
+    assert (history.drive_force.where(~off, drop=True)[1:] != 0.0).all()
+    assert (history.drive_force.where(off, drop=True) == 0.0).all()
+    assert float(np.abs(front.where(off, drop=True)).max()) > 0.0
+    again = t > 0.15 + 1e-9
+    speed = history.case.drive.speed.value(t.values[again.values])
+    assert front.values[again.values] == pytest.approx(speed, abs=1e-9)
+
+
+def test_the_drive_takes_up_a_shoe_at_rest_only():
+    with pytest.raises(ValidationError, match=r"drive_on switches the drive on, at 0.05 s"):
+        driven((0.05, 0.1))
+    with pytest.raises(ValidationError, match="drive_on must be times from 0 s that increase"):
+        driven((0.1, 0.0))
+
+
+def test_the_track_travels_only_while_driven():
+    case = driven((0.0, 0.05))
+    assert case.outline(0.2)[0, 0] - case.outline(0.0)[0, 0] == pytest.approx(0.05 * 0.01 / 2)
+
+
+def test_modes_are_chosen_by_number_frequency_or_kind():
+    assert COARSE.mode_count == 28
+    assert COARSE.with_modes("all").mode_count == 94
+    assert COARSE.with_modes("20 fixed").mode_count == 38
+    some = track().with_(flexible=COARSE.with_(shoes=(13,)).with_modes("1-3, 6"))
+    assert shared_reduction(some).mode_count == 4
+    low = track().with_(flexible=COARSE.with_(shoes=(13,)).with_modes("500 Hz"))
+    frequencies = shared_reduction(low).reduced.frequencies
+    assert 1 < len(frequencies) < 94
+    assert frequencies.max() <= 500.0
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        ("some", "modes must be like"),
+        ("0-3", r"modes must be in 1\.\.94"),
+        ("90-95", r"modes must be in 1\.\.94"),
+        ("77 fixed", "fixed_modes must not exceed recovered_modes"),
+    ],
+)
+def test_modes_that_do_not_exist_are_refused(choice, message):
+    with pytest.raises(ValueError, match=message):
+        COARSE.with_modes(choice)
+
+
+def test_a_highest_frequency_below_the_first_mode_is_refused():
+    case = track().with_(flexible=COARSE.with_modes("100Hz"))
+    with pytest.raises(ValueError, match="highest_frequency must be at least"):
+        shared_reduction(case)
+
+
+def test_a_staged_run_with_flexible_shoes_is_the_unstaged_one(history):
+    """Solver calls one after the other with floating-frame bodies, each from the state that the last left."""
+    case = history.case
+    staged = case.with_(solver=case.solver.with_(checkpoint_interval=0.02))
+    parts = CrawlerModel(staged).simulate(history.duration).dataset
+    for name in ("position", "velocity", "joint_force", "modal_coordinate", "modal_velocity"):
+        whole = history.dataset[name].values
+        off = np.sqrt(np.mean((whole - parts[name].values) ** 2) / np.mean(whole**2))
+        assert off < 1e-3, (name, off)

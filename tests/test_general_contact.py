@@ -262,7 +262,7 @@ def test_model_is_chosen_by_name():
     assert Case.translation().with_(contact_model="general") == CASE
     assert Case.turning(contact="general").contact_model == "general"
     assert Case.translation().contact_model == "pair"
-    with pytest.raises(ValidationError, match="'pair' or 'general', got 'general'"):
+    with pytest.raises(ValidationError, match=r"with contact_model, .*, got 'general'"):
         Case.translation().with_(contact="general")
 
 

@@ -110,9 +110,9 @@ places = {
     "x": st.floats(-0.5, 0.5),
     "y": st.floats(-1.0, 1.0),
     "yaw": st.floats(-0.5, 0.5),
-    "depth": st.floats(-0.02, 0.1),
-    "slope_x": st.floats(-0.1, 0.1),
-    "slope_y": st.floats(-0.03, 0.03),
+    "depth": st.floats(-0.02, 0.1, allow_subnormal=False),
+    "slope_x": st.floats(-0.1, 0.1, allow_subnormal=False),
+    "slope_y": st.floats(-0.03, 0.03, allow_subnormal=False),
 }
 
 

@@ -37,12 +37,11 @@ def test_turn_rate_is_the_papers_polynomial_in_degrees():
     assert math.degrees(rate.integral(10.0)) == pytest.approx(7.5, rel=1e-12)
 
 
-def test_stress_paper_comes_to_rest_and_lets_go():
-    drive = Drive.propel_and_load()
+def test_stress_paper_comes_to_rest():
+    drive = Drive.to_rest()
     t = np.linspace(10.0, 15.0, 11)
     s = (t - 10.0) / 5.0
     assert drive.speed.value(t) == pytest.approx(0.1 - 0.1 * s**2 * (3 - 2 * s), rel=1e-12, abs=1e-15)
-    assert drive.off_time == 15.0
     assert drive.speed.integral(40.0) == pytest.approx(1.0, rel=1e-12)  # 0.25 + 0.5 + 0.25 m
 
 

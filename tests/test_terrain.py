@@ -9,7 +9,7 @@ from linearized import linearized
 
 from exudyn_crawler import Case, CrawlerModel, Terrain
 from exudyn_crawler.engine import add_terrain
-from exudyn_crawler.simulation import solver_settings
+from exudyn_crawler.simulation import set_times, solver_settings
 from exudyn_crawler.terrain import localized, terrain_joints, terrain_modes, units_near
 
 GRIDS = {"coarse": Terrain.kinematics(), "fine": Terrain.stress()}
@@ -132,7 +132,9 @@ def moving_load_response(terrain, formulation):
         return True
 
     mbs.SetPostStepUserFunction(keep)
-    settings = solver_settings(Case.translation().solver.with_(step=5e-3), 1.5)
+    solver = Case.translation().solver.with_(step=5e-3)
+    settings = solver_settings(solver)
+    set_times(settings, solver, 0.0, 1.5)
     mbs.SolveDynamic(settings)
     del container
     return np.array(heaves)

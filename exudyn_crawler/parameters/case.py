@@ -12,6 +12,7 @@ from exudyn_crawler.parameters.drive import Drive
 from exudyn_crawler.parameters.flexible import FlexibleShoes
 from exudyn_crawler.parameters.general_contact import GeneralContact
 from exudyn_crawler.parameters.loads import LoadCycle
+from exudyn_crawler.parameters.profile import StepProfile
 from exudyn_crawler.parameters.shoe import Shoe
 from exudyn_crawler.parameters.solver import Solver
 from exudyn_crawler.parameters.terrain import Terrain
@@ -62,6 +63,12 @@ class Case(Parameters):
                 f"loads must name every shoe of the track ({self.track.shoe_count}), "
                 f"got loads for {self.loads.shoe_count}"
             )
+        for start, _ in self.loads.drive_on or ():
+            if abs(float(self.drive.speed.value(start))) > 1e-9:
+                raise ValueError(
+                    f"drive.speed must be zero where loads.drive_on switches the drive on, at {start:g} s, "
+                    f"got {float(self.drive.speed.value(start)):g} m/s: the front shoe is at rest there"
+                )
         if self.track.pitch + 1e-9 < self.shoe.length:
             raise ValueError(
                 f"shoe.length must not exceed the track's pitch {self.track.pitch}, "
@@ -145,6 +152,30 @@ class Case(Parameters):
         """Propel with a turn of the K-chapter, the K-paper and the F-paper, with a model of contact."""
         return cls.translation(contact).with_(name="turning", drive=Drive.turning())
 
+    @classmethod
+    def stress(cls, mesh: str = "study") -> Self:
+        """Propel and loading cycle of the S-paper, with six flexible shoes.
+
+        Pairs of shoe and unit share the contact law by area. The paper's contact forces during loading, 0.30
+        to 0.76 MN, are what each shoe carries by itself, wherever the seams of the 1 m units lie: with one
+        whole law a pair, a shoe over a seam would be twice as stiff and carry up to 0.16 MN more.
+
+        Parameters
+        ----------
+        mesh : str
+            Of the flexible shoes: coarse, study or fine, or a file.
+        """
+        return cls(
+            name="stress",
+            shoe=Shoe.ph4100c(),
+            track=Track.ph4100c(),
+            terrain=Terrain.stress(),
+            contact=ContactLaw.oil_sand(sharing="area"),
+            drive=Drive.to_rest(),
+            loads=LoadCycle.shovel_cycle(),
+            flexible=FlexibleShoes.ph4100c(mesh),
+        )
+
     def outline(self, time: float) -> NDArray:
         """Corners of the track on the ground at a time: array (4, 2), m, global x and y.
 
@@ -157,12 +188,19 @@ class Case(Parameters):
         y = coms[0, 1] + footprint[2:4]
         corners = np.array([[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]])
         middle = corners.mean(axis=0)
-        if self.drive.off_time is not None:
-            time = min(time, self.drive.off_time)
-        angle = 0.0 if self.drive.turn_rate is None else float(self.drive.turn_rate.integral(time))
+        rate = self.drive.turn_rate
+        angle = 0.0 if rate is None else self._driven(rate, time)
         c, s = np.cos(angle), np.sin(angle)
-        travel = np.array([float(self.drive.speed.integral(time)), 0.0])
+        travel = np.array([self._driven(self.drive.speed, time), 0.0])
         return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + travel
+
+    def _driven(self, rate: StepProfile, time: float) -> float:
+        """Integral of a rate over the times up to `time` at which the drive is on."""
+        windows = self.loads.drive_on
+        if windows is None:
+            return float(rate.integral(time))
+        parts = [(start, min(end, time)) for start, end in windows if start < time]
+        return sum(float(rate.integral(end) - rate.integral(start)) for start, end in parts)
 
     def check_support(self, duration: float) -> None:
         """Refuse a drive that takes the track off the terrain within `duration` (s).

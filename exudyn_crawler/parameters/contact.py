@@ -1,10 +1,10 @@
 """Contact of a shoe with a terrain unit."""
 
-from typing import Self
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from exudyn_crawler.parameters.base import Parameters, quantity
 
@@ -20,10 +20,14 @@ class ContactLaw(Parameters):
     dynamic_friction: float = quantity("1", "coefficient mu_d beyond the friction speed", ge=0)
     stiction_speed: float = quantity("m/s", "V_st", gt=0)
     friction_speed: float = quantity("m/s", "V_d", gt=0)
+    sharing: Literal["pair", "area"] = Field(
+        description="what of the law a pair of shoe and unit has: all of it, however little they overlap, or "
+        "the part of the shoe's underside that is on the unit",
+    )
     edge_width: float = quantity(
         "m",
-        "overlap width at which a pair carries its full force; it grows with STEP from zero, "
-        "since a pair law knows no area and would jump when a shoe reaches a unit's edge",
+        "overlap width at which a pair has all of the law; with sharing 'pair' the force grows with STEP "
+        "from zero, since that law knows no area and would jump when a shoe reaches a unit's edge",
         gt=0,
     )
 
@@ -42,8 +46,8 @@ class ContactLaw(Parameters):
         return self
 
     @classmethod
-    def oil_sand(cls) -> Self:
-        """Steel shoe on oil sand (all papers, contact table); the edge width is chosen here."""
+    def oil_sand(cls, sharing: Literal["pair", "area"] = "pair") -> Self:
+        """Steel shoe on oil sand (all papers, contact table); sharing and edge width are chosen here."""
         return cls(
             stiffness=1.0e8,
             exponent=2.0,
@@ -53,12 +57,18 @@ class ContactLaw(Parameters):
             dynamic_friction=0.3,
             stiction_speed=0.01,
             friction_speed=0.1,
+            sharing=sharing,
             edge_width=0.01,
         )
 
-    @property
-    def as_array(self) -> NDArray:
-        """Values in the order that `exudyn_crawler.contact` takes them: array (9,)."""
+    def as_array(self, underside_area: float) -> NDArray:
+        """Values in the order that `exudyn_crawler.contact` takes them: array (10,).
+
+        Parameters
+        ----------
+        underside_area : float
+            m2; the last value where pairs share by area, else the last value is zero.
+        """
         return np.array(
             [
                 self.stiffness,
@@ -70,5 +80,6 @@ class ContactLaw(Parameters):
                 self.stiction_speed,
                 self.friction_speed,
                 self.edge_width,
+                underside_area if self.sharing == "area" else 0.0,
             ]
         )

@@ -10,14 +10,14 @@ from exudyn_crawler.parameters.profile import StepProfile
 
 
 class Drive(Parameters):
-    """Velocity of the front shoe's COM along x and, in a turn, its rate about its own z axis."""
+    """Velocity of the front shoe's COM along x and, in a turn, its rate about its own z axis.
+
+    `LoadCycle.drive_on` tells when it acts.
+    """
 
     speed: StepProfile = quantity("m/s", "velocity along global x")
     turn_rate: StepProfile | None = quantity(
         "rad/s", "angular velocity about the shoe's z axis; None leaves it free", default=None
-    )
-    off_time: float | None = quantity(
-        "s", "time from which the front shoe is free; None keeps the drive on", default=None, gt=0
     )
 
     @model_validator(mode="after")
@@ -47,9 +47,6 @@ class Drive(Parameters):
         )
 
     @classmethod
-    def propel_and_load(cls) -> Self:
-        """Propel of the S-paper: to rest between 10 and 15 s, then the front shoe is left free."""
-        return cls(
-            speed=StepProfile(times=(0.0, 5.0, 10.0, 15.0), values=(0.0, 0.1, 0.1, 0.0)),
-            off_time=15.0,
-        )
+    def to_rest(cls) -> Self:
+        """Propel of the S-paper: as in translation up to 10 s, then to rest at 15 s."""
+        return cls(speed=StepProfile(times=(0.0, 5.0, 10.0, 15.0), values=(0.0, 0.1, 0.1, 0.0)))

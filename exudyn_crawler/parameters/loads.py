@@ -34,12 +34,17 @@ class Phase(Parameters):
 
 
 class LoadCycle(Parameters):
-    """Downward loads on the shoes: phases whose end values are joined by cubic STEPs.
+    """Downward loads on the shoes, in phases whose ends are joined by cubic STEPs, and the drive's times.
 
-    Before the end of the first phase the loads are constant at its values.
+    Before the end of the first phase the loads are constant at its values, after the last one at the last.
     """
 
     phases: Annotated[tuple[Phase, ...], Field(min_length=1)]
+    drive_on: tuple[tuple[float, float], ...] | None = quantity(
+        "s",
+        "times from and to which the drive moves the front shoe, free otherwise; None: always",
+        default=None,
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -51,7 +56,28 @@ class LoadCycle(Parameters):
             raise ValueError(f"the phases' names must differ, got {[p.name for p in self.phases]}")
         if len(set(counts.values())) != 1:
             raise ValueError(f"every phase needs a load for every shoe, got counts {counts}")
+        if self.drive_on is not None:
+            times = [time for window in self.drive_on for time in window]
+            if times and (times[0] < 0.0 or np.any(np.diff(times) <= 0.0)):
+                raise ValueError(f"drive_on must be times from 0 s that increase, got {self.drive_on}")
         return self
+
+    @property
+    def switch_times(self) -> tuple[float, ...]:
+        """Times after 0 at which the drive goes on or off, s."""
+        return tuple(time for window in self.drive_on or () for time in window if time > 0.0)
+
+    def off_since(self, time: float) -> float:
+        """How long the drive has been off just after a time, s; zero while it is on."""
+        if self.drives_after(time):
+            return 0.0
+        return time - max((end for _, end in self.drive_on or () if end <= time * (1.0 + 1e-9)), default=0.0)
+
+    def drives_after(self, time: float) -> bool:
+        """Whether the drive is on just after a time (s)."""
+        if self.drive_on is None:
+            return True
+        return any(start <= time * (1.0 + 1e-9) < end for start, end in self.drive_on)
 
     @classmethod
     def constant(cls, loads: Sequence[float]) -> Self:
@@ -101,12 +127,16 @@ class LoadCycle(Parameters):
         return cls(
             phases=tuple(
                 Phase(name=name, end=end, loads=tuple(loads.tolist())) for name, (end, loads) in ends.items()
-            )
+            ),
+            drive_on=((0.0, 15.0),),
         )
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
-        """Read a cycle from a TOML file: a list of tables ``[[phases]]`` with name, end and loads.
+        """Read a cycle from a TOML file.
+
+        It holds a list of tables ``[[phases]]`` with name, end and loads and, if the drive is not always on,
+        ``drive_on`` as a list of pairs of times.
 
         Raises
         ------

@@ -11,6 +11,12 @@ class Solver(Parameters):
     """Implicit generalized-alpha integration; `docs/validation.md` shows what the defaults cost."""
 
     step: float = quantity("s", "time step", gt=0, default=2.0e-3)
+    quiet_step: float = quantity(
+        "s",
+        "time step, if longer, once the drive has been off for 1 s and only the loads change",
+        gt=0,
+        default=1.0e-2,
+    )
     minimum_step: float = quantity("s", "least step tried before giving up", gt=0, default=1.0e-6)
     residual: float = quantity(
         "N",
@@ -27,6 +33,13 @@ class Solver(Parameters):
         "time between stored states; every step where it is not longer than one",
         gt=0,
         default=2.0e-3,
+    )
+
+    checkpoint_interval: float = quantity(
+        "s",
+        "the integration starts anew from its state at every multiple of this, where a killed run goes on",
+        gt=0,
+        default=1.0,
     )
 
     @model_validator(mode="after")

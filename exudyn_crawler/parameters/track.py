@@ -8,6 +8,9 @@ from pydantic import model_validator
 
 from exudyn_crawler.parameters.base import Parameters, quantity
 
+SIDES = ("right", "left")
+"""Pins of a link: at y = 8.68 m (right) and y = 10.03 m (left)."""
+
 
 class Track(Parameters):
     """Open chain of equal shoes, linked by pins along y; shoe 1 is the rearmost, the last the front.
@@ -70,3 +73,13 @@ class Track(Parameters):
     def rear_pin(self) -> NDArray:
         """Spherical joint at the rear of a shoe, in its frame: array (3,), m."""
         return self.front_pin - np.array([self.pitch, 0.0, 0.0])
+
+    @property
+    def joint_centers(self) -> dict[str, NDArray]:
+        """Joint centres of a shoe in its frame, m: "front right", "front left", "rear right", "rear left"."""
+        across = np.array([0.0, self.parallel_y - self.spherical_y, 0.0])
+        return {
+            f"{end} {side}": pin + number * across
+            for end, pin in (("front", self.front_pin), ("rear", self.rear_pin))
+            for number, side in enumerate(SIDES)
+        }

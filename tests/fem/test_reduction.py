@@ -211,11 +211,14 @@ def test_load_of_a_patch(reduced: fem.ReducedBody) -> None:
     )
 
 
-def test_truncation(reduced: fem.ReducedBody) -> None:
-    few = reduced.truncated(12)
-    assert few.modes.shape[2] == few.stress_modes.shape[2] == few.pilots.shape[2] == 12
-    with pytest.raises(ValueError, match="count = 95"):
-        reduced.truncated(95)
+def test_some_modes_alone(reduced: fem.ReducedBody) -> None:
+    few = reduced.with_modes([0, 5, 11])
+    assert few.modes.shape[2] == few.stress_modes.shape[2] == few.pilots.shape[2] == 3
+    np.testing.assert_array_equal(few.modes[:, :, 1], reduced.modes[:, :, 5])
+    with pytest.raises(ValueError, match=r"0\.\.93"):
+        reduced.with_modes([94])
+    with pytest.raises(ValueError, match="different"):
+        reduced.with_modes([1, 1])
 
 
 def test_faulty_interfaces(shoe: fem.ElasticBody) -> None:

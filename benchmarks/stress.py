@@ -1,0 +1,131 @@
+"""The stress study: wall time of its parts, and what integrating fewer modes loses.
+
+Two windows, one of propel and one of loading, are integrated with the default modes and with all 94, from the
+same state, and their peak von Mises stresses compared.
+"""
+
+import tempfile
+import time as clock
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler import Case, CrawlerModel, LoadCycle
+from exudyn_crawler.checkpoints import Checkpoints
+from exudyn_crawler.engine import build
+from exudyn_crawler.history import History
+from exudyn_crawler.shoe_stress import stress_basis, whole_coordinates
+from exudyn_crawler.simulation import integrate_from
+from exudyn_crawler.states import history_of
+from exudyn_crawler.stress_comparison import compare_stresses
+from exudyn_crawler.stress_figures import stress_figures
+from exudyn_crawler.stress_results import recover_stresses
+from exudyn_crawler.tables import print_table
+from fem import recover_extremes
+
+WINDOW = 0.1
+"""s of each window."""
+
+
+def loading_case(mesh: str) -> Case:
+    """Dig to swing as in the S-paper's cycle, without the propel before it."""
+    cycle = LoadCycle.shovel_cycle()
+    start, _, dig, swing = (0.0, *(cycle.phases[k] for k in range(3)))
+    phases = (dig.with_(end=start), swing.with_(end=swing.end - dig.end))
+    return Case.stress(mesh).with_(loads=cycle.with_(phases=phases, drive_on=()))
+
+
+def windows(mesh: str = "coarse") -> pd.DataFrame:
+    """Peak von Mises stress (MPa) of each flexible shoe in both windows, default modes against all 94."""
+    rows = []
+    for name, case, start in (("propel", Case.stress(mesh), 3.0), ("loading", loading_case(mesh), 4.0)):
+        assert case.flexible is not None
+        state, history = _state(case, start)
+        few = _peaks(integrate_from(case, state, WINDOW))
+        whole = case.with_(flexible=case.flexible.with_modes("all"))
+        begun = clock.perf_counter()
+        many = _peaks(integrate_from(whole, _in_all_modes(history, state), WINDOW))
+        spent = clock.perf_counter() - begun
+        rows += [
+            {
+                "window": f"{name} from {start:g} s",
+                "shoe": shoe,
+                "default": few[shoe],
+                "all 94": many[shoe],
+                "off": few[shoe] / many[shoe] - 1.0,
+                "wall s of all 94": spent,
+            }
+            for shoe in case.flexible.shoes
+        ]
+    return pd.DataFrame(rows)
+
+
+def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
+    """State row of a case at a time, and the history of this one instant."""
+    with tempfile.TemporaryDirectory() as folder:
+        kept = Checkpoints(Path(folder))
+        CrawlerModel(case).simulate(time + case.solver.step, False, kept)
+        state = kept.load(case)[-1].state
+    return state, history_of(build(case), state[None])
+
+
+def _in_all_modes(history: History, state: np.ndarray) -> np.ndarray:
+    """State row of the track with all modes: what is not integrated stands where its loads hold it."""
+    assert history.case.flexible is not None
+    basis = stress_basis(history)
+    shoes = history.case.flexible.shoes
+    count, modes = len(shoes), basis.inside.shape[1]
+    size = build(history.case).contact.size
+    time, rest = state[:1], state[1 : 1 + 3 * size].reshape(3, size)
+    bent = np.array([whole_coordinates(history, basis, shoe)[0] for shoe in shoes])
+    rates = rest[1:, -count * modes :].reshape(2, count, modes) @ basis.inside.T
+    rigid = rest[:, : -count * modes]
+    parts = [np.concatenate((row, new.ravel())) for row, new in zip(rigid, (bent, *rates), strict=True)]
+    return np.concatenate((time, *parts))
+
+
+def _peaks(history: History) -> dict[int, float]:
+    assert history.case.flexible is not None
+    basis = stress_basis(history)
+    peaks = {}
+    for shoe in history.case.flexible.shoes:
+        found = recover_extremes(basis.whole.stress_modes, whole_coordinates(history, basis, shoe))
+        peaks[shoe] = float(found.highest.max()) / 1e6
+    return peaks
+
+
+def study(duration: float = 40.0, mesh: str = "study") -> pd.DataFrame:
+    """Wall seconds of each part of the study."""
+    case = Case.stress(mesh)
+    spent = {}
+    begun = clock.perf_counter()
+
+    def lap(name: str) -> None:
+        nonlocal begun
+        now = clock.perf_counter()
+        spent[name] = now - begun
+        begun = now
+
+    model = CrawlerModel(case)
+    model.equilibrium()
+    lap("reduction and equilibrium")
+    history = model.simulate(duration, False)
+    lap("run")
+    results = recover_stresses(history)
+    lap("recovery")
+    compare_stresses(history, results)
+    stress_figures(history, results)
+    lap("tables and figures")
+    spent["total"] = sum(spent.values())
+    return pd.DataFrame({"part": list(spent), "s": list(spent.values())})
+
+
+def main() -> None:
+    """Print both tables."""
+    print_table(study(), "Stress study: 40 s, study mesh, six flexible shoes, 28 modes each")
+    print_table(windows(), f"Peak von Mises stress over {WINDOW:g} s, MPa, coarse mesh")
+
+
+if __name__ == "__main__":
+    main()

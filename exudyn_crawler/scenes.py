@@ -1,0 +1,298 @@
+"""Coloured surfaces with arrows, seen in parallel projection, as images.
+
+OpenGL (PyVista) draws them where the machine has it, with or without a display. Where it has not, matplotlib
+draws the same scene back to front; it needs no system library, but shades by triangle and may get the order
+of large triangles wrong.
+"""
+
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Literal, Self
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
+from matplotlib.patches import FancyArrowPatch
+from numpy.typing import NDArray
+
+Backend = Literal["opengl", "plain"]
+
+COLOURS = "YlOrRd"
+"""Colour map of stresses: pale where there is little, so that shading shows the shape."""
+ARROW_COLOUR = "#1f4fd8"
+ARROW_WIDTH = 0.014
+"""m, diameter of an arrow's shaft."""
+FINEST = 0.12
+"""m, edges of triangles that the plain backend may draw whole."""
+LIGHT = np.array([0.30, 0.15, 0.94])
+"""Where light comes from, in the picture's axes: right, up, toward the viewer."""
+HIDDEN = 0.002
+"""m by which something has to lie before a point to hide it."""
+TRIAL = """
+import pyvista
+plotter = pyvista.Plotter(off_screen=True, window_size=(32, 32))
+plotter.add_mesh(pyvista.Cube(), color="red")
+image = plotter.screenshot(return_img=True)
+raise SystemExit(0 if image.std() > 1.0 else 1)
+"""
+"""What a machine with OpenGL can do; run in a process of its own, since VTK may end its process."""
+
+
+@dataclass(frozen=True)
+class View:
+    """Direction of a parallel projection.
+
+    Attributes
+    ----------
+    right, up : array (3,)
+        Unit vectors that lie rightward and upward in the picture.
+    """
+
+    right: NDArray
+    up: NDArray
+
+    @classmethod
+    def seen_from(cls, azimuth: float, elevation: float) -> Self:
+        """View of somebody who stands at an azimuth about z from +x and an elevation, degrees."""
+        around, above = np.radians([azimuth, elevation])
+        right = np.array([-np.sin(around), np.cos(around), 0.0])
+        toward = np.array(
+            [np.cos(above) * np.cos(around), np.cos(above) * np.sin(around), np.sin(above)],
+        )
+        return cls(right, np.cross(toward, right))
+
+    @property
+    def toward(self) -> NDArray:
+        """Unit vector from the scene to the viewer."""
+        return np.cross(self.right, self.up)
+
+    def project(self, points: NDArray) -> NDArray:
+        """Points (n, 3) as right, up and toward the viewer: array (n, 3), m."""
+        return points @ np.column_stack((self.right, self.up, self.toward))
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Surface coloured by nodal values, and arrows.
+
+    Attributes
+    ----------
+    points : array (n, 3)
+        m.
+    triangles : int array (m, 3)
+        Corners in outward sense.
+    values : array (n,)
+    arrows : array (k, 2, 3)
+        Tail and head of each, m.
+    """
+
+    points: NDArray
+    triangles: NDArray
+    values: NDArray
+    arrows: NDArray
+
+    @classmethod
+    def joined(cls, parts: "list[Scene]") -> Self:
+        """One scene of several."""
+        starts = np.cumsum([0, *(len(part.points) for part in parts[:-1])])
+        return cls(
+            np.concatenate([part.points for part in parts]),
+            np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=True)]),
+            np.concatenate([part.values for part in parts]),
+            np.concatenate([part.arrows for part in parts]),
+        )
+
+    def shows(self, point: int, view: View) -> bool:
+        """Whether a point of the surface is seen, or something lies before it."""
+        projected = view.project(self.points)
+        here = projected[point]
+        others = projected[self.triangles[(self.triangles != point).all(axis=1)]]
+        origin = others[:, 0, :2]
+        sides = np.stack((others[:, 1, :2] - origin, others[:, 2, :2] - origin), axis=-1)
+        shares = np.linalg.pinv(sides) @ (here[:2] - origin)[:, :, None]
+        u, v = shares[:, 0, 0], shares[:, 1, 0]
+        depth = others[:, 0, 2] * (1.0 - u - v) + others[:, 1, 2] * u + others[:, 2, 2] * v
+        covers = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+        return not bool((covers & (depth > here[2] + HIDDEN)).any())
+
+    def without_arrows(self) -> "Scene":
+        """Same surface alone."""
+        return Scene(self.points, self.triangles, self.values, self.arrows[:0])
+
+    def moved(self, shift: NDArray) -> "Scene":
+        """Same scene elsewhere; shift (3,), m."""
+        return Scene(self.points + shift, self.triangles, self.values, self.arrows + shift)
+
+
+@lru_cache(maxsize=1)
+def opengl_works() -> bool:
+    """Whether PyVista can draw on this machine; tried once, in a process of its own."""
+    quiet = os.environ | {"VTK_LOGGING_LEVEL": "OFF"}
+    try:
+        trial = subprocess.run(
+            [sys.executable, "-c", TRIAL], capture_output=True, timeout=120, check=False, env=quiet
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return trial.returncode == 0
+
+
+def usual_backend() -> Backend:
+    """OpenGL where it works, else the plain one."""
+    return "opengl" if opengl_works() else "plain"
+
+
+def draw_scene(
+    ax: Axes,
+    scene: Scene,
+    view: View,
+    window: tuple[float, float, float, float],
+    limits: tuple[float, float],
+    backend: Backend,
+    dpi: float = 130.0,
+) -> Axes:
+    """Draw a scene into axes, whose coordinates become those of the picture in m.
+
+    Parameters
+    ----------
+    window : tuple of float (4)
+        Least and greatest coordinate to the right, least and greatest upward, m.
+    limits : tuple of float (2)
+        Values at the ends of the colours.
+    dpi : float
+        Resolution of an OpenGL image.
+    """
+    ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
+    if backend == "opengl":
+        box = ax.get_window_extent()
+        assert ax.figure is not None
+        per_metre = min(box.width / (window[1] - window[0]), box.height / (window[3] - window[2]))
+        image = opengl_image(scene, view, window, limits, per_metre * dpi / ax.figure.dpi)
+        ax.imshow(image, extent=window, aspect="equal", interpolation="lanczos", zorder=1)
+    else:
+        draw_plain(ax, scene, view, limits)
+    return ax
+
+
+def opengl_image(
+    scene: Scene,
+    view: View,
+    window: tuple[float, float, float, float],
+    limits: tuple[float, float],
+    pixels_per_metre: float,
+) -> NDArray:
+    """Image (height, width, 4) of a scene on nothing, uint8 red, green, blue and opacity."""
+    import pyvista
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    # VTK tells of every window system that it tries in vain
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    width, height = window[1] - window[0], window[3] - window[2]
+    size = (max(2, round(width * pixels_per_metre)), max(2, round(height * pixels_per_metre)))
+    plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
+    try:
+        plotter.enable_anti_aliasing("ssaa")
+        plotter.add_mesh(
+            pyvista.PolyData.from_regular_faces(scene.points, scene.triangles),
+            scalars=scene.values,
+            clim=limits,
+            cmap=COLOURS,
+            show_scalar_bar=False,
+            smooth_shading=True,
+            split_sharp_edges=True,
+            feature_angle=30.0,
+            ambient=0.45,
+            diffuse=0.65,
+        )
+        for tail, head in scene.arrows:
+            length = float(np.linalg.norm(head - tail))
+            if length > ARROW_WIDTH:
+                plotter.add_mesh(_arrow(tail, head - tail, length), color=ARROW_COLOUR, ambient=0.4)
+        center = 0.5 * (
+            (window[0] + window[1]) * view.right + (window[2] + window[3]) * view.up
+        ) + view.toward * float((scene.points @ view.toward).mean())
+        light = np.column_stack((view.right, view.up, view.toward)) @ LIGHT
+        plotter.add_light(pyvista.Light(position=light, focal_point=(0, 0, 0), light_type="scene light"))
+        plotter.enable_parallel_projection()
+        plotter.camera.focal_point = center
+        plotter.camera.position = center + 20.0 * view.toward
+        plotter.camera.up = view.up
+        plotter.camera.parallel_scale = 0.5 * height
+        plotter.reset_camera_clipping_range()
+        return np.asarray(plotter.screenshot(return_img=True, transparent_background=True))
+    finally:
+        plotter.close()
+
+
+def _arrow(tail: NDArray, along: NDArray, length: float) -> Any:
+    """Arrow of fixed thickness as a PyVista mesh."""
+    import pyvista
+
+    tip = min(5.0 * ARROW_WIDTH, 0.6 * length)
+    return pyvista.Arrow(
+        start=tail,
+        direction=along,
+        scale=length,
+        tip_length=tip / length,
+        tip_radius=1.6 * ARROW_WIDTH / length,
+        shaft_radius=0.5 * ARROW_WIDTH / length,
+    )
+
+
+def draw_plain(ax: Axes, scene: Scene, view: View, limits: tuple[float, float]) -> Axes:
+    """Draw a scene back to front, each triangle in one shaded colour."""
+    corners, values = _fine_triangles(view.project(scene.points)[scene.triangles], scene)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    seen = np.flatnonzero(normals[:, 2] > 0.0)
+    order = seen[np.argsort(corners[seen, :, 2].mean(axis=1), kind="stable")]
+    colours = mpl.colormaps[COLOURS](Normalize(*limits)(values.mean(axis=1)[order]))
+    shade = 0.45 + 0.65 * np.clip(normals[order] @ (LIGHT / np.linalg.norm(LIGHT)), 0.0, 1.0)
+    colours[:, :3] = np.clip(colours[:, :3] * shade[:, None], 0.0, 1.0)
+    ax.add_collection(
+        PolyCollection(
+            list(corners[order, :, :2]), facecolors=colours, edgecolors=colours, linewidths=0.3, zorder=1
+        ),
+        autolim=False,
+    )
+    for tail, head in scene.arrows:
+        ends = view.project(np.stack((tail, head)))[:, :2]
+        ax.add_patch(
+            FancyArrowPatch(
+                ends[0],
+                ends[1],
+                arrowstyle="-|>",
+                mutation_scale=6,
+                lw=1.0,
+                color=ARROW_COLOUR,
+                zorder=2,
+                shrinkA=0,
+                shrinkB=0,
+            )
+        )
+    return ax
+
+
+def _fine_triangles(corners: NDArray, scene: Scene) -> tuple[NDArray, NDArray]:
+    """Corners (m, 3, 3) and their values (m, 3), large triangles split into four until they are small."""
+    values = scene.values[scene.triangles]
+    done: list[tuple[NDArray, NDArray]] = []
+    while len(corners):
+        edges = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1)
+        small = edges <= FINEST
+        done.append((corners[small], values[small]))
+        corners, values = _quartered(corners[~small]), _quartered(values[~small])
+    return np.concatenate([c for c, _ in done]), np.concatenate([v for _, v in done])
+
+
+def _quartered(corners: NDArray) -> NDArray:
+    """What stands at the corners of triangles (m, 3, ...), of each one's four quarters (4 m, 3, ...)."""
+    a, b, c = (corners[:, k] for k in range(3))
+    ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+    quarters = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+    return np.concatenate([np.stack(one, axis=1) for one in quarters])

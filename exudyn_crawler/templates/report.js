@@ -1,0 +1,280 @@
+"use strict";
+
+const data = JSON.parse(document.getElementById("report-data").textContent);
+const KINDS = { f4: Float32Array, u2: Uint16Array, u4: Uint32Array, i2: Int16Array };
+const COLOURS = ["#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b", "#e377c2", "#7f7f7f",
+  "#bcbd22", "#17becf", "#393b79", "#637939", "#111111"];
+const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["sendDataToCloud", "lasso2d", "select2d"] };
+
+function unpack(text, kind) {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new KINDS[kind](bytes.buffer);
+}
+
+function element(name, attributes = {}, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (key === "onchange" || key === "onclick") made[key] = value;
+    else made.setAttribute(key, value);
+  }
+  made.append(...children);
+  return made;
+}
+
+/* time histories: one object a plot, which owns its controls */
+
+class SeriesPlot {
+  constructor(place, first) {
+    this.caseNames = Object.keys(data.cases);
+    this.case = this.caseNames[0];
+    this.cache = new Map();
+    this.caseSelect = element("select", { "aria-label": "case", onchange: () => this.pickCase(this.caseSelect.value) },
+      ...this.caseNames.map((name) => element("option", { value: name }, name)));
+    this.quantitySelect = element("select", { "aria-label": "quantity", onchange: () => this.pickQuantity() });
+    this.axisBox = element("fieldset", { class: "axes" });
+    this.itemBox = element("fieldset", { class: "items" });
+    this.figure = element("div", { class: "figure" });
+    const controls = element("div", { class: "controls" });
+    if (this.caseNames.length > 1) controls.append(this.caseSelect);
+    controls.append(this.quantitySelect, this.axisBox, this.itemBox);
+    place.append(controls, this.figure);
+    this.pickCase(this.case, first);
+  }
+
+  pickCase(name, label = null) {
+    label = label ?? this.quantity?.label;
+    this.case = name;
+    const quantities = data.cases[name].quantities;
+    this.quantitySelect.replaceChildren();
+    let group = null;
+    quantities.forEach((quantity, index) => {
+      if (!group || group.label !== quantity.group) {
+        group = element("optgroup", { label: quantity.group });
+        this.quantitySelect.append(group);
+      }
+      group.append(element("option", { value: index }, `${quantity.label} in ${quantity.unit}`));
+    });
+    const index = quantities.findIndex((quantity) => quantity.label === label);
+    this.quantitySelect.value = String(Math.max(index, 0));
+    this.pickQuantity();
+  }
+
+  pickQuantity() {
+    const before = this.quantity;
+    this.quantity = data.cases[this.case].quantities[Number(this.quantitySelect.value)];
+    const same = (name) => before && JSON.stringify(before[name]) === JSON.stringify(this.quantity[name]);
+    if (!same("items")) this.fillItems();
+    if (!same("axes")) this.fillAxes();
+    this.draw();
+  }
+
+  fillAxes() {
+    this.axisBox.replaceChildren(element("legend", {}, "axes"));
+    this.axisBox.hidden = this.quantity.axes.length < 2;
+    for (const axis of this.quantity.axes) this.axisBox.append(this.box(axis, axis, true));
+  }
+
+  fillItems() {
+    const items = this.quantity.items;
+    const shown = (item) => items.length <= 7 || data.drawn.includes(Number(item.match(/\d+/)?.[0]));
+    const all = (checked) => {
+      for (const box of this.itemBox.querySelectorAll("input")) box.checked = checked;
+      this.draw();
+    };
+    this.itemBox.replaceChildren(element("legend", {}, items[0].split(" ")[0] + "s"));
+    this.itemBox.hidden = items.length < 2;
+    for (const item of items) this.itemBox.append(this.box(item, item.split(" ").slice(1).join(" "), shown(item)));
+    this.itemBox.append(
+      element("button", { type: "button", onclick: () => all(true) }, "all"),
+      element("button", { type: "button", onclick: () => all(false) }, "none"));
+  }
+
+  box(value, label, checked) {
+    const input = element("input", { type: "checkbox", value, onchange: () => this.draw() });
+    input.checked = checked;
+    return element("label", {}, input, " ", label);
+  }
+
+  picked(box) {
+    return [...box.querySelectorAll("input:checked")].map((input) => input.value);
+  }
+
+  series(item, axis) {
+    const key = [this.case, this.quantity.label, item, axis].join("|");
+    if (!this.cache.has(key)) {
+      const time = unpack(data.cases[this.case].times[this.quantity.time], "f4");
+      const [index, values] = this.quantity.series[item][axis];
+      this.cache.set(key, {
+        x: Float32Array.from(unpack(index, this.quantity.index), (k) => time[k]),
+        y: unpack(values, "f4"),
+      });
+    }
+    return this.cache.get(key);
+  }
+
+  draw() {
+    const { items, axes, label, unit, floor } = this.quantity;
+    const chosenAxes = axes.length < 2 ? axes : this.picked(this.axisBox);
+    const chosenItems = items.length < 2 ? items : this.picked(this.itemBox);
+    const traces = [];
+    const layout = {
+      height: 90 + 230 * Math.max(chosenAxes.length, 1),
+      margin: { l: 80, r: 20, t: 20, b: 50 },
+      grid: { rows: Math.max(chosenAxes.length, 1), columns: 1, pattern: "coupled" },
+      xaxis: { title: { text: "time in s" } },
+      legend: { tracegroupgap: 0 },
+      showlegend: chosenItems.length > 1,
+      hovermode: "x",
+      uirevision: `${this.case}|${label}|${chosenAxes}`,
+    };
+    chosenAxes.forEach((axis, row) => {
+      const name = row === 0 ? "yaxis" : `yaxis${row + 1}`;
+      layout[name] = { title: { text: `${axis} ${label}<br>in ${unit}`.trim(), font: { size: 12 } }, exponentformat: "power" };
+      const drawn = chosenItems.map((item) => this.series(items.indexOf(item), axes.indexOf(axis)));
+      // rounding must not look like motion
+      if (drawn.every(({ y }) => y.every((value) => Math.abs(value) < floor))) layout[name].range = [-floor, floor];
+      chosenItems.forEach((item, k) => {
+        const number = items.indexOf(item);
+        traces.push({
+          ...drawn[k],
+          type: "scatter", mode: "lines", name: item, legendgroup: item, showlegend: row === 0,
+          line: { width: 1.2, color: COLOURS[number % COLOURS.length] },
+          xaxis: "x", yaxis: row === 0 ? "y" : `y${row + 1}`,
+          hovertemplate: `%{y:.4g} ${unit}`,
+        });
+      });
+    });
+    Plotly.react(this.figure, traces, layout, CONFIG);
+  }
+}
+
+/* flexible shoes */
+
+class ShoeView {
+  constructor(place, shoes) {
+    this.place = place;
+    this.shoes = shoes;
+    this.position = unpack(shoes.position, "f4");
+    this.triangle = unpack(shoes.triangle, "u4");
+    this.corner = [0, 1, 2].map((k) => this.triangle.filter((_, index) => index % 3 === k));
+    const control = (id) => document.getElementById(id);
+    this.time = control("shoe-time");
+    this.bend = control("shoe-bend");
+    this.gap = control("shoe-gap");
+    this.limit = control("shoe-limit");
+    this.forces = control("shoe-forces");
+    this.shown = control("shoe-time-shown");
+    this.time.max = shoes.frames.length - 1;
+    this.bend.value = shoes.magnification;
+    this.limit.value = shoes.limit;
+    for (const input of [this.time, this.bend, this.gap, this.limit, this.forces]) input.oninput = () => this.draw();
+    this.draw();
+  }
+
+  /* m along x by which a shoe is drawn away from its place */
+  shift(index) {
+    const { shoes } = this.shoes;
+    return Number(this.gap.value) * (shoes[index] - 0.5 * (shoes[0] + shoes[shoes.length - 1]));
+  }
+
+  surface(frame, index) {
+    const { bend_step: step, mises_step: misesStep, shoes } = this.shoes;
+    const bend = unpack(frame.bend[index], "i2");
+    const mises = unpack(frame.mises[index], "u2");
+    const origin = [frame.origin[index][0] + this.shift(index), ...frame.origin[index].slice(1)];
+    const turn = frame.frame[index];
+    const factor = Number(this.bend.value) * step;
+    const count = mises.length;
+    const place = [new Float32Array(count), new Float32Array(count), new Float32Array(count)];
+    for (let node = 0; node < count; node++) {
+      const local = [0, 1, 2].map((axis) => this.position[3 * node + axis] + factor * bend[3 * node + axis]);
+      for (let axis = 0; axis < 3; axis++) {
+        place[axis][node] = origin[axis] + turn[3 * axis] * local[0] + turn[3 * axis + 1] * local[1]
+          + turn[3 * axis + 2] * local[2];
+      }
+    }
+    const stress = Float32Array.from(mises, (value) => misesStep * value);
+    return {
+      type: "mesh3d", name: `shoe ${shoes[index]}: ${frame.highest[index].toFixed(1)} MPa`,
+      x: place[0], y: place[1], z: place[2], i: this.corner[0], j: this.corner[1], k: this.corner[2],
+      intensity: stress, cmin: 0, cmax: Number(this.limit.value) || this.shoes.limit,
+      colorscale: data.colours, showscale: index === 0, showlegend: true,
+      colorbar: { title: { text: "von Mises<br>in MPa" }, x: 0, xanchor: "left", len: 0.8 },
+      flatshading: true, lighting: { ambient: 0.75, diffuse: 0.45, specular: 0, fresnel: 0, facenormalsepsilon: 0 },
+      lightposition: { x: -30000, y: -60000, z: 90000 },
+      text: Array.from(stress, (value) => `shoe ${shoes[index]}: ${value.toFixed(1)} MPa`), hoverinfo: "text",
+    };
+  }
+
+  arrows(frame) {
+    const lines = { x: [], y: [], z: [] };
+    const heads = { x: [], y: [], z: [], u: [], v: [], w: [] };
+    frame.points.forEach((packed, index) => {
+      const points = unpack(packed, "f4");
+      const forces = unpack(frame.forces[index], "f4");
+      for (let at = 0; at < points.length; at += 3) {
+        const length = Math.hypot(forces[at], forces[at + 1], forces[at + 2]);
+        ["x", "y", "z"].forEach((axis, k) => {
+          const head = points[at + k] + (k === 0 ? this.shift(index) : 0);
+          lines[axis].push(head - this.shoes.force_scale * forces[at + k], head, null);
+          heads[axis].push(head);
+          heads["uvw"[k]].push(forces[at + k] / length);
+        });
+      }
+    });
+    const blue = data.arrows;
+    return [
+      { ...lines, type: "scatter3d", mode: "lines", line: { color: blue, width: 4 }, name: "contact forces", hoverinfo: "skip" },
+      { ...heads, type: "cone", anchor: "tip", sizemode: "absolute", sizeref: 0.08, showscale: false,
+        colorscale: [[0, blue], [1, blue]], name: "contact forces", hoverinfo: "skip" },
+    ];
+  }
+
+  draw() {
+    const frame = this.shoes.frames[Number(this.time.value)];
+    this.shown.textContent = `t = ${Number(frame.time.toFixed(4))} s`;
+    const traces = this.shoes.shoes.map((_, index) => this.surface(frame, index));
+    if (this.forces.checked) traces.push(...this.arrows(frame));
+    const layout = {
+      uirevision: "kept", margin: { l: 0, r: 0, t: 0, b: 0 }, legend: { x: 1, xanchor: "right" },
+      scene: {
+        aspectmode: "data", xaxis: { title: { text: "x in m" } }, yaxis: { title: { text: "y in m" } },
+        zaxis: { title: { text: "z in m" }, nticks: 4 },
+        camera: { eye: { x: -1.5, y: -1.3, z: 1.1 }, center: { x: 0, y: 0, z: -0.2 } },
+      },
+    };
+    Plotly.react(this.place, traces, layout, CONFIG);
+  }
+}
+
+/* the rest of the page */
+
+function showPictures() {
+  const figures = [...document.querySelectorAll("figure.picture")];
+  const buttons = [...document.querySelectorAll("#picture-buttons button")];
+  const show = (chosen) => {
+    figures.forEach((figure, index) => { figure.style.display = index === chosen ? "" : "none"; });
+    buttons.forEach((button, index) => button.setAttribute("aria-pressed", String(index === chosen)));
+  };
+  buttons.forEach((button, index) => { button.onclick = () => show(index); });
+  if (figures.length) show(0);
+}
+
+function filterComparison() {
+  for (const radio of document.querySelectorAll("#comparison-filter input")) {
+    radio.onchange = () => {
+      for (const row of document.querySelectorAll("#comparison-table tbody tr")) {
+        row.hidden = radio.value !== "all" && !row.classList.contains(radio.value);
+      }
+    };
+  }
+}
+
+const report = { plots: [], shoes: null };
+if (Object.keys(data.cases).length) {
+  report.plots = data.first.map((label, index) => new SeriesPlot(document.getElementById(`plot-${index}`), label));
+}
+if (data.shoes) report.shoes = new ShoeView(document.getElementById("shoe-view"), data.shoes);
+showPictures();
+filterComparison();
+document.body.dataset.ready = "yes";

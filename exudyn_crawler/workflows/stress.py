@@ -1,0 +1,153 @@
+"""Stress study (S-paper): flexible shoes over propel and loading, von Mises histories and hot spots."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+
+from exudyn_crawler.checkpoints import Checkpoints
+from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.figures import save_figure
+from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.history import History
+from exudyn_crawler.parameters import Case
+from exudyn_crawler.parameters.flexible import ADAMS_DAMPING
+from exudyn_crawler.paraview import write_paraview
+from exudyn_crawler.simulation import CrawlerModel
+from exudyn_crawler.stress_comparison import compare_stresses, stress_summary
+from exudyn_crawler.stress_figures import stress_figures
+from exudyn_crawler.stress_pictures import write_stress_pictures
+from exudyn_crawler.stress_results import StressResults, recover_stresses
+from exudyn_crawler.tables import write_table
+from exudyn_crawler.workflows.runs import refuse_results
+from fem import write_vtu
+
+DURATION = 40.0
+"""s, propel and one loading cycle of the S-paper."""
+
+
+def run_stress(
+    case: Case | None = None,
+    duration: float = DURATION,
+    out: Path | None = None,
+    overwrite: bool = False,
+    progress: bool | None = None,
+    say: Callable[[str], None] = lambda _text: None,
+) -> tuple[History, StressResults, pd.DataFrame]:
+    """Run a track with flexible shoes, recover their stresses and compare them with the paper.
+
+    Parameters
+    ----------
+    case : Case, optional
+        With flexible shoes; `Case.stress()` if left out.
+    duration : float
+        s.
+    out : Path, optional
+        Folder for all results; None writes nothing. Its folder `checkpoints` lets a run that was killed go
+        on: the same call takes up where it ended.
+    overwrite : bool
+        Replace files of an earlier study and start anew.
+    say : callable
+        Is told, in a line, what is going on.
+
+    Returns
+    -------
+    history : History
+    results : StressResults
+    comparison : pandas.DataFrame
+        As of `stress_comparison.compare_stresses`.
+
+    Raises
+    ------
+    ValueError
+        Before anything runs: no flexible shoes, interfaces that do not meet the pins, modes that do not
+        exist, a bad duration, or checkpoints of other parameters.
+    FileExistsError
+        Before anything runs, if results are there and `overwrite` is false.
+    SimulationStopped
+        If the run ends early; its history is saved.
+    """
+    case = Case.stress() if case is None else case
+    if case.flexible is None:
+        raise ValueError("the stress study needs flexible shoes: set the case's `flexible`")
+    checkpoints = None
+    if out is not None:
+        refuse_results(writable_folder(out), overwrite)
+        checkpoints = Checkpoints(out / "checkpoints")
+        if overwrite:
+            checkpoints.clear()
+        elif kept := checkpoints.load(case):
+            say(f"going on from the checkpoint at t = {kept[-1].time:g} s")
+    try:
+        history = CrawlerModel(case).simulate(duration, progress, checkpoints)
+    except SimulationStopped as stop:
+        if out is not None:
+            stop.history.save(out / "history_stopped.nc", overwrite=True)
+        raise
+    if out is not None:
+        history.save(out / "history.nc", overwrite)
+    say("recovering stresses")
+    results = recover_stresses(history)
+    table = compare_stresses(history, results)
+    if out is not None:
+        _write(history, results, table, out, overwrite)
+        assert checkpoints is not None
+        checkpoints.remove()
+    return history, results, table
+
+
+def _write(history: History, results: StressResults, table: pd.DataFrame, out: Path, overwrite: bool) -> None:
+    results.save(out / "stress.nc", overwrite)
+    write_table(table, out / "comparison.csv", overwrite)
+    write_table(history.case.loads.table(), out / "load_cycle.csv", overwrite)
+    write_table(stress_summary(history, results), out / "highest_stresses.csv", overwrite)
+    for shoe, hot_spots in results.hot_spots.items():
+        write_table(hot_spots, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
+    for title, figure in stress_figures(history, results).items():
+        save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
+    _write_fields(results, out, overwrite)
+    write_stress_pictures(results.dataset, history, out, overwrite)
+    write_paraview(results.dataset, history, out, overwrite)
+
+
+def _write_fields(results: StressResults, out: Path, overwrite: bool) -> None:
+    """Greatest von Mises stress of every node, when it occurs and its range, for ParaView."""
+    for shoe in results.dataset.shoe.values:
+        own = results.dataset.sel(shoe=shoe)
+        fields = {
+            "greatest von Mises": own.peak_von_mises.values,
+            "time of the greatest": own.peak_time.values,
+            "range of von Mises": (own.peak_von_mises - own.least_von_mises).values,
+        }
+        with whole_file(out / f"fields_shoe_{shoe}.vtu", overwrite) as temporary:
+            write_vtu(temporary, results.whole.mesh, fields)
+
+
+def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | None = None) -> pd.DataFrame:
+    """What the stress study's open choices do: rows of the S-paper for some of them.
+
+    Parameters
+    ----------
+    duration : float
+        s; the coarse mesh and part of the propel tell the directions.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns case, quantity, statistic, unit, paper, then one a choice; rows that the run reaches.
+    """
+    case = Case.stress(mesh)
+    assert case.flexible is not None
+    contact = case.contact
+    choices = {
+        "default": case,
+        "ADAMS' modal damping": case.with_(flexible=case.flexible.with_(damping=ADAMS_DAMPING)),
+        "one contact law a pair": case.with_(contact=contact.with_(sharing="pair")),
+        "contact damping x 10": case.with_(contact=contact.with_(damping=10.0 * contact.damping)),
+    }
+    columns = {}
+    for choice, changed in choices.items():
+        _, _, table = run_stress(changed, duration, progress=progress)
+        columns[choice] = table["computed"]
+    rows = table[["case", "quantity", "statistic", "unit", "paper"]].assign(**columns)
+    return rows.dropna().reset_index(drop=True)

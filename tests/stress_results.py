@@ -1,0 +1,27 @@
+"""Results of a stress study in its own form, from short real runs."""
+
+import pandas as pd
+import xarray as xr
+
+from exudyn_crawler import Case, CrawlerModel, Drive, History, LoadCycle, StepProfile
+from exudyn_crawler.stress_results import recover_stresses
+
+
+def short_run(
+    duration: float, shoes: tuple[int, ...] = (7, 13), mesh: str = "coarse", top_speed: float = 0.05
+) -> History:
+    """Track of the stress study with some flexible shoes, set going within half the run."""
+    case = Case.stress(mesh)
+    assert case.flexible is not None
+    case = case.with_(
+        drive=Drive(speed=StepProfile(times=(0.0, 0.5 * duration), values=(0.0, top_speed))),
+        loads=LoadCycle.propel(),
+        flexible=case.flexible.with_(shoes=shoes),
+    )
+    return CrawlerModel(case).simulate(duration)
+
+
+def stress_results(history: History, frames: list[float]) -> tuple[xr.Dataset, dict[int, pd.DataFrame]]:
+    """Stress dataset of a history and the tables of hot spots by shoe."""
+    results = recover_stresses(history, frames)
+    return results.dataset, dict(results.hot_spots)
