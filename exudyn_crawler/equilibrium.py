@@ -44,7 +44,7 @@ def static_equilibrium(case: Case) -> NDArray:
             if case.contact_model != "general":
                 raise
             raise EquilibriumError(
-                f"{error}. {_unsupported(system)} The spheres' radius of {case.general_contact.radius} m may "
+                f"{error}. The spheres' radius of {case.general_contact.radius} m may "
                 f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
             ) from error
     if case.contact_model == "general" and (sunken := SphereContact(case).sunken(q)):

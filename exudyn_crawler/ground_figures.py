@@ -15,8 +15,16 @@ SHOE, UNIT = "tab:blue", "tan"
 def ground_figure(history: History, time: float) -> Figure:
     """Side view of a run at a time (s), and below it what the ground carries under every shoe."""
     figure = Figure(figsize=(11.0, 4.6), layout="constrained")
-    side, carried = figure.subplots(2, 1, sharex=True)
+    grid = figure.add_gridspec(2, 1)
+    side = figure.add_subplot(grid[0])
+    carried = figure.add_subplot(grid[1], sharex=side)
     draw_side_view(side, history, time)
+    # as high as the side view becomes when it takes the whole width, so that both panels are one as wide
+    width, height = np.ptp(side.get_xlim()), np.ptp(side.get_ylim())
+    high = 10.5 * height / width
+    figure.set_size_inches(11.0, high + 3.2)
+    grid.set_height_ratios([high, 2.2])
+    side.tick_params(labelbottom=False)
     side.set_xlabel("")
     draw_carried(carried, history, time)
     return figure
