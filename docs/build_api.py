@@ -28,14 +28,16 @@ def module_names(packages: Sequence[str]) -> list[str]:
 
 
 def tell_units(module: ModuleType) -> None:
-    """Let a module's parameter classes tell the units of their fields and which have no default.
+    """Let a module's parameter classes tell types and units of their fields and which have no default.
 
     It changes the classes' own descriptions, so a process that does this does nothing else with them.
     """
     for _, kind in inspect.getmembers(module, inspect.isclass):
         if not issubclass(kind, BaseModel) or kind.__module__ != module.__name__:
             continue
-        for field in kind.__pydantic_fields__.values():
+        for name, field in kind.__pydantic_fields__.items():
+            # the bare type, without the bounds that pydantic keeps beside it
+            kind.__annotations__[name] = field.annotation
             extra = field.json_schema_extra
             if isinstance(extra, dict) and extra.get("unit") and field.description:
                 unit = "dimensionless" if extra["unit"] == "1" else extra["unit"]

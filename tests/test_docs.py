@@ -95,6 +95,7 @@ def test_api_reference_tells_units_of_parameters_and_sections_of_docstrings(tmp_
     terrain = (tmp_path / "exudyn_crawler/parameters/terrain.html").read_text(encoding="utf-8")
     assert "stiffness of each spring [N/m]" in terrain
     assert "Undefined" not in terrain
+    assert "FieldInfo" not in (tmp_path / "exudyn_crawler/parameters/loads.html").read_text(encoding="utf-8")
     stress = (tmp_path / "fem/stress.html").read_text(encoding="utf-8")
     assert '<h6 id="returns">Returns</h6>' in stress
     assert (tmp_path / "index.html").is_file()
