@@ -1,6 +1,7 @@
 """Time integration of a case from its static equilibrium."""
 
 import math
+from collections.abc import Callable
 from itertools import pairwise
 
 import exudyn as exu
@@ -108,18 +109,10 @@ def integrate(
     case = system.case
     if settings is None:
         settings = solver_settings(case.solver)
-    recorder = _Recorder(system, case.solver.output_interval, duration)
+    recorder = _Recorder(system, duration)
     reason = None
-    sunken: list[int] = []
     with progress_bar(case.name, duration, progress) as tell:
-
-        def after_step(_mbs: "exu.MainSystem", time: float) -> bool:
-            recorder.store(time)
-            tell(time)
-            sunken[:] = system.sunken()
-            return not sunken
-
-        system.mbs.SetPostStepUserFunction(after_step)
+        sunken = _watch(system, recorder, tell)
         saved = [] if checkpoints is None else checkpoints.load(case)
         for number, (start, end) in enumerate(pairwise(stage_times(case, duration))):
             if number < len(saved) and abs(saved[number].time - end) < TIME_TOLERANCE * duration:
@@ -131,12 +124,7 @@ def integrate(
             set_times(settings, case.solver, start, end, quiet)
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
             first = recorder.count
-            reason = _solve(system, settings)
-            if sunken:
-                reason = (
-                    f"spheres of shoes {sunken} sank through the ground; they need a greater "
-                    f"general_contact.radius than {case.general_contact.radius} m, or flatter ground"
-                )
+            reason = _solve(system, settings, sunken)
             if reason is not None:
                 break
             state = system.state()
@@ -166,28 +154,52 @@ def integrate_from(case: Case, state: NDArray, duration: float) -> History:
     """
     system = build(case)
     start, end = float(state[0]), float(state[0]) + duration
-    recorder = _Recorder(system, case.solver.output_interval, end)
-
-    def after_step(_mbs: "exu.MainSystem", time: float) -> bool:
-        if time > start:
-            recorder.store(time)
-        return True
-
-    system.mbs.SetPostStepUserFunction(after_step)
+    recorder = _Recorder(system, end, start)
+    sunken = _watch(system, recorder)
     system.set_state(state)
     system.switch_drive(case.loads.drives_after(start))
     settings = solver_settings(case.solver)
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
     set_times(settings, case.solver, start, end)
-    reason = _solve(system, settings)
+    reason = _solve(system, settings, sunken)
     history = history_of(system, recorder.rows)
     if reason is not None:
         raise SimulationStopped(recorder.time, reason, history)
     return history
 
 
-def _solve(system: System, settings: "exu.SimulationSettings") -> str | None:
-    """Integrate one stage; gives why it stopped early, or None."""
+def _watch(
+    system: System, recorder: "_Recorder", tell: Callable[[float], None] = lambda _time: None
+) -> list[int]:
+    """Store the states after each step from now on, and end the run where spheres sink through the ground.
+
+    Gives the list that the numbers of their shoes go into.
+    """
+    sunken: list[int] = []
+
+    def after_step(_mbs: "exu.MainSystem", time: float) -> bool:
+        recorder.store(time)
+        tell(time)
+        sunken[:] = system.sunken()
+        return not sunken
+
+    system.mbs.SetPostStepUserFunction(after_step)
+    return sunken
+
+
+def _solve(system: System, settings: "exu.SimulationSettings", sunken: list[int]) -> str | None:
+    """Integrate one stage; gives why it stopped early, or None. `sunken` is what `_watch` gave."""
+    reason = _solver_reason(system, settings)
+    if sunken:
+        return (
+            f"spheres of shoes {sunken} sank through the ground; they need a greater "
+            f"general_contact.radius than {system.case.general_contact.radius} m, or flatter ground"
+        )
+    return reason
+
+
+def _solver_reason(system: System, settings: "exu.SimulationSettings") -> str | None:
+    """Call the solver; gives why it failed, or None."""
     try:
         system.mbs.SolveDynamic(settings)
     except exu.SolverError:
@@ -203,15 +215,17 @@ def _solve(system: System, settings: "exu.SimulationSettings") -> str | None:
 
 
 class _Recorder:
-    """Keeps the state at the start and after every output interval."""
+    """Keeps the state at the start, unless it is another run's end, and after every output interval."""
 
-    def __init__(self, system: System, interval: float, duration: float) -> None:
+    def __init__(self, system: System, duration: float, start: float | None = None) -> None:
         self._system = system
-        self._interval = interval
+        self._interval = system.case.solver.output_interval
         self._duration = duration
         self._next = 0.0
         self._states: list[NDArray] = []
         self.time = 0.0
+        if start is not None:
+            self._end_of(start)
 
     def take(self, checkpoint: Checkpoint) -> None:
         """Go on behind a checkpoint."""

@@ -290,7 +290,7 @@ def test_forces_study_refuses_histories_of_the_other_model(general, tmp_path):
     with pytest.raises(ValueError, match="comes from other parameters: contact_model is general, not pair"):
         run_forces(["translation"], general.duration, out, reuse=tmp_path)
     assert (tmp_path / "translation.nc").read_bytes() == before
-    assert not list(out.iterdir())
+    assert not out.exists()
 
 
 def statics(case: Case, duration: float) -> pd.Series:
