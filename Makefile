@@ -54,7 +54,7 @@ format: $(INSTALLED)  ## put the code into its standard form
 	$(BIN)/ruff format .
 
 docs: $(INSTALLED)  ## the API reference, into site/; docs/ holds the handbook
-	$(BIN)/python -m docs.build_api site
+	$(BIN)/python -W error -m docs.build_api site
 
 bench: $(INSTALLED)  ## time the runs and show their accuracy
 	$(BIN)/python -m benchmarks.run

@@ -46,11 +46,19 @@ def tell_units(module: ModuleType) -> None:
                 field.default = inspect.Parameter.empty
 
 
+def fetch_lazy_names(module: ModuleType) -> None:
+    """Import what a module offers but imports only when it is asked for; pdoc does not ask."""
+    for name in getattr(module, "__all__", ()):
+        setattr(module, name, getattr(module, name))
+
+
 def build(folder: Path, packages: Sequence[str] = PACKAGES) -> None:
     """Write the reference of packages into a folder; nothing is fetched."""
     names = module_names(packages)
     for name in names:
-        tell_units(importlib.import_module(name))
+        module = importlib.import_module(name)
+        fetch_lazy_names(module)
+        tell_units(module)
     # pdoc leaves out the modules that a package's __all__ does not name, and takes no module twice
     wanted: list[str] = []
     covered: set[str] = set()
