@@ -150,6 +150,11 @@ def test_profiles_whose_times_do_not_increase_are_refused(times):
     refusal(lambda: StepProfile(times=times, values=(0.0, 1.0, 2.0)), f"times must increase, got {times}")
 
 
+@pytest.mark.parametrize("times", [(0.0, 5e-203), (0.0, 1e200)])
+def test_profiles_that_numbers_cannot_join_are_refused(times):
+    refusal(lambda: StepProfile(times=times, values=(0.0, 0.1)), "times must be apart enough", f"{times}")
+
+
 def test_profiles_with_unequal_times_and_values_are_refused():
     refusal(
         lambda: StepProfile(times=(0.0, 1.0), values=(0.0,)), "times and values must be equally many: 2 != 1"

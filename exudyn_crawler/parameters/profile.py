@@ -29,6 +29,10 @@ class StepProfile(Parameters):
             )
         if np.any(np.diff(self.times) <= 0.0):
             raise ValueError(f"times must increase, got {self.times}")
+        with np.errstate(all="ignore"):
+            joined = np.isfinite(self._spline.c).all() and np.isfinite(self._antiderivative(self.times[-1]))
+        if not joined:
+            raise ValueError(f"times must be apart enough to be joined in numbers, got {self.times}")
         return self
 
     @classmethod
