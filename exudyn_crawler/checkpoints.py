@@ -38,19 +38,21 @@ class Checkpoints:
     Parameters
     ----------
     folder : Path
-        Made where it is missing.
-
-    Raises
-    ------
-    NotADirectoryError, PermissionError
-        If the folder cannot be written to.
+        Made with the first checkpoint.
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder = writable_folder(Path(folder))
+        self.folder = Path(folder)
 
     def save(self, case: Case, number: int, checkpoint: Checkpoint) -> None:
-        """Keep the checkpoint of stage `number` (from 0) of a case."""
+        """Keep the checkpoint of stage `number` (from 0) of a case.
+
+        Raises
+        ------
+        NotADirectoryError, PermissionError
+            If the folder cannot be written to.
+        """
+        writable_folder(self.folder)
         with whole_file(self._file(number), overwrite=True) as temporary:
             np.savez(
                 temporary,
@@ -90,7 +92,7 @@ class Checkpoints:
     def remove(self) -> None:
         """Remove all checkpoints and, if nothing else is in it, their folder."""
         self.clear()
-        if not any(self.folder.iterdir()):
+        if self.folder.is_dir() and not any(self.folder.iterdir()):
             self.folder.rmdir()
 
     def _file(self, number: int) -> Path:

@@ -8,7 +8,7 @@ import typing
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, StepProfile, Terrain
+from exudyn_crawler import Case, StepProfile
 from exudyn_crawler.case_files import CaseFile, allows_none, model_of
 from exudyn_crawler.parameters.base import Parameters
 from exudyn_crawler.parameters.outputs import Outputs
@@ -16,13 +16,7 @@ from meshes import SHOE_SIZES
 
 # no lone surrogates: they are no text that a file could hold
 TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
-FLEXIBLE = Case.translation().with_(
-    terrain=Terrain.stress(),
-    drive=Drive.propel_and_load(),
-    loads=LoadCycle.shovel_cycle(),
-    flexible=FlexibleShoes.ph4100c(),
-)
-BASES = (Case.translation(), Case.turning(), FLEXIBLE)
+BASES = (Case.translation(), Case.turning(), Case.stress())
 
 
 def changed_value(value, annotation):

@@ -39,7 +39,11 @@ class Case(Parameters):
     contact: ContactLaw
     drive: Drive
     loads: LoadCycle
-    contact_model: ContactModel = "pair"
+    contact_model: ContactModel = Field(
+        default="pair",
+        description="pair: one contact a pair of shoe and unit, by `contact`; general: spheres, by "
+        "`general_contact`, for uneven ground",
+    )
     general_contact: GeneralContact = GeneralContact.oil_sand()
     flexible: FlexibleShoes | None = None
     solver: Solver = Solver()
