@@ -146,11 +146,13 @@ class LoadCycle(Parameters):
         ValueError
             If it is not TOML or not a load cycle, naming what is wrong.
         """
-        with Path(path).open("rb") as file:
-            try:
-                content = tomllib.load(file)
-            except tomllib.TOMLDecodeError as error:
-                raise ValueError(f"{path} is not TOML: {error}") from error
+        path = Path(path)
+        if not path.is_file():
+            raise FileNotFoundError(f"no load cycle {path}")
+        try:
+            content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+        except (ValueError, RecursionError) as error:
+            raise ValueError(f"{path} is not TOML: {error}") from error
         return cls.model_validate(content)
 
     def table(self) -> pd.DataFrame:
