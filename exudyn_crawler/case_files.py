@@ -52,6 +52,9 @@ class CaseFile(Parameters):
         beyond = [shoe for shoe in self.outputs.shoes or () if not 1 <= shoe <= self.case.track.shoe_count]
         if beyond:
             raise ValueError(f"outputs.shoes must be in 1..{self.case.track.shoe_count}, got {beyond}")
+        times = self.outputs.picture_times
+        if times is not None and times[-1] > self.duration:
+            raise ValueError(f"outputs.picture_times must lie in 0..{self.duration:g} s, got {list(times)}")
         self.case.check_support(self.duration)
         return self
 

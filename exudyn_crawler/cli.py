@@ -44,6 +44,7 @@ class StudyChoice(StrEnum):
     kinematics = "kinematics"
     forces = "forces"
     stress = "stress"
+    uneven = "uneven"
 
 
 Chosen = Annotated[CaseChoice, typer.Option(help="what to run")]
@@ -190,8 +191,11 @@ def report(
     Example: exudyn-crawler report results/stress
     """
     from exudyn_crawler.report import write_report
+    from exudyn_crawler.run_folder import note_file
 
-    typer.echo(f"{write_report(folder, out, overwrite)}: open it in a browser")
+    page = write_report(folder, out, overwrite)
+    note_file(page)
+    typer.echo(f"{page}: open it in a browser")
 
 
 @app.command()
@@ -215,9 +219,12 @@ def animate(
     """
     from exudyn_crawler.animation import write_animation
     from exudyn_crawler.history import History
+    from exudyn_crawler.run_folder import note_file
 
     path = history.with_suffix(".mp4") if out is None else out
-    typer.echo(write_animation(History.load(history), path, overwrite, scale, start=start, end=end))
+    write_animation(History.load(history), path, overwrite, scale, start=start, end=end)
+    note_file(path)
+    typer.echo(path)
 
 
 @app.command()

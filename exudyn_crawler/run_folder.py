@@ -123,6 +123,19 @@ def kept_run(
             logger.info("done")
 
 
+def note_file(path: Path) -> None:
+    """Add a file made of a run's results to the record beside it, so that overwriting the run removes it.
+
+    Nothing is noted where there is no record. A run at work in the folder notes what is new by itself.
+    """
+    out = path.parent
+    if not (found := earlier_record(out)):
+        return
+    with suppress(BlockingIOError), _held(out):
+        found = earlier_record(out)
+        _write_record(out, found | {"files": sorted({*found.get("files", []), path.name})})
+
+
 def refuse_results(out: Path, overwrite: bool) -> None:
     """Refuse a folder that holds results already.
 

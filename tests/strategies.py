@@ -76,7 +76,7 @@ def changed(draw, base):
 def case_files(draw):
     """Case files of every kind."""
     case = draw(changed(draw(st.sampled_from(BASES))))
-    outputs = draw(changed(Outputs()) | changed(Outputs(shoes=(1, 2))))
+    outputs = draw(changed(Outputs()) | changed(Outputs(shoes=(1, 2), picture_times=(0.0, 1e-7))))
     duration = draw(st.floats(1e-6, 20.0))
     try:
         return CaseFile(case=case, duration=duration, outputs=outputs)

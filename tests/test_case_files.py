@@ -164,6 +164,10 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ("duration = 1e4", "terrain must carry the track over the whole drive: at t = "),
         ("[track]\nshoe_count = 12", "loads must name every shoe of the track (12), got loads for 13"),
         ("[outputs]\nshoes = [1, 14]", "outputs.shoes must be in 1..13, got [14]"),
+        ("[outputs]\npicture_times = [0, 20]", "outputs.picture_times must lie in 0..10 s, got [0.0, 20.0]"),
+        ("[outputs]\npicture_times = [2, 1]", "outputs: picture_times must be from 0 s and increase"),
+        ("[outputs]\npicture_times = [-1, 1]", "outputs: picture_times must be from 0 s and increase"),
+        ("[outputs]\npicture_times = []", "outputs.picture_times: Tuple should have at least 1 item"),
         (
             "[contact]\ndynamic_friction = 0.5",
             "contact: dynamic_friction must not exceed static_friction = 0.4, got 0.5",

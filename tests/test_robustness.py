@@ -21,6 +21,7 @@ from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.parameters.outputs import Outputs
 from exudyn_crawler.workflows.runs import keep_history
 from exudyn_crawler.workflows.single import run_case
+from exudyn_crawler.workflows.stress import run_stress
 
 SAME_FOLDER = settings(
     deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
@@ -178,6 +179,35 @@ def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
     assert History.load(tmp_path / "out" / "history.nc").duration == pytest.approx(0.05, rel=1e-9)
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+def test_a_killed_run_goes_on_in_its_folder_and_gives_the_same_numbers(tmp_path):
+    # stages long enough that the kill falls into the middle
+    text = SHORT.replace("0.05", "2.0") + "[solver]\ncheckpoint_interval = 0.5\n"
+    (tmp_path / "case.toml").write_text(text)
+    line = [sys.executable, "-m", "exudyn_crawler.cli", "run", "case.toml", "--out", "out"]
+    checkpoints = tmp_path / "out" / "checkpoints"
+    with subprocess.Popen(line, cwd=tmp_path) as run:
+        try:
+            end = time.monotonic() + 60.0
+            while not list(checkpoints.glob("stage_*.npz")):
+                assert time.monotonic() < end
+                assert run.poll() is None
+                time.sleep(0.02)
+        finally:
+            run.send_signal(signal.SIGKILL)
+    assert not (tmp_path / "out" / "history.nc").exists()
+    done = command("run", "case.toml", "--out", "out", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "going on from the checkpoint at t = " in done.stdout
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["status"] == "done"
+    assert not checkpoints.exists()
+    whole = command("run", "case.toml", "--out", "whole", cwd=tmp_path)
+    assert whole.returncode == 0
+    resumed, unbroken = (History.load(tmp_path / name / "history.nc").dataset for name in ("out", "whole"))
+    for name in unbroken.variables:
+        assert resumed[name].values.tobytes() == unbroken[name].values.tobytes(), name
+
+
 @pytest.fixture(scope="module")
 def short_file(tmp_path_factory):
     history = CrawlerModel(Case.translation()).simulate(0.01)
@@ -213,6 +243,16 @@ def test_reusing_a_broken_history_is_one_line_and_runs_nothing(tmp_path, short_f
     assert done.stderr.startswith("error: old/history.nc does not hold a history: ")
     assert done.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_a_mesh_that_does_not_fit_is_refused_before_anything_is_written(tmp_path):
+    case = Case.stress("coarse")
+    off = case.with_(track=case.track.with_(pin_height=case.track.pin_height + 0.1))
+    with pytest.raises(ValueError, match="must meet the track's pins"):
+        run_case(CaseFile(case=off, duration=0.01), tmp_path / "run")
+    with pytest.raises(ValueError, match="must meet the track's pins"):
+        run_stress(off, 0.01, tmp_path / "study")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_case_name_is_no_path_markup_or_formula(tmp_path):

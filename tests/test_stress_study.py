@@ -8,10 +8,11 @@ import pytest
 from exudyn_crawler import Case, StepProfile
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Drive
+from exudyn_crawler.parameters.outputs import Outputs
 from exudyn_crawler.shoe_stress import stress_basis, whole_coordinates
 from exudyn_crawler.stress_comparison import compare_stresses, flexible_quantity, in_phase, stress_summary
 from exudyn_crawler.stress_results import recover_stresses
-from exudyn_crawler.workflows.stress import run_stress
+from exudyn_crawler.workflows.stress import run_stress, write_stresses
 from fem import write_mesh
 from meshes import shoe_mesh
 
@@ -34,6 +35,23 @@ def short_case():
 def study(tmp_path_factory):
     out = tmp_path_factory.mktemp("stress")
     return out, *run_stress(short_case(), DURATION, out, progress=False)
+
+
+def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
+    _, history, _, _ = study
+    results = recover_stresses(history, (0.2, 0.5))
+    assert results.dataset.frame.values == pytest.approx([0.2, 0.5], abs=1e-9)
+    write_stresses(history, results, tmp_path, outputs=Outputs(tables=False, figures=False))
+    assert {path.name for path in tmp_path.iterdir()} == {"stress.nc"}
+    write_stresses(history, results, tmp_path, True, Outputs(tables=False, figure_format="svg"))
+    names = {path.name for path in tmp_path.iterdir()}
+    assert not [name for name in names if name.endswith(".csv")]
+    assert {name for name in names if name.endswith(".png")} == {
+        "stress_000.2000s.png",
+        "stress_000.5000s.png",
+    }
+    assert [name for name in names if name.startswith("flexible_")]
+    assert all(name.endswith(".svg") for name in names if name.startswith("flexible_"))
 
 
 def test_modal_frequencies_of_the_shoe_are_the_papers(study):

@@ -3,13 +3,15 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from exudyn_crawler.animation import write_animation
 from exudyn_crawler.case_files import CaseFile
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.extremes import extremes
+from exudyn_crawler.floating_frame import shoe_model
 from exudyn_crawler.history import History
 from exudyn_crawler.run_folder import kept_run
 from exudyn_crawler.simulation import CrawlerModel
-from exudyn_crawler.stress_results import recover_stresses
+from exudyn_crawler.stress_results import PICTURE_TIMES, recover_stresses
 from exudyn_crawler.tables import write_table
 from exudyn_crawler.workflows.forces import write_force_figures, write_forces
 from exudyn_crawler.workflows.kinematics import write_kinematic_figures
@@ -21,6 +23,9 @@ from exudyn_crawler.workflows.runs import (
     matching_history,
 )
 from exudyn_crawler.workflows.stress import write_stresses
+
+ANIMATION = "track.mp4"
+"""Animation in the folder of a run that asks for one."""
 
 
 def run_case(
@@ -49,7 +54,8 @@ def run_case(
     Raises
     ------
     FileNotFoundError, ValueError
-        Before anything is written, if `reuse` holds no history or one of other parameters.
+        Before anything is written, if `reuse` holds no history or one of other parameters, or if
+        the flexible shoes' mesh does not fit the track.
     FileExistsError, BlockingIOError
         Before anything runs, if results are there and `overwrite` is false, or another run works there.
     EquilibriumError
@@ -59,6 +65,8 @@ def run_case(
     """
     case, duration = case_file.case, case_file.duration
     reused = None if reuse is None else matching_history(reuse, case, duration)
+    if case.flexible is not None:
+        shoe_model(case.flexible, case.track)  # refuses a mesh that does not fit while nothing is written yet
     with kept_run(out, {"case": case_file}, overwrite, say) as keeper:
         checkpoints = kept_checkpoints(out, case, overwrite, keeper)
         if reused is not None:
@@ -82,7 +90,8 @@ def _write(history: History, case_file: CaseFile, out: Path, overwrite: bool) ->
     """Write what derives from the history."""
     outputs = case_file.outputs
     if case_file.case.flexible is not None:
-        write_stresses(history, recover_stresses(history), out, overwrite, outputs.figures)
+        times = PICTURE_TIMES if outputs.picture_times is None else outputs.picture_times
+        write_stresses(history, recover_stresses(history, times), out, overwrite, outputs)
     if outputs.forces:
         write_forces(history, out / "forces.nc", overwrite)
     if outputs.tables:
@@ -93,3 +102,5 @@ def _write(history: History, case_file: CaseFile, out: Path, overwrite: bool) ->
         joints = sorted({min(shoe, case_file.case.track.shoe_count - 1) for shoe in shoes})
         write_kinematic_figures(history, out, "", overwrite, shoes, outputs.figure_format)
         write_force_figures(history, out, "", overwrite, shoes, joints, outputs.figure_format)
+    if outputs.animation:
+        write_animation(history, out / ANIMATION, overwrite)

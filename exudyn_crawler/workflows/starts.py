@@ -4,12 +4,14 @@ from collections.abc import Callable
 
 from exudyn_crawler.case_files import CaseFile
 from exudyn_crawler.parameters import Case
+from exudyn_crawler.workflows import uneven_ground
 from exudyn_crawler.workflows.defaults import CYCLE_DURATION, DURATION
 
 STARTS: dict[str, tuple[Callable[[], Case], float]] = {
     "kinematics": (Case.translation, DURATION),
     "forces": (Case.turning, DURATION),
     "stress": (Case.stress, CYCLE_DURATION),
+    "uneven": (lambda: uneven_ground.uneven_case("rough"), uneven_ground.DURATION),
 }
 """Case and duration (s) to start from, by study."""
 

@@ -9,9 +9,11 @@ from exudyn_crawler.case_files import CaseFile
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.figures import save_figure
 from exudyn_crawler.files import whole_file
+from exudyn_crawler.floating_frame import shoe_model
 from exudyn_crawler.history import History
 from exudyn_crawler.parameters import Case
 from exudyn_crawler.parameters.flexible import ADAMS_DAMPING
+from exudyn_crawler.parameters.outputs import Outputs
 from exudyn_crawler.paraview import write_paraview
 from exudyn_crawler.run_folder import kept_run
 from exudyn_crawler.simulation import CrawlerModel
@@ -70,6 +72,7 @@ def run_stress(
     if case.flexible is None:
         raise ValueError("the stress study needs flexible shoes: set the case's `flexible`")
     case_file = CaseFile(case=case, duration=duration)
+    shoe_model(case.flexible, case.track)  # refuses a mesh that does not fit while nothing is written yet
     with kept_run(out, {"case": case_file}, overwrite, say) as keeper:
         checkpoints = None if out is None else kept_checkpoints(out, case, overwrite, keeper)
         with keeper.timed("simulate"):
@@ -95,17 +98,23 @@ def run_stress(
 
 
 def write_stresses(
-    history: History, results: StressResults, out: Path, overwrite: bool = False, figures: bool = True
+    history: History,
+    results: StressResults,
+    out: Path,
+    overwrite: bool = False,
+    outputs: Outputs = Outputs(),  # noqa: B008 - frozen
 ) -> None:
-    """Write stresses, hot spots, fields and, if wanted, figures, pictures and the ParaView series."""
+    """Write stresses and, if wanted, tables, figures, pictures, fields and the ParaView series."""
     results.save(out / "stress.nc", overwrite)
-    write_table(stress_summary(history, results), out / "highest_stresses.csv", overwrite)
-    for shoe, hot_spots in results.hot_spots.items():
-        write_table(hot_spots, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
-    if not figures:
+    if outputs.tables:
+        write_table(stress_summary(history, results), out / "highest_stresses.csv", overwrite)
+        for shoe, hot_spots in results.hot_spots.items():
+            write_table(hot_spots, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
+    if not outputs.figures:
         return
     for title, figure in stress_figures(history, results).items():
-        save_figure(figure, out / f"flexible_{title.replace(' ', '_')}.png", overwrite)
+        name = f"flexible_{title.replace(' ', '_')}.{outputs.figure_format}"
+        save_figure(figure, out / name, overwrite)
     _write_fields(results, out, overwrite)
     write_stress_pictures(results.dataset, history, out, overwrite)
     write_paraview(results.dataset, history, out, overwrite)
