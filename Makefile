@@ -36,7 +36,7 @@ stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on
 	$(BIN)/python -m studies.stress --out $(OUT)/stress $(ARGS)
 
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
-	$(BIN)/python -m studies.verification
+	$(BIN)/python -m studies.two_bodies
 
 test: $(INSTALLED)  ## the tests, less the slow ones
 	$(BIN)/python -m pytest -m "not slow"

@@ -6,9 +6,9 @@ Prints the table that `docs/validation.md` keeps: python -m benchmarks.convergen
 import pandas as pd
 
 from exudyn_crawler import Case, CrawlerModel
-from exudyn_crawler.comparison import compare_kinematics
-from exudyn_crawler.force_comparison import compare_forces
-from exudyn_crawler.tables import print_table
+from exudyn_crawler.views.tables import print_table
+from studies.comparison import compare_kinematics
+from studies.force_comparison import compare_forces
 
 DURATION = 10.0
 SETTINGS = {

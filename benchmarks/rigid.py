@@ -8,8 +8,8 @@ import pandas as pd
 
 from benchmarks.split import print_split
 from exudyn_crawler import Case, CrawlerModel, History
-from exudyn_crawler.comparison import time_mean
-from exudyn_crawler.tables import print_table
+from exudyn_crawler.views.tables import print_table
+from studies.comparison import time_mean
 
 DURATION = 10.0
 RUNS = 3

@@ -12,9 +12,9 @@ import time as clock
 import pandas as pd
 
 from exudyn_crawler import Case, CrawlerModel
-from exudyn_crawler.engine import build
-from exudyn_crawler.simulation import integrate, solver_settings
-from exudyn_crawler.tables import print_table
+from exudyn_crawler.model.system import build
+from exudyn_crawler.run.simulation import integrate, solver_settings
+from exudyn_crawler.views.tables import print_table
 
 CASES = {"translation": Case.translation, "stress": Case.stress}
 

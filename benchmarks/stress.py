@@ -13,17 +13,17 @@ import pandas as pd
 
 from benchmarks.split import print_split
 from exudyn_crawler import Case, CrawlerModel, LoadCycle
-from exudyn_crawler.checkpoints import Checkpoints
-from exudyn_crawler.engine import build
-from exudyn_crawler.history import History
-from exudyn_crawler.shoe_stress import stress_basis, whole_coordinates
-from exudyn_crawler.simulation import integrate_from
-from exudyn_crawler.states import history_of
-from exudyn_crawler.stress_comparison import compare_stresses
-from exudyn_crawler.stress_figures import stress_figures
-from exudyn_crawler.stress_results import recover_stresses
-from exudyn_crawler.tables import print_table
+from exudyn_crawler.model.system import build
+from exudyn_crawler.results.history import History
+from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+from exudyn_crawler.results.states import history_of
+from exudyn_crawler.results.stresses import recover_stresses
+from exudyn_crawler.run.checkpoints import Checkpoints
+from exudyn_crawler.run.simulation import integrate_from
+from exudyn_crawler.views.stress_figures import stress_figures
+from exudyn_crawler.views.tables import print_table
 from fem import recover_extremes
+from studies.stress_comparison import compare_stresses
 
 WINDOW = 0.1
 """s of each window."""

@@ -10,9 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from exudyn_crawler.errors import CrawlerError, EquilibriumError, SimulationStopped
-    from exudyn_crawler.history import History
-    from exudyn_crawler.parameters import (
+    from exudyn_crawler.case import (
         Case,
         ContactLaw,
         Drive,
@@ -25,13 +23,15 @@ if TYPE_CHECKING:
         Terrain,
         Track,
     )
-    from exudyn_crawler.simulation import CrawlerModel
+    from exudyn_crawler.errors import CrawlerError, EquilibriumError, SimulationStopped
+    from exudyn_crawler.results.history import History
+    from exudyn_crawler.run.simulation import CrawlerModel
 
 _HOMES = {
     "CrawlerError": "errors",
-    "CrawlerModel": "simulation",
+    "CrawlerModel": "run.simulation",
     "EquilibriumError": "errors",
-    "History": "history",
+    "History": "results.history",
     "SimulationStopped": "errors",
 }
 """Modules of the names that are not parameters."""
@@ -60,4 +60,4 @@ def __getattr__(name: str) -> Any:
     """Import what is asked for when it is: the engine alone takes a second, and help needs none of it."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES.get(name, 'parameters')}"), name)
+    return getattr(import_module(f"{__name__}.{_HOMES.get(name, 'case')}"), name)

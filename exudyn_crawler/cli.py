@@ -12,8 +12,8 @@ from typing import Annotated, Any
 
 import typer
 
-from exudyn_crawler.workflows.defaults import CYCLE_DURATION, DURATION, RESULTS
-from exudyn_crawler.workflows.script import BAD_INPUT, readable_errors
+from exudyn_crawler.script import BAD_INPUT, readable_errors
+from studies.defaults import CYCLE_DURATION, DURATION, RESULTS
 
 app = typer.Typer(
     help="Simulator of the crawler tracks of mining shovels.",
@@ -83,9 +83,9 @@ def kinematics(
 
     Example: exudyn-crawler kinematics --case translation --duration 2 --out results/short
     """
-    from exudyn_crawler.comparison import summary
-    from exudyn_crawler.tables import print_table
-    from exudyn_crawler.workflows.kinematics import run_kinematics
+    from exudyn_crawler.views.tables import print_table
+    from studies.comparison import summary
+    from studies.kinematics import run_kinematics
 
     _, table = run_kinematics(_names(case), duration, out, overwrite, say=typer.echo)
     print_table(table, "Kinematics: paper against computed")
@@ -115,9 +115,9 @@ def forces(
 
     Example: exudyn-crawler forces --case translation --out results/straight
     """
-    from exudyn_crawler.comparison import summary
-    from exudyn_crawler.tables import print_table
-    from exudyn_crawler.workflows.forces import lateral_effects, run_forces
+    from exudyn_crawler.views.tables import print_table
+    from studies.comparison import summary
+    from studies.forces import lateral_effects, run_forces
 
     if lateral:
         print_table(lateral_effects(duration), "Lateral motion: paper, and computed for some causes")
@@ -153,11 +153,11 @@ def stress(
 
     Example: exudyn-crawler stress --duration 8 --mesh coarse --out results/short
     """
-    from exudyn_crawler.comparison import summary
-    from exudyn_crawler.parameters import Case, LoadCycle
-    from exudyn_crawler.stress_comparison import stress_summary
-    from exudyn_crawler.tables import print_table
-    from exudyn_crawler.workflows.stress import open_choices, run_stress
+    from exudyn_crawler.case import Case, LoadCycle
+    from exudyn_crawler.views.tables import print_table
+    from studies.comparison import summary
+    from studies.stress import open_choices, run_stress
+    from studies.stress_comparison import stress_summary
 
     if choices:
         print_table(open_choices(min(duration, 8.0), mesh), "Paper, and computed for some choices")
@@ -190,8 +190,8 @@ def report(
 
     Example: exudyn-crawler report results/stress
     """
-    from exudyn_crawler.report import write_report
-    from exudyn_crawler.run_folder import note_file
+    from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.views.report.page import write_report
 
     page = write_report(folder, out, overwrite)
     note_file(page)
@@ -217,9 +217,9 @@ def animate(
 
     Example: exudyn-crawler animate results/kinematics/translation.nc --end 5
     """
-    from exudyn_crawler.animation import write_animation
-    from exudyn_crawler.history import History
-    from exudyn_crawler.run_folder import note_file
+    from exudyn_crawler.results.history import History
+    from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.views.animation import write_animation
 
     path = history.with_suffix(".mp4") if out is None else out
     write_animation(History.load(history), path, overwrite, scale, start=start, end=end)
@@ -242,7 +242,7 @@ def uneven(
 
     Example: exudyn-crawler uneven ramp --duration 2
     """
-    from exudyn_crawler.workflows.uneven_ground import run_uneven_ground
+    from studies.uneven_ground import run_uneven_ground
 
     out = RESULTS / f"uneven_{ground.value}" if out is None else out
     run_uneven_ground(ground.value, duration, out, overwrite)
@@ -256,9 +256,9 @@ def verify(debug: Debug = False) -> None:
 
     Example: exudyn-crawler verify
     """
-    from exudyn_crawler.parameters import ContactLaw
-    from exudyn_crawler.tables import print_table
-    from exudyn_crawler.verification import (
+    from exudyn_crawler.case import ContactLaw
+    from exudyn_crawler.views.tables import print_table
+    from studies.two_bodies import (
         compare_verification,
         compare_with_paper,
         engine_solution,
@@ -285,7 +285,7 @@ def init(
 
     Example: exudyn-crawler init soft_ground --study kinematics
     """
-    from exudyn_crawler.workflows.starts import study_case_file
+    from studies.starts import study_case_file
 
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     written = study_case_file(study.value, path.stem).write(path, overwrite)
@@ -307,12 +307,12 @@ def run(
 
     Example: exudyn-crawler run soft_ground.toml --out results/soft_ground
     """
-    from exudyn_crawler.case_files import CaseFile
+    from exudyn_crawler.case.files import CaseFile
 
     case_file = CaseFile.read(case)
     out = RESULTS / case.stem if out is None else out
 
-    from exudyn_crawler.workflows.single import run_case
+    from exudyn_crawler.run_case import run_case
 
     history = run_case(case_file, out, overwrite, reuse, say=typer.echo)
     typer.echo(f"{case_file.case.name}: {history.duration:g} s; case, log, results and figures are in {out}")
@@ -330,10 +330,10 @@ def info(
 
     Example: exudyn-crawler info soft_ground.toml
     """
-    from exudyn_crawler.case_files import CaseFile
-    from exudyn_crawler.case_text import case_table
-    from exudyn_crawler.tables import print_table
-    from exudyn_crawler.workflows.starts import study_case_file
+    from exudyn_crawler.case.files import CaseFile
+    from exudyn_crawler.case.text import case_table
+    from exudyn_crawler.views.tables import print_table
+    from studies.starts import study_case_file
 
     known = case in [study.value for study in StudyChoice]
     case_file = study_case_file(case) if known else CaseFile.read(case)

@@ -4,9 +4,9 @@ import pandas as pd
 import pytest
 import xarray as xr
 from hypothesis import settings
-from stress_results import short_run, stress_results
 
 from exudyn_crawler import Case, CrawlerModel, History
+from tests.stress_results import short_run, stress_results
 
 # the same examples in every run
 settings.register_profile("reproducible", derandomize=True)

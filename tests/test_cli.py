@@ -13,8 +13,8 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, History, cli
-from exudyn_crawler.case_files import CaseFile
-from exudyn_crawler.workflows import kinematics as kinematics_workflow
+from exudyn_crawler.case.files import CaseFile
+from studies import kinematics as kinematics_workflow
 
 COMMANDS = (
     "kinematics",

@@ -11,17 +11,17 @@ import pytest
 import tomlkit
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from strategies import TOML
 
 from exudyn_crawler import Case, CrawlerModel, History
-from exudyn_crawler.case_files import CaseFile
-from exudyn_crawler.case_text import case_text
+from exudyn_crawler.case.files import CaseFile
+from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.case.text import case_text
 from exudyn_crawler.cli import main
 from exudyn_crawler.errors import CaseFileError
-from exudyn_crawler.parameters.outputs import Outputs
-from exudyn_crawler.workflows.runs import keep_history
-from exudyn_crawler.workflows.single import run_case
-from exudyn_crawler.workflows.stress import run_stress
+from exudyn_crawler.run_case import run_case
+from exudyn_crawler.runs import keep_history
+from studies.stress import run_stress
+from tests.case.strategies import TOML
 
 SAME_FOLDER = settings(
     deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]

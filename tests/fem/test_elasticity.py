@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from conftest import STEEL, box_mesh
 
 import fem
 from fem.stress import von_mises
+from tests.fem.conftest import STEEL, box_mesh
 
 
 @pytest.mark.parametrize("order", [1, 2])

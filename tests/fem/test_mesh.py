@@ -5,9 +5,9 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-from conftest import STEEL, box_mesh
 
 import fem
+from tests.fem.conftest import STEEL, box_mesh
 
 
 @pytest.fixture

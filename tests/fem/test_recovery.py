@@ -5,11 +5,11 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-from conftest import STEEL, beam_interfaces
 
 import fem
 from fem.recovery import shares
 from fem.stress import CRITERIA, evaluate
+from tests.fem.conftest import STEEL, beam_interfaces
 
 
 @pytest.fixture(scope="module")

@@ -5,13 +5,13 @@ import itertools
 import numpy as np
 import pytest
 import scipy.linalg
-from conftest import STEEL, beam_interfaces, box_mesh, shoe_interfaces
 
 import fem
 from fem.eigen import lowest_modes
 from fem.interfaces import averaging_rows, rigid_motion_of_centers
 from fem.solver import default_backend, factorized
 from fem.stress import von_mises
+from tests.fem.conftest import STEEL, beam_interfaces, box_mesh, shoe_interfaces
 
 
 def spring_response(reduced: fem.ReducedBody, load: np.ndarray) -> np.ndarray:

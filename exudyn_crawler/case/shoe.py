@@ -1,0 +1,79 @@
+"""A crawler shoe as a rigid body."""
+
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+
+from exudyn_crawler.case.base import Parameters, quantity
+
+
+class Shoe(Parameters):
+    """Rigid crawler shoe.
+
+    Places are given in the shoe's frame: origin at the COM, x in the propel direction, y lateral, z up.
+    """
+
+    mass: float = quantity("kg", "mass", gt=0)
+    inertia: tuple[float, float, float, float, float, float] = quantity(
+        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor components)"
+    )
+    com_height: float = quantity("m", "height of the COM above the underside", gt=0)
+    length: float = quantity("m", "length of the flat underside in x", gt=0)
+    width: float = quantity("m", "width of the flat underside in y", gt=0)
+    underside_center: tuple[float, float] = quantity(
+        "m", "x and y of the underside's centre in the shoe's frame"
+    )
+    load_point: tuple[float, float, float] = quantity(
+        "m", "centroid of the top face, where the machine load acts, in the shoe's frame"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        principal = np.linalg.eigvalsh(self.inertia_tensor)
+        if principal[0] <= 0.0 or principal[2] > principal[0] + principal[1]:
+            raise ValueError(
+                f"inertia must be that of a body (principal moments positive, none above the sum of "
+                f"the other two), got principal moments {principal.tolist()}"
+            )
+        return self
+
+    @classmethod
+    def ph4100c(cls) -> Self:
+        """Shoe of the P&H 4100C BOSS in the rigid studies.
+
+        Mass and COM height are the papers' (K-chapter, tables of shoe properties and COMs). The papers
+        print no inertia and no outline of the underside (CAD): both are those of the shoe in `meshes/`,
+        the inertia scaled from the mesh's mass to this one, products of inertia (0.1 %) left out so that
+        the shoe is even about its middle plane.
+        """
+        return cls(
+            mass=4681.67,  # 0.5966 m3 at 7847.25 kg/m3
+            inertia=(3995.7, 176.0, 4026.4, 0.0, 0.0, 0.0),
+            com_height=0.2025,  # z of the COMs, with the undersides at z = 0
+            length=0.63,
+            width=3.505,
+            underside_center=(0.0, 0.0),
+            load_point=(0.0, 0.0, 0.2014),  # height of the mesh's top face at its centroid
+        )
+
+    @property
+    def inertia_tensor(self) -> NDArray:
+        """Inertia tensor about the COM, array (3, 3), kg m2."""
+        xx, yy, zz, yz, xz, xy = self.inertia
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+    @property
+    def footprint(self) -> NDArray:
+        """Underside in the shoe's frame: least and greatest x, least and greatest y, z; m."""
+        cx, cy = self.underside_center
+        return np.array(
+            [
+                cx - 0.5 * self.length,
+                cx + 0.5 * self.length,
+                cy - 0.5 * self.width,
+                cy + 0.5 * self.width,
+                -self.com_height,
+            ]
+        )

@@ -1,0 +1,207 @@
+"""Oil-sand terrain as a grid of units on spring-dampers."""
+
+import math
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+
+from exudyn_crawler.case.base import Parameters, quantity
+
+
+class Terrain(Parameters):
+    """Grid of rigid units, each with heave and one tilt on vertical spring-dampers.
+
+    Units count along y first, from 1. Their top faces lie at z = 0 while the springs are free.
+    """
+
+    origin: tuple[float, float] = quantity(
+        "m", "x and y of the corner of the top face at unit 1, global", default=(0.0, 0.0)
+    )
+    columns: int = quantity("1", "units along x", ge=1)
+    rows: int = quantity("1", "units along y", ge=1)
+    unit_length: float = quantity("m", "side of a unit in x", gt=0)
+    unit_width: float = quantity("m", "side of a unit in y", gt=0)
+    unit_height: float = quantity("m", "height of a unit", gt=0)
+    density: float = quantity("kg/m3", "density of the units", gt=0)
+    springs_per_unit: Literal[1, 2] = quantity("1", "vertical spring-dampers under each unit")
+    spring_stiffness: float = quantity("N/m", "stiffness of each spring", gt=0)
+    spring_damping: float = quantity("N s/m", "damping of each spring-damper", ge=0)
+    spring_offset: float = quantity(
+        "m", "distance of each of two springs from the unit's centre, across the tilt axis", ge=0
+    )
+    column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
+    tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
+
+    heights: tuple[float, ...] | None = quantity(
+        "m",
+        "height of every unit's top face above even ground, units counting along y first; None: all even. "
+        "The units' centres, masses and springs stay as they are",
+        default=None,
+    )
+
+    @model_validator(mode="after")
+    def _check_heights(self) -> Self:
+        if self.heights is not None and len(self.heights) != self.unit_count:
+            raise ValueError(f"heights must name every unit ({self.unit_count}), got {len(self.heights)}")
+        return self
+
+    @classmethod
+    def kinematics(cls) -> Self:
+        """50 units of 7 x 7 x 2 m (K-chapter, K-paper and F-paper).
+
+        Open in the papers and chosen here: units pitch, as their results describe; the two springs
+        stand at the Gauss points of the unit's length, +-L / (2 sqrt 3), where they resist heave and
+        pitch exactly as an evenly spread support of the same stiffness does.
+        """
+        length = 7.0
+        return cls(
+            columns=10,
+            rows=5,
+            unit_length=length,
+            unit_width=7.0,
+            unit_height=2.0,
+            density=1600.0,
+            springs_per_unit=2,
+            spring_stiffness=20e6,
+            spring_damping=120e3,
+            spring_offset=length / (2.0 * math.sqrt(3.0)),
+            column_tilt=False,
+            tilt="pitch",
+        )
+
+    @classmethod
+    def stress(cls) -> Self:
+        """247 units of 1 x 1 x 1 m (S-paper): one spring of k = E A / L = 20 MN/m per unit.
+
+        Open in the paper and chosen here: the spring stands at the unit's centre and, being a column of
+        oil sand as wide as the unit (E = 20 MPa), resists tilting with E I / L; without it a row of
+        units could fold without resistance. The terrain's place is open too; here it has the same margin
+        on both sides of the track and, halfway through the drive, before and behind it (4.7 m and 4.7 m,
+        "4 to 5 m" in the paper).
+        """
+        return cls(
+            origin=(5.044, 2.7901),
+            columns=19,
+            rows=13,
+            unit_length=1.0,
+            unit_width=1.0,
+            unit_height=1.0,
+            density=1600.0,
+            springs_per_unit=1,
+            spring_stiffness=20e6,
+            spring_damping=120e3,
+            spring_offset=0.0,
+            column_tilt=True,
+            tilt="pitch",
+        )
+
+    def with_step(self, x: float, height: float) -> Self:
+        """Copy with all units whose centres lie beyond `x` (m) higher by `height` (m)."""
+        return self._raised(np.where(self.centers[:, 0] > x, height, 0.0))
+
+    def with_ramp(self, x0: float, x1: float, height: float) -> Self:
+        """Copy that rises from `x0` to `x1` (m) by `height` (m), unit by unit, and stays up beyond.
+
+        Each unit is raised by the ramp's height at its centre and stays level: a ramp of many small steps.
+
+        Raises
+        ------
+        ValueError
+            If `x1` is not beyond `x0`.
+        """
+        if not x1 > x0:
+            raise ValueError(f"x1 must be greater than x0 = {x0}, got {x1}")
+        return self._raised(height * np.clip((self.centers[:, 0] - x0) / (x1 - x0), 0.0, 1.0))
+
+    def with_roughness(self, standard_deviation: float, seed: int) -> Self:
+        """Copy with normally distributed random heights (m) of the units added; same seed, same heights.
+
+        Raises
+        ------
+        ValueError
+            If `standard_deviation` is negative or not finite.
+        """
+        if not 0.0 <= standard_deviation < math.inf:
+            raise ValueError(f"standard_deviation must be finite and not negative, got {standard_deviation}")
+        return self._raised(np.random.default_rng(seed).normal(0.0, standard_deviation, self.unit_count))
+
+    def _raised(self, change: NDArray) -> Self:
+        return self.with_(heights=tuple((self.top_heights + change).tolist()))
+
+    @property
+    def top_heights(self) -> NDArray:
+        """Height of every unit's top face, with the springs free: array (units,), m."""
+        return np.zeros(self.unit_count) if self.heights is None else np.array(self.heights)
+
+    @property
+    def unit_count(self) -> int:
+        """Number of units."""
+        return self.columns * self.rows
+
+    @property
+    def units(self) -> NDArray:
+        """Unit numbers 1..n."""
+        return np.arange(1, self.unit_count + 1)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Least and greatest x, least and greatest y of the whole terrain, m, global."""
+        x, y = self.origin
+        return (x, x + self.columns * self.unit_length), (y, y + self.rows * self.unit_width)
+
+    @property
+    def centers(self) -> NDArray:
+        """Unit centres with the springs free: array (units, 3), m, global."""
+        column, row = np.divmod(np.arange(self.unit_count), self.rows)
+        return np.column_stack(
+            (
+                self.origin[0] + (column + 0.5) * self.unit_length,
+                self.origin[1] + (row + 0.5) * self.unit_width,
+                np.full(self.unit_count, -0.5 * self.unit_height),
+            )
+        )
+
+    @property
+    def tilt_axis(self) -> int:
+        """Axis that units tilt about: 0 for roll about x, 1 for pitch about y."""
+        return 0 if self.tilt == "roll" else 1
+
+    @property
+    def tilt_length(self) -> float:
+        """Side of a unit across its tilt axis, m."""
+        return self.unit_length if self.tilt == "pitch" else self.unit_width
+
+    @property
+    def unit_mass(self) -> float:
+        """Mass of a unit, kg."""
+        return self.density * self.unit_length * self.unit_width * self.unit_height
+
+    @property
+    def unit_inertia(self) -> NDArray:
+        """Principal moments of inertia of a unit (a solid box): array (3,), kg m2."""
+        x, y, z = self.unit_length, self.unit_width, self.unit_height
+        return self.unit_mass / 12.0 * np.array([y**2 + z**2, x**2 + z**2, x**2 + y**2])
+
+    @property
+    def heave_stiffness(self) -> float:
+        """Stiffness of a unit's support against heave, N/m."""
+        return self.springs_per_unit * self.spring_stiffness
+
+    @property
+    def column_tilt_stiffness(self) -> float:
+        """Resistance of one spring itself against tilting, N m: k L**2 / 12, or none."""
+        return self.spring_stiffness * self.tilt_length**2 / 12.0 if self.column_tilt else 0.0
+
+    @property
+    def tilt_stiffness(self) -> float:
+        """Stiffness of a unit's support against its tilt, N m."""
+        offset = self.spring_offset if self.springs_per_unit == 2 else 0.0
+        one = self.spring_stiffness * offset**2 + self.column_tilt_stiffness
+        return self.springs_per_unit * one
+
+    @property
+    def damping_time(self) -> float:
+        """Damping over stiffness of the support, s, the same for heave and tilt."""
+        return self.spring_damping / self.spring_stiffness

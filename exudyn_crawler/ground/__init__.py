@@ -1,0 +1,1 @@
+"""Ground contact as pure, compiled functions of numbers and arrays; nothing here knows Exudyn."""

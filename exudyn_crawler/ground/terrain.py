@@ -1,0 +1,155 @@
+"""The terrain's joints and its independent coordinates.
+
+Neighbouring units are joined at the middle of their shared face: by spherical joints along a spanning
+tree of the grid and by in-plane joints (equal height) everywhere else. With two of the three rotations
+of every unit held at zero, all of them together say one thing: the joint point of a face has one height
+(K-chapter; to second order in the tilt, which stays below 1e-2 rad). What that leaves free is carried
+by `TerrainModes`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from exudyn_crawler.case import Terrain
+
+
+@dataclass(frozen=True)
+class TerrainJoint:
+    """Joint of two neighbouring units at the middle of their shared face.
+
+    `first` and `second` are unit indices (from 0), `axis` the direction from one to the other (0 for x,
+    1 for y), `spherical` tells a spherical joint from an in-plane one.
+    """
+
+    first: int
+    second: int
+    axis: int
+    spherical: bool
+
+
+def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
+    """All joints of the grid: spherical along a spanning tree, in-plane elsewhere.
+
+    The tree has every joint along x, and those along y in the first column: for 10 x 5 units
+    45 + 4 = 49 spherical and 36 in-plane joints, the numbers of the K-chapter.
+    """
+    joints = []
+    for column in range(terrain.columns):
+        for row in range(terrain.rows):
+            unit = column * terrain.rows + row
+            if column + 1 < terrain.columns:
+                joints.append(TerrainJoint(unit, unit + terrain.rows, 0, True))
+            if row + 1 < terrain.rows:
+                joints.append(TerrainJoint(unit, unit + 1, 1, column == 0))
+    return joints
+
+
+@dataclass(frozen=True)
+class TerrainModes:
+    """Independent coordinates of the terrain, with the identity for their mass matrix.
+
+    Attributes
+    ----------
+    heave : array (units, coordinates)
+        Heave of each unit (m) per unit of a coordinate.
+    tilt : array (units, coordinates)
+        Tilt of each unit (rad) per unit of a coordinate.
+    stiffness, damping : array (coordinates, coordinates)
+        Stiffness (1/s2) and damping (1/s) of the supports.
+    weight : array (coordinates,)
+        Load of a unit acceleration of gravity along -z.
+    """
+
+    heave: NDArray
+    tilt: NDArray
+    stiffness: NDArray
+    damping: NDArray
+    weight: NDArray
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return self.heave.shape[1]
+
+    @property
+    def frequencies(self) -> NDArray:
+        """Undamped natural frequencies of the unloaded terrain: array (coordinates,), Hz."""
+        squares = np.linalg.eigvalsh(self.stiffness)
+        return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi)
+
+
+def terrain_modes(terrain: Terrain) -> TerrainModes:
+    """Vibration modes of a terrain whose neighbouring units meet at one height.
+
+    Every shared face gives one equation between the heaves and tilts of two units; the modes span the
+    null space of all of them, for 10 x 5 pitching units 10 + 5 and for 19 x 13 units 19 + 13.
+    """
+    count = terrain.unit_count
+    joints = terrain_joints(terrain)
+    equations = np.zeros((len(joints), 2 * count))  # columns: heaves, then tilts
+    half = 0.5 * terrain.tilt_length
+    # a positive pitch lowers the side at +x, a positive roll raises the side at +y
+    rise = -half if terrain.tilt == "pitch" else half
+    across = 0 if terrain.tilt == "pitch" else 1
+    for equation, joint in zip(equations, joints, strict=True):
+        equation[joint.first], equation[joint.second] = 1.0, -1.0
+        if joint.axis == across:
+            equation[count + joint.first] = equation[count + joint.second] = rise
+    free = scipy.linalg.null_space(equations)
+
+    mass = np.repeat([terrain.unit_mass, terrain.unit_inertia[terrain.tilt_axis]], count)
+    support = np.repeat([terrain.heave_stiffness, terrain.tilt_stiffness], count)
+    squares, shapes = scipy.linalg.eigh(free.T @ (support[:, None] * free), free.T @ (mass[:, None] * free))
+    modes = free @ shapes
+    return TerrainModes(
+        heave=modes[:count],
+        tilt=modes[count:],
+        stiffness=np.diag(squares),
+        damping=terrain.damping_time * np.diag(squares),
+        weight=-terrain.unit_mass * modes[:count].sum(axis=0),
+    )
+
+
+def localized(modes: TerrainModes, units: NDArray) -> TerrainModes:
+    """Same terrain in coordinates of which only the first few move the given units.
+
+    An orthogonal change of coordinates, so the mass matrix stays the identity; it makes the
+    derivatives of the contact forces sparse.
+
+    Parameters
+    ----------
+    units : array of int
+        Indices (from 0) of the units that the track can touch.
+    """
+    near = np.vstack((modes.heave[units], modes.tilt[units] * _length_scale(modes)))
+    _, _, turned = np.linalg.svd(near, full_matrices=True)
+    return TerrainModes(
+        heave=_clean(modes.heave @ turned.T),
+        tilt=_clean(modes.tilt @ turned.T),
+        stiffness=turned @ modes.stiffness @ turned.T,
+        damping=turned @ modes.damping @ turned.T,
+        weight=turned @ modes.weight,
+    )
+
+
+def _length_scale(modes: TerrainModes) -> float:
+    """Length that makes tilts comparable with heaves, m."""
+    return float(np.abs(modes.heave).max() / np.abs(modes.tilt).max())
+
+
+def _clean(shapes: NDArray) -> NDArray:
+    """Shapes with what is only rounding set to zero, in the memory order that compiled code takes."""
+    small = np.abs(shapes) < 1e-12 * np.abs(shapes).max()
+    return np.ascontiguousarray(np.where(small, 0.0, shapes))
+
+
+def units_near(terrain: Terrain, corners: NDArray, margin: float) -> NDArray:
+    """Indices (from 0) of the units within `margin` (m) of the bounding rectangle of `corners`."""
+    low, high = corners.min(axis=0) - margin, corners.max(axis=0) + margin
+    centers = terrain.centers[:, :2]
+    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width])
+    near = np.all((centers + half > low) & (centers - half < high), axis=1)
+    return np.flatnonzero(near)

@@ -1,0 +1,1 @@
+"""The only builders of Exudyn systems: shoes, links, ground, loads, drive and contact of a case."""

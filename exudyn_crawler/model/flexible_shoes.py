@@ -1,0 +1,217 @@
+"""A reduced elastic shoe as Exudyn's floating-frame body takes it.
+
+The integrals over the body are those of the nodal-based floating frame of reference formulation with modal
+reduction (Zwölfer and Gerstmayr, Acta Mechanica 2020, doi 10.1007/s00707-020-02886-2), with the consistent
+mass matrix of the finite elements. Only a few massless nodes go along: four round every joint centre, which
+carry the motion of its spider, and one that moves as the mean of the top face.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.case import Case, FlexibleShoes, Track
+from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton
+from fem.patches import Underside, integrate_underside
+from meshes import mesh_named
+
+PIN_TOLERANCE = 1e-3
+"""m, between the axis of a bore and the pin."""
+
+ARM = 0.05
+"""m, distance of a joint's massless nodes from its centre."""
+JOINT_OFFSETS = ARM * np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
+"""Corners of a tetrahedron: their mean is the centre, and no axis of rotation is preferred."""
+NODES_A_JOINT = len(JOINT_OFFSETS)
+
+
+@dataclass(frozen=True)
+class FloatingShoe:
+    """Everything that the multibody system needs of a flexible shoe; m modes.
+
+    Attributes
+    ----------
+    reduced : fem.ReducedBody
+        Modes, stress modes and surfaces.
+    joints : tuple of str
+        Names of the joint centres, in the order of their nodes.
+    positions : array (nodes, 3)
+        Massless nodes, m: `NODES_A_JOINT` of every joint, then the top face's.
+    modes : array (3 nodes, m)
+        Their displacements.
+    integrals : dict
+        Inertia of the body as Exudyn's `ObjectFFRFreducedOrder` names it.
+    underside : Underside
+        Integrated modes of the underside.
+    """
+
+    reduced: ReducedBody
+    joints: tuple[str, ...]
+    positions: NDArray
+    modes: NDArray
+    integrals: dict[str, NDArray | float]
+    underside: Underside
+
+    def joint_nodes(self, joint: str) -> list[int]:
+        """Massless nodes of a joint centre."""
+        first = NODES_A_JOINT * self.joints.index(joint)
+        return list(range(first, first + NODES_A_JOINT))
+
+    @property
+    def top_node(self) -> int:
+        """Massless node that moves as the mean of the top face."""
+        return len(self.positions) - 1
+
+    @property
+    def mode_count(self) -> int:
+        """Number of modes that answer dynamically."""
+        return self.modes.shape[1]
+
+
+def _material(flexible: FlexibleShoes) -> Material:
+    return Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
+
+
+@lru_cache(maxsize=4)
+def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[ElasticBody, list[Interface]]:
+    mesh = mesh_named(mesh_name)
+    interfaces = []
+    for name, center in track.joint_centers.items():
+        if f"bore {name}" not in mesh.surfaces:
+            raise ValueError(
+                f"the mesh {mesh_name!r} must have the surface 'bore {name}', it has {sorted(mesh.surfaces)}"
+            )
+        nodes = mesh.nodes_of(f"bore {name}")
+        bore = mesh.nodes[nodes]
+        off = 0.5 * (bore.min(axis=0) + bore.max(axis=0)) - center
+        # a bore is as long as its lug is wide, of which the joint centre need not be the middle
+        if np.hypot(off[0], off[2]) > PIN_TOLERANCE or abs(off[1]) > 0.5 * np.ptp(bore[:, 1]):
+            raise ValueError(
+                f"the mesh {mesh_name!r} must meet the track's pins within {PIN_TOLERANCE} m: "
+                f"its bore {name!r} is off the pin by {off.round(4).tolist()} m"
+            )
+        interfaces.append(Interface(name, center, nodes))
+    return ElasticBody(mesh, material), interfaces
+
+
+def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list[Interface]]:
+    """Finite-element model of a flexible shoe and its four joint centres; remembered.
+
+    Raises
+    ------
+    ValueError
+        If the mesh has no bores where the track's pins are.
+    """
+    return _finite_elements(flexible.mesh, _material(flexible), track)
+
+
+@lru_cache(maxsize=2)
+def _partition(mesh: str, material: Material, track: Track) -> Partition:
+    return Partition(*_finite_elements(mesh, material, track))
+
+
+@lru_cache(maxsize=4)
+def _reduction(mesh: str, material: Material, track: Track, fixed_modes: int, load_mode: bool) -> ReducedBody:
+    body, interfaces = _finite_elements(mesh, material, track)
+    loads = {"machine load": body.surface_load("top", np.array([0.0, 0.0, -1.0]))} if load_mode else None
+    return craig_bampton(body, interfaces, fixed_modes, loads, partition=_partition(mesh, material, track))
+
+
+def whole_basis(flexible: FlexibleShoes, track: Track, fixed_modes: int) -> ReducedBody:
+    """Reduce a flexible shoe to its constraint modes and some fixed-interface modes; remembered."""
+    return _reduction(flexible.mesh, _material(flexible), track, fixed_modes, flexible.load_mode)
+
+
+def floating_shoe(case: Case) -> FloatingShoe:
+    """Reduce the mesh of a case's flexible shoes and integrate what the multibody system needs.
+
+    The last few results are remembered: a run builds its system twice.
+
+    Raises
+    ------
+    ValueError
+        If the mesh does not meet the track's pins or no mode remains.
+    """
+    assert case.flexible is not None
+    return _floating_shoe(case.flexible, case.track, tuple(case.shoe.footprint.tolist()))
+
+
+@lru_cache(maxsize=4)
+def _floating_shoe(flexible: FlexibleShoes, track: Track, footprint: tuple[float, ...]) -> FloatingShoe:
+    body, interfaces = shoe_model(flexible, track)
+    mesh = body.mesh
+    reduced = _integrated_modes(flexible, whole_basis(flexible, track, flexible.fixed_modes))
+    positions, rows = _massless_nodes(reduced)
+    under = mesh.nodes_of("underside")
+    return FloatingShoe(
+        reduced=reduced,
+        joints=tuple(interface.name for interface in interfaces),
+        positions=positions,
+        modes=rows.reshape(-1, rows.shape[2]),
+        integrals=_integrals(body, reduced.modes),
+        underside=integrate_underside(mesh.nodes[under, :2], reduced.modes[under], np.array(footprint)),
+    )
+
+
+def _integrated_modes(flexible: FlexibleShoes, whole: ReducedBody) -> ReducedBody:
+    """Modes of a basis that a run integrates."""
+    if flexible.modes is not None:
+        return whole.with_modes([number - 1 for number in flexible.modes])
+    if flexible.highest_frequency is not None:
+        below = np.flatnonzero(whole.frequencies <= flexible.highest_frequency)
+        if len(below) == 0:
+            raise ValueError(
+                f"highest_frequency must be at least that of the first mode, {whole.frequencies[0]:.1f} Hz, "
+                f"got {flexible.highest_frequency:g} Hz"
+            )
+        return whole.with_modes(below.tolist())
+    return whole
+
+
+def _massless_nodes(reduced: ReducedBody) -> tuple[NDArray, NDArray]:
+    """Positions (nodes, 3) and mode rows (nodes, 3, modes) of the massless nodes."""
+    positions, rows = [], []
+    for interface, pilot in zip(reduced.interfaces, reduced.pilots, strict=True):
+        for offset in JOINT_OFFSETS:
+            positions.append(interface.center + offset)
+            rows.append(pilot[:3] + np.cross(pilot[3:], offset, axisa=0, axisc=0))
+    weights = reduced.weights("top")
+    positions.append(weights @ reduced.nodes / weights.sum())
+    rows.append(reduced.mean_rows(weights))
+    return np.array(positions), np.array(rows)
+
+
+def _skew(vectors: NDArray) -> NDArray:
+    """Skew matrices of nodal vectors (nodes, 3, columns), stacked: (3 nodes, 3 columns)."""
+    nodes, _, columns = vectors.shape
+    x, y, z = vectors[:, 0], vectors[:, 1], vectors[:, 2]
+    out = np.zeros((nodes, 3, columns, 3))
+    out[:, 0, :, 1], out[:, 0, :, 2] = -z, y
+    out[:, 1, :, 0], out[:, 1, :, 2] = z, -x
+    out[:, 2, :, 0], out[:, 2, :, 1] = -y, x
+    return out.reshape(3 * nodes, 3 * columns)
+
+
+def _integrals(body: ElasticBody, modes: NDArray) -> dict[str, NDArray | float]:
+    """Inertia integrals of a body and its modes (nodes, 3, m), about the origin of its axes."""
+    nodes, _, count = modes.shape
+    mass = body.mass_matrix
+    translation = np.tile(np.eye(3), (nodes, 1))
+    shapes = modes.reshape(3 * nodes, count)
+    shapes_skew = _skew(modes)
+    place_skew = _skew(body.mesh.nodes[:, :, None])
+    mass_shapes, mass_shapes_skew = mass @ shapes, mass @ shapes_skew
+    mass_translation = mass @ translation
+    return {
+        "mass": body.mass,
+        "inertia": place_skew.T @ (mass @ place_skew),
+        "centerOfMass": mass_translation.T @ body.mesh.nodes.ravel() / body.mass,
+        "mPsiTildePsi": shapes_skew.T @ mass_shapes,
+        "mPsiTildePsiTilde": shapes_skew.T @ mass_shapes_skew,
+        "mPhitTPsi": translation.T @ mass_shapes,
+        "mPhitTPsiTilde": translation.T @ mass_shapes_skew,
+        "mXRefTildePsi": place_skew.T @ mass_shapes,
+        "mXRefTildePsiTilde": place_skew.T @ mass_shapes_skew,
+    }

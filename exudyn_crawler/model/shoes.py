@@ -1,0 +1,131 @@
+"""Rigid and flexible shoes as bodies of the multibody system, seen alike by joints and loads."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import exudyn as exu
+import exudyn.itemInterface as items
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.model.flexible_shoes import NODES_A_JOINT, FloatingShoe
+
+
+@dataclass(frozen=True)
+class ShoeBody:
+    """A shoe in the multibody system: its body and the markers that others attach to.
+
+    `pins` holds a marker for each (end, side), end being "front" or "rear"; `top` the marker of the machine
+    load; `modal_node` the node of the modal coordinates, None for a rigid shoe.
+    """
+
+    node: int
+    body: int
+    top: int
+    pins: dict[tuple[str, str], int]
+    modal_node: int | None
+
+    @property
+    def is_flexible(self) -> bool:
+        """Whether the shoe has modal coordinates."""
+        return self.modal_node is not None
+
+
+def add_shoe_nodes(mbs: "exu.MainSystem", case: Case) -> list[int]:
+    """Rigid-body nodes of all shoes at their places at t = 0."""
+    return [
+        mbs.AddNode(
+            items.NodeRigidBodyRxyz(name=f"shoe {number}", referenceCoordinates=[*position, 0.0, 0.0, 0.0])
+        )
+        for number, position in enumerate(case.track.com_positions(case.shoe.com_height), start=1)
+    ]
+
+
+def add_shoe_bodies(
+    mbs: "exu.MainSystem", case: Case, nodes: Sequence[int], floating: FloatingShoe | None
+) -> list[ShoeBody]:
+    """Bodies of all shoes with their weights; the flexible ones share one reduction."""
+    chosen = () if case.flexible is None else case.flexible.shoes
+    bodies = []
+    for number, node in enumerate(nodes, start=1):
+        if number in chosen:
+            assert floating is not None
+            bodies.append(add_flexible(mbs, case, number, node, floating))
+        else:
+            bodies.append(_add_rigid(mbs, case, number, node))
+    return bodies
+
+
+def _add_rigid(mbs: "exu.MainSystem", case: Case, number: int, node: int) -> ShoeBody:
+    shoe = case.shoe
+    body = mbs.AddObject(
+        items.ObjectRigidBody(
+            name=f"shoe {number}", mass=shoe.mass, inertia=list(shoe.inertia), nodeNumber=node
+        )
+    )
+    com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
+    mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0.0, 0.0, -shoe.mass * case.gravity]))
+    pins = {}
+    for joint, place in case.track.joint_centers.items():
+        end, side = joint.split()
+        pins[end, side] = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=place.tolist()))
+    top = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=list(shoe.load_point)))
+    return ShoeBody(node, body, top, pins, None)
+
+
+def add_flexible(
+    mbs: "exu.MainSystem", case: Case, number: int, node: int, floating: FloatingShoe
+) -> ShoeBody:
+    """One flexible shoe on its rigid-body node, with its own modal node."""
+    assert case.flexible is not None
+    count = floating.mode_count
+    modal = mbs.AddNode(
+        items.NodeGenericODE2(
+            name=f"modes of shoe {number}",
+            referenceCoordinates=[0.0] * count,
+            initialCoordinates=[0.0] * count,
+            initialCoordinates_t=[0.0] * count,
+            numberOfODE2Coordinates=count,
+        )
+    )
+    frequencies = floating.reduced.frequencies
+    omega = 2.0 * np.pi * frequencies
+    ratio = case.flexible.damping.value(frequencies)
+    body = mbs.AddObject(
+        items.ObjectFFRFreducedOrder(
+            name=f"shoe {number}",
+            nodeNumbers=[node, modal],
+            massMatrixReduced=_diagonal(np.ones(count)),
+            stiffnessMatrixReduced=_diagonal(omega**2),
+            dampingMatrixReduced=_diagonal(2.0 * ratio * omega),
+            modeBasis=floating.modes,
+            referencePositions=floating.positions.ravel(),
+            **floating.integrals,
+        )
+    )
+    weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
+    mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=[0.0, 0.0, -case.gravity]))
+    pins = {}
+    for joint in floating.joints:
+        end, side = joint.split()
+        pins[end, side] = mbs.AddMarker(
+            items.MarkerSuperElementRigid(
+                bodyNumber=body,
+                meshNodeNumbers=floating.joint_nodes(joint),
+                weightingFactors=[1.0 / NODES_A_JOINT] * NODES_A_JOINT,
+            )
+        )
+    top = mbs.AddMarker(
+        items.MarkerSuperElementPosition(
+            bodyNumber=body, meshNodeNumbers=[floating.top_node], weightingFactors=[1.0]
+        )
+    )
+    return ShoeBody(node, body, top, pins, modal)
+
+
+def _diagonal(values: NDArray) -> "exu.MatrixContainer":
+    index = np.arange(len(values))
+    matrix = exu.MatrixContainer()
+    matrix.SetWithSparseMatrix(np.column_stack((index, index, values)), len(values), len(values))
+    return matrix

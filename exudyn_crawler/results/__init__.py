@@ -1,0 +1,1 @@
+"""What a run leaves, as named arrays: the history and all that is computed from it."""

@@ -1,0 +1,79 @@
+"""Contact results by pair and by shoe, and the terrain's deformation, from a history."""
+
+import numpy as np
+import xarray as xr
+
+from exudyn_crawler.results.history import History
+
+PER_CONTACT = ("normal_force", "friction_force", "friction_torque")
+LEADING = ("penetration", "penetration_rate", "slip_velocity")
+
+
+def contact_force(history: History) -> xr.DataArray:
+    """Normal and friction force on the shoe of every contact: dimensions (time, contact, axis), N."""
+    force = history.normal_force + history.friction_force
+    return force.assign_attrs(units="N", long_name="contact force on the shoe")
+
+
+def pair(history: History, shoe: int, unit: int) -> int:
+    """Index along the contact dimension of a pair of a shoe and a unit (numbers from 1).
+
+    Raises
+    ------
+    ValueError
+        If the two never met.
+    """
+    met = (history.contact_shoe == shoe) & (history.contact_unit == unit)
+    found = np.flatnonzero(met.values)
+    if not len(found):
+        units = history.contact_unit.values[history.contact_shoe.values == shoe].tolist()
+        raise ValueError(f"shoe {shoe} never met unit {unit}; it met units {units}")
+    return int(found[0])
+
+
+def contacts_by_shoe(history: History) -> xr.Dataset:
+    """Contact of every shoe, over all units it stands on.
+
+    Forces and torques are summed over the shoe's contacts. Penetration, its rate and the slip velocity
+    are those of the contact that penetrates deepest at the time.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions time, shoe, axis: normal_force, friction_force, contact_force (N), friction_torque
+        (N m), penetration (m), penetration_rate and slip_velocity (m/s).
+    """
+    return contacts_of(history.dataset)
+
+
+def contacts_of(dataset: xr.Dataset) -> xr.Dataset:
+    """Same from a history's variables alone."""
+    shoes = dataset.shoe.values
+    found: dict[str, list[xr.DataArray]] = {name: [] for name in (*PER_CONTACT, *LEADING)}
+    for shoe in shoes:
+        own = dataset.isel(contact=np.flatnonzero(dataset.contact_shoe.values == shoe))
+        deepest = own.penetration.argmax("contact")
+        for name in PER_CONTACT:
+            found[name].append(own[name].sum("contact", keep_attrs=True))
+        for name in LEADING:
+            found[name].append(own[name].isel(contact=deepest))
+    result = xr.Dataset(
+        {
+            name: xr.concat(values, dim="shoe", coords="minimal", compat="override")
+            for name, values in found.items()
+        }
+    ).assign_coords(shoe=shoes)
+    result = result.drop_vars(["contact_shoe", "contact_unit"], errors="ignore")
+    force = result.normal_force + result.friction_force
+    return result.assign(contact_force=force.assign_attrs(units="N", long_name="contact force on the shoe"))
+
+
+def terrain_deformation(history: History) -> xr.DataArray:
+    """Sum of all spring deformations relative to equilibrium, positive upward: dimension time, m.
+
+    Every spring of a unit deforms by the heave and, with opposite signs, by the tilt.
+    """
+    springs = history.case.terrain.springs_per_unit
+    total = springs * history.unit_heave.sum("unit")
+    change = total - total.isel(time=0)
+    return change.assign_attrs(units="m", long_name="total terrain deformation from equilibrium")

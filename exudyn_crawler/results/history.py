@@ -1,0 +1,82 @@
+"""Results of a run: named arrays over time that know their units and where they come from."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import h5py
+import xarray as xr
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.files import write_netcdf
+
+
+@dataclass(frozen=True)
+class History:
+    """Results of a run.
+
+    Every variable of the dataset is an attribute too: ``history.position.sel(shoe=13, axis="x")``.
+    `exudyn_crawler.results.states` lists the variables, each with its unit and meaning in its attributes.
+
+    Attributes
+    ----------
+    case : Case
+        What was run.
+    dataset : xarray.Dataset
+        Dimensions time (s), shoe, joint, unit, contact and axis (x, y, z of the global frame).
+    """
+
+    case: Case
+    dataset: xr.Dataset
+
+    def __getattr__(self, name: str) -> xr.DataArray:
+        """Variable or coordinate of the dataset."""
+        if name.startswith("_") or name not in self.dataset.variables:
+            raise AttributeError(
+                f"a history has no {name!r}; it has {sorted(map(str, self.dataset.variables))}"
+            )
+        return self.dataset[name]
+
+    @property
+    def duration(self) -> float:
+        """Time of the last state, s."""
+        return float(self.dataset.time[-1])
+
+    def save(self, path: str | Path, overwrite: bool = False) -> Path:
+        """Write everything to one NetCDF file.
+
+        Raises
+        ------
+        FileExistsError
+            If the file exists and `overwrite` is false.
+        """
+        path = Path(path)
+        compressed = {
+            name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.dataset.data_vars
+        }
+        whole = self.dataset.assign_attrs(case=self.case.model_dump_json())
+        return write_netcdf(whole, path, overwrite, compressed)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a file that `save` wrote.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If the file does not hold a history.
+        """
+        path = Path(path)
+        if not path.is_file():
+            raise FileNotFoundError(f"no history at {path}")
+        try:
+            # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
+            with h5py.File(path, "r") as file:
+                case = Case.model_validate_json(file.attrs["case"])
+            dataset = xr.load_dataset(path, engine="h5netcdf")
+            del dataset.attrs["case"]
+        except (OSError, KeyError, ValueError, RuntimeError) as error:
+            raise ValueError(f"{path} does not hold a history: {error}") from error
+        return cls(case=case, dataset=dataset)

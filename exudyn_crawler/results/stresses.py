@@ -1,0 +1,149 @@
+"""Stresses of the flexible shoes over a run: histories, fields and chosen instants as one dataset."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from exudyn_crawler.files import whole_file
+from exudyn_crawler.results.history import History
+from exudyn_crawler.results.modal_coordinates import StressBasis, stress_basis, whole_coordinates
+from fem import Extremes, ReducedBody, hot_spots, recover_extremes
+
+PICTURE_TIMES = (0.0, 5.0, 10.0, 15.0, 22.5, 30.0, 33.5, 40.0)
+"""s, instants at which the S-paper shows the stressed shoes."""
+HOT_SPOTS = 5
+"""Rows of the S-paper's hot-spot tables."""
+
+
+@dataclass(frozen=True)
+class StressResults:
+    """Recovered stresses of a run.
+
+    Attributes
+    ----------
+    dataset : xarray.Dataset
+        Dimensions shoe (the flexible ones), time, node, frame (chosen stored instants, s), axis, and face and
+        corner of the surface's triangles. Variables, stresses in Pa:
+
+        - highest_von_mises (time, shoe) and highest_node (time, shoe)
+        - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
+        - frame_von_mises (frame, shoe, node)
+        - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
+        - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices
+        - in_spider (node), whether a node is held by a joint's rigid spider
+    hot_spots : mapping
+        Table of every flexible shoe, as of `fem.hot_spots`; places global, those of the track at t = 0.
+    whole : ReducedBody
+        Modes that the stresses are made of.
+    """
+
+    dataset: xr.Dataset
+    hot_spots: Mapping[int, pd.DataFrame]
+    whole: ReducedBody
+
+    def save(self, path: Path, overwrite: bool = False) -> Path:
+        """Write the dataset to a NetCDF file, whole or not at all.
+
+        Raises
+        ------
+        FileExistsError
+            If the file exists and `overwrite` is false.
+        """
+        compressed = {
+            name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.dataset.data_vars
+        }
+        with whole_file(path, overwrite) as temporary:
+            self.dataset.to_netcdf(temporary, engine="h5netcdf", encoding=compressed)
+        return path
+
+
+def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -> StressResults:
+    """Recover the stresses of all flexible shoes from a run.
+
+    Parameters
+    ----------
+    times : sequence of float
+        s, instants of which whole fields are kept: the stored ones nearest to them, as far as the run goes.
+
+    Raises
+    ------
+    ValueError
+        If the run has no flexible shoes, or none of the times lies within it.
+    """
+    basis = stress_basis(history)
+    assert history.case.flexible is not None
+    shoes = list(history.case.flexible.shoes)
+    frames = _frames(history, times)
+    found, tables = [], {}
+    for shoe in shoes:
+        q = whole_coordinates(history, basis, shoe)
+        extremes = recover_extremes(basis.whole.stress_modes, q)
+        found.append(_of_shoe(history, basis, q, extremes, frames))
+        table = hot_spots(basis.whole, history.time.values, q, HOT_SPOTS, peaks=extremes.peaks)
+        tables[shoe] = _placed(table, history, shoe)
+    dataset = xr.concat(found, dim=xr.Variable("shoe", shoes)).transpose("time", "frame", "shoe", ...)
+    whole = basis.whole
+    spider = np.zeros(len(whole.nodes), dtype=bool)
+    spider[whole.spider_nodes] = True
+    dataset = dataset.assign(
+        node_position=(
+            ("node", "axis"),
+            whole.nodes,
+            {"units": "m", "long_name": "place in the shoe's frame"},
+        ),
+        triangle=(("face", "corner"), whole.mesh.boundary[:, :3], {"long_name": "nodes of the surface"}),
+        in_spider=("node", spider, {"long_name": "whether a joint's rigid spider holds the node"}),
+    ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
+    return StressResults(dataset, tables, whole)
+
+
+def _frames(history: History, times: Sequence[float]) -> NDArray:
+    """Indices of the stored instants nearest to the times that lie within the run."""
+    stored = history.time.values
+    within = [time for time in times if time <= stored[-1] * (1.0 + 1e-9)]
+    if not within:
+        raise ValueError(f"none of the times {list(times)} s lies within the run of {stored[-1]:g} s")
+    return np.unique([int(np.argmin(np.abs(stored - time))) for time in within])
+
+
+def _of_shoe(
+    history: History, basis: StressBasis, q: NDArray, found: Extremes, frames: NDArray
+) -> xr.Dataset:
+    """Stress of one shoe with modal coordinates q (times, M)."""
+    whole = basis.whole
+    time = history.time.values
+    pascal = {"units": "Pa"}
+    return xr.Dataset(
+        {
+            "highest_von_mises": ("time", found.highest, pascal | {"long_name": "highest von Mises stress"}),
+            "highest_node": ("time", found.highest_nodes, {"long_name": "node of the highest stress"}),
+            "peak_von_mises": ("node", found.greatest, pascal | {"long_name": "greatest von Mises stress"}),
+            "peak_time": ("node", time[found.greatest_at], {"units": "s", "long_name": "when it occurs"}),
+            "least_von_mises": ("node", found.least, pascal | {"long_name": "least von Mises stress"}),
+            "frame_von_mises": (
+                ("frame", "node"),
+                whole.von_mises(q[frames]).astype(np.float32),
+                pascal | {"long_name": "von Mises stress"},
+            ),
+            "frame_displacement": (
+                ("frame", "node", "axis"),
+                whole.displacement(q[frames]).astype(np.float32),
+                {"units": "m", "long_name": "elastic displacement in the shoe's frame"},
+            ),
+        },
+        coords={
+            "time": ("time", time, {"units": "s"}),
+            "frame": ("frame", time[frames], {"units": "s", "long_name": "chosen instants"}),
+        },
+    )
+
+
+def _placed(table: pd.DataFrame, history: History, shoe: int) -> pd.DataFrame:
+    """Hot spots with their places in the track at t = 0, as the S-paper gives them."""
+    at_start = history.case.track.com_positions(history.case.shoe.com_height)[shoe - 1]
+    return table.assign(**{axis: table[axis] + at_start[k] for k, axis in enumerate("xyz")})

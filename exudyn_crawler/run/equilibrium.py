@@ -1,0 +1,172 @@
+"""Static equilibrium of track and terrain before t = 0."""
+
+import exudyn as exu
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.ground.assembly import ConstrainedCoordinates
+from exudyn_crawler.model.general_contact import SphereContact
+from exudyn_crawler.model.system import System, build
+
+RESIDUAL = 1e-3
+"""N, root mean square of the residual that ends the iteration: 1e-9 of a shoe's load."""
+
+RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
+"""s, s and number: duration, step and most repetitions of the damped motion on uneven ground."""
+
+SLOW = 1e-6
+"""m/s and rad/s, greatest speed at rest: its dashpots take less than 1e-4 m/s2 of a shoe's mass."""
+
+
+def static_equilibrium(case: Case) -> NDArray:
+    """Coordinates of track and terrain at rest under their weights and the loads at t = 0.
+
+    Returns
+    -------
+    array (coordinates,)
+        As in `engine`: m and rad, from the places at t = 0 before settling.
+
+    Raises
+    ------
+    EquilibriumError
+        Where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
+        shoes that the ground carries least.
+    """
+    if case.terrain.heights is not None:
+        q = _on_uneven_ground(case)
+    else:
+        system = build(case, static=True)
+        try:
+            q = _rest(system, _first_guess(system))
+        except EquilibriumError as error:
+            if case.contact_model != "general":
+                raise
+            raise EquilibriumError(
+                f"{error}. The spheres' radius of {case.general_contact.radius} m may "
+                f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
+            ) from error
+    if case.contact_model == "general" and (sunken := SphereContact(case).sunken(q)):
+        raise EquilibriumError(
+            f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
+            f"the ground; they need a greater general_contact.radius than "
+            f"{case.general_contact.radius} m, or flatter ground"
+        )
+    return q
+
+
+def _rest(system: System, guess: NDArray) -> NDArray:
+    """Rest of a system built for statics, by Newton's method from a guess."""
+    system.set_initial(guess)
+    settings = exu.SimulationSettings()
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    settings.solution.file.write = False
+    settings.staticSolver.useLoadFactor = False
+    settings.staticSolver.verboseMode = 0
+    newton = settings.staticSolver.newton
+    newton.absoluteTolerance = RESIDUAL
+    newton.relativeTolerance = 1e-16
+    newton.weightTolerancePerCoordinate = True
+    newton.maxIterations = 50
+    try:
+        system.mbs.SolveStatic(settings)
+    except exu.SolverError as error:
+        name = system.case.name
+        raise EquilibriumError(f"no static equilibrium of case {name!r} was found: {error}") from error
+    return np.asarray(system.mbs.systemData.GetODE2Coordinates())
+
+
+def _on_uneven_ground(case: Case) -> NDArray:
+    """Rest on uneven ground: by Newton's method from even ground, or else by damped motion.
+
+    Exudyn's derivatives leave out how the links' forces turn with the shoes, so that Newton's method alone
+    creeps away from some states where shoes stand on edges.
+    """
+    even = build(case.with_(terrain=case.terrain.with_(heights=None)), static=True)
+    q = _rest(even, _first_guess(even))
+    system = build(case, static=True)
+    assert isinstance(system.contact, SphereContact)
+    ground = system.contact.ground_below(q, case.terrain.top_heights)
+    guess = q.copy()
+    guess[2 : 6 * len(ground) : 6] += ground.mean(axis=1)
+    try:
+        return _rest(system, guess)
+    except EquilibriumError:
+        pass
+    return _relaxed(system, guess)
+
+
+def _relaxed(system: System, q: NDArray) -> NDArray:
+    """Rest by damped motion until it is slow or Newton's method takes over."""
+    name = system.case.name
+    settings = exu.SimulationSettings()
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    settings.solution.file.write = False
+    time = settings.timeIntegration
+    time.verboseMode = 0
+    time.endTime = RELAXATION
+    time.numberOfSteps = round(RELAXATION / RELAXATION_STEP)
+    time.generalizedAlpha.spectralRadius = 0.0
+    time.newton.useModifiedNewton = False
+    time.newton.absoluteTolerance = 1.0
+    time.newton.relativeTolerance = 1e-16
+    time.newton.weightTolerancePerCoordinate = True
+    time.newton.maxIterations = 40
+    for _ in range(RELAXATIONS):
+        system.set_initial(q)
+        try:
+            system.mbs.SolveDynamic(settings)
+        except exu.SolverError as error:
+            raise EquilibriumError(
+                f"no static equilibrium of case {name!r} was found on its uneven ground. "
+                f"{_unsupported(system)}"
+            ) from error
+        q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
+        speed = np.abs(system.mbs.systemData.GetODE2Coordinates_t()).max()
+        if speed < SLOW:
+            return q
+        try:
+            return _rest(system, q)
+        except EquilibriumError:
+            pass
+    raise EquilibriumError(
+        f"no static equilibrium of case {name!r} was found on its uneven ground: it still moves at "
+        f"{speed:.2g} m/s after {RELAXATIONS * RELAXATION:g} s of damped motion. {_unsupported(system)}"
+    )
+
+
+def _unsupported(system: System) -> str:
+    """Which shoes the ground carries least in the last state of a search."""
+    q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
+    force = system.contact.forces(q, np.zeros_like(q))[2 : 6 * system.case.track.shoe_count : 6]
+    lifted = np.flatnonzero(force < 0.1 * system.case.mean_load) + 1
+    if len(lifted):
+        return f"Last, hardly any ground carried shoes {lifted.tolist()}."
+    return f"Last, the ground carried shoe {force.argmin() + 1} least, with {force.min():.3g} N."
+
+
+def _first_guess(system: System) -> NDArray:
+    """Every unit sunk by its own weight and every shoe by its load into the ground there.
+
+    Close enough for Newton's method, which does the rest.
+    """
+    case = system.case
+    q = np.zeros(system.contact.size)
+    shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
+    loads = case.loads.loads(0.0)[0] + case.shoe.mass * case.gravity
+    law = case.contact
+    penetration = (np.maximum(loads, 0.0) / law.stiffness) ** (1.0 / law.exponent)
+    sag = case.terrain.unit_mass * case.gravity / case.terrain.heave_stiffness
+    shoes[:, 2] = -sag - penetration
+    terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
+    if isinstance(system.contact.coordinates, ConstrainedCoordinates):
+        terrain.reshape(-1, 6)[:, 2] = -sag
+    else:
+        # heave of all units by the same amount is a combination of the modes
+        heave = system.contact.coordinates.modes.heave  # type: ignore[attr-defined]
+        tilt = system.contact.coordinates.modes.tilt  # type: ignore[attr-defined]
+        shapes = np.vstack((heave, tilt))
+        wanted = np.concatenate((np.full(len(heave), -sag), np.zeros(len(tilt))))
+        terrain[:] = np.linalg.lstsq(shapes, wanted, rcond=None)[0]
+    return q

@@ -1,0 +1,69 @@
+"""How a command tells of what went wrong."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from pydantic import ValidationError
+
+from exudyn_crawler.errors import EquilibriumError, SimulationStopped
+
+OTHER = 1
+BAD_INPUT = 2
+STOPPED = 3
+INTERRUPTED = 130
+
+BAD_INPUT_ERRORS = (
+    ValueError,
+    FileNotFoundError,
+    FileExistsError,
+    NotADirectoryError,
+    IsADirectoryError,
+    PermissionError,
+    BlockingIOError,
+)
+
+
+@contextmanager
+def readable_errors(debug: bool = False) -> Iterator[None]:
+    """Turn errors into readable lines and an exit code.
+
+    Exits with 2 for bad input, 3 for a run that stopped early, 130 for an interrupt outside of a run and
+    1 for all else, such as a full disk.
+
+    Parameters
+    ----------
+    debug : bool
+        Show the traceback first.
+    """
+    try:
+        yield
+    except (Exception, KeyboardInterrupt) as error:
+        if debug:
+            import traceback
+
+            traceback.print_exc()
+        lines, code = _told(error)
+        for line in lines:
+            print(f"error: {line}", file=sys.stderr)
+        raise SystemExit(code) from error
+
+
+def _told(error: BaseException) -> tuple[list[str], int]:
+    """Lines that tell of an error, and the exit code."""
+    if isinstance(error, SimulationStopped):
+        return [f"{error}; what there is was kept"], STOPPED
+    if isinstance(error, EquilibriumError):
+        return [str(error)], STOPPED
+    if isinstance(error, ValidationError):
+        from exudyn_crawler.case.files import faults, validated_model
+
+        return list(faults(error, validated_model(error))), BAD_INPUT
+    if isinstance(error, BAD_INPUT_ERRORS):
+        return str(error).splitlines() or [repr(error)], BAD_INPUT
+    if isinstance(error, OSError):
+        return [" ".join(str(error).split())], OTHER
+    if isinstance(error, KeyboardInterrupt):
+        return ["interrupted"], INTERRUPTED
+    told = " ".join(str(error).split())
+    return [f"{type(error).__name__}: {told} (unexpected; --debug shows where)"], OTHER

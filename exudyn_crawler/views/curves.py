@@ -1,0 +1,130 @@
+"""Figures of runs. Functions take axes or make a figure and return it; nothing here computes results."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from exudyn_crawler.files import whole_file
+from exudyn_crawler.results.history import History
+
+SHOES = (1, 4, 7, 10, 13)
+"""Shoes that the papers draw."""
+
+KINEMATICS = {
+    "displacement": ("position", "m", 1.0),
+    "velocity": ("velocity", "m/s", 1.0),
+    "acceleration": ("acceleration", "m/s²", 1.0),
+    "angular velocity": ("angular_velocity", "deg/s", float(np.degrees(1.0))),
+    "angular acceleration": ("angular_acceleration", "deg/s²", float(np.degrees(1.0))),
+}
+"""Kinematic quantities that the papers draw: variable, unit of the figure and factor to it."""
+
+STYLE: dict[Any, Any] = {
+    "axes.formatter.limits": (-4, 5),
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "figure.constrained_layout.use": True,
+    "font.size": 9,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "lines.linewidth": 0.9,
+    "savefig.dpi": 130,
+}
+
+AXES = ("x", "y", "z")
+
+NEGLIGIBLE = {"N": 1.0, "N m": 1.0}
+"""Half the least range of an axis by its unit: rounding must not look like motion."""
+NEGLIGIBLE_MOTION = 1e-6
+"""Same for all other units."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes of a figure over time.
+
+    Attributes
+    ----------
+    label, unit : str
+        What is drawn and its unit.
+    curves : mapping
+        Series over time (dimension time) by their names.
+    """
+
+    label: str
+    unit: str
+    curves: Mapping[str, xr.DataArray]
+
+
+def draw_panel(ax: Axes, panel: Panel) -> Axes:
+    """Draw the curves of a panel over time."""
+    for name, values in panel.curves.items():
+        ax.plot(values.time, values, label=name)
+    ax.set_ylabel(f"{panel.label}\nin {panel.unit}")
+    floor = NEGLIGIBLE.get(panel.unit, NEGLIGIBLE_MOTION)
+    low, high = ax.get_ylim()
+    if high - low < 2.0 * floor:
+        ax.set_ylim(-floor, floor)
+    return ax
+
+
+def panel_figure(title: str, panels: Sequence[Panel]) -> Figure:
+    """Panels one below the other, with one legend."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8.0, 0.6 + 2.2 * len(panels)))
+        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0].tolist()
+        for ax, panel in zip(axes, panels, strict=True):
+            draw_panel(ax, panel)
+        axes[-1].set_xlabel("time in s")
+        # a case may have any name, also one that looks like a formula
+        figure.suptitle(title, x=0.01, ha="left", parse_math=False)
+        handles, labels = axes[0].get_legend_handles_labels()
+        if len(labels) > 1:
+            figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    return figure
+
+
+def axis_panels(
+    label: str, unit: str, curves: Mapping[str, xr.DataArray], axes: Sequence[str] = AXES
+) -> list[Panel]:
+    """Panel for each component of vector series (dimensions time and axis)."""
+    return [
+        Panel(f"{axis} {label}", unit, {name: v.sel(axis=axis) for name, v in curves.items()})
+        for axis in axes
+    ]
+
+
+def kinematic_series(history: History, quantity: str, shoe: int) -> xr.DataArray:
+    """Kinematic quantity of a shoe in the figures' unit; displacements count from equilibrium."""
+    name, _, factor = KINEMATICS[quantity]
+    values = history.dataset[name].sel(shoe=shoe)
+    return factor * (values - values.isel(time=0) if name == "position" else values)
+
+
+def kinematic_figure(history: History, quantity: str, shoes: Sequence[int] = SHOES) -> Figure:
+    """x, y and z of a kinematic quantity of some shoes."""
+    curves = {f"shoe {shoe}": kinematic_series(history, quantity, shoe) for shoe in shoes}
+    panels = axis_panels(quantity, KINEMATICS[quantity][1], curves)
+    return panel_figure(f"{history.case.name}: {quantity}", panels)
+
+
+def comparison_figure(histories: Mapping[str, History], quantity: str, shoe: int) -> Figure:
+    """x, y and z of a kinematic quantity of one shoe in several cases."""
+    curves = {case: kinematic_series(one, quantity, shoe) for case, one in histories.items()}
+    panels = axis_panels(quantity, KINEMATICS[quantity][1], curves)
+    return panel_figure(f"shoe {shoe}: {quantity}", panels)
+
+
+def save_figure(figure: Figure, path: Path, overwrite: bool = False) -> Path:
+    """Write a figure as the file type that its name says, whole or not at all."""
+    with mpl.rc_context(STYLE), whole_file(path, overwrite) as temporary:
+        figure.savefig(temporary)
+    return path

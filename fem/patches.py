@@ -1,0 +1,99 @@
+"""Motion of a flexible underside, averaged over the part of it that lies on a terrain unit.
+
+The mode shapes of the underside are integrated once over a fine grid, so that their mean over any rectangle
+costs four look-ups, however many nodes the mesh has.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy.interpolate import LinearNDInterpolator
+
+from fem.mesh import Floats as FloatArray
+
+CELL = 0.03
+"""m, greatest side of a cell of the grid; the underside's elements are several times as large."""
+
+
+@dataclass(frozen=True)
+class Underside:
+    """Integrated mode shapes of a rectangular underside.
+
+    Attributes
+    ----------
+    corner : array (2,)
+        Least x and y, m, body axes.
+    cell : array (2,)
+        Sides of a cell, m.
+    integral : array (columns + 1, rows + 1, 3, modes)
+        Integral of the modes' displacements from the corner to every grid point, m2 times m per unit.
+    """
+
+    corner: FloatArray
+    cell: FloatArray
+    integral: FloatArray
+
+    @property
+    def mode_count(self) -> int:
+        """Number of modes."""
+        return self.integral.shape[3]
+
+
+def integrate_underside(positions: FloatArray, modes: FloatArray, footprint: FloatArray) -> Underside:
+    """Integrate mode shapes over a rectangular underside.
+
+    Parameters
+    ----------
+    positions : array (nodes, 2)
+        x and y of the underside's nodes, m, body axes.
+    modes : array (nodes, 3, modes)
+        Displacements of these nodes.
+    footprint : array (5,)
+        Least and greatest x, least and greatest y, z of the underside, m.
+    """
+    low, high = footprint[[0, 2]], footprint[[1, 3]]
+    counts = np.maximum(np.ceil((high - low) / CELL).astype(int), 1)
+    cell = (high - low) / counts
+    x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell[k] for k in range(2))
+    shapes = LinearNDInterpolator(positions, modes.reshape(len(positions), -1))
+    values = shapes(*np.meshgrid(x, y, indexing="ij")).reshape(*counts, *modes.shape[1:])
+    integral = np.zeros((counts[0] + 1, counts[1] + 1, *modes.shape[1:]))
+    integral[1:, 1:] = values.cumsum(axis=0).cumsum(axis=1) * cell[0] * cell[1]
+    return Underside(corner=low, cell=cell, integral=integral)
+
+
+@njit(cache=True)
+def mean_rows(corner, cell, integral, x0, x1, y0, y1, out):
+    """Write the mean displacement rows (3, modes) over the rectangle x0..x1, y0..y1 into `out`."""
+    out[:] = 0.0
+    columns, rows = integral.shape[0] - 1, integral.shape[1] - 1
+    width_x, width_y = columns * cell[0], rows * cell[1]
+    x0 = min(max(x0 - corner[0], 0.0), width_x)
+    x1 = min(max(x1 - corner[0], 0.0), width_x)
+    y0 = min(max(y0 - corner[1], 0.0), width_y)
+    y1 = min(max(y1 - corner[1], 0.0), width_y)
+    area = (x1 - x0) * (y1 - y0)
+    if area <= 0.0:
+        return
+    for i in range(2):
+        x = x1 if i == 0 else x0
+        a = min(int(x / cell[0]), columns - 1)
+        s = x / cell[0] - a
+        for j in range(2):
+            y = y1 if j == 0 else y0
+            b = min(int(y / cell[1]), rows - 1)
+            t = y / cell[1] - b
+            sign = (1.0 if i == j else -1.0) / area
+            w00 = sign * (1.0 - s) * (1.0 - t)
+            w10 = sign * s * (1.0 - t)
+            w01 = sign * (1.0 - s) * t
+            w11 = sign * s * t
+            for c in range(out.shape[0]):
+                for k in range(out.shape[1]):
+                    out[c, k] += (
+                        w00 * integral[a, b, c, k]
+                        + w10 * integral[a + 1, b, c, k]
+                        + w01 * integral[a, b + 1, c, k]
+                        + w11 * integral[a + 1, b + 1, c, k]
+                    )

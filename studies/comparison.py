@@ -1,0 +1,141 @@
+"""Paper value against computed value.
+
+The tables of the papers name quantities in words (``shoe 13 x displacement``, ``any shoe z velocity``) and
+statistics (``max abs``, ``mean over 10 s``); both are read here as such, so that a row of the reported
+values is all that a comparison needs.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from exudyn_crawler.results.history import History
+from studies.reported import reported_values, verdict
+
+KINEMATIC = {
+    "displacement": ("position", 1.0),
+    "displacement from equilibrium": ("position", 1.0),
+    "velocity": ("velocity", 1.0),
+    "acceleration": ("acceleration", 1.0),
+    "angular velocity": ("angular_velocity", 180.0 / math.pi),
+    "angular acceleration": ("angular_acceleration", 180.0 / math.pi),
+}
+"""Kinematic quantities of the papers: variable of a history and factor to the papers' unit."""
+
+SHOE_QUANTITY = re.compile(r"(?:any shoe|shoe (?P<shoe>\d+)) (?P<axis>[xyz]) (?P<kind>[a-z ]+)")
+
+
+def time_mean(values: xr.DataArray) -> xr.DataArray:
+    """Mean over time, by the trapezoidal rule, for samples that need not be equally spaced."""
+    span = float(values.time[-1] - values.time[0])
+    return values.integrate("time") / span
+
+
+def kinematic_quantity(history: History, quantity: str) -> xr.DataArray:
+    """Kinematic quantity that a paper names, in the paper's unit.
+
+    Returns
+    -------
+    xarray.DataArray
+        Dimensions (time, shoe) for any shoe, (time) for one.
+
+    Raises
+    ------
+    ValueError
+        For words that name no such quantity.
+    """
+    match = SHOE_QUANTITY.fullmatch(quantity)
+    if match is None or match["kind"] not in KINEMATIC:
+        raise ValueError(f"{quantity!r} names no kinematic quantity of a shoe")
+    name, factor = KINEMATIC[match["kind"]]
+    values = history.dataset[name].sel(axis=match["axis"])
+    if name == "position":
+        values = values - values.isel(time=0)
+    if match["shoe"]:
+        values = values.sel(shoe=int(match["shoe"]))
+    return factor * values
+
+
+def statistic_of(values: xr.DataArray, statistic: str) -> float:
+    """Statistic that a paper names over all times and shoes; NaN where the run is too short for it.
+
+    Raises
+    ------
+    ValueError
+        For words that name no statistic.
+    """
+    end = float(values.time[-1])
+    if match := re.fullmatch(r"at t=(\d+) s", statistic):
+        time = float(match[1])
+        if time > end + 1e-9:
+            return math.nan
+        return float(values.interp(time=min(time, end)))
+    if match := re.fullmatch(r"mean over (\d+) s", statistic):
+        if end < float(match[1]) - 1e-9:
+            return math.nan
+        return float(time_mean(values).mean())
+    simple = {
+        "min": lambda v: v.min(),
+        "max": lambda v: v.max(),
+        "max abs": lambda v: np.abs(v).max(),
+        "mean": lambda v: time_mean(v).mean(),
+        "value": lambda v: v,
+    }
+    if statistic not in simple:
+        raise ValueError(f"{statistic!r} names no statistic")
+    return float(simple[statistic](values))
+
+
+def kinematics_value(histories: Mapping[str, History], case: str, quantity: str, statistic: str) -> float:
+    """Computed value of one row of the kinematics tables; NaN where its run is missing.
+
+    Parameters
+    ----------
+    histories : mapping
+        Histories of the cases "translation" and "turning", as far as they were run.
+    """
+    if case not in histories:
+        return math.nan
+    values = kinematic_quantity(histories[case], quantity)
+    if statistic == "max over its translation value":
+        if "translation" not in histories:
+            return math.nan
+        straight = kinematic_quantity(histories["translation"], quantity)
+        return statistic_of(values, "max abs") / statistic_of(straight, "max abs")
+    return statistic_of(values, statistic)
+
+
+def comparison_table(reported: pd.DataFrame, computed: list[float]) -> pd.DataFrame:
+    """Reported rows with their computed values, ratios and verdicts.
+
+    Columns: study, case, quantity, statistic, unit, paper, computed, ratio, class, within. `within` is
+    yes, no, or empty where the class has no verdict or nothing was computed.
+    """
+    table = reported.drop(columns="source").rename(columns={"value": "paper"})
+    table.insert(6, "computed", computed)
+    table.insert(7, "ratio", table["computed"] / table["paper"])
+    table["within"] = [
+        verdict(row.paper, row.computed, kind, row.unit)
+        for row, kind in zip(table.itertuples(), table["class"], strict=True)
+    ]
+    return table
+
+
+def compare_kinematics(histories: Mapping[str, History]) -> pd.DataFrame:
+    """Every kinematics row that the papers report against the runs."""
+    reported = reported_values("kinematics")
+    computed = [
+        kinematics_value(histories, row.case, row.quantity, row.statistic) for row in reported.itertuples()
+    ]
+    return comparison_table(reported, computed)
+
+
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """How many rows of each class are within, out of those with a verdict."""
+    judged = table[table["within"] != ""]
+    grouped = judged.groupby("class", sort=False)["within"]
+    return pd.DataFrame({"within": grouped.agg(lambda w: int((w == "yes").sum())), "of": grouped.size()})

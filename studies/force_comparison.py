@@ -1,0 +1,141 @@
+"""Forces, sinkage and deformation as the F-paper reports them.
+
+The paper draws shoes 1, 4, 7, 10 and 13 and the links behind them, and takes its least, greatest and mean
+values from these; so does every row here that speaks of "a shoe", "shoes" or "joints". Means of forces and
+torques are printed as magnitudes there, so magnitudes are compared.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
+from exudyn_crawler.results.history import History
+from exudyn_crawler.views.curves import SHOES
+from studies.comparison import comparison_table, statistic_of, time_mean
+from studies.reported import reported_values
+
+JOINTS = (1, 4, 7, 10, 12)
+"""Links that the F-paper draws: 1-2, 4-5, 7-8, 10-11 and 12-13."""
+
+CONTACT = {
+    "penetration depth": "penetration",
+    "sinkage velocity": "penetration_rate",
+    "normal force": "normal_force",
+    "slip velocity": "slip_velocity",
+    "friction force": "friction_force",
+    "friction torque": "friction_torque",
+    "contact force": "contact_force",
+}
+"""Contact quantities of the paper and their variables in `contacts_by_shoe`."""
+
+REACTIONS = {"spherical joint reaction": "joint_force", "parallel joint torque": "joint_torque"}
+
+
+def force_quantity(history: History, contacts: xr.Dataset, quantity: str) -> xr.DataArray:
+    """Quantity that the F-paper names, in SI units.
+
+    Parameters
+    ----------
+    contacts : xarray.Dataset
+        As of `contacts_by_shoe(history)`.
+
+    Returns
+    -------
+    xarray.DataArray
+        Dimension time, and shoe or joint where the words do not name one.
+
+    Raises
+    ------
+    ValueError
+        For words that name no such quantity.
+    """
+    if quantity == "total terrain deformation from equilibrium":
+        return terrain_deformation(history)
+    words = re.sub(r" \(crossing two units\)| of a shoe", "", quantity)
+    shoe = re.search(r"shoe (\d+)", words)
+    words = re.sub(r"(of )?shoe \d+", "", words).strip()
+    match = re.fullmatch(r"(?P<name>[a-z ]+?)(?: (?P<axis>[xyz]))?", words)
+    name = match["name"] if match else ""
+    if match and name in REACTIONS:
+        values = history.dataset[REACTIONS[name]].sel(joint=list(JOINTS))
+    elif match and name in CONTACT:
+        values = contacts[CONTACT[name]].sel(shoe=int(shoe[1]) if shoe else list(SHOES))
+    else:
+        raise ValueError(f"{quantity!r} names no quantity of contact, joints or terrain")
+    if "axis" not in values.dims:
+        return values
+    # the friction torque turns about the normal, which is z but for the units' tilt
+    return values.sel(axis=match["axis"] or "z")
+
+
+def force_statistic(values: xr.DataArray, statistic: str) -> float:
+    """Statistic as the F-paper takes it: means of magnitudes, greatest and least of shoes' means."""
+    if statistic.startswith("mean"):
+        means = np.abs(time_mean(values))
+        if statistic == "mean least":
+            return float(means.min())
+        if statistic.startswith("mean greatest"):
+            return float(means.max())
+        return float(means.mean())
+    return statistic_of(values, statistic)
+
+
+def compare_forces(histories: Mapping[str, History]) -> pd.DataFrame:
+    """Every row of the F-paper against the runs; columns as of `comparison.comparison_table`."""
+    contacts = {case: contacts_by_shoe(history) for case, history in histories.items()}
+    reported = reported_values("forces")
+    computed = []
+    for row in reported.itertuples():
+        if row.case not in histories:
+            computed.append(math.nan)
+            continue
+        values = force_quantity(histories[row.case], contacts[row.case], row.quantity)
+        computed.append(force_statistic(values, row.statistic))
+    return comparison_table(reported, computed)
+
+
+def turning_ratios(translation: History, turning: History, shoe: int = 10, joint: int = 10) -> pd.DataFrame:
+    """Turning against translation: ratios of extremes and of means of every component.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns quantity, axis, unit, extreme translation, extreme turning, extreme ratio, mean
+        translation, mean turning, mean ratio. Extremes are greatest magnitudes, means are magnitudes of
+        means; a ratio to a translation value that is only rounding is left empty.
+    """
+    rows = []
+    pair = [_components(one, shoe, joint) for one in (translation, turning)]
+    for (quantity, axis), straight in pair[0].items():
+        turned = pair[1][quantity, axis]
+        extremes = [float(np.abs(values).max()) for values in (straight, turned)]
+        means = [float(np.abs(time_mean(values))) for values in (straight, turned)]
+        row = {"quantity": quantity, "axis": axis, "unit": straight.attrs.get("units", "")}
+        for kind, (before, after) in (("extreme", extremes), ("mean", means)):
+            scale = max(extremes)
+            ratio = after / before if before > 1e-6 * scale else math.nan
+            row |= {f"{kind} translation": before, f"{kind} turning": after, f"{kind} ratio": ratio}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _components(history: History, shoe: int, joint: int) -> dict[tuple[str, str], xr.DataArray]:
+    contacts = contacts_by_shoe(history).sel(shoe=shoe)
+    named = {f"shoe {shoe} {name}": contacts[variable] for name, variable in CONTACT.items()}
+    named |= {
+        f"joint {joint}-{joint + 1} {name}": history.dataset[variable].sel(joint=joint)
+        for name, variable in REACTIONS.items()
+    }
+    components = {}
+    for name, values in named.items():
+        if "axis" not in values.dims:
+            components[name, ""] = values
+            continue
+        for axis in values.axis.values:
+            components[name, str(axis)] = values.sel(axis=axis)
+    return components

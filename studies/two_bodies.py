@@ -1,0 +1,256 @@
+"""Two-body verification problem of the K-paper: a block dragged over a fixed plate.
+
+Body 2, a plate, is fixed to the ground at its centre; body 3, a block, keeps its orientation, is driven
+along x and is free in y and z. Given the block's penetration and its rate, accelerations and reactions
+follow by hand (Newton and Euler) and, independently, from the assembled multibody system.
+"""
+
+from dataclasses import dataclass
+
+import exudyn as exu
+import exudyn.itemInterface as items
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler.case import ContactLaw, Shoe, Terrain
+from exudyn_crawler.ground.assembly import ConstrainedCoordinates, TrackContact
+from exudyn_crawler.model.system import add_contact
+from studies.comparison import comparison_table
+from studies.reported import reported_values
+
+GRAVITY = 9.81
+DENSITY = 7801.0
+"""kg/m3; K-paper: body 2 of 30 x 10 x 1 m weighs 2.340e6 kg."""
+PLATE = (30.0, 10.0, 1.0)
+"""m, sides of body 2; its centre is at (15, 5, -0.5) (K-paper)."""
+BLOCK = (0.5, 3.5, 0.5)
+"""m, sides of body 3; its COM is at (3.25, 5.0, 0.25) at t = 0 (K-paper)."""
+BLOCK_START = (3.25, 5.0, 0.25)
+SPEED = 0.5
+"""m/s, driven along x (K-paper)."""
+TIME = 0.5
+"""s, of the printed solution (K-paper, tables 7 and 8)."""
+NORMAL_FORCE = 44275.0
+"""N, contact force at that time: ADAMS output, from both printed values of the K-paper."""
+SINKING = 0.02
+"""m/s, penetration rate given to the block; any will do, since only the force is printed."""
+
+
+@dataclass(frozen=True)
+class TwoBodySolution:
+    """Accelerations and reactions at `TIME`, SI units, global axes.
+
+    Attributes
+    ----------
+    block_acceleration : tuple
+        Of body 3's COM, m/s2.
+    plate_force_z : float
+        Generalized z force on body 2: its weight and the contact, N.
+    drive_force : float
+        On body 3 along x, N.
+    hold_moment : tuple
+        On body 3, which keeps its orientation, N m.
+    fixing_force, fixing_moment : tuple
+        On body 2 from the ground, at its centre, N and N m.
+    """
+
+    block_acceleration: tuple[float, float, float]
+    plate_force_z: float
+    drive_force: float
+    hold_moment: tuple[float, float, float]
+    fixing_force: tuple[float, float, float]
+    fixing_moment: tuple[float, float, float]
+
+
+def _box(sides: tuple[float, float, float]) -> tuple[float, tuple[float, float, float]]:
+    """Mass (kg) and principal moments of inertia (kg m2) of a solid box."""
+    mass = DENSITY * float(np.prod(sides))
+    x, y, z = sides
+    return mass, (mass / 12 * (y**2 + z**2), mass / 12 * (x**2 + z**2), mass / 12 * (x**2 + y**2))
+
+
+def block_penetration(law: ContactLaw) -> float:
+    """Penetration (m) that gives the printed force at the given sinking rate.
+
+    It is deeper than the damping depth, so that the whole damping acts.
+    """
+    return float(((NORMAL_FORCE - law.damping * SINKING) / law.stiffness) ** (1.0 / law.exponent))
+
+
+def hand_solution(law: ContactLaw) -> TwoBodySolution:
+    """Newton's and Euler's equations of the two bodies.
+
+    The slip of 0.5 m/s is beyond the friction speed, so the friction is mu_d of the normal force. The
+    contact acts at half the penetration below the plate's top face, under the block's middle.
+    """
+    block_mass, _ = _box(BLOCK)
+    plate_mass, _ = _box(PLATE)
+    friction = law.dynamic_friction * NORMAL_FORCE
+    depth = block_penetration(law)
+    contact_z = -0.5 * depth
+    block_z = 0.5 * BLOCK[2] - depth
+    arm_x = BLOCK_START[0] + SPEED * TIME - 0.5 * PLATE[0]
+    arm_z = contact_z + 0.5 * PLATE[2]
+    weight = plate_mass * GRAVITY
+    # moment of a force (fx, 0, fz) at (ax, 0, az) about y: az fx - ax fz
+    on_block = (contact_z - block_z) * -friction
+    on_plate = arm_z * friction - arm_x * -NORMAL_FORCE
+    return TwoBodySolution(
+        block_acceleration=(0.0, 0.0, NORMAL_FORCE / block_mass - GRAVITY),
+        plate_force_z=-weight - NORMAL_FORCE,
+        drive_force=friction,
+        hold_moment=(0.0, -on_block, 0.0),
+        fixing_force=(-friction, 0.0, weight + NORMAL_FORCE),
+        fixing_moment=(0.0, -on_plate, 0.0),
+    )
+
+
+def engine_solution(law: ContactLaw) -> TwoBodySolution:
+    """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
+    block_mass, block_inertia = _box(BLOCK)
+    plate_mass, plate_inertia = _box(PLATE)
+    block = Shoe(
+        mass=block_mass,
+        inertia=(*block_inertia, 0.0, 0.0, 0.0),
+        com_height=0.5 * BLOCK[2],
+        length=BLOCK[0],
+        width=BLOCK[1],
+        underside_center=(0.0, 0.0),
+        load_point=(0.0, 0.0, 0.5 * BLOCK[2]),
+    )
+    plate = Terrain(
+        columns=1,
+        rows=1,
+        unit_length=PLATE[0],
+        unit_width=PLATE[1],
+        unit_height=PLATE[2],
+        density=DENSITY,
+        springs_per_unit=1,
+        spring_stiffness=1.0,  # the plate is fixed to the ground, not sprung
+        spring_damping=0.0,
+        spring_offset=0.0,
+        column_tilt=False,
+        tilt="pitch",
+    )
+    start = np.array([BLOCK_START])
+    contact = TrackContact(start, block, plate, law, ConstrainedCoordinates(1, plate.tilt_axis))
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    ground = mbs.AddObject(items.ObjectGround())
+    nodes, bodies = [], []
+    travel = SPEED * TIME
+    for position, mass, inertia, displacement, velocity in (
+        (
+            start[0],
+            block_mass,
+            block_inertia,
+            [travel, 0, -block_penetration(law)],
+            [SPEED, 0, -SINKING],
+        ),
+        (plate.centers[0], plate_mass, plate_inertia, [0.0] * 3, [0.0] * 3),
+    ):
+        nodes.append(
+            mbs.AddNode(
+                items.NodeRigidBodyRxyz(
+                    referenceCoordinates=[*position, 0.0, 0.0, 0.0],
+                    initialCoordinates=[*displacement, 0.0, 0.0, 0.0],
+                    initialVelocities=[*velocity, 0.0, 0.0, 0.0],
+                )
+            )
+        )
+        bodies.append(
+            mbs.AddObject(
+                items.ObjectRigidBody(mass=mass, inertia=[*inertia, 0.0, 0.0, 0.0], nodeNumber=nodes[-1])
+            )
+        )
+        com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=bodies[-1]))
+        mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0, 0, -mass * GRAVITY]))
+    add_contact(mbs, contact, nodes)
+
+    at_ground = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=list(plate.centers[0])))
+    at_plate = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=bodies[1]))
+    fixing = mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[at_ground, at_plate]))
+    fixed = mbs.AddMarker(
+        items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
+    )
+    holds = []
+    for coordinate in (0, 3, 4, 5):
+        held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=coordinate))
+        holds.append(
+            mbs.AddObject(
+                items.ObjectConnectorCoordinate(
+                    markerNumbers=[fixed, held],
+                    velocityLevel=True,
+                    offset=SPEED if coordinate == 0 else 0.0,
+                )
+            )
+        )
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.timeIntegration.numberOfSteps = 1
+    settings.timeIntegration.endTime = 1e-9
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.5
+    states = []
+
+    def keep(system: "exu.MainSystem", _time: float) -> bool:
+        data = system.systemData
+        states.append((np.array(data.GetODE2Coordinates_tt()), np.array(data.GetAECoordinates())))
+        return True
+
+    mbs.SetPostStepUserFunction(keep)
+    mbs.SolveDynamic(settings)
+    accelerations, multipliers = states[0]
+    rows = mbs.systemData.GetObjectLTGAE
+    drive, hold_x, hold_y, hold_z = (float(-multipliers[rows(item)[0]]) for item in holds)
+    # the joint's equations are p1 - p0 = 0, vz0 . vy1 = 0, vz0 . vx1 = 0, vx0 . vy1 = 0, all axes aligned
+    fx, fy, fz, about_x, about_y, about_z = (-multipliers[row] for row in rows(fixing))
+    contact_on_plate = float(
+        contact.forces(
+            np.array([travel, 0, -block_penetration(law), *[0.0] * 9]),
+            np.array([SPEED, 0, -SINKING, *[0.0] * 9]),
+        )[8]
+    )
+    return TwoBodySolution(
+        block_acceleration=tuple(accelerations[:3]),
+        plate_force_z=contact_on_plate - plate_mass * GRAVITY,
+        drive_force=drive,
+        hold_moment=(hold_x, hold_y, hold_z),
+        fixing_force=(float(fx), float(fy), float(fz)),
+        fixing_moment=(float(about_x), float(-about_y), float(about_z)),
+    )
+
+
+def compare_verification(hand: TwoBodySolution, engine: TwoBodySolution) -> pd.DataFrame:
+    """Every quantity by hand and by engine: columns quantity, unit, hand, engine, difference."""
+    rows = []
+    for name, unit in (
+        ("block_acceleration", "m/s2"),
+        ("plate_force_z", "N"),
+        ("drive_force", "N"),
+        ("hold_moment", "N m"),
+        ("fixing_force", "N"),
+        ("fixing_moment", "N m"),
+    ):
+        pair = np.atleast_1d(getattr(hand, name)), np.atleast_1d(getattr(engine, name))
+        for axis, (by_hand, by_engine) in enumerate(zip(*pair, strict=True)):
+            label = name.replace("_", " ") + (f" {'xyz'[axis]}" if len(pair[0]) == 3 else "")
+            rows.append((label, unit, by_hand, by_engine, by_engine - by_hand))
+    return pd.DataFrame(rows, columns=["quantity", "unit", "hand", "engine", "difference"])
+
+
+def compare_with_paper(engine: TwoBodySolution) -> pd.DataFrame:
+    """Printed values of the K-paper against the engine's."""
+    computed = {
+        "body 3 z acceleration at t=0.5 s": engine.block_acceleration[2],
+        "body 2 generalized z force at t=0.5 s": engine.plate_force_z,
+    }
+    reported = reported_values("verification")
+    return comparison_table(reported, [computed[quantity] for quantity in reported["quantity"]])
+
+
+if __name__ == "__main__":
+    from exudyn_crawler.cli import run_script, verify
+
+    run_script(verify)

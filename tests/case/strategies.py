@@ -1,0 +1,115 @@
+"""Random parameters for property-based tests, made from the parameter classes themselves.
+
+A field that is added to a class is drawn without a word here.
+"""
+
+import typing
+
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from exudyn_crawler import Case, StepProfile
+from exudyn_crawler.case.base import Parameters
+from exudyn_crawler.case.files import CaseFile, allows_none, model_of
+from exudyn_crawler.case.outputs import Outputs
+from meshes import SHOE_SIZES
+
+# no lone surrogates: they are no text that a file could hold
+TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
+BASES = (Case.translation(), Case.turning(), Case.stress())
+
+
+def changed_value(value, annotation):
+    """Strategy of values for a field that has a value: near it, so that many pass the checks."""
+    if typing.get_origin(annotation) is typing.Literal:
+        return st.sampled_from(typing.get_args(annotation))
+    if value is None:
+        return st.none()
+    if isinstance(value, bool):
+        return st.booleans()
+    if isinstance(value, int):
+        return st.integers(value, value + 3)
+    if isinstance(value, float):
+        near = st.floats(0.9, 1.1).map(lambda factor: value * factor)
+        return near | st.floats(0.0, 1.0) | st.just(value)
+    if isinstance(value, str):
+        return TEXT
+    if isinstance(value, tuple):
+        parts = [changed_value(one, None) for one in value]
+        whole = st.tuples(*parts)
+        # rising numbers stay so
+        return whole.map(lambda one: tuple(sorted(set(one)))) if _rising(value) else whole
+    if isinstance(value, Parameters):
+        return changed(value)
+    raise AssertionError(f"no strategy for {value!r}")
+
+
+def _rising(values):
+    return (
+        all(isinstance(one, int | float) for one in values)
+        and len(values) > 1
+        and list(values) == sorted(set(values))
+    )
+
+
+@st.composite
+def changed(draw, base):
+    """Copy of a parameter object with some fields changed; the object itself where they do not fit."""
+    names = draw(st.lists(st.sampled_from(sorted(type(base).model_fields)), unique=True, max_size=4))
+    new = base
+    for name in names:
+        field = type(base).model_fields[name]
+        value = getattr(base, name)
+        # a mesh has to be there to be read
+        sizes = st.sampled_from(SHOE_SIZES)
+        strategy = sizes if name == "mesh" else changed_value(value, field.annotation)
+        if allows_none(field.annotation) and model_of(field.annotation) is not StepProfile:
+            strategy |= st.none()
+        try:
+            new = new.with_(**{name: draw(strategy)})
+        except ValidationError:
+            continue
+    return new
+
+
+@st.composite
+def case_files(draw):
+    """Case files of every kind."""
+    case = draw(changed(draw(st.sampled_from(BASES))))
+    outputs = draw(changed(Outputs()) | changed(Outputs(shoes=(1, 2), picture_times=(0.0, 1e-7))))
+    duration = draw(st.floats(1e-6, 20.0))
+    try:
+        return CaseFile(case=case, duration=duration, outputs=outputs)
+    except ValidationError:
+        return CaseFile(case=case, duration=1e-6)
+
+
+def _names(model):
+    for name, field in model.model_fields.items():
+        yield name
+        if part := model_of(field.annotation):
+            yield from _names(part)
+
+
+NAMES = sorted({*_names(CaseFile), "base", "wrong"} - {"case"})
+PLAIN = (
+    st.none().map(lambda _none: "none")
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | TEXT
+    | st.datetimes()
+    | st.sampled_from(["translation", "stress", "ph4100c", "coarse", "pitch"])
+)
+TOML = st.dictionaries(
+    st.sampled_from(NAMES) | TEXT,
+    st.recursive(
+        PLAIN,
+        lambda inner: (
+            st.lists(inner, max_size=4) | st.dictionaries(st.sampled_from(NAMES), inner, max_size=4)
+        ),
+        max_leaves=12,
+    ),
+    max_size=8,
+)
+"""Tables of right and wrong names with right and wrong values."""

@@ -1,0 +1,239 @@
+"""Case files: what is written is read back, what is wrong is named by its path, bases fill in the rest."""
+
+import math
+import re
+import tomllib
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from exudyn_crawler import Case, FlexibleShoes, LoadCycle, Terrain
+from exudyn_crawler.case.files import CaseFile, key_paths, named_values
+from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.case.text import case_table, case_text, number_text
+from exudyn_crawler.errors import CaseFileError
+from meshes import shoe_path
+from tests.case.strategies import BASES, case_files, changed
+
+SAME_FOLDER = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Case file of a text."""
+
+    def read(text):
+        path = tmp_path / "case.toml"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return CaseFile.read(path)
+
+    return read
+
+
+@pytest.fixture
+def refused(read, tmp_path):
+    """Faults that a text is refused for, without the file's name."""
+
+    def refused(text):
+        with pytest.raises(CaseFileError) as caught:
+            read(text)
+        lines = str(caught.value).splitlines()
+        assert lines == [f"{tmp_path / 'case.toml'}: {fault}" for fault in caught.value.faults]
+        return caught.value.faults
+
+    return refused
+
+
+@SAME_FOLDER
+@given(case_files())
+def test_what_is_written_is_read_back(tmp_path, case_file):
+    path = case_file.write(tmp_path / "case.toml", overwrite=True)
+    assert CaseFile.read(path) == case_file
+    text = path.read_bytes()
+    CaseFile.read(path).write(path, overwrite=True)
+    assert path.read_bytes() == text
+
+
+@SAME_FOLDER
+@given(st.sampled_from(BASES).flatmap(changed))
+def test_a_case_survives_a_history_and_knows_its_equals(case):
+    again = Case.model_validate_json(case.model_dump_json())
+    assert again == case
+    assert hash(again.contact) == hash(case.contact)
+    assert case.with_() == case
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_numbers_are_written_short_and_exactly(value):
+    assert float(number_text(value)) == value
+    assert tomllib.loads(f"x = {number_text(value)}")["x"] == value
+
+
+def test_large_numbers_are_written_as_engineers_do():
+    assert [number_text(x) for x in (20e6, 200e9, 386.4e3, 1.5e-3)] == ["20e6", "200e9", "386400.0", "0.0015"]
+
+
+def test_every_value_has_its_unit_and_meaning():
+    text = case_text(CaseFile(case=Case.turning()))
+    assert "spring_stiffness = 20e6 # N/m, stiffness of each spring\n" in text
+    assert "turn_rate = {times = [0.0, 5.0], values = [0.0, 0.017453292519943295]} # rad/s, " in text
+    table = case_table(CaseFile(case=Case.turning())).set_index("key")
+    assert (table["meaning"] != "").all()
+    assert table.loc["terrain.density"].tolist() == ["1600", "kg/m3", "density of the units"]
+    assert table.loc["loads.phases[0].loads", "value"] == "13 x 386400"
+
+
+def test_a_file_gives_only_what_differs_from_its_base(read):
+    found = read('base = "turning"\nname = "soft"\nduration = 3\n[terrain]\nspring_stiffness = 10e6\n')
+    soft = Terrain.kinematics().with_(spring_stiffness=10e6)
+    assert found == CaseFile(case=Case.turning().with_(name="soft", terrain=soft), duration=3.0)
+
+
+def test_parts_have_bases_of_their_own(read):
+    found = read(
+        'base = "translation"\n[terrain]\nbase = "stress"\nspring_damping = 1e5\n'
+        '[loads]\nbase = "shovel_cycle"\n[flexible]\nbase = "ph4100c"\nmesh = "coarse"\n'
+    )
+    assert found.case.terrain == Terrain.stress().with_(spring_damping=1e5)
+    assert found.case.loads == LoadCycle.shovel_cycle()
+    assert found.case.flexible == FlexibleShoes.ph4100c("coarse")
+
+
+def test_none_takes_a_value_away(read):
+    assert read('base = "turning"\n[drive]\nturn_rate = "none"\n').case.drive == Case.translation().drive
+
+
+def test_a_mesh_is_sought_beside_the_file(read, refused, tmp_path):
+    (tmp_path / "own.msh.gz").write_bytes(shoe_path("coarse").read_bytes())
+    text = 'base = "translation"\n[flexible]\nbase = "ph4100c"\nmesh = "{}"\n'
+    assert read(text.format("own.msh.gz")).case.flexible.mesh == str(tmp_path / "own.msh.gz")
+    assert refused(text.format("lost.msh")) == [
+        "flexible.mesh: neither one of coarse, study, fine nor a file: 'lost.msh'"
+    ]
+
+
+def test_named_values_are_the_constructors_that_need_nothing():
+    assert {"kinematics", "stress"} <= set(named_values(Terrain))
+    assert {"propel", "shovel_cycle"} <= set(named_values(LoadCycle))
+    assert not {"constant", "from_toml"} & set(named_values(LoadCycle))
+    assert named_values(Terrain)["stress"]() == Terrain.stress()
+
+
+@pytest.mark.parametrize("path", sorted(key_paths(Case)))
+def test_a_misspelt_key_is_named_with_the_one_that_was_meant(read, refused, path):
+    table, _, name = path.rpartition(".")
+    wrong = f"{name[:2]}{name[3:]}" if len(name) > 4 else f"{name}s"
+    head, start = f"[{table}]\n" if table else "", f"{table}." if table else ""
+    if table == "loads.phases":
+        head, start = "[[loads.phases]]\n", "loads.phases[0]."
+    elif table.endswith((".speed", ".turn_rate", ".damping")):
+        head = f"[{table}]\n"
+    faults = refused(f'base = "turning"\n{head}{wrong} = 1\n')
+    assert f"{start}{wrong}: unknown key; did you mean {start}{name}?" in faults
+
+
+def test_a_key_of_another_table_is_named_with_its_place(refused):
+    assert refused('base = "translation"\nmass = 3.0\n') == ["mass: unknown key; did you mean shoe.mass?"]
+    assert refused('base = "translation"\n[shoe]\nspring_stiffness = 1e6\n') == [
+        "shoe.spring_stiffness: unknown key; did you mean terrain.spring_stiffness?"
+    ]
+
+
+def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
+    (fault,) = refused('base = "translation"\n[outputs]\nqqqqqq = 1\n')
+    assert re.fullmatch(r"outputs\.qqqqqq: unknown key; the nearest is .*allowed are figures, .*shoes", fault)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ('[shoe]\nmass = "heavy"', "shoe.mass: Input should be a valid number, got 'heavy'"),
+        ('[shoe]\nmass = "4681"', "shoe.mass: Input should be a valid number, got '4681'"),
+        ("[shoe]\nmass = true", "shoe.mass: Input should be a valid number, got True"),
+        ("[shoe]\nmass = nan", "shoe.mass: Input should be a finite number, got nan"),
+        ("[shoe]\nmass = -1", "shoe.mass: Input should be greater than 0, got -1"),
+        ("[terrain]\ncolumns = 2.5", "terrain.columns: Input should be a valid integer"),
+        ('[terrain]\ntilt = "yaw"', "terrain.tilt: Input should be 'pitch' or 'roll', got 'yaw'"),
+        ("[terrain]\ncolumn_tilt = 1", "terrain.column_tilt: Input should be a valid boolean, got 1"),
+        ('terrain = "stress"', "terrain: Input should be a table, got 'stress'"),
+        ("name = 1979-05-27", "name: Input should be a valid string, got "),
+        ("[shoe]\nload_point = [1, 2]", "shoe.load_point[2]: missing"),
+        ("duration = 0", "duration must be positive and finite, got 0.0 s"),
+        ("duration = 1e4", "terrain must carry the track over the whole drive: at t = "),
+        ("[track]\nshoe_count = 12", "loads must name every shoe of the track (12), got loads for 13"),
+        ("[outputs]\nshoes = [1, 14]", "outputs.shoes must be in 1..13, got [14]"),
+        ("[outputs]\npicture_times = [0, 20]", "outputs.picture_times must lie in 0..10 s, got [0.0, 20.0]"),
+        ("[outputs]\npicture_times = [2, 1]", "outputs: picture_times must be from 0 s and increase"),
+        ("[outputs]\npicture_times = [-1, 1]", "outputs: picture_times must be from 0 s and increase"),
+        ("[outputs]\npicture_times = []", "outputs.picture_times: Tuple should have at least 1 item"),
+        (
+            "[contact]\ndynamic_friction = 0.5",
+            "contact: dynamic_friction must not exceed static_friction = 0.4, got 0.5",
+        ),
+        (
+            "[drive]\nspeed = {times = [0, 1, 1], values = [0, 1, 2]}",
+            "drive.speed: times must increase, got (0.0, 1.0, 1.0)",
+        ),
+    ],
+)
+def test_wrong_values_are_named_by_their_path(refused, text, fault):
+    (found,) = refused(f'base = "translation"\n{text}\n')
+    assert found.startswith(fault)
+
+
+def test_all_faults_are_told_at_once(refused):
+    faults = refused('base = "turning"\n[shoe]\nmass = "a"\n[solver]\nstep = 0\nsteps = 3\n')
+    assert [fault.partition(":")[0] for fault in faults] == ["shoe.mass", "solver.step", "solver.steps"]
+
+
+def test_a_wrong_base_is_answered_with_those_there_are(refused):
+    assert refused('base = "turn"\n')[0].startswith("base: no 'turn'; did you mean 'turning'? There is '")
+    assert refused('base = "turning"\n[terrain]\nbase = 3\n')[0].startswith("terrain.base: no 3; There is '")
+    assert refused('base = "turning"\n[solver]\nbase = "a"\n') == [
+        "solver.base: no 'a'; There is no names at all"
+    ]
+
+
+def test_what_a_file_without_base_lacks_is_named(refused):
+    faults = refused('[shoe]\nbase = "ph4100c"\n')
+    assert "track: missing; give it, or a base for what is left out" in faults
+
+
+@pytest.mark.parametrize(
+    "content", [b"a = ", b"\xff\xfe", b"[a]\n[a]\n", b"a = 1\na = 2\n", b"a = " + b"[" * 100_000]
+)
+def test_what_is_no_toml_is_refused(refused, content):
+    (fault,) = refused(content)
+    assert fault.startswith("not TOML: ")
+
+
+def test_marks_of_windows_editors_are_no_fault(read):
+    assert read(b'\xef\xbb\xbfbase = "turning"\r\n').case == Case.turning()
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"no case file .*nowhere\.toml"):
+        CaseFile.read(tmp_path / "nowhere.toml")
+
+
+def test_an_existing_file_is_kept_unless_asked(tmp_path):
+    path = CaseFile(case=Case.turning()).write(tmp_path / "case.toml")
+    with pytest.raises(FileExistsError, match=r"case\.toml exists"):
+        CaseFile(case=Case.translation()).write(path)
+    assert CaseFile.read(path).case == Case.turning()
+
+
+def test_durations_are_checked_when_the_file_is_made():
+    for duration in (0.0, -1.0, math.nan, math.inf):
+        with pytest.raises(ValidationError, match="duration must be positive and finite"):
+            CaseFile(case=Case.translation(), duration=duration)
+
+
+@pytest.mark.parametrize(
+    ("count", "drawn"), [(13, (1, 4, 7, 10, 13)), (2, (1, 2)), (3, (1, 2, 3)), (40, (1, 11, 21, 30, 40))]
+)
+def test_five_shoes_along_the_track_are_drawn(count, drawn):
+    assert Outputs().drawn_shoes(count) == drawn
+    assert Outputs(shoes=(2,)).drawn_shoes(count) == (2,)

@@ -1,0 +1,101 @@
+"""Every example in the documentation runs, every link leads somewhere, and the API reference builds."""
+
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import matplotlib
+import pytest
+from markdown_it import MarkdownIt
+from markdown_it.token import Token
+from sybil import Document, Example
+from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser, SkipParser
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted(
+    [
+        *ROOT.glob("*.md"),
+        *(page for part in ("docs", "meshes", "benchmarks") for page in (ROOT / part).rglob("*.md")),
+    ]
+)
+NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
+LANGUAGES = {"python", "toml", "sh", "math", "text"}
+"""Of fenced blocks: the first two are checked here, the others are for reading."""
+
+
+def run_toml(example: Example) -> None:
+    """Parse a block; one that begins with a comment such as ``# cycle.toml`` becomes that file."""
+    tomllib.loads(example.parsed)
+    if name := re.match(r"# (\w+\.toml)\n", example.parsed):
+        Path(name[1]).write_text(example.parsed)
+
+
+def tokens_of(page: Path) -> list[Token]:
+    return MarkdownIt("commonmark").enable("table").parse(page.read_text(encoding="utf-8"))
+
+
+def links_of(page: Path) -> Iterator[str]:
+    for token in tokens_of(page):
+        for child in token.children or []:
+            target = child.attrGet("href") if child.type == "link_open" else child.attrGet("src")
+            if isinstance(target, str):
+                yield target
+
+
+def anchors_of(page: Path) -> set[str]:
+    """Anchors of a page's headings, as GitHub names them."""
+    tokens = tokens_of(page)
+    headings = [
+        tokens[index + 1].content for index, token in enumerate(tokens) if token.type == "heading_open"
+    ]
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+def test_examples_run(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    matplotlib.use("Agg")
+    document = Document.parse(
+        str(page), PythonCodeBlockParser(), CodeBlockParser("toml", run_toml), SkipParser()
+    )
+    for example in document:
+        example.evaluate()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+def test_every_block_is_of_a_language_that_is_known_here(page):
+    fences = [token for token in tokens_of(page) if token.type == "fence"]
+    assert {fence.info for fence in fences} <= LANGUAGES
+    for fence in fences:
+        if fence.info == "python" and not fence.content.startswith(">>>"):
+            compile(fence.content, f"{page}:{fence.map[0] + 1}", "exec")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+def test_links_lead_somewhere(page):
+    broken = []
+    for link in links_of(page):
+        parts = urlsplit(link)
+        if parts.scheme:
+            continue
+        target = page if not parts.path else page.parent / unquote(parts.path)
+        if not target.exists() or (parts.fragment and parts.fragment not in anchors_of(target)):
+            broken.append(link)
+    assert not broken
+
+
+def test_api_reference_tells_units_of_parameters_and_sections_of_docstrings(tmp_path):
+    # a process of its own: building changes the parameter classes
+    command = [sys.executable, "-W", "error", "-m", "docs.build_api", str(tmp_path)]
+    subprocess.run([*command, "exudyn_crawler.case", "fem.stress"], cwd=ROOT, check=True)
+    terrain = (tmp_path / "exudyn_crawler/parameters/terrain.html").read_text(encoding="utf-8")
+    assert "stiffness of each spring [N/m]" in terrain
+    assert "Undefined" not in terrain
+    assert "FieldInfo" not in (tmp_path / "exudyn_crawler/parameters/loads.html").read_text(encoding="utf-8")
+    stress = (tmp_path / "fem/stress.html").read_text(encoding="utf-8")
+    assert '<h6 id="returns">Returns</h6>' in stress
+    assert (tmp_path / "index.html").is_file()

@@ -1,0 +1,129 @@
+"""The scalar laws of contact, point by point against the formulas of ADAMS and the papers."""
+
+import math
+
+import pytest
+
+from exudyn_crawler import ContactLaw
+from exudyn_crawler.ground.laws import (
+    equal_area_radius,
+    friction_coefficient,
+    friction_per_slip,
+    friction_torque,
+    impact_force,
+    step,
+)
+
+K, E, C, D = 1.0e8, 2.0, 1.0e4, 1.0e-4
+MU_S, MU_D, V_ST, V_D = 0.4, 0.3, 0.01, 0.1
+LAW = (MU_S, MU_D, V_ST, V_D)
+TIGHT = 1e-13  # rounding of a dozen operations
+
+
+def adams_step(x, x0, h0, x1, h1):
+    if x <= x0:
+        return h0
+    if x >= x1:
+        return h1
+    delta = (x - x0) / (x1 - x0)
+    return h0 + (h1 - h0) * (3.0 * delta**2 - 2.0 * delta**3)
+
+
+def test_papers_law_has_the_values_used_here():
+    law = ContactLaw.oil_sand().as_array(2.0)[:8]
+    assert law.tolist() == [K, E, C, D, MU_S, MU_D, V_ST, V_D]
+
+
+@pytest.mark.parametrize("x", [-3.0, 1.0, 1.0 + 1e-9, 1.3, 2.0, 2.9, 3.0, 7.0])
+@pytest.mark.parametrize(("h0", "h1"), [(0.0, 1.0), (-1.0, 1.0), (5.0, 2.0)])
+def test_step_is_the_cubic_of_adams(x, h0, h1):
+    assert step(x, 1.0, h0, 3.0, h1) == pytest.approx(adams_step(x, 1.0, h0, 3.0, h1), rel=TIGHT)
+
+
+def test_step_passes_the_middle_halfway_and_ends_flat():
+    assert step(2.0, 1.0, 4.0, 3.0, 8.0) == 6.0
+    for end, inward in ((1.0, 1e-5), (3.0, -1e-5)):
+        slope = (step(end + inward, 1.0, 0.0, 3.0, 1.0) - step(end, 1.0, 0.0, 3.0, 1.0)) / inward
+        assert 0.0 < abs(slope) < 1e-4  # 1.5e-5: the curvature times the distance
+
+
+@pytest.mark.parametrize("depth", [1e-6, 3e-5, 5e-5, 1e-4, 2e-4, 0.01, 0.0657, 0.1])
+@pytest.mark.parametrize("rate", [-0.05, 0.0, 0.02, 0.5])
+@pytest.mark.parametrize("exponent", [2.0, 1.5])
+def test_impact_force_is_spring_and_ramped_damper(depth, rate, exponent):
+    expected = K * depth**exponent + C * rate * adams_step(depth, 0.0, 0.0, D, 1.0)
+    assert impact_force(depth, rate, K, exponent, C, D) == pytest.approx(max(0.0, expected), rel=1e-12)
+
+
+def test_impact_force_never_pulls_and_ends_at_the_surface():
+    assert impact_force(0.0, 1.0, K, E, C, D) == 0.0
+    assert impact_force(-0.01, 5.0, K, E, C, D) == 0.0
+    # 1 N of spring against 500 N of full damping would be adhesion
+    assert K * 1e-4**2 - C * 0.05 < 0.0
+    assert impact_force(1e-4, -0.05, K, E, C, D) == 0.0
+
+
+def test_damping_grows_from_nothing_at_the_surface_to_all_of_it():
+    def damping(depth):
+        return impact_force(depth, 1.0, K, E, C, D) - impact_force(depth, 0.0, K, E, C, D)
+
+    assert damping(1e-9) == pytest.approx(3.0 * C * (1e-9 / D) ** 2, rel=1e-4)
+    assert damping(0.5 * D) == pytest.approx(0.5 * C, rel=1e-12)
+    assert damping(D) == pytest.approx(C, rel=1e-12)
+    assert damping(0.05) == pytest.approx(C, rel=1e-9)
+
+
+@pytest.mark.parametrize("v", [0.0, 1e-6, 0.002, 0.005, 0.0099, 0.01, 0.0101, 0.03, 0.055, 0.0999, 0.1, 0.5])
+def test_friction_curve_is_that_of_adams(v):
+    if v < V_ST:
+        expected = MU_S * adams_step(v, -V_ST, -1.0, V_ST, 1.0)
+    elif v <= V_D:
+        expected = adams_step(v, V_ST, MU_S, V_D, MU_D)
+    else:
+        expected = MU_D
+    assert friction_coefficient(v, *LAW) == pytest.approx(expected, rel=TIGHT, abs=1e-16)
+
+
+def test_friction_has_its_hump_at_the_stiction_speed():
+    assert friction_coefficient(V_ST, *LAW) == MU_S
+    assert friction_coefficient(0.8 * V_ST, *LAW) < MU_S
+    assert MU_D < friction_coefficient(1.5 * V_ST, *LAW) < MU_S
+    assert friction_coefficient(0.5 * (V_ST + V_D), *LAW) == pytest.approx(0.35, rel=TIGHT)
+
+
+@pytest.mark.parametrize("speed", [V_ST, V_D])
+def test_friction_is_continuous_where_its_pieces_meet(speed):
+    below, above = (friction_coefficient(speed * (1.0 + e), *LAW) for e in (-1e-9, 1e-9))
+    assert below == pytest.approx(above, abs=1e-12)
+    ratios = [friction_per_slip(speed * (1.0 + e), *LAW) * speed for e in (-1e-9, 1e-9)]
+    assert ratios[0] == pytest.approx(ratios[1], rel=3e-9)
+
+
+@pytest.mark.parametrize("v", [1e-9, 1e-4, 0.004, 0.01, 0.02, 0.1, 2.0])
+def test_friction_per_slip_times_slip_is_the_coefficient(v):
+    # the STEP from -1 to 1 loses digits about zero, the ratio does not
+    assert friction_per_slip(v, *LAW) * v == pytest.approx(
+        friction_coefficient(v, *LAW), rel=1e-12, abs=1e-16
+    )
+
+
+def test_friction_per_slip_is_finite_at_rest():
+    assert friction_per_slip(0.0, *LAW) == pytest.approx(1.5 * MU_S / V_ST, rel=TIGHT)
+
+
+@pytest.mark.parametrize("spin", [-0.5, -0.004, -1e-6, 0.0, 1e-6, 0.004, 0.02, 0.5])
+def test_friction_torque_is_two_thirds_of_radius_and_force_against_the_spin(spin):
+    radius, force = 0.8552, 1.3e5
+    turned = adams_step(radius * spin, -V_ST, -1.0, V_ST, 1.0)
+    torque = friction_torque(spin, radius, force, V_ST)
+    assert torque == pytest.approx(-2.0 / 3.0 * radius * force * turned, rel=1e-9, abs=1e-9)
+    assert torque * spin <= 0.0
+    assert torque == pytest.approx(-friction_torque(-spin, radius, force, V_ST), rel=1e-9, abs=1e-9)
+
+
+def test_friction_torque_is_full_beyond_the_stiction_speed_at_the_rim():
+    assert friction_torque(1.0, 0.8, 3.0e5, V_ST) == pytest.approx(-2.0 / 3.0 * 0.8 * 3.0e5, rel=TIGHT)
+
+
+def test_radius_is_that_of_the_circle_of_the_area():
+    assert math.pi * equal_area_radius(2.3) ** 2 == pytest.approx(2.3, rel=TIGHT)

@@ -1,0 +1,138 @@
+"""Overlap of an underside with a unit against closed forms and brute-force quadrature."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from exudyn_crawler.ground.overlap import overlap, overlap_workspace
+
+HALF = 3.5
+LENGTH, WIDTH = 0.655742, 3.505
+
+
+def rectangle(x, y, yaw=0.0, depth=0.06, slope_x=0.0, slope_y=0.0, length=LENGTH, width=WIDTH):
+    """Corners of an underside whose middle is at (x, y, depth), deeper by the slopes (1) along x and y."""
+    across = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * 0.5 * np.array([length, width])
+    c, s = math.cos(yaw), math.sin(yaw)
+    offset = across @ np.array([[c, s], [-s, c]])
+    return np.column_stack((offset + np.array([x, y]), depth + offset @ [slope_x, slope_y]))
+
+
+def clipped(corners, half_x=HALF, half_y=HALF):
+    area, xi, eta, depth, bounds = overlap(np.ascontiguousarray(corners), half_x, half_y, overlap_workspace())
+    return area, xi, eta, depth, min(bounds[1] - bounds[0], bounds[3] - bounds[2])
+
+
+def quadrature(corners, half_x=HALF, half_y=HALF, cells=1500):
+    """Area, centroid of the volume and mean depth over it, by the midpoint rule on the rectangle."""
+    s = (np.arange(cells) + 0.5) / cells
+    u, v = np.meshgrid(s, s, indexing="ij")
+    origin, edge_u, edge_v = corners[0], corners[1] - corners[0], corners[3] - corners[0]
+    x, y, d = (origin[k] + u * edge_u[k] + v * edge_v[k] for k in range(3))
+    cell = abs(edge_u[0] * edge_v[1] - edge_u[1] * edge_v[0]) / cells**2
+    within = (np.abs(x) < half_x) & (np.abs(y) < half_y) & (d > 0.0)
+    volume = np.sum(d[within])
+    return cell * within.sum(), *(np.sum((k * d)[within]) / volume for k in (x, y, d))
+
+
+def test_a_shoe_within_a_unit_overlaps_with_all_of_its_underside():
+    area, xi, eta, depth, width = clipped(rectangle(0.4, -1.1))
+    assert area == pytest.approx(LENGTH * WIDTH, rel=1e-12)
+    assert (xi, eta, depth) == pytest.approx((0.4, -1.1, 0.06), rel=1e-12)
+    assert width == pytest.approx(LENGTH, rel=1e-12)
+
+
+def test_a_straddling_shoe_overlaps_with_its_part_inside():
+    area, xi, eta, depth, width = clipped(rectangle(HALF + 0.1, 0.0))
+    inside = 0.5 * LENGTH - 0.1
+    assert area == pytest.approx(inside * WIDTH, rel=1e-12)
+    assert (xi, depth, width) == pytest.approx((HALF - 0.5 * inside, 0.06, inside), rel=1e-12)
+    assert eta == pytest.approx(0.0, abs=1e-14)
+
+
+def test_a_corner_only_overlaps_with_its_rectangle():
+    area, xi, eta, _, width = clipped(rectangle(HALF + 0.2, -HALF - 1.0))
+    a, b = 0.5 * LENGTH - 0.2, 0.5 * WIDTH - 1.0
+    assert area == pytest.approx(a * b, rel=1e-12)
+    assert (xi, eta, width) == pytest.approx((HALF - a / 2, -HALF + b / 2, a), rel=1e-12)
+
+
+def test_a_yawed_corner_overlaps_with_a_triangle():
+    # a square on its tip that reaches 0.2 m over the edge from outside
+    side = 1.0
+    x = HALF + side / math.sqrt(2.0) - 0.2
+    area, xi, eta, _, width = clipped(rectangle(x, 0.3, yaw=math.pi / 4, length=side, width=side))
+    assert area == pytest.approx(0.2**2, rel=1e-9)
+    assert xi == pytest.approx(HALF - 0.2 / 3.0, rel=1e-9)
+    assert eta == pytest.approx(0.3, rel=1e-9)
+    assert width == pytest.approx(0.2, rel=1e-9)
+
+
+def test_a_shoe_tilted_out_of_the_ground_overlaps_with_a_wedge():
+    # depth falls from 0.04 at the rear to -0.02 at the front: two thirds are in the ground
+    slope = -0.06 / LENGTH
+    area, xi, _, depth, _ = clipped(rectangle(0.0, 0.0, depth=0.01, slope_x=slope))
+    wedge = 2.0 / 3.0 * LENGTH
+    assert area == pytest.approx(wedge * WIDTH, rel=1e-12)
+    assert xi == pytest.approx(-0.5 * LENGTH + wedge / 3.0, rel=1e-12)
+    assert depth == pytest.approx(2.0 / 3.0 * 0.04, rel=1e-12)  # at the centroid of a triangle
+
+
+@pytest.mark.parametrize("place", [(HALF + LENGTH, 0.0, 0.06), (0.0, 6.0, 0.06), (0.0, 0.0, -0.001)])
+def test_apart_there_is_no_overlap(place):
+    x, y, depth = place
+    assert clipped(rectangle(x, y, depth=depth)) == (0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        {"x": 3.4, "y": 0.2, "yaw": 0.1, "slope_x": 0.05},
+        {"x": -3.3, "y": 2.9, "yaw": -0.7, "slope_y": 0.02},
+        {"x": 3.6, "y": -3.4, "yaw": 1.2, "depth": 0.01, "slope_x": 0.03, "slope_y": -0.02},
+        {"x": 0.0, "y": 0.0, "yaw": 0.4, "depth": 0.0, "slope_x": 0.1, "slope_y": 0.03},
+    ],
+)
+def test_any_overlap_is_that_of_brute_force(place):
+    corners = rectangle(**place)
+    # the midpoint rule on 1500 x 1500 cells errs by its cut cells, some 1e-3 of the sides at most
+    area, xi, eta, depth, _ = clipped(corners)
+    expected = quadrature(corners)
+    assert area == pytest.approx(expected[0], rel=2e-3)
+    assert (xi, eta) == pytest.approx(expected[1:3], abs=1e-3)
+    assert depth == pytest.approx(expected[3], rel=2e-3)
+
+
+places = {
+    "x": st.floats(-0.5, 0.5),
+    "y": st.floats(-1.0, 1.0),
+    "yaw": st.floats(-0.5, 0.5),
+    "depth": st.floats(-0.02, 0.1, allow_subnormal=False),
+    "slope_x": st.floats(-0.1, 0.1, allow_subnormal=False),
+    "slope_y": st.floats(-0.03, 0.03, allow_subnormal=False),
+}
+
+
+@settings(max_examples=200, deadline=None)
+@given(**places)
+def test_the_two_units_under_a_straddling_shoe_share_all_of_it(x, y, yaw, depth, slope_x, slope_y):
+    corners = rectangle(x, y, yaw, depth, slope_x, slope_y)
+    whole = clipped(corners, 50.0, 50.0)
+    parts = [clipped(corners + np.array([shift, 0.0, 0.0])) for shift in (HALF, -HALF)]
+    assert sum(part[0] for part in parts) == pytest.approx(whole[0], rel=1e-9, abs=1e-9)
+
+
+@settings(max_examples=100, deadline=None)
+@given(**places, dx=st.floats(-20.0, 20.0), dy=st.floats(-20.0, 20.0))
+def test_moving_all_together_changes_nothing(x, y, yaw, depth, slope_x, slope_y, dx, dy):
+    corners = rectangle(x, y, yaw, depth, slope_x, slope_y)
+    here = clipped(corners, 50.0, 50.0)
+    there = clipped(corners + np.array([dx, dy, 0.0]), 50.0, 50.0)
+    assert there[0] == pytest.approx(here[0], rel=1e-9, abs=1e-12)
+    if here[0] > 1e-6:
+        # a sliver's centroid is a ratio of small numbers
+        assert there[1:4] == pytest.approx((here[1] + dx, here[2] + dy, here[3]), rel=1e-6, abs=1e-6)
+        assert there[4] == pytest.approx(here[4], rel=1e-6)

@@ -1,0 +1,91 @@
+"""Equations of the `constrained` formulation, counted in what Exudyn assembled, against the K-chapter."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, Terrain
+from exudyn_crawler.model.system import System, build
+from tests.model.linearized import Matrices, linearized
+
+
+def assembled(case: Case) -> tuple[System, Matrices]:
+    system = build(case.with_(terrain_formulation="constrained"))
+    return system, linearized(system.mbs)
+
+
+@pytest.fixture(scope="module")
+def straight():
+    return assembled(Case.translation())
+
+
+@pytest.fixture(scope="module")
+def turn():
+    return assembled(Case.turning())
+
+
+@pytest.fixture(scope="module")
+def fine():
+    return assembled(Case.translation().with_(terrain=Terrain.stress()))
+
+
+def effective(matrices: Matrices):
+    """Rows that constrain motion: positions, or rates only."""
+    position = np.any(matrices.position != 0.0, axis=1)
+    return position, np.any(matrices.velocity != 0.0, axis=1) & ~position
+
+
+def test_sixty_three_bodies_have_378_coordinates(straight):
+    assert straight[1].mass.shape == (378, 378)
+
+
+def test_translation_has_346_equations(straight):
+    position, rate = effective(straight[1])
+    # 60 of links, 147 + 36 of terrain joints, 2 holds; 100 held rotations and the drive
+    assert (position.sum(), rate.sum()) == (60 + 147 + 36 + 2, 100 + 1)
+    assert position.sum() + rate.sum() == 346
+
+
+def test_turning_has_one_equation_more(turn):
+    position, rate = effective(turn[1])
+    assert position.sum() + rate.sum() == 347
+    assert rate[turn[0].turn_row]
+
+
+def test_every_other_row_only_puts_a_multiplier_to_zero(straight):
+    position, rate = effective(straight[1])
+    assert np.array_equal(straight[1].dummy, ~(position | rate))
+
+
+def test_links_have_three_spherical_and_two_parallel_equations_each(straight):
+    position, _ = effective(straight[1])
+    rows = np.array([pin for (pin,) in straight[0].link_rows])
+    assert rows.shape == (12, 6)
+    assert position[rows[:, :3]].sum() == 36
+    assert position[rows[:, 3:]].sum() == 24
+
+
+@pytest.mark.parametrize("case", ["straight", "turn"])
+def test_the_chapters_formula_gives_132_degrees_of_freedom(case, request):
+    system, matrices = request.getfixturevalue(case)
+    position, rate = effective(matrices)
+    holonomic_rate = 1 if rate[system.drive_row] else 0  # the drive can be integrated to a position
+    nonholonomic = rate.sum() - holonomic_rate
+    n, equations = len(matrices.mass), position.sum() + rate.sum()
+    assert n - (equations - nonholonomic) == 132
+
+
+@pytest.mark.parametrize(("case", "free"), [("straight", 17 + 15), ("turn", 16 + 15), ("fine", 17 + 32)])
+def test_the_equations_are_independent_and_leave_the_right_motion(case, free, request):
+    _, matrices = request.getfixturevalue(case)
+    position, rate = effective(matrices)
+    rows = np.vstack((matrices.position[position], matrices.velocity[rate]))
+    assert np.linalg.matrix_rank(rows) == len(rows)
+    assert len(matrices.mass) - len(rows) == free
+
+
+def test_the_fine_grid_follows_the_same_rule(fine):
+    position, rate = effective(fine[1])
+    assert len(fine[1].mass) == 6 * (13 + 247)
+    neighbours = 18 * 13 + 19 * 12
+    assert position.sum() == 60 + 3 * 246 + (neighbours - 246) + 2
+    assert rate.sum() == 2 * 247 + 1

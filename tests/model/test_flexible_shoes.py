@@ -1,0 +1,302 @@
+"""Flexible shoes in the track: statics, stiffness limit, vibration, momentum, recovery of stresses."""
+
+import exudyn as exu
+import exudyn.itemInterface as items
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from exudyn_crawler import Case, CrawlerModel, Drive, FlexibleShoes, LoadCycle, StepProfile, Terrain
+from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
+from exudyn_crawler.model.shoes import add_flexible, add_shoe_nodes
+from exudyn_crawler.model.system import build
+from exudyn_crawler.results.modal_coordinates import modal_loads, stress_basis, whole_coordinates
+from exudyn_crawler.run.equilibrium import static_equilibrium
+from fem import write_mesh
+
+COORDINATES = exu.OutputVariableType.Coordinates
+COARSE = FlexibleShoes.ph4100c("coarse")
+
+
+def track(**changes):
+    """The papers' track on the fine grid with two flexible shoes: one in the middle, one driven."""
+    flexible = COARSE.with_(shoes=(7, 13), **changes)
+    return Case.translation().with_(terrain=Terrain.stress(), flexible=flexible)
+
+
+def shared_reduction(case):
+    return floating_shoe(case)
+
+
+@pytest.fixture(scope="module")
+def history():
+    return CrawlerModel(track()).simulate(0.1)
+
+
+def test_only_elastic_modes_are_integrated():
+    floating = shared_reduction(track())
+    assert floating.mode_count == 24 + 10 - 6
+    assert floating.reduced.frequencies[0] == pytest.approx(178.07, rel=0.02)
+
+
+def test_the_ground_carries_the_weight_of_rigid_and_flexible_shoes():
+    case = track()
+    system = build(case)
+    q = static_equilibrium(case)
+    carried = system.contact.results(q, 0.0 * q)[:, 10].sum()
+    flexible = shared_reduction(case).reduced.mass
+    weight = 13 * 386.4e3 + (11 * case.shoe.mass + 2 * flexible) * case.gravity
+    assert carried == pytest.approx(weight, rel=1e-6)
+
+
+def x_difference(one, other):
+    """Greatest of the relative RMS differences of joint forces, velocities and accelerations along x."""
+    differences = []
+    for name in ("joint_force", "velocity", "acceleration"):
+        a, b = (h.dataset[name].sel(axis="x") for h in (one, other))
+        differences.append(float(np.sqrt(((a - b) ** 2).mean() / (b**2).mean())))
+    return max(differences)
+
+
+def test_a_shoe_a_thousand_times_stiffer_follows_the_rigid_one(tmp_path):
+    """With the mesh moved to its COM, 1 mm off, where a rigid shoe's is; measured: 2e-4."""
+    case = track(youngs_modulus=200e12)
+    body, _ = shoe_model(case.flexible, case.track)
+    x, y, z = body.center_of_mass
+    path = tmp_path / "centred.msh"
+    mesh = body.mesh
+    write_mesh(path, type(mesh)(mesh.nodes - body.center_of_mass, mesh.elements, mesh.surfaces))
+    ahead, height = case.track.pin_ahead - x, case.track.pin_height - z
+    right, left = case.track.spherical_y - y, case.track.parallel_y - y
+    stiff = case.with_(
+        track=case.track.with_(pin_ahead=ahead, pin_height=height, spherical_y=right, parallel_y=left),
+        drive=Drive(speed=StepProfile(times=(0.0, 0.2), values=(0.0, 0.02))),
+        flexible=case.flexible.with_(mesh=str(path)),
+    )
+    reduced = shared_reduction(stiff).reduced
+    shoe = stiff.shoe.with_(
+        mass=reduced.mass,
+        inertia=tuple(reduced.inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))),
+        load_point=tuple(shared_reduction(stiff).positions[-1]),
+    )
+    one = CrawlerModel(stiff.with_(shoe=shoe)).simulate(0.2)
+    rigid = CrawlerModel(stiff.with_(shoe=shoe, flexible=None)).simulate(0.2)
+    assert x_difference(one, rigid) < 0.005
+    carried = [float(h.normal_force.sel(axis="z").sum("contact").mean()) for h in (one, rigid)]
+    assert carried[0] == pytest.approx(carried[1], rel=1e-4)
+
+
+def test_momentum_of_the_track_balances(history):
+    """Modes are orthogonal to rigid motion: a shoe's momentum is its mass times its frame's rate."""
+    case = history.case
+    mass = np.full(13, case.shoe.mass)
+    mass[[6, 12]] = shared_reduction(case).reduced.mass
+    rate = (mass[:, None] * history.acceleration).sum("shoe").values
+    force = (history.normal_force + history.friction_force).sum("contact").values
+    force[:, 2] -= 13 * 386.4e3 + mass.sum() * case.gravity
+    force[:, 0] += history.drive_force.values
+    weight = 13 * 386.4e3 + mass.sum() * case.gravity
+    # the mesh's COM lies 0.4 mm beside its frame's origin: 1e-6 of the weight at 1 rad/s2
+    assert np.abs(rate - force).max() < 2e-6 * weight
+
+
+def test_both_pins_of_a_flexible_link_share_its_force(history):
+    link = history.pin_force.sel(joint=12)
+    assert link.sum("pin").values == pytest.approx(history.joint_force.sel(joint=12).values, abs=1e-6)
+    late = link.sel(axis="x").isel(time=-1)
+    assert (late > 0.2 * late.sum()).all()
+
+
+def test_a_free_shoe_vibrates_at_its_modal_frequency():
+    """One shoe afloat without weight or damping, its first mode set going."""
+    case = track(damping=StepProfile.constant(0.0)).with_(gravity=0.0)
+    floating = shared_reduction(case)
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    nodes = add_shoe_nodes(mbs, case)
+    shoe = add_flexible(mbs, case, 7, nodes[6], floating)
+    mbs.SetNodeParameter(shoe.modal_node, "initialCoordinates_t", [1e-2] + [0.0] * (floating.mode_count - 1))
+    # the other nodes belong to no body here
+    for node in (*nodes[:6], *nodes[7:]):
+        mbs.AddObject(items.ObjectRigidBody(mass=1.0, inertia=[1.0, 1.0, 1.0, 0, 0, 0], nodeNumber=node))
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.timeIntegration.endTime = 0.05
+    settings.timeIntegration.numberOfSteps = 2000
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 1.0
+    settings.timeIntegration.generalizedAlpha.useNewmark = True
+    first = []
+    mbs.SetPostStepUserFunction(
+        lambda system, t: first.append((t, system.GetNodeOutput(shoe.modal_node, COORDINATES)[0])) or True
+    )
+    mbs.SolveDynamic(settings)
+    time, q = np.array(first).T
+    rising = np.flatnonzero((q[:-1] < 0.0) & (q[1:] >= 0.0))
+    crossings = time[rising] - q[rising] * (time[rising + 1] - time[rising]) / (q[rising + 1] - q[rising])
+    periods = len(crossings) - 1
+    assert periods >= 6
+    frequency = periods / (crossings[-1] - crossings[0])
+    # 220 steps a period: the trapezoidal rule is 7e-5 slow
+    assert frequency == pytest.approx(floating.reduced.frequencies[0], rel=3e-4)
+
+
+def test_integrated_modes_lie_inside_the_whole_basis(history):
+    basis = stress_basis(history)
+    assert len(basis.whole.frequencies) == 94
+    assert basis.inside.T @ basis.inside == pytest.approx(np.eye(basis.inside.shape[1]), abs=1e-9)
+
+
+def test_recovered_statics_are_those_of_the_whole_basis(history):
+    """At rest all 94 modes answer statically to their loads: K q = f for each of them."""
+    basis = stress_basis(history)
+    still = type(history)(history.case, history.dataset.isel(time=[0]))
+    for shoe in (7, 13):
+        q = whole_coordinates(still, basis, shoe)
+        loads = modal_loads(still, basis, shoe)
+        stiffness = (2.0 * np.pi * basis.whole.frequencies) ** 2
+        static = loads / stiffness
+        stress, expected = (basis.whole.von_mises(x).max() for x in (q, static))
+        assert stress == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_shoe_bends_under_its_load_as_the_whole_model_does():
+    """A free shoe between its evenly spread load and an even ground, against a direct solution."""
+    body, _ = shoe_model(track().flexible, track().track)
+    reduced = shared_reduction(track()).reduced
+    frequencies = reduced.frequencies
+    load = reduced.load("top", np.array([0.0, 0.0, -386.4e3])) - reduced.load(
+        "underside", np.array([0.0, 0.0, -386.4e3])
+    )
+    q = load / (2.0 * np.pi * frequencies) ** 2
+    forces = body.surface_load("top", np.array([0.0, 0.0, -386.4e3])) - body.surface_load(
+        "underside", np.array([0.0, 0.0, -386.4e3])
+    )
+    exact = body.displacement_under(forces.reshape(-1, 1)).reshape(-1, 3)
+    middle = np.abs(body.mesh.nodes[:, 1]) < 0.05
+    bend = [
+        u[middle, 2].mean() - u[np.abs(body.mesh.nodes[:, 1]) > 1.7, 2].mean()
+        for u in (reduced.displacement(q)[0], exact)
+    ]
+    assert bend[0] == pytest.approx(bend[1], rel=0.05)
+
+
+def test_bad_flexible_shoes_are_refused_by_name():
+    with pytest.raises(ValidationError, match="shoes must be different numbers in rising order"):
+        COARSE.with_(shoes=(7, 7))
+    with pytest.raises(ValidationError, match=r"flexible.shoes must be in 1..13, got \(7, 14\)"):
+        Case.translation().with_(flexible=COARSE.with_(shoes=(7, 14)))
+    with pytest.raises(ValidationError, match="poissons_ratio"):
+        COARSE.with_(poissons_ratio=0.5)
+    with pytest.raises(ValidationError, match="'reduced'"):
+        Case.translation().with_(flexible=COARSE, terrain_formulation="constrained")
+
+
+def test_the_shovel_cycle_keeps_every_sum_and_the_printed_loads():
+    cycle = LoadCycle.shovel_cycle()
+    loads = {phase.name: np.array(phase.loads) for phase in cycle.phases}
+    machine, dipper = 13 * 386.4e3, 445e3
+    sums = {"propel": machine, "dig": machine + dipper, "hoist and swing": machine + dipper}
+    sums |= {"dump": machine, "return": machine}
+    for name, total in sums.items():
+        assert loads[name].sum() == pytest.approx(total, rel=1e-12)
+    printed = {"propel": 386.4e3, "dig": 384e3, "hoist and swing": 732e3, "dump": 541e3, "return": 386.4e3}
+    for name, load in printed.items():
+        assert loads[name][6] == pytest.approx(load, rel=1e-9)
+    assert loads["dump"][[0, 12]] == pytest.approx([253.9e3, 253.9e3], rel=1e-3)
+    for name in ("hoist and swing", "dump"):
+        assert loads[name] == pytest.approx(loads[name][::-1], rel=1e-12)
+        assert loads[name].argmax() == 6
+    assert cycle.loads(18.75)[0, 6] == pytest.approx((386.4e3 + 384e3) / 2, rel=1e-12)
+
+
+def test_a_cycle_is_read_from_toml(tmp_path):
+    path = tmp_path / "cycle.toml"
+    path.write_text(
+        '[[phases]]\nname = "propel"\nend = 2.0\nloads = [1e5, 2e5]\n'
+        '[[phases]]\nname = "dig"\nend = 4.0\nloads = [3e5, 1e5]\n'
+    )
+    cycle = LoadCycle.from_toml(path)
+    assert cycle.loads(3.0)[0] == pytest.approx([2e5, 1.5e5])
+    path.write_text("phases = 1")
+    with pytest.raises(ValueError, match="phases"):
+        LoadCycle.from_toml(path)
+    path.write_text("[[phases")
+    with pytest.raises(ValueError, match="is not TOML"):
+        LoadCycle.from_toml(path)
+
+
+def driven(*windows, **drive):
+    case = Case.translation()
+    speed = StepProfile(times=(0.0, 0.05, 0.1, 0.15, 0.2), values=(0.0, 0.01, 0.0, 0.0, 0.02))
+    return case.with_(
+        drive=Drive(speed=speed, **drive), loads=case.loads.with_(drive_on=windows if windows else None)
+    )
+
+
+def test_a_released_shoe_is_driven_no_more_until_the_drive_is_on_again():
+    history = CrawlerModel(driven((0.0, 0.1), (0.15, 9.0))).simulate(0.2)
+    t = history.time
+    off = (t > 0.1 + 1e-9) & (t <= 0.15 + 1e-9)
+    front = history.velocity.sel(shoe=13, axis="x")
+    assert (history.drive_force.where(~off, drop=True)[1:] != 0.0).all()
+    assert (history.drive_force.where(off, drop=True) == 0.0).all()
+    assert float(np.abs(front.where(off, drop=True)).max()) > 0.0
+    again = t > 0.15 + 1e-9
+    speed = history.case.drive.speed.value(t.values[again.values])
+    assert front.values[again.values] == pytest.approx(speed, abs=1e-9)
+
+
+def test_the_drive_takes_up_a_shoe_at_rest_only():
+    with pytest.raises(ValidationError, match=r"drive_on switches the drive on, at 0.05 s"):
+        driven((0.05, 0.1))
+    with pytest.raises(ValidationError, match="drive_on must be times from 0 s that increase"):
+        driven((0.1, 0.0))
+
+
+def test_the_track_travels_only_while_driven():
+    case = driven((0.0, 0.05))
+    assert case.outline(0.2)[0, 0] - case.outline(0.0)[0, 0] == pytest.approx(0.05 * 0.01 / 2)
+
+
+def test_modes_are_chosen_by_number_frequency_or_kind():
+    assert COARSE.mode_count == 28
+    assert COARSE.with_modes("all").mode_count == 94
+    assert COARSE.with_modes("20 fixed").mode_count == 38
+    some = track().with_(flexible=COARSE.with_(shoes=(13,)).with_modes("1-3, 6"))
+    assert shared_reduction(some).mode_count == 4
+    low = track().with_(flexible=COARSE.with_(shoes=(13,)).with_modes("500 Hz"))
+    frequencies = shared_reduction(low).reduced.frequencies
+    assert 1 < len(frequencies) < 94
+    assert frequencies.max() <= 500.0
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        ("some", "modes must be like"),
+        ("0-3", r"modes must be in 1\.\.94"),
+        ("90-95", r"modes must be in 1\.\.94"),
+        ("77 fixed", "fixed_modes must not exceed recovered_modes"),
+    ],
+)
+def test_modes_that_do_not_exist_are_refused(choice, message):
+    with pytest.raises(ValueError, match=message):
+        COARSE.with_modes(choice)
+
+
+def test_a_highest_frequency_below_the_first_mode_is_refused():
+    case = track().with_(flexible=COARSE.with_modes("100Hz"))
+    with pytest.raises(ValueError, match="highest_frequency must be at least"):
+        shared_reduction(case)
+
+
+def test_a_staged_run_with_flexible_shoes_is_the_unstaged_one(history):
+    """Solver calls one after the other with floating-frame bodies, each from the state that the last left."""
+    case = history.case
+    staged = case.with_(solver=case.solver.with_(checkpoint_interval=0.02))
+    parts = CrawlerModel(staged).simulate(history.duration).dataset
+    for name in ("position", "velocity", "joint_force", "modal_coordinate", "modal_velocity"):
+        whole = history.dataset[name].values
+        off = np.sqrt(np.mean((whole - parts[name].values) ** 2) / np.mean(whole**2))
+        assert off < 1e-3, (name, off)

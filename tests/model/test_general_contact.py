@@ -1,0 +1,323 @@
+"""Second contact model: its law against the engine's, its agreement with the pair law, and bad input."""
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from pydantic import ValidationError
+
+from exudyn_crawler import Case, CrawlerModel, History
+from exudyn_crawler.case import FlexibleShoes, GeneralContact, LoadCycle, Phase, Terrain
+from exudyn_crawler.errors import EquilibriumError, SimulationStopped
+from exudyn_crawler.ground.spheres import COLUMN
+from exudyn_crawler.model.general_contact import SphereContact, seam, sphere_places
+from exudyn_crawler.model.system import build
+from exudyn_crawler.results.balance import powers, shoe_imbalance, track_imbalance
+from exudyn_crawler.results.contacts import contacts_by_shoe
+from exudyn_crawler.run.simulation import integrate
+from studies.comparison import compare_kinematics
+from studies.force_comparison import compare_forces
+from studies.forces import run_forces
+from studies.uneven_ground import uneven_case
+
+CASE = Case.translation(contact="general")
+TURNING = Case.turning(contact="general")
+DRAWN_BACK = CASE.with_(general_contact=CASE.general_contact.with_(faces="drawn_back"))
+CASES = {"straight": CASE, "turning": TURNING, "drawn back": DRAWN_BACK, "step": uneven_case("step")}
+WEIGHT = CASE.track.shoe_count * CASE.mean_load
+SHOE_COORDINATES = 6 * CASE.track.shoe_count
+
+
+@pytest.fixture(scope="module")
+def general() -> History:
+    return CrawlerModel(CASE).simulate(0.4)
+
+
+@pytest.fixture(scope="module")
+def rest() -> np.ndarray:
+    return CrawlerModel(CASE).equilibrium()
+
+
+def test_spheres_carry_the_mean_load_at_the_pair_laws_depth():
+    depth = math.sqrt(432.3e3 / 1e8)  # papers: 6.57 cm
+    assert CASE.settled_penetration == pytest.approx(depth, rel=1e-3)
+    spheres = CASE.general_contact.spheres_x * CASE.general_contact.spheres_y
+    assert spheres * CASE.sphere_stiffness * CASE.settled_penetration == pytest.approx(
+        CASE.mean_load, rel=1e-12
+    )
+
+
+def test_spheres_stand_evenly_inside_the_underside():
+    places = sphere_places(CASE)
+    low_x, high_x, low_y, high_y, z = CASE.shoe.footprint
+    assert len(places) == 20
+    assert places.mean(axis=0)[:2] == pytest.approx(
+        [0.5 * (low_x + high_x), 0.5 * (low_y + high_y)], abs=1e-12
+    )
+    assert places[:, 0].min() - low_x == pytest.approx(0.63 / 8.0, rel=1e-12)
+    assert places[:, 1].max() - high_y == pytest.approx(-3.505 / 10.0, rel=1e-12)
+    assert places[:, 2] == pytest.approx(z + CASE.general_contact.radius)
+
+
+def lift_over_seam(case: Case, beside: float) -> float:
+    """Vertical force on a sphere beside the seam at x = 7 m by so much (m), over that far from any seam."""
+    contact = SphereContact(case)
+    rear = sphere_places(case)[0, 0] + contact.shoe_reference[0, 0]
+
+    def lift(x):
+        q = np.zeros(contact.size)
+        q[0], q[2] = x - rear, -case.settled_penetration
+        table, _, _ = contact.touching(q, np.zeros_like(q))
+        point, normal = table[:, COLUMN["point"]], table[:, COLUMN["normal"]]
+        center = point[:, 0] + table[:, COLUMN["distance"]] * normal[:, 0]
+        own = (table[:, COLUMN["shoe"]] == 0.0) & (np.abs(center - x) < 1e-9)
+        return float((table[own, COLUMN["size"]] * normal[own, 2]).sum())
+
+    return lift(7.0 + beside) / lift(3.5)
+
+
+def test_whole_faces_both_push_a_sphere_over_their_seam():
+    assert seam(CASE) == (0.0, 0.0)
+    assert lift_over_seam(CASE, 0.0) == pytest.approx(2.0, rel=1e-9)
+
+
+def test_drawn_back_faces_push_over_the_seam_as_hard_as_one():
+    assert lift_over_seam(DRAWN_BACK, 0.0) == pytest.approx(1.0, rel=1e-9)
+    beside = np.array([lift_over_seam(DRAWN_BACK, x) for x in np.linspace(-0.1, 0.1, 21)])
+    assert beside == pytest.approx(1.0, abs=0.1)
+    assert np.ptp(beside) > 0.01
+
+
+def test_track_rests_before_the_run(general):
+    start = general.dataset.isel(time=0)
+    for name in ("acceleration", "unit_heave_acceleration", "unit_tilt_acceleration"):
+        assert float(abs(start[name]).max()) < 1e-3
+    carried = float((start.normal_force + start.friction_force).sel(axis="z").sum())
+    assert carried == pytest.approx(WEIGHT, rel=1e-9)
+
+
+def test_shoes_settle_as_deep_as_by_the_pair_law(general, translation):
+    ours, theirs = (contacts_by_shoe(history).isel(time=0) for history in (general, translation))
+    # not the shoe over the seam of two units, of which the pair law makes two contacts, nor its neighbours
+    alone = [1, 2, 3, 4, 9, 10, 11, 12, 13]
+    ratio = (ours.penetration / theirs.penetration).sel(shoe=alone).values
+    # links bend the load from shoe to shoe by some per cent, which a linear and a quadratic spring tell apart
+    assert ratio == pytest.approx(1.0, abs=0.04)
+    assert ratio.mean() == pytest.approx(1.0, abs=0.005)
+    heave = general.unit_heave.isel(time=0) / translation.unit_heave.isel(time=0)
+    assert heave.sel(unit=[7, 12]).values == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+def test_law_repeats_the_engines_forces(case):
+    system = build(case)
+    system.set_initial(CrawlerModel(case).equilibrium())
+    # full friction is not reached yet: within a step the engine keeps its branch of the law
+    integrate(system, 0.06)
+    data = system.mbs.systemData
+    state = [np.array(values) for values in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t())]
+    assert system.general is not None
+    engine = np.asarray(system.general.GetSystemODE2RhsContactForces(copy=True))
+    law = system.contact.forces(*state)
+    assert np.abs(law[:SHOE_COORDINATES]).max() > 4e5
+    assert engine == pytest.approx(law, abs=1e-9 * WEIGHT)
+
+
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+@pytest.mark.parametrize("factors", [(1.0, 0.0), (0.0, 1.0)], ids=["position", "velocity"])
+def test_derivatives_are_those_of_the_forces(case, factors):
+    contact = SphereContact(case)
+    q = CrawlerModel(case).equilibrium()
+    random = np.random.default_rng(3)
+    q[:SHOE_COORDINATES] += random.normal(0.0, 1e-3, SHOE_COORDINATES)
+    q_t = np.zeros_like(q)
+    if factors[1]:  # some spheres beyond the slip of full friction, some not
+        q_t[:SHOE_COORDINATES] = random.normal(0.0, 0.01, SHOE_COORDINATES)
+    position, velocity = factors
+    triplets = contact.derivatives(q, q_t, position, velocity)
+    matrix = np.zeros((q.size, q.size))
+    np.add.at(matrix, tuple(triplets[:, :2].T.astype(int)), triplets[:, 2])
+    units = np.arange(SHOE_COORDINATES, q.size).reshape(-1, 6)
+    ours = np.concatenate((np.arange(SHOE_COORDINATES), units[:, 2], units[:, 4]))
+    change = np.zeros_like(q)
+    change[ours] = 1e-7 * random.normal(size=len(ours))
+    ahead, behind = (contact.forces(q + s * position * change, q_t + s * velocity * change) for s in (1, -1))
+    numerical = 0.5 * (ahead - behind)
+    # central differences of forces of 4e5 N and stiffnesses of 7e6 N/m
+    assert (matrix @ change)[ours] == pytest.approx(numerical[ours], abs=1e-5 * np.abs(numerical).max())
+
+
+@pytest.mark.parametrize("case", [CASE, TURNING], ids=["straight", "turning"])
+def test_contact_forces_close_every_shoes_balance(case):
+    history = CrawlerModel(case).simulate(0.5)
+    # far into full friction, where forces by the law alone miss the engine's at every change of branch
+    assert float(abs(history.slip_velocity).max()) > 0.002
+    # Newton's method ends at a mean residual of 0.2 N
+    assert float(abs(shoe_imbalance(history).force).max()) < 1e-6 * WEIGHT
+    assert float(abs(shoe_imbalance(history).moment).max()) < 1e-6 * WEIGHT
+    assert float(abs(track_imbalance(history).force).max()) < 1e-5 * WEIGHT
+
+
+def test_results_of_a_pair_are_sums_over_its_spheres(rest):
+    contact = SphereContact(CASE)
+    results = contact.results(rest, np.zeros_like(rest))
+    generalized = contact.forces(rest, np.zeros_like(rest))[:SHOE_COORDINATES].reshape(-1, 6)
+    carried = np.bincount(results[:, 0].astype(int), results[:, 10], CASE.track.shoe_count)
+    assert carried == pytest.approx(generalized[:, 2], rel=1e-12)
+    whole = results[results[:, 0] == 2.0]
+    assert whole[0, 4] == pytest.approx(CASE.shoe.length * CASE.shoe.width)
+
+
+def test_history_saves_and_loads(general, tmp_path):
+    general.save(tmp_path / "general.nc")
+    again = History.load(tmp_path / "general.nc")
+    assert again.case == general.case
+    np.testing.assert_array_equal(again.normal_force, general.normal_force)
+
+
+def test_powers_are_refused(general):
+    with pytest.raises(ValueError, match="contact_model 'pair'"):
+        powers(general)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"spheres_x": 1}, "spheres_x"),
+        ({"spheres_y": 0}, "spheres_y"),
+        ({"radius": -0.1}, "radius"),
+        ({"damping": -1.0}, "damping"),
+        ({"friction": -0.1}, "friction"),
+        ({"friction_speed": 0.0}, "friction_speed"),
+        ({"radius": math.inf}, "radius"),
+    ],
+)
+def test_bad_spheres_are_refused(changes, message):
+    with pytest.raises(ValidationError, match=message):
+        GeneralContact.oil_sand().with_(**changes)
+
+
+def test_spheres_that_would_sink_through_are_refused():
+    spheres = GeneralContact.oil_sand().with_(radius=0.06)
+    with pytest.raises(
+        ValidationError, match=r"radius must exceed the settled penetration .* 0\.0657.* m, got 0\.06"
+    ):
+        CASE.with_(general_contact=spheres)
+    Case.translation().with_(general_contact=spheres)  # the pair law has no spheres
+
+
+def small_spheres(radius: float) -> Case:
+    return CASE.with_(general_contact=GeneralContact.oil_sand().with_(radius=radius))
+
+
+def test_spheres_without_rest_are_named():
+    with pytest.raises(EquilibriumError, match=r"radius of 0\.07 m may be too small for a .* of 0\.06575 m"):
+        CrawlerModel(small_spheres(0.07)).equilibrium()
+
+
+def test_spheres_that_sink_through_stop_the_run():
+    """They stand at rest; the pull of the drive presses shoe 12 deeper until its spheres lose the ground."""
+    with pytest.raises(SimulationStopped, match=r"spheres of shoes \[12\] sank through the ground") as stop:
+        CrawlerModel(small_spheres(0.08)).simulate(2.0)
+    kept = stop.value.history
+    assert 0.5 < kept.duration < 2.0
+    assert float(kept.position.sel(axis="z").min()) > 0.0
+
+
+def test_centres_below_a_face_are_found(rest):
+    contact = SphereContact(CASE)
+    assert contact.sunken(rest) == []
+    lower = rest.copy()
+    height = CASE.general_contact.radius - CASE.settled_penetration
+    lower[6 * 3 + 2] -= 0.9 * height
+    assert contact.sunken(lower) == []
+    lower[6 * 3 + 2] -= 0.2 * height
+    assert contact.sunken(lower) == [4]
+
+
+def test_spheres_too_large_for_the_units_are_refused():
+    with pytest.raises(ValidationError, match=r"quarter of a unit's side, 1\.75 m, got 2"):
+        CASE.with_(general_contact=GeneralContact.oil_sand().with_(radius=2.0))
+
+
+def test_flexible_shoes_are_refused():
+    with pytest.raises(ValidationError, match="flexible must be None with contact_model 'general'"):
+        CASE.with_(flexible=FlexibleShoes.ph4100c("coarse"))
+
+
+def test_unknown_model_is_refused():
+    with pytest.raises(ValidationError, match="contact_model"):
+        CASE.with_(contact_model="hertz")
+
+
+def test_terrain_needs_no_other_formulation():
+    """The engine takes the units as bodies whatever the case says of the terrain's formulation."""
+    assert CASE.terrain_formulation == "reduced"
+    assert isinstance(CASE.terrain, Terrain)
+    assert build(CASE).contact.size == 6 * (CASE.track.shoe_count + CASE.terrain.unit_count)
+
+
+def test_model_is_chosen_by_name():
+    assert Case.translation().with_(contact_model="general") == CASE
+    assert Case.turning(contact="general").contact_model == "general"
+    assert Case.translation().contact_model == "pair"
+    with pytest.raises(ValidationError, match=r"with contact_model, .*, got 'general'"):
+        Case.translation().with_(contact="general")
+
+
+def test_growing_load_that_would_sink_a_sphere_through_is_refused():
+    spheres = GeneralContact.oil_sand().with_(radius=0.1)
+    case = CASE.with_(general_contact=spheres)
+    light, heavy = [386.4e3] * 13, [*[386.4e3] * 6, 732e3, *[386.4e3] * 6]
+    loads = LoadCycle(
+        phases=(Phase(name="propel", end=1, loads=light), Phase(name="swing", end=9, loads=heavy))
+    )
+    message = r"settled penetration of the most loaded shoe, 0\.1183 m, got 0\.1"
+    with pytest.raises(ValidationError, match=message):
+        case.with_(loads=loads)
+
+
+def test_loads_that_lift_the_track_are_refused():
+    with pytest.raises(ValidationError, match="loads must press the shoes down"):
+        CASE.with_(loads=LoadCycle.constant([-1e6] * 13))
+
+
+def test_forces_study_refuses_histories_of_the_other_model(general, tmp_path):
+    general.save(tmp_path / "translation.nc")
+    before = (tmp_path / "translation.nc").read_bytes()
+    out = tmp_path / "forces"
+    with pytest.raises(ValueError, match="comes from other parameters: contact_model is general, not pair"):
+        run_forces(["translation"], general.duration, out, reuse=tmp_path)
+    assert (tmp_path / "translation.nc").read_bytes() == before
+    assert not out.exists()
+
+
+def statics(case: Case, duration: float) -> pd.Series:
+    """Computed `statics` rows of both studies by quantity and statistic, those that the duration allows."""
+    histories = {"translation": CrawlerModel(case).simulate(duration, progress=False)}
+    table = pd.concat((compare_kinematics(histories), compare_forces(histories)))
+    chosen = table[(table["class"] == "statics") & (table["case"] == "translation")]
+    return chosen.set_index(["quantity", "statistic"])["computed"].dropna()
+
+
+def test_settled_statics_agree_with_the_pair_law():
+    """Rows that need no slip, in a short run; before the track slips both laws' friction differs."""
+    ratios = statics(CASE, 0.2) / statics(Case.translation(), 0.2)
+    rows = [
+        ("penetration depth of a shoe", "mean greatest"),
+        ("shoe 10 penetration depth", "mean"),
+        ("normal force z", "mean greatest of shoes"),
+        ("shoe 10 normal force z", "mean"),
+        ("contact force z", "mean greatest of shoes"),
+    ]
+    assert ratios.loc[rows].to_numpy() == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.slow
+def test_statics_agree_with_the_pair_law():
+    """Ten seconds straight: every `statics` row of both studies within 5 % of the pair model."""
+    ratios = statics(CASE, 10.0) / statics(Case.translation(), 10.0)
+    assert len(ratios) == 12
+    for name, ratio in ratios.items():
+        assert ratio == pytest.approx(1.0, abs=0.05), name

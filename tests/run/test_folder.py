@@ -1,0 +1,206 @@
+"""Run folders: what a run keeps, repeats bit for bit, and never overwrites unasked."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, EquilibriumError, History, SimulationStopped, Terrain
+from exudyn_crawler.case.files import CaseFile
+from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.run.folder import kept_run
+from exudyn_crawler.run_case import run_case
+from studies.forces import run_forces
+from studies.kinematics import run_kinematics
+
+QUIET = Outputs(figures=False)
+SHORT = CaseFile(case=Case.turning(), duration=0.05, outputs=QUIET)
+HOLD = """
+import sys, time
+from pathlib import Path
+from exudyn_crawler.run.folder import kept_run
+with kept_run(Path(sys.argv[1]), {}):
+    print("held", flush=True)
+    time.sleep(60)
+"""
+
+
+def visible(folder):
+    return {path.name for path in folder.iterdir() if not path.name.startswith(".")}
+
+
+def record(folder):
+    return json.loads((folder / "run.json").read_text())
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """Folder of a short run."""
+    out = tmp_path_factory.mktemp("runs") / "kept"
+    run_case(SHORT, out)
+    return out
+
+
+def test_a_folder_keeps_what_its_results_come_from(kept):
+    names = {"case.toml", "run.json", "run.log", "history.nc", "forces.nc", "extremes.csv", "loads.csv"}
+    assert visible(kept) == names
+    assert CaseFile.read(kept / "case.toml") == SHORT
+    found = record(kept)
+    assert found["status"] == "done"
+    assert set(found["files"]) == names
+    assert found["versions"]["exudyn"] == History.load(kept / "history.nc").dataset.attrs["exudyn_version"]
+    assert {"platform", "processor", "cpu_count", "python"} <= set(found["machine"])
+    assert 0.0 < sum(found["stages_s"].values()) <= found["wall_time_s"]
+    assert found["started"] < found["finished"]
+    log = (kept / "run.log").read_text()
+    for words in ("simulate: begins", "tables and figures: ", "INFO done"):
+        assert words in log
+
+
+def test_the_same_case_gives_the_same_numbers_bit_for_bit(kept, tmp_path):
+    # in a process of its own, where nothing is warm yet
+    script = (
+        "from pathlib import Path; from exudyn_crawler.case.files import CaseFile\n"
+        "from exudyn_crawler.run_case import run_case\n"
+        f"run_case(CaseFile.read({str(kept / 'case.toml')!r}), Path({str(tmp_path / 'again')!r}))"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
+    first, again = (History.load(folder / "history.nc").dataset for folder in (kept, tmp_path / "again"))
+    assert set(first.variables) == set(again.variables)
+    for name in first.variables:
+        assert first[name].values.tobytes() == again[name].values.tobytes()
+    assert np.ptp(first.position.values[-1] - first.position.values[0]) > 1e-6  # something moved
+    for table in ("extremes.csv", "loads.csv", "case.toml"):
+        assert (kept / table).read_bytes() == (tmp_path / "again" / table).read_bytes()
+
+
+@pytest.mark.slow
+def test_flexible_shoes_repeat_bit_for_bit(tmp_path):
+    # a reduction in each process: eigenvalue solvers may start at random, threads may sum in any order
+    text = (
+        'base = "translation"\nduration = 0.01\n[terrain]\nbase = "stress"\n'
+        '[flexible]\nbase = "ph4100c"\nmesh = "coarse"\nshoes = [13]\nfixed_modes = 4\n'
+        "[outputs]\nfigures = false\n"
+    )
+    (tmp_path / "case.toml").write_text(text)
+    for name in ("first", "again"):
+        command = [sys.executable, "-m", "exudyn_crawler.cli", "run", "case.toml", "--out", name]
+        subprocess.run(command, check=True, timeout=300, cwd=tmp_path, capture_output=True)
+    first, again = (History.load(tmp_path / name / "history.nc").dataset for name in ("first", "again"))
+    for name in first.variables:
+        assert first[name].values.tobytes() == again[name].values.tobytes()
+
+
+def test_an_earlier_run_stays_unless_asked(kept):
+    before = contents(kept)
+    with pytest.raises(FileExistsError, match="holds results already"):
+        run_case(SHORT, kept)
+    assert contents(kept) == before
+
+
+def test_overwriting_leaves_nothing_of_the_earlier_run_and_all_that_is_the_users(tmp_path):
+    run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path)
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "own.csv").write_text("mine too")
+    assert (tmp_path / "velocity.png").exists()
+    run_case(CaseFile(case=Case.turning(), duration=0.01, outputs=QUIET), tmp_path, overwrite=True)
+    assert not list(tmp_path.glob("*.png"))
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    assert (tmp_path / "own.csv").read_text() == "mine too"
+    assert History.load(tmp_path / "history.nc").case == Case.turning()
+    assert CaseFile.read(tmp_path / "case.toml").case == Case.turning()
+
+
+def test_overwriting_that_fails_keeps_the_earlier_results(tmp_path):
+    run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=QUIET), tmp_path)
+    lost = Case.translation().with_(terrain=Terrain.kinematics().with_(spring_stiffness=1.0))
+    with pytest.raises((EquilibriumError, SimulationStopped)):
+        run_case(CaseFile(case=lost, duration=0.01, outputs=QUIET), tmp_path, overwrite=True)
+    assert History.load(tmp_path / "history.nc").case == Case.translation()
+    assert record(tmp_path)["status"] in ("failed", "stopped")
+
+
+def test_nothing_outside_the_folder_is_removed(tmp_path):
+    out = tmp_path / "out"
+    run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=QUIET), out)
+    (tmp_path / "precious").write_text("mine")
+    (out / "run.json").write_text(json.dumps({"files": ["../precious", "loads.csv"]}))
+    run_case(
+        CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(figures=False, tables=False)),
+        out,
+        True,
+    )
+    assert (tmp_path / "precious").exists()
+    assert not (out / "loads.csv").exists()
+
+
+def test_the_case_of_another_run_is_refused_and_the_authors_own_file_kept(tmp_path):
+    own = tmp_path / "case.toml"
+    text = 'base = "turning" # mine\nduration = 0.05\n[outputs]\nfigures = false\n'
+    own.write_text(text)
+    with pytest.raises(FileExistsError, match=r"case\.toml is the case of another run"):
+        run_case(CaseFile(case=Case.translation(), duration=0.05), tmp_path)
+    assert contents(tmp_path).keys() == {"case.toml", ".lock"}
+    run_case(SHORT, tmp_path)
+    assert own.read_text() == text
+
+
+def test_a_stopped_run_is_recorded_with_its_reason(tmp_path):
+    solver = Case.translation().solver.with_(maximum_iterations=2, minimum_step=1.5e-3)
+    stopping = CaseFile(case=Case.translation().with_(solver=solver), duration=10.0)
+    with pytest.raises(SimulationStopped):
+        run_case(stopping, tmp_path)
+    found = record(tmp_path)
+    assert found["status"] == "stopped"
+    assert "the simulation stopped at t = " in found["error"]
+    assert "history_stopped.nc" in found["files"]
+    assert "Traceback" in (tmp_path / "run.log").read_text()
+
+
+def test_studies_keep_the_same(tmp_path):
+    run_kinematics(["translation"], 0.01, tmp_path / "kinematics")
+    run_forces(["translation"], 0.01, tmp_path / "forces", tmp_path / "kinematics")
+    for study in ("kinematics", "forces"):
+        folder = tmp_path / study
+        assert CaseFile.read(folder / "translation.toml").case == Case.translation()
+        assert record(folder)["status"] == "done"
+        assert set(record(folder)["files"]) == visible(folder)
+    assert "simulate translation" in record(tmp_path / "kinematics")["stages_s"]
+    assert "simulate translation" not in record(tmp_path / "forces")["stages_s"]
+    assert "reusing the history" in (tmp_path / "forces" / "run.log").read_text()
+
+
+def test_two_runs_in_one_folder_are_one_too_many_and_a_killed_one_leaves_it_free(tmp_path):
+    out = tmp_path / "out"
+    with subprocess.Popen([sys.executable, "-c", HOLD, str(out)], stdout=subprocess.PIPE, text=True) as other:
+        try:
+            assert other.stdout.readline() == "held\n"
+            with pytest.raises(BlockingIOError, match=f"out is in use by another run .process {other.pid}, "):
+                run_case(SHORT, out)
+            with pytest.raises(BlockingIOError, match="in use"):
+                run_case(SHORT, out, overwrite=True)
+            assert record(out)["status"] == "running"
+        finally:
+            other.kill()
+    run_case(SHORT, out)
+    assert record(out)["status"] == "done"
+
+
+def test_a_failure_of_the_work_itself_is_recorded_and_passed_on(tmp_path):
+    def fail():
+        with kept_run(tmp_path, {"case": SHORT}) as keeper:
+            with keeper.timed("half"):
+                pass
+            raise RuntimeError("halfway")
+
+    with pytest.raises(RuntimeError, match="halfway"):
+        fail()
+    found = record(tmp_path)
+    assert (found["status"], found["error"]) == ("failed", "halfway")
+    assert "half" in found["stages_s"]

@@ -1,0 +1,144 @@
+"""Short runs: the drive is exact, mechanics holds at every stored instant, and stops are kept."""
+
+import math
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, CrawlerModel, SimulationStopped
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.results.balance import shoe_imbalance, track_imbalance
+
+RUNS = ("translation", "turning", "constrained")
+WEIGHT = 13 * 432.3e3  # N, of the loaded track
+
+
+@pytest.fixture(params=RUNS)
+def run(request):
+    return request.getfixturevalue(request.param)
+
+
+def test_the_front_shoe_follows_the_drive(run):
+    t = run.time.values
+    front = {name: run.dataset[name].sel(shoe=13, axis="x").values for name in ("position", "velocity")}
+    assert front["velocity"] == pytest.approx(0.012 * t**2 - 0.0016 * t**3, abs=1e-9)
+    # the drive holds on velocity level; its integral may drift by the integration's error
+    travel = front["position"] - front["position"][0]
+    assert travel == pytest.approx(0.004 * t**3 - 0.0004 * t**4, abs=1e-8)
+
+
+def test_the_front_shoe_accelerates_as_the_drive(longer):
+    t = longer.time.values[50:]
+    given = longer.acceleration.sel(shoe=13, axis="x").values[50:]
+    assert given == pytest.approx(0.024 * t - 0.0048 * t**2, abs=3e-4)  # 1 % of the greatest, 0.03
+
+
+def test_the_front_shoe_turns_at_the_prescribed_rate_about_its_own_axis(turning):
+    front = turning.dataset.sel(shoe=13)
+    axis = rotation_matrices(front.angles.values)[..., 2]
+    rate = np.degrees(np.sum(axis * front.angular_velocity.values, axis=-1))
+    t = turning.time.values
+    assert rate == pytest.approx(0.12 * t**2 - 0.016 * t**3, abs=1e-8)
+    assert rate[-1] > 0.01
+
+
+def test_without_a_turn_nothing_turns_the_front_shoe(translation):
+    assert not translation.drive_torque.values.any()
+    assert np.abs(translation.angular_velocity.sel(axis="z")).max() < 1e-6
+
+
+def test_the_track_obeys_newton_and_euler_as_a_whole(run):
+    off = track_imbalance(run, about=(14.0, 9.29, 0.0))
+    assert np.abs(off.force).max() < 1e-6 * WEIGHT
+    assert np.abs(off.moment).max() < 1e-6 * WEIGHT * 4.0  # half the track's length
+
+
+def test_every_shoe_obeys_newton_and_euler_with_its_joints(run):
+    off = shoe_imbalance(run)
+    assert np.abs(off.force).max() < 1e-6 * WEIGHT
+    assert np.abs(off.moment).max() < 1e-6 * WEIGHT
+
+
+def test_the_balance_would_notice_one_missing_force(translation):
+    less = translation.dataset.assign(joint_force=translation.joint_force * (1.0 + 1e-3))
+    history = type(translation)(case=translation.case, dataset=less)
+    assert np.abs(shoe_imbalance(history).force).max() > 1e-6 * WEIGHT
+
+
+def test_pins_stay_together(run):
+    frames = rotation_matrices(run.angles.values)
+    pins = [run.position.values + frames @ pin for pin in (run.case.track.front_pin, run.case.track.rear_pin)]
+    assert pins[0][:, :-1] == pytest.approx(pins[1][:, 1:], abs=1e-7)  # m, links of 0.6 m
+
+
+def test_pin_axes_stay_parallel(run):
+    axis = rotation_matrices(run.angles.values)[..., 1]
+    assert np.abs(np.cross(axis[:, :-1], axis[:, 1:])).max() < 1e-7
+
+
+def test_every_variable_of_a_history_is_an_attribute(translation):
+    for name, values in translation.dataset.variables.items():
+        assert getattr(translation, name).shape == values.shape
+        assert name in translation.dataset.coords or values.attrs["units"]
+
+
+def test_states_are_stored_at_the_output_interval():
+    case = Case.translation()
+    coarse = case.with_(solver=case.solver.with_(output_interval=0.01))
+    times = CrawlerModel(coarse).simulate(0.05).time.values
+    assert times == pytest.approx([0.0, 0.01, 0.02, 0.03, 0.04, 0.05], abs=1e-12)
+
+
+def test_the_same_case_twice_gives_the_same_numbers():
+    first, second = (CrawlerModel(Case.turning()).simulate(0.05).dataset for _ in range(2))
+    assert first.identical(second)
+
+
+@pytest.mark.parametrize("duration", [0.0, -1.0, math.nan, math.inf])
+def test_bad_durations_are_refused(duration):
+    with pytest.raises(ValueError, match=f"duration must be positive and finite, got {duration!r} s"):
+        CrawlerModel(Case.translation()).simulate(duration)
+
+
+def test_a_step_that_fails_stops_the_run_and_keeps_what_there_is():
+    case = Case.translation()
+    # two iterations that may not cut the step: enough while the track creeps, not when it slips
+    impatient = case.with_(solver=case.solver.with_(maximum_iterations=2, minimum_step=1.5e-3))
+    with pytest.raises(
+        SimulationStopped, match=r"stopped at t = .* s: Newton's method failed at the least step"
+    ) as stop:
+        CrawlerModel(impatient).simulate(3.0)
+    kept = stop.value.history
+    assert 0.0 <= stop.value.time < 3.0
+    assert kept.duration == pytest.approx(stop.value.time, abs=1e-12)
+    assert str(impatient.solver.minimum_step) in str(stop.value)
+    assert np.isfinite(kept.position.values).all()
+
+
+def test_an_interrupt_keeps_the_history(monkeypatch):
+    def interrupted(_recorder, time):
+        store(_recorder, time)
+        if time > 0.02:
+            raise KeyboardInterrupt
+
+    from exudyn_crawler.run.simulation import _Recorder
+
+    store = _Recorder.store
+    monkeypatch.setattr(_Recorder, "store", interrupted)
+    with pytest.raises(SimulationStopped, match="interrupted") as stop:
+        CrawlerModel(Case.translation()).simulate(0.1)
+    assert 0.02 < stop.value.time < 0.03
+    assert stop.value.history.duration == pytest.approx(stop.value.time, abs=1e-12)
+
+
+def test_progress_is_quiet_off_a_terminal(capfd):
+    CrawlerModel(Case.translation()).simulate(0.01)
+    captured = capfd.readouterr()
+    assert captured.out + captured.err == ""
+
+
+def test_progress_shows_time_and_speed_when_asked(capfd):
+    CrawlerModel(Case.translation()).simulate(0.01, progress=True)
+    shown = capfd.readouterr().err
+    for words in ("translation", "0.01 of 0.01 s", "s wall per s"):
+        assert words in shown

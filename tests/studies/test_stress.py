@@ -1,0 +1,185 @@
+"""The stress study on a short propel: frequencies, peaks, files, comparison, refusals."""
+
+import meshio
+import numpy as np
+import pandas as pd
+import pytest
+
+from exudyn_crawler import Case, StepProfile
+from exudyn_crawler.case import Drive
+from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.results.history import History
+from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+from exudyn_crawler.results.stresses import recover_stresses
+from fem import write_mesh
+from meshes import shoe_mesh
+from studies.stress import run_stress, write_stresses
+from studies.stress_comparison import compare_stresses, flexible_quantity, in_phase, stress_summary
+
+PULL = Drive(speed=StepProfile(times=(0.0, 0.5, 0.7), values=(0.0, 0.1, 0.1)))
+"""Soon at full speed, so that a short run has the papers' pull."""
+DURATION = 0.7
+
+
+def short_case():
+    """Two flexible shoes, pulled for 0.6 s and let go."""
+    case = Case.stress("coarse")
+    return case.with_(
+        drive=PULL,
+        flexible=case.flexible.with_(shoes=(7, 13)),
+        loads=case.loads.with_(drive_on=((0.0, 0.6),)),
+    )
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    out = tmp_path_factory.mktemp("stress")
+    return out, *run_stress(short_case(), DURATION, out, progress=False)
+
+
+def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
+    _, history, _, _ = study
+    results = recover_stresses(history, (0.2, 0.5))
+    assert results.dataset.frame.values == pytest.approx([0.2, 0.5], abs=1e-9)
+    write_stresses(history, results, tmp_path, outputs=Outputs(tables=False, figures=False))
+    assert {path.name for path in tmp_path.iterdir()} == {"stress.nc"}
+    write_stresses(history, results, tmp_path, True, Outputs(tables=False, figure_format="svg"))
+    names = {path.name for path in tmp_path.iterdir()}
+    assert not [name for name in names if name.endswith(".csv")]
+    assert {name for name in names if name.endswith(".png")} == {
+        "stress_000.2000s.png",
+        "stress_000.5000s.png",
+    }
+    assert [name for name in names if name.startswith("flexible_")]
+    assert all(name.endswith(".svg") for name in names if name.startswith("flexible_"))
+
+
+def test_modal_frequencies_of_the_shoe_are_the_papers(study):
+    """First bending mode 178.07 Hz (S-paper fig. 9); all of 94 modes are elastic."""
+    frequencies = study[2].whole.frequencies
+    assert len(frequencies) == 94
+    assert frequencies[0] == pytest.approx(178.07, rel=0.01)
+    assert (np.diff(frequencies) > 0.0).all()
+
+
+def test_peak_stress_is_what_the_pull_does_at_the_rear_lugs(study):
+    """Shoe 13 pulls the whole track; the numbers are this model's on the coarse mesh, MPa."""
+    _, history, results, _ = study
+    peak = {shoe: table["value"].iloc[0] / 1e6 for shoe, table in results.hot_spots.items()}
+    assert peak[13] == pytest.approx(96.9, rel=0.05)
+    assert peak[7] == pytest.approx(34.0, rel=0.05)
+    pull = float(history.joint_force.sel(joint=12, axis="x").max())
+    assert pull > 0.25 * 12 * 432.3e3  # friction of the twelve shoes behind
+    spot = results.hot_spots[13].iloc[0]
+    rear_pin = (
+        history.case.track.joint_centers["rear right"][0] + history.case.track.com_positions(0.2025)[12, 0]
+    )
+    assert abs(spot["x"] - rear_pin) < 0.25
+    lugs = np.array([8.68, 10.03])
+    assert np.abs(lugs - spot["y"]).min() < 0.25
+
+
+def test_fields_agree_with_the_modal_history(study):
+    _, history, results, _ = study
+    basis = stress_basis(history)
+    q = whole_coordinates(history, basis, 13)
+    data = results.dataset.sel(shoe=13)
+    instant = int(data.highest_von_mises.values.argmax())
+    field = basis.whole.von_mises(q[instant])[0]
+    assert float(data.highest_von_mises[instant]) == pytest.approx(field.max(), rel=1e-9)
+    assert int(data.highest_node[instant]) == int(field.argmax())
+    assert float(data.peak_von_mises.max()) == pytest.approx(field.max(), rel=1e-9)
+    assert float(data.peak_time[field.argmax()]) == pytest.approx(float(data.time[instant]))
+    assert (data.least_von_mises <= data.peak_von_mises).all()
+    first = data.isel(frame=0)
+    assert first.frame_von_mises.values == pytest.approx(basis.whole.von_mises(q[0])[0], rel=1e-5)
+    assert first.frame_displacement.values == pytest.approx(
+        basis.whole.displacement(q[0])[0], abs=1e-5 * np.abs(first.frame_displacement).max().item()
+    )
+
+
+def test_everything_is_written_and_read_back(study):
+    out, history, results, table = study
+    names = {path.name for path in out.iterdir()}
+    assert {"history.nc", "stress.nc", "comparison.csv", "loads.csv", "highest_stresses.csv"} <= names
+    assert {"hot_spots_shoe_7.csv", "hot_spots_shoe_13.csv", "flexible_highest_von_Mises_stress.png"} <= names
+    assert "checkpoints" not in names
+    fields = meshio.read(out / "fields_shoe_13.vtu").point_data
+    assert fields["greatest von Mises"] == pytest.approx(results.dataset.peak_von_mises.sel(shoe=13).values)
+    assert (fields["range of von Mises"] >= 0.0).all()
+    assert fields["time of the greatest"].max() <= DURATION + 1e-9
+    again = History.load(out / "history.nc")
+    assert again.case == history.case
+    assert recover_stresses(again).dataset.identical(results.dataset)
+    assert len(pd.read_csv(out / "comparison.csv")) == len(table)
+
+
+def test_every_row_of_the_paper_is_compared_or_out_of_reach(study):
+    _, history, results, table = study
+    assert len(table) == 38
+    reached = table[table["computed"].notna()]
+    assert {"propel", "loading", "modal", "hot spots"} == set(reached["case"])
+    assert set(table["case"]) == set(reached["case"])
+    alone = compare_stresses(history, results)
+    assert alone.equals(table)
+
+
+def test_phases_end_where_the_drive_goes_off(study):
+    history = study[1]
+    speed = flexible_quantity(history, "flexible shoe x velocity")
+    assert float(in_phase(speed, history, "propel").time[-1]) == pytest.approx(0.6)
+    assert float(in_phase(speed, history, "loading").time[0]) > 0.6
+    with pytest.raises(ValueError, match="phase must be"):
+        in_phase(speed, history, "rest")
+    with pytest.raises(ValueError, match="names no quantity"):
+        flexible_quantity(history, "flexible shoe x mood")
+    summary = stress_summary(history, study[2])
+    assert list(summary["shoe"]) == [7, 13]
+    assert (summary["propel"] > 0.0).all()
+
+
+def test_results_are_not_overwritten_unasked(study):
+    with pytest.raises(FileExistsError, match="holds results already"):
+        run_stress(short_case(), DURATION, study[0], progress=False)
+
+
+def test_a_track_of_rigid_shoes_is_refused():
+    with pytest.raises(ValueError, match="needs flexible shoes"):
+        run_stress(Case.translation())
+
+
+def test_a_mesh_that_does_not_meet_the_pins_is_refused_before_the_run(tmp_path):
+    mesh = shoe_mesh("coarse")
+    moved = type(mesh)(mesh.nodes + np.array([0.02, 0.0, 0.0]), mesh.elements, mesh.surfaces)
+    path = tmp_path / "moved.msh"
+    write_mesh(path, moved)
+    case = short_case()
+    case = case.with_(flexible=case.flexible.with_(mesh=str(path)))
+    with pytest.raises(ValueError, match=r"must meet the track's pins within 0.001 m"):
+        run_stress(case, 0.1, tmp_path / "out")
+
+
+def test_a_mesh_without_bores_is_refused(tmp_path):
+    mesh = shoe_mesh("coarse")
+    kept = {name: faces for name, faces in mesh.surfaces.items() if name != "bore rear left"}
+    path = tmp_path / "fewer.msh"
+    write_mesh(path, type(mesh)(mesh.nodes, mesh.elements, kept))
+    case = short_case()
+    with pytest.raises(ValueError, match="must have the surface 'bore rear left'"):
+        run_stress(case.with_(flexible=case.flexible.with_(mesh=str(path))), 0.1)
+
+
+def test_quiet_steps_lose_nothing_of_slow_loading():
+    """Dig to swing in the paper's time, without the drive: 10 ms steps against 2 ms."""
+    case = Case.stress("coarse")
+    dig, swing = case.loads.phases[1:3]
+    phases = (dig.with_(end=0.0), swing.with_(end=swing.end - dig.end))
+    case = case.with_(
+        loads=case.loads.with_(phases=phases, drive_on=()), flexible=case.flexible.with_(shoes=(7,))
+    )
+    slow = case.with_(solver=case.solver.with_(quiet_step=case.solver.step))
+    peaks = []
+    for one in (case, slow):
+        result = run_stress(one, 2.0, progress=False)[1].dataset.highest_von_mises
+        peaks.append(float(result.sel(shoe=7)[-1]))
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)

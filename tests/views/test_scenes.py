@@ -1,0 +1,138 @@
+"""Drawing of surfaces by both backends, and what an arrow or a view means."""
+
+import io
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from exudyn_crawler.views import scenes
+from exudyn_crawler.views.placement import drawn_scale, round_down, round_up
+from exudyn_crawler.views.scenes import Scene, View, draw_scene, opengl_works
+
+NO_ARROWS = np.zeros((0, 2, 3))
+ABOVE = View.seen_from(azimuth=-90.0, elevation=90.0)
+"""x to the right, y up."""
+WEDGE = Scene(
+    points=np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.6]], dtype=float),
+    triangles=np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]),
+    values=np.zeros(4),
+    arrows=NO_ARROWS,
+)
+
+needs_opengl = pytest.mark.skipif(not opengl_works(), reason="this machine has no OpenGL or EGL")
+backends = pytest.mark.parametrize("backend", [pytest.param("opengl", marks=needs_opengl), "plain"])
+
+
+def picture(scene, view, backend, window=(-1.0, 1.0, -1.0, 1.0)):
+    """Red, green and blue of a picture of 200 x 200 pixels, the top row first."""
+    figure = Figure(figsize=(2.0, 2.0), dpi=100)
+    ax = figure.add_axes((0, 0, 1, 1))
+    ax.set_axis_off()
+    draw_scene(ax, scene, view, window, (0.0, 1.0), backend, dpi=100)
+    memory = io.BytesIO()
+    figure.savefig(memory, format="png", dpi=100)
+    return np.asarray(Image.open(memory).convert("RGB")).astype(float)
+
+
+def at(image, x, y):
+    """Colour at a place of the window -1..1."""
+    return image[round(99.5 - 100 * y), round(99.5 + 100 * x)]
+
+
+def square(z, value, half=0.5):
+    corners = np.array([[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]])
+    return Scene(corners, np.array([[0, 1, 2], [0, 2, 3]]), np.full(4, value), NO_ARROWS)
+
+
+def test_a_view_has_the_axes_of_the_one_who_looks():
+    assert np.array([ABOVE.right, ABOVE.up, ABOVE.toward]) == pytest.approx(np.eye(3))
+    behind = View.seen_from(azimuth=180.0, elevation=0.0)
+    # from behind the track, which runs along x, y = left is at the left
+    axes = np.array([behind.right, behind.up, behind.toward])
+    assert axes == pytest.approx(np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]))
+    slanted = View.seen_from(azimuth=25.0, elevation=-30.0)
+    frame = np.array([slanted.right, slanted.up, slanted.toward])
+    assert frame @ frame.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert slanted.toward[2] == pytest.approx(-0.5)
+
+
+@backends
+def test_a_solid_covers_what_its_projection_covers(backend):
+    view = View.seen_from(azimuth=20.0, elevation=35.0)
+    image = picture(WEDGE, view, backend)
+    covered = image.min(axis=2) < 250.0
+    y, x = np.mgrid[0.995:-1.0:-0.01, -0.995:1.0:0.01]
+    expected = np.zeros_like(covered)
+    for corners in view.project(WEDGE.points)[WEDGE.triangles, :2]:
+        inside = [
+            (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
+            for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)
+        ]
+        expected |= np.all(np.array(inside) > 0.0, axis=0)
+    assert expected.mean() > 0.1
+    # edges are one pixel wide
+    assert (covered != expected).mean() < 0.015
+
+
+@backends
+def test_the_nearer_surface_hides_the_other(backend):
+    pale, dark = (at(picture(square(0.0, value), ABOVE, backend), 0.0, 0.0) for value in (0.0, 1.0))
+    near, far = square(0.2, 1.0, half=0.3), square(-0.2, 0.0)
+    for order in ([near, far], [far, near]):
+        image = picture(Scene.joined(order), ABOVE, backend)
+        assert at(image, 0.0, 0.0) == pytest.approx(dark, abs=6)
+        assert at(image, 0.4, 0.0) == pytest.approx(pale, abs=6)
+    assert dark[1] < 0.3 * pale[1]
+
+
+@needs_opengl
+def test_both_backends_give_one_colour_to_one_stress():
+    for value in (0.0, 0.4, 1.0):
+        one, other = (at(picture(square(0.0, value), ABOVE, b), 0.2, 0.1) for b in ("opengl", "plain"))
+        assert one == pytest.approx(other, abs=12)
+
+
+@backends
+def test_arrows_point_from_tail_to_head(backend):
+    arrow = np.array([[[-0.8, -0.8, 0.1], [-0.8, 0.6, 0.1]]])
+    scene = Scene(square(0.0, 0.0, 0.2).points, square(0.0, 0.0).triangles, np.zeros(4), arrow)
+    image = picture(scene, ABOVE, backend)
+    blue = image[:, :, 2] - image[:, :, 0] > 60.0
+    rows, columns = np.nonzero(blue)
+    assert 0.99 - rows.min() / 100 == pytest.approx(0.6, abs=0.03)
+    assert 0.99 - rows.max() / 100 == pytest.approx(-0.8, abs=0.03)
+    assert columns.mean() / 100 - 0.995 == pytest.approx(-0.8, abs=0.02)
+    # the head is broad, the tail is not
+    widths = blue.sum(axis=1)[rows.min() : rows.max()]
+    assert widths[:12].max() > widths[-60:].max()
+
+
+def test_a_point_behind_something_is_not_shown():
+    scene = Scene.joined([square(0.2, 0.0, half=0.3), square(-0.2, 0.0)])
+    centre = Scene(
+        np.vstack((scene.points, [[0.1, 0.05, -0.2], [0.0, 0.1, -0.2], [0.45, 0.0, -0.2]])),
+        np.vstack((scene.triangles, [[8, 9, 10]])),
+        np.zeros(11),
+        NO_ARROWS,
+    )
+    assert not centre.shows(8, ABOVE)
+    assert centre.shows(10, ABOVE)
+    assert centre.shows(8, View.seen_from(azimuth=-90.0, elevation=-90.0))
+
+
+def test_a_machine_whose_opengl_ends_the_process_gets_the_plain_backend(monkeypatch):
+    monkeypatch.setattr(scenes, "TRIAL", "import os; os.abort()")
+    opengl_works.cache_clear()
+    try:
+        assert scenes.usual_backend() == "plain"
+    finally:
+        opengl_works.cache_clear()
+
+
+def test_scales_are_round_and_fit():
+    assert [round_down(value) for value in (0.0199, 2.0, 4.99, 731.0)] == pytest.approx([0.01, 2, 2, 500])
+    assert [round_up(value) for value in (0.0201, 2.0, 172.1, 84.8)] == pytest.approx([0.03, 2, 200, 100])
+    assert drawn_scale([0.0, -0.003], 0.1) == pytest.approx(20.0)
+    assert drawn_scale([0.0], 0.1) == 1.0

@@ -1,0 +1,143 @@
+"""Stress pictures of a short run with two flexible shoes, and the same for ParaView."""
+
+from xml.etree import ElementTree
+
+import meshio
+import numpy as np
+import pytest
+from matplotlib.colorbar import Colorbar
+from PIL import Image
+
+from exudyn_crawler import Case
+from exudyn_crawler.views.paraview import write_paraview
+from exudyn_crawler.views.placement import Pose, instant, touching
+from exudyn_crawler.views.scenes import opengl_works
+from exudyn_crawler.views.stress_pictures import (
+    Scales,
+    picture_name,
+    picture_time,
+    shoe_scene,
+    stress_picture,
+    write_stress_pictures,
+)
+from exudyn_crawler.views.track_views import shoe_forces
+
+
+@pytest.fixture(scope="module")
+def run(flexible_run):
+    history, stress, _ = flexible_run
+    return history, stress
+
+
+@pytest.mark.parametrize(
+    "backend",
+    [
+        pytest.param(
+            "opengl",
+            marks=pytest.mark.skipif(not opengl_works(), reason="this machine has no OpenGL or EGL"),
+        ),
+        "plain",
+    ],
+)
+def test_every_chosen_time_gets_a_picture(run, backend, tmp_path):
+    history, stress = run
+    written = write_stress_pictures(stress, history, tmp_path, backend=backend)
+    assert [picture_time(path) for path in written] == pytest.approx(stress.frame.values)
+    assert written == sorted(tmp_path.iterdir())
+    images = [np.asarray(Image.open(path).convert("RGB")).astype(int) for path in written]
+    # red is where stress is, blue are the arrows; at t = 0 the shoes carry less than under way
+    red = [(image[..., 0] - image[..., 2] > 120).mean() for image in images]
+    blue = [(image[..., 2] - image[..., 0] > 100).mean() for image in images]
+    assert min(blue) > 2e-4
+    assert red[1] > 1.1 * red[0]
+    with pytest.raises(FileExistsError, match=picture_name(0.0)):
+        write_stress_pictures(stress, history, tmp_path, backend=backend)
+
+
+def test_all_pictures_share_one_scale_and_say_the_highest_stress(run):
+    history, stress = run
+    scales = Scales.of(stress, history)
+    surface = np.unique(stress.triangle.values)
+    greatest = float(stress.frame_von_mises.isel(node=surface).max())
+    assert greatest <= scales.stress < 1.6 * greatest
+    for frame in stress.frame.values:
+        figure = stress_picture(stress, history, float(frame), backend="plain")
+        texts = [text.get_text() for text in figure.texts]
+        for shoe in (7, 13):
+            highest = float(stress.frame_von_mises.sel(shoe=shoe, frame=frame).max()) / 1e6
+            place = texts.index(f"shoe {shoe}")
+            assert texts[place + 1] == f"{highest:.1f} MPa"
+        bars = [ax for ax in figure.axes if ax.get_ylabel() == "von Mises stress in MPa"]
+        assert [ax.get_ylim() for ax in bars] == [pytest.approx((0.0, scales.stress / 1e6))]
+        assert isinstance(bars[0]._colorbar, Colorbar)
+
+
+def test_a_shoe_is_bent_by_its_magnified_displacement_and_pressed_by_its_contacts(run):
+    history, stress = run
+    frame = float(stress.frame[-1])
+    now = instant(history, frame)
+    points, forces = touching(now, 13)
+    pose = Pose.of(now, 13)
+    scales = Scales.of(stress, history)
+    scene = shoe_scene(stress, frame, 13, scales, pose.inside(points), pose.components(forces))
+    used = np.unique(stress.triangle.values)
+    chosen = stress.sel(shoe=13, frame=frame).isel(node=used)
+    moved = scene.points - chosen.node_position.values
+    assert moved == pytest.approx(scales.displacement * chosen.frame_displacement.values, abs=1e-12)
+    assert scene.values == pytest.approx(chosen.frame_von_mises.values / 1e6)
+    assert np.linalg.norm(moved, axis=1).max() < 0.05
+    # arrows end at the underside and push the shoe up
+    assert scene.arrows[:, 1, 2] == pytest.approx(-history.case.shoe.com_height, abs=0.05)
+    pushes = (scene.arrows[:, 1] - scene.arrows[:, 0]) / scales.pair_force
+    total = pose.turn(pushes).sum(axis=0)
+    own = history.contact_shoe.values == 13
+    expected = (now.normal_force + now.friction_force).isel(contact=own).sum("contact").values
+    assert total == pytest.approx(expected, rel=1e-9)
+    assert shoe_forces(now)[1][12] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_time_that_was_not_chosen_is_refused(run):
+    history, stress = run
+    with pytest.raises(ValueError, match=r"chosen times \[0.0, 0.06.*\], got 0.03"):
+        stress_picture(stress, history, 0.03)
+
+
+def test_paraview_reads_the_track_back_in_place(run, tmp_path):
+    history, stress = run
+    series = ElementTree.parse(write_paraview(stress, history, tmp_path)).getroot()
+    entries = [entry.attrib for entry in series.iter("DataSet")]
+    times = sorted({float(entry["timestep"]) for entry in entries})
+    assert times == pytest.approx(stress.frame.values)
+    last = {e["name"]: tmp_path / e["file"] for e in entries if float(e["timestep"]) == times[-1]}
+    assert set(last) == {"shoe 7", "shoe 13", "rigid shoes", "terrain", "contacts"}
+
+    now = instant(history, times[-1])
+    shoe = meshio.read(last["shoe 13"])
+    assert [block.type for block in shoe.cells] == ["tetra10"]
+    chosen = stress.sel(shoe=13, frame=times[-1])
+    assert shoe.point_data["von mises"] == pytest.approx(chosen.frame_von_mises.values, rel=1e-6)
+    pose = Pose.of(now, 13)
+    assert pose.inside(shoe.points) == pytest.approx(stress.node_position.values, abs=1e-9)
+    bent = pose.components(shoe.point_data["displacement"])
+    assert bent == pytest.approx(chosen.frame_displacement.values, abs=1e-9)
+
+    terrain = meshio.read(last["terrain"])
+    assert terrain.cell_data["heave"][0] == pytest.approx(now.unit_heave.values)
+    first = terrain.points[terrain.cells[0].data[0]]
+    middle = history.case.terrain.centers[0] + [0.0, 0.0, float(now.unit_heave[0])]
+    assert first.mean(axis=0) == pytest.approx(middle)
+    assert len(meshio.read(last["rigid shoes"]).cells[0].data) == 11
+    contacts = meshio.read(last["contacts"])
+    total = (now.normal_force + now.friction_force).sum("contact").values
+    assert contacts.point_data["force"].sum(axis=0) == pytest.approx(total, rel=1e-6)
+    with pytest.raises(FileExistsError, match=r"track\.pvd exists"):
+        write_paraview(stress, history, tmp_path)
+
+
+def test_stresses_of_another_mesh_are_refused(run, tmp_path):
+    history, stress = run
+    with pytest.raises(ValueError, match="13772 nodes of the stresses are not the 13773"):
+        write_paraview(stress.isel(node=slice(1, None)), history, tmp_path)
+    rigid = type(history)(Case.translation(), history.dataset)
+    with pytest.raises(ValueError, match="no flexible shoes"):
+        write_paraview(stress, rigid, tmp_path)
