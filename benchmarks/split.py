@@ -1,12 +1,5 @@
-"""Where the wall time of a run goes, by Exudyn's own clocks.
+"""Where the wall time of a run goes, by Exudyn's own clocks."""
 
-Run as ``python -m benchmarks.split CASE DURATION`` with ``EXUDYN_CRAWLER_CHECKED=1``.
-"""
-
-import json
-import os
-import subprocess
-import sys
 import time as clock
 
 import pandas as pd
@@ -20,10 +13,7 @@ CASES = {"translation": Case.translation, "stress": Case.stress}
 
 
 def split(case: Case, duration: float) -> dict[str, float]:
-    """Wall seconds of each part of one run, by Exudyn's own clocks where it has them.
-
-    Only the build with range checks keeps these clocks; it is a little slower.
-    """
+    """Wall seconds of each part of one run, by Exudyn's own clocks where it has them."""
     # the clocks count a stage, so that the run is to have one only
     case = case.with_(solver=case.solver.with_(checkpoint_interval=duration))
     system = build(case)
@@ -69,21 +59,10 @@ def split(case: Case, duration: float) -> dict[str, float]:
 
 
 def print_split(case: str, duration: float) -> None:
-    """Print the split of a run, made in a process of its own since the build is chosen on import."""
-    output = subprocess.run(
-        [sys.executable, "-m", "benchmarks.split", case, str(duration)],
-        env={**os.environ, "EXUDYN_CRAWLER_CHECKED": "1"},
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout
-    parts = json.loads(output.splitlines()[-1])
+    """Print the split of a run."""
+    parts = split(CASES[case](), duration)
     counts = {name: int(parts.pop(name)) for name in ("steps", "iterations", "Jacobians")}
     total = parts["total"]
     rows = [(k, v / duration, 1e3 * v / counts["steps"], f"{v / total:.0%}") for k, v in parts.items()]
     table = pd.DataFrame(rows, columns=["part", "wall s per simulated s", "ms per step", "share"])
-    print_table(table, f"Split of {duration:g} s of {case}, checked build: {counts}")
-
-
-if __name__ == "__main__":
-    print(json.dumps(split(CASES[sys.argv[1]](), float(sys.argv[2]))))
+    print_table(table, f"Split of {duration:g} s of {case}: {counts}")

@@ -7,13 +7,13 @@ follow by hand (Newton and Euler) and, independently, from the assembled multibo
 
 from dataclasses import dataclass
 
-import exudyn as exu
-import exudyn.itemInterface as items
 import numpy as np
 import pandas as pd
 
 from exudyn_crawler.case import ContactLaw, Shoe, Terrain
-from exudyn_crawler.ground.assembly import ConstrainedCoordinates, TrackContact
+from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
+from exudyn_crawler.ground.pair_contact import TrackContact
+from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.system import add_contact
 from studies.comparison import comparison_table
 from studies.reported import reported_values

@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import exudyn as exu
-import exudyn.itemInterface as items
 import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.flexible_shoes import NODES_A_JOINT, FloatingShoe
 
 

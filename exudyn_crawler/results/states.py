@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case.track import SIDES
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
-from exudyn_crawler.model.general_contact import SphereContact
+from exudyn_crawler.ground.sphere_contact import SphereContact
 from exudyn_crawler.model.system import System
 from exudyn_crawler.results.history import History
 

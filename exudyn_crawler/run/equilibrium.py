@@ -1,13 +1,13 @@
 """Static equilibrium of track and terrain before t = 0."""
 
-import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.ground.assembly import ConstrainedCoordinates
-from exudyn_crawler.model.general_contact import SphereContact
+from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
+from exudyn_crawler.ground.sphere_contact import SphereContact
+from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.system import System, build
 
 RESIDUAL = 1e-3

@@ -4,12 +4,12 @@ import math
 from collections.abc import Callable
 from itertools import pairwise
 
-import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, Solver
 from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.system import System, build
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.states import history_of

@@ -3,10 +3,10 @@
 import json
 
 import numpy as np
-from calculix_reference import REFERENCE, pull_forces
 
 import fem
 from fem.stress import von_mises
+from tests.fem.calculix_reference import REFERENCE, pull_forces
 
 
 def test_first_twenty_elastic_frequencies(shoe: fem.ElasticBody) -> None:

@@ -10,8 +10,8 @@ from pydantic import ValidationError
 from exudyn_crawler import Case, CrawlerModel, History
 from exudyn_crawler.case import FlexibleShoes, GeneralContact, LoadCycle, Phase, Terrain
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
+from exudyn_crawler.ground.sphere_contact import SphereContact, seam, sphere_places
 from exudyn_crawler.ground.spheres import COLUMN
-from exudyn_crawler.model.general_contact import SphereContact, seam, sphere_places
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.balance import powers, shoe_imbalance, track_imbalance
 from exudyn_crawler.results.contacts import contacts_by_shoe

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from exudyn_crawler import Case, CrawlerModel, History
 from exudyn_crawler.case import Terrain
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.model.general_contact import SphereContact
+from exudyn_crawler.ground.sphere_contact import SphereContact
 from exudyn_crawler.results.balance import shoe_imbalance
 from exudyn_crawler.views.ground_figures import draw_side_view
 from studies.comparison import time_mean

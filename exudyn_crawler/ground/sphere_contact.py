@@ -1,31 +1,15 @@
-"""Second contact model: Exudyn's `GeneralContact` of spheres under the shoes with the units' top faces.
-
-The engine makes the forces of a run. `SphereContact` repeats its law in compiled functions for what the
-engine leaves open: the derivatives (its own lack the moment of the normal force on the units and take
-another lever on the spheres, too coarse for Newton's method here), the static equilibrium, and the results
-of every pair.
-"""
+"""Sphere contact of the whole track as functions of the generalized coordinates, by the engine's law."""
 
 import math
-from collections.abc import Sequence
 
-import exudyn as exu
-import exudyn.itemInterface as items
 import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground.assembly import ConstrainedCoordinates
+from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import angular_velocity, rotation_matrices
 from exudyn_crawler.ground.spheres import COLUMN, COLUMNS, sphere_contacts, sphere_derivatives, sphere_forces
-from exudyn_crawler.model.shoes import ShoeBody
-
-CELL = 1.0
-"""m, least side of the cells of the engine's search tree."""
-
-NO_FRICTION = 1e-12
-"""In place of zero: without friction the engine leaves out the normal forces' moment on the units."""
 
 
 def sphere_places(case: Case) -> NDArray:
@@ -53,53 +37,6 @@ def seam(case: Case) -> tuple[float, float]:
     inset = math.sqrt(slant**2 - height**2)
     terrain = case.terrain
     return (inset if terrain.columns > 1 else 0.0), (inset if terrain.rows > 1 else 0.0)
-
-
-def add_general_contact(
-    mbs: "exu.MainSystem", case: Case, shoes: Sequence[ShoeBody], unit_nodes: Sequence[int]
-) -> "exu.GeneralContact":
-    """Spheres on the shoes and triangles on the units' top faces, in the engine's own contact."""
-    spheres, terrain = case.general_contact, case.terrain
-    contact = mbs.AddGeneralContact()
-    contact.frictionProportionalZone = spheres.friction_speed
-    contact.SetFrictionPairings(np.array([[max(spheres.friction, NO_FRICTION)]]))
-    contact.computeContactForces = True
-    # spheres do not touch each other; this also takes the engine's derivatives of spheres on triangles away
-    contact.sphereSphereContact = False
-    # otherwise an edge pushes with half the force, as if two triangles shared it
-    contact.excludeDuplicatedTrigSphereContactPoints = True
-    (x0, x1), (y0, y1) = terrain.bounds
-    tops = terrain.top_heights
-    contact.SetSearchTreeCellSize(
-        [max(1, math.ceil((x1 - x0) / CELL)), max(1, math.ceil((y1 - y0) / CELL)), 1]
-    )
-    contact.SetSearchTreeBox([x0, y0, tops.min() - 1.0], [x1, y1, tops.max() + 1.0])
-    places = sphere_places(case)
-    # the stiffnesses of both partners act in series, their dampings add
-    stiffness = 2.0 * case.sphere_stiffness
-    damping = 0.5 * spheres.damping / len(places)
-    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width]) - seam(case)
-    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
-    for node, top in zip(unit_nodes, tops, strict=True):
-        contact.AddTrianglesRigidBodyBased(
-            rigidBodyMarkerIndex=mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node)),
-            contactStiffness=stiffness,
-            contactDamping=damping,
-            frictionMaterialIndex=0,
-            pointList=np.column_stack((corners, np.full(4, 0.5 * terrain.unit_height + top))).tolist(),
-            triangleList=[[0, 1, 2], [0, 2, 3]],
-        )
-    for shoe in shoes:
-        for place in places:
-            marker = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=shoe.body, localPosition=place.tolist()))
-            contact.AddSphereWithMarker(
-                markerIndex=marker,
-                radius=spheres.radius,
-                contactStiffness=stiffness,
-                contactDamping=damping,
-                frictionMaterialIndex=0,
-            )
-    return contact
 
 
 class SphereContact:

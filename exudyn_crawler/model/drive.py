@@ -1,0 +1,59 @@
+"""Drive of the front shoe, and what holds it at rest."""
+
+import numpy as np
+
+from exudyn_crawler.case import Drive
+from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.items import at_time, coordinate_marker
+
+
+def add_drive(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> int:
+    """Prescribed travel of the front shoe's COM along x, as a constraint."""
+    distance = at_time(drive.speed.integral)
+    speed = at_time(drive.speed.value)
+
+    def travel(_mbs, t, _item, _offset):
+        return distance(t)
+
+    def rate(_mbs, t, _item, _offset):
+        return speed(t)
+
+    return mbs.AddObject(
+        items.ObjectConnectorCoordinate(
+            name="drive",
+            markerNumbers=[fixed, coordinate_marker(mbs, node, 0)],
+            offset=1.0,  # Exudyn calls the offset functions only where the offset is not zero
+            offsetUserFunction=travel,
+            offsetUserFunction_t=rate,
+            # on velocity level a halved step leaves no error in the acceleration
+            velocityLevel=True,
+        )
+    )
+
+
+def add_turn(mbs: "exu.MainSystem", drive: Drive, node: int) -> int:
+    """Prescribed angular velocity of the front shoe about its own z axis: a non-holonomic constraint.
+
+    With the angles (a, b, c) about x, y, z it reads ``a' sin b + c' = rate(t)``.
+    """
+    assert drive.turn_rate is not None
+    rate = at_time(drive.turn_rate.value)
+    empty = mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=mbs.AddNode(items.NodePointGround())))
+    marker = mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=node))
+
+    def residual(_mbs, t, _item, q, q_t, _velocity_level):
+        return [np.sin(q[4]) * q_t[3] + q_t[5] - rate(t)]
+
+    def jacobian(_mbs, _t, _item, q, _q_t, _velocity_level):
+        return np.array([[0.0, 0.0, 0.0, np.sin(q[4]), 0.0, 1.0]])
+
+    return mbs.AddObject(
+        items.ObjectConnectorCoordinateVector(
+            name="turn",
+            markerNumbers=[empty, marker],
+            scalingMarker1=np.zeros((1, 6)),
+            constraintUserFunction=residual,
+            jacobianUserFunction=jacobian,
+            velocityLevel=True,
+        )
+    )
