@@ -5,7 +5,7 @@ Prints the table that `docs/validation.md` keeps: python -m benchmarks.convergen
 
 import pandas as pd
 
-from exudyn_crawler import Case, CrawlerModel
+from exudyn_crawler import Case, simulate
 from exudyn_crawler.views.tables import print_table
 from studies.comparison import compare_kinematics
 from studies.force_comparison import compare_forces
@@ -25,7 +25,7 @@ def statics(solver: dict[str, float]) -> pd.DataFrame:
     """Statics rows of a translation run with changed solver settings."""
     case = Case.translation()
     changed = case.with_(solver=case.solver.with_(**solver))
-    histories = {"translation": CrawlerModel(changed).simulate(DURATION)}
+    histories = {"translation": simulate(changed, DURATION)}
     table = pd.concat([compare_kinematics(histories), compare_forces(histories)])
     return table[(table["class"] == "statics") & (table["case"] == "translation")]
 

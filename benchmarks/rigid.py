@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.split import print_split
-from exudyn_crawler import Case, CrawlerModel, History
+from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.views.tables import print_table
 from studies.comparison import time_mean
 
@@ -21,7 +21,7 @@ FRONT_JOINT = 12
 def run(duration: float, **solver: float) -> History:
     """Translation case with changed solver settings."""
     case = Case.translation()
-    return CrawlerModel(case.with_(solver=case.solver.with_(**solver))).simulate(duration, False)
+    return simulate(case.with_(solver=case.solver.with_(**solver)), duration, False)
 
 
 def timed_runs() -> tuple[list[float], History]:
@@ -47,7 +47,7 @@ def cost_of_output() -> float:
         seconds = []
         for solver in (case.solver, quiet):
             start = clock.perf_counter()
-            CrawlerModel(case.with_(solver=solver)).simulate(DURATION, False)
+            simulate(case.with_(solver=solver), DURATION, False)
             seconds.append(clock.perf_counter() - start)
         ratios.append(seconds[0] / seconds[1])
     return statistics.median(ratios)
@@ -55,12 +55,12 @@ def cost_of_output() -> float:
 
 def general_contact_seconds() -> list[float]:
     """Wall seconds of each run with the second contact model, after one that compiles."""
-    model = CrawlerModel(Case.translation(contact="general"))
-    model.simulate(0.1, False)
+    case = Case.translation(contact="general")
+    simulate(case, 0.1, False)
     seconds = []
     for _ in range(RUNS):
         start = clock.perf_counter()
-        model.simulate(DURATION, False)
+        simulate(case, DURATION, False)
         seconds.append(clock.perf_counter() - start)
     return seconds
 

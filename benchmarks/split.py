@@ -4,8 +4,9 @@ import time as clock
 
 import pandas as pd
 
-from exudyn_crawler import Case, CrawlerModel
+from exudyn_crawler import Case
 from exudyn_crawler.model.system import build
+from exudyn_crawler.run.equilibrium import static_equilibrium
 from exudyn_crawler.run.simulation import integrate, solver_settings
 from exudyn_crawler.views.tables import print_table
 
@@ -17,7 +18,7 @@ def split(case: Case, duration: float) -> dict[str, float]:
     # the clocks count a stage, so that the run is to have one only
     case = case.with_(solver=case.solver.with_(checkpoint_interval=duration))
     system = build(case)
-    system.set_initial(CrawlerModel(case).equilibrium())
+    system.set_initial(static_equilibrium(case))
     contact = system.contact
     spent = {"contact forces": 0.0, "contact derivatives": 0.0}
 

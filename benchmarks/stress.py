@@ -12,13 +12,14 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.split import print_split
-from exudyn_crawler import Case, CrawlerModel, LoadCycle
+from exudyn_crawler import Case, LoadCycle, simulate
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
 from exudyn_crawler.results.states import history_of
 from exudyn_crawler.results.stresses import recover_stresses
 from exudyn_crawler.run.checkpoints import Checkpoints
+from exudyn_crawler.run.equilibrium import static_equilibrium
 from exudyn_crawler.run.simulation import integrate_from
 from exudyn_crawler.views.stress_figures import stress_figures
 from exudyn_crawler.views.tables import print_table
@@ -68,7 +69,7 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
     """State row of a case at a time, and the history of this one instant."""
     with tempfile.TemporaryDirectory() as folder:
         kept = Checkpoints(Path(folder))
-        CrawlerModel(case).simulate(time + case.solver.step, False, kept)
+        simulate(case, time + case.solver.step, False, kept)
         state = kept.load(case)[-1].state
     return state, history_of(build(case), state[None])
 
@@ -110,10 +111,9 @@ def study(duration: float = 40.0, mesh: str = "study") -> pd.DataFrame:
         spent[name] = now - begun
         begun = now
 
-    model = CrawlerModel(case)
-    model.equilibrium()
+    static_equilibrium(case)
     lap("reduction and equilibrium")
-    history = model.simulate(duration, False)
+    history = simulate(case, duration, False)
     lap("run")
     results = recover_stresses(history)
     lap("recovery")

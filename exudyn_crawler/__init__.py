@@ -1,7 +1,7 @@
 """Simulator of the crawler tracks of mining shovels on oil sand.
 
->>> from exudyn_crawler import Case, CrawlerModel
->>> history = CrawlerModel(Case.translation()).simulate(duration=0.01)
+>>> from exudyn_crawler import Case, simulate
+>>> history = simulate(Case.translation(), duration=0.01)
 >>> history.position.sel(shoe=13, axis="x").shape
 (6,)
 """
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     )
     from exudyn_crawler.errors import CrawlerError, EquilibriumError, SimulationStopped
     from exudyn_crawler.results.history import History
-    from exudyn_crawler.run.simulation import CrawlerModel
+    from exudyn_crawler.run.simulation import simulate
 
 _HOMES = {
     "CrawlerError": "errors",
-    "CrawlerModel": "run.simulation",
     "EquilibriumError": "errors",
     "History": "results.history",
     "SimulationStopped": "errors",
+    "simulate": "run.simulation",
 }
 """Modules of the names that are not parameters."""
 
@@ -40,7 +40,6 @@ __all__ = [
     "Case",
     "ContactLaw",
     "CrawlerError",
-    "CrawlerModel",
     "Drive",
     "EquilibriumError",
     "FlexibleShoes",
@@ -53,6 +52,7 @@ __all__ = [
     "StepProfile",
     "Terrain",
     "Track",
+    "simulate",
 ]
 
 

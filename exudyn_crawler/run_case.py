@@ -10,7 +10,7 @@ from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.stresses import PICTURE_TIMES, recover_stresses
 from exudyn_crawler.run.folder import kept_run
-from exudyn_crawler.run.simulation import CrawlerModel
+from exudyn_crawler.run.simulation import simulate
 from exudyn_crawler.runs import (
     HISTORY,
     STOPPED_HISTORY,
@@ -75,7 +75,7 @@ def run_case(
         else:
             with keeper.timed("simulate"):
                 try:
-                    history = CrawlerModel(case).simulate(duration, progress, checkpoints)
+                    history = simulate(case, duration, progress, checkpoints)
                 except SimulationStopped as stop:
                     keep_history(stop.history, out / STOPPED_HISTORY, overwrite=True)
                     raise

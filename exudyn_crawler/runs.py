@@ -10,7 +10,7 @@ from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.folder import Keeper
-from exudyn_crawler.run.simulation import CrawlerModel
+from exudyn_crawler.run.simulation import simulate
 
 STOPPED_HISTORY = "history_stopped.nc"
 """History of a run that stopped early."""
@@ -54,7 +54,7 @@ def saved_run(
         If it cannot be saved in `out`, with the place where it is.
     """
     try:
-        history = CrawlerModel(case).simulate(duration, progress)
+        history = simulate(case, duration, progress)
     except SimulationStopped as stop:
         if out is not None:
             keep_history(stop.history, history_file(out, f"{case.name}_stopped"), overwrite)

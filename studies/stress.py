@@ -15,7 +15,7 @@ from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.stresses import StressResults, recover_stresses
 from exudyn_crawler.run.folder import kept_run
-from exudyn_crawler.run.simulation import CrawlerModel
+from exudyn_crawler.run.simulation import simulate
 from exudyn_crawler.runs import HISTORY, STOPPED_HISTORY, keep_history, kept_checkpoints
 from exudyn_crawler.views.curves import save_figure
 from exudyn_crawler.views.paraview import write_paraview
@@ -77,7 +77,7 @@ def run_stress(
         checkpoints = None if out is None else kept_checkpoints(out, case, overwrite, keeper)
         with keeper.timed("simulate"):
             try:
-                history = CrawlerModel(case).simulate(duration, progress, checkpoints)
+                history = simulate(case, duration, progress, checkpoints)
             except SimulationStopped as stop:
                 if out is not None:
                     keep_history(stop.history, out / STOPPED_HISTORY, overwrite=True)

@@ -91,7 +91,7 @@ def run_uneven_ground(
     FileExistsError, BlockingIOError
         Before anything runs, if results are there and `overwrite` is false, or another run works there.
     EquilibriumError, SimulationStopped
-        As of `CrawlerModel.simulate`.
+        As of `simulate`.
     """
     case = uneven_case(ground)
     with kept_run(out, {ground: CaseFile(case=case, duration=duration)}, overwrite) as keeper:

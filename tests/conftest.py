@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from hypothesis import settings
 
-from exudyn_crawler import Case, CrawlerModel, History
+from exudyn_crawler import Case, History, simulate
 from tests.stress_results import short_run, stress_results
 
 # the same examples in every run
@@ -15,23 +15,23 @@ settings.load_profile("reproducible")
 
 @pytest.fixture(scope="session")
 def translation() -> History:
-    return CrawlerModel(Case.translation()).simulate(0.4)
+    return simulate(Case.translation(), 0.4)
 
 
 @pytest.fixture(scope="session")
 def turning() -> History:
-    return CrawlerModel(Case.turning()).simulate(0.4)
+    return simulate(Case.turning(), 0.4)
 
 
 @pytest.fixture(scope="session")
 def constrained() -> History:
-    return CrawlerModel(Case.translation().with_(terrain_formulation="constrained")).simulate(0.1)
+    return simulate(Case.translation().with_(terrain_formulation="constrained"), 0.1)
 
 
 @pytest.fixture(scope="session")
 def longer() -> History:
     """Long enough to slip, stick and bounce."""
-    return CrawlerModel(Case.translation()).simulate(3.0)
+    return simulate(Case.translation(), 3.0)
 
 
 @pytest.fixture(scope="session")

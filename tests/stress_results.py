@@ -3,7 +3,7 @@
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler import Case, CrawlerModel, Drive, History, LoadCycle, StepProfile
+from exudyn_crawler import Case, Drive, History, LoadCycle, StepProfile, simulate
 from exudyn_crawler.results.stresses import recover_stresses
 
 
@@ -18,7 +18,7 @@ def short_run(
         loads=LoadCycle.propel(),
         flexible=case.flexible.with_(shoes=shoes),
     )
-    return CrawlerModel(case).simulate(duration)
+    return simulate(case, duration)
 
 
 def stress_results(history: History, frames: list[float]) -> tuple[xr.Dataset, dict[int, pd.DataFrame]]:

@@ -12,7 +12,7 @@ import tomlkit
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from exudyn_crawler import Case, CrawlerModel, History
+from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case.files import CaseFile
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.case.text import case_text
@@ -210,7 +210,7 @@ def test_a_killed_run_goes_on_in_its_folder_and_gives_the_same_numbers(tmp_path)
 
 @pytest.fixture(scope="module")
 def short_file(tmp_path_factory):
-    history = CrawlerModel(Case.translation()).simulate(0.01)
+    history = simulate(Case.translation(), 0.01)
     return history.save(tmp_path_factory.mktemp("file") / "history.nc").read_bytes()
 
 

@@ -23,58 +23,44 @@ SETTLING = 1.0
 """s after the drive goes off until the track is quiet; its shoes swing at 8 Hz and more."""
 
 
-class CrawlerModel:
-    """A track on its terrain, ready to run.
+def simulate(
+    case: Case, duration: float, progress: bool | None = None, checkpoints: Checkpoints | None = None
+) -> History:
+    """Run a case from static equilibrium, or from the last of the checkpoints.
+
+    The run is made of stages (`stage_times`); each starts from the end of the one before, whether in
+    the same process or, after a kill, in a later one, so that both give the same numbers.
 
     Parameters
     ----------
     case : Case
-        All that the model depends on.
+        All that the run depends on.
+    duration : float
+        s, simulated time.
+    progress : bool, optional
+        Show a progress bar; None shows it on a terminal only.
+    checkpoints : Checkpoints, optional
+        Keeps every stage but the last; the run goes on behind those that are there.
+
+    Raises
+    ------
+    ValueError
+        Before anything runs, if `duration` is not positive and finite, the drive takes the track
+        off the terrain within it or the checkpoints come from other parameters.
+    EquilibriumError
+        If the track finds no rest before t = 0.
+    SimulationStopped
+        If a step fails at its least size, if spheres of the second contact model sink through the ground,
+        or on an interrupt; it carries the history up to there.
     """
-
-    def __init__(self, case: Case) -> None:
-        self.case = case
-
-    def equilibrium(self) -> NDArray:
-        """Coordinates at rest before t = 0; see `equilibrium.static_equilibrium`."""
-        return static_equilibrium(self.case)
-
-    def simulate(
-        self, duration: float, progress: bool | None = None, checkpoints: Checkpoints | None = None
-    ) -> History:
-        """Run from static equilibrium, or from the last of the checkpoints.
-
-        The run is made of stages (`stage_times`); each starts from the end of the one before, whether in
-        the same process or, after a kill, in a later one, so that both give the same numbers.
-
-        Parameters
-        ----------
-        duration : float
-            s, simulated time.
-        progress : bool, optional
-            Show a progress bar; None shows it on a terminal only.
-        checkpoints : Checkpoints, optional
-            Keeps every stage but the last; the run goes on behind those that are there.
-
-        Raises
-        ------
-        ValueError
-            Before anything runs, if `duration` is not positive and finite, the drive takes the track
-            off the terrain within it or the checkpoints come from other parameters.
-        EquilibriumError
-            If the track finds no rest before t = 0.
-        SimulationStopped
-            If a step fails at its least size, if spheres of the second contact model sink through the ground,
-            or on an interrupt; it carries the history up to there.
-        """
-        if not (math.isfinite(duration) and duration > 0.0):
-            raise ValueError(f"duration must be positive and finite, got {duration!r} s")
-        self.case.check_support(duration)
-        if checkpoints is not None:
-            checkpoints.load(self.case)
-        system = build(self.case)
-        system.set_initial(self.equilibrium())
-        return integrate(system, duration, progress, checkpoints=checkpoints)
+    if not (math.isfinite(duration) and duration > 0.0):
+        raise ValueError(f"duration must be positive and finite, got {duration!r} s")
+    case.check_support(duration)
+    if checkpoints is not None:
+        checkpoints.load(case)
+    system = build(case)
+    system.set_initial(static_equilibrium(case))
+    return integrate(system, duration, progress, checkpoints=checkpoints)
 
 
 def stage_times(case: Case, duration: float) -> list[float]:
@@ -102,7 +88,7 @@ def integrate(
     settings: "exu.SimulationSettings | None" = None,
     checkpoints: Checkpoints | None = None,
 ) -> History:
-    """Integrate a built system from its initial state; see `CrawlerModel.simulate`.
+    """Integrate a built system from its initial state; see `simulate`.
 
     `settings` take the place of those that `solver_settings` makes of the case, their times apart.
     """

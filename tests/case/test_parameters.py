@@ -11,7 +11,6 @@ import fem
 from exudyn_crawler import (
     Case,
     ContactLaw,
-    CrawlerModel,
     Drive,
     LoadCycle,
     Phase,
@@ -20,6 +19,7 @@ from exudyn_crawler import (
     StepProfile,
     Terrain,
     Track,
+    simulate,
 )
 from meshes import shoe_mesh
 
@@ -219,11 +219,11 @@ def test_a_track_beside_the_terrain_is_refused():
 
 def test_a_drive_off_the_terrain_is_refused_before_anything_runs():
     first = Track.ph4100c().with_(first_com=(61.7, 9.2901))  # front edge at 69.884 of 70 m
-    model = CrawlerModel(Case.translation().with_(track=first))
+    case = Case.translation().with_(track=first)
     with pytest.raises(
         ValueError, match=r"over the whole drive: at t = 3\.\d+ s .* x = .*, the terrain 0\.\.70 m"
     ):
-        model.simulate(6.0)
+        simulate(case, 6.0)
 
 
 def test_a_unit_and_its_place_are_those_of_the_papers():

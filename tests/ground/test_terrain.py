@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from exudyn_crawler import Case, CrawlerModel, Terrain
+from exudyn_crawler import Case, Terrain, simulate
 from exudyn_crawler.ground.terrain import localized, terrain_joints, terrain_modes, units_near
 from exudyn_crawler.model.system import add_terrain
 from exudyn_crawler.run.simulation import set_times, solver_settings
@@ -156,7 +156,7 @@ def test_both_formulations_carry_the_track_in_the_same_equilibrium():
     case = Case.translation()
     states = {}
     for one in ("reduced", "constrained"):
-        history = CrawlerModel(case.with_(terrain_formulation=one)).simulate(2e-3).dataset.isel(time=0)
+        history = simulate(case.with_(terrain_formulation=one), 2e-3).dataset.isel(time=0)
         states[one] = history
     reduced, full = states["reduced"], states["constrained"]
     tilt = float(np.abs(full.unit_tilt).max())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from exudyn_crawler import Case, CrawlerModel, Drive, FlexibleShoes, LoadCycle, StepProfile, Terrain
+from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, StepProfile, Terrain, simulate
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.shoes import add_flexible, add_shoe_nodes
 from exudyn_crawler.model.system import build
@@ -30,7 +30,7 @@ def shared_reduction(case):
 
 @pytest.fixture(scope="module")
 def history():
-    return CrawlerModel(track()).simulate(0.1)
+    return simulate(track(), 0.1)
 
 
 def test_only_elastic_modes_are_integrated():
@@ -79,8 +79,8 @@ def test_a_shoe_a_thousand_times_stiffer_follows_the_rigid_one(tmp_path):
         inertia=tuple(reduced.inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))),
         load_point=tuple(shared_reduction(stiff).positions[-1]),
     )
-    one = CrawlerModel(stiff.with_(shoe=shoe)).simulate(0.2)
-    rigid = CrawlerModel(stiff.with_(shoe=shoe, flexible=None)).simulate(0.2)
+    one = simulate(stiff.with_(shoe=shoe), 0.2)
+    rigid = simulate(stiff.with_(shoe=shoe, flexible=None), 0.2)
     assert x_difference(one, rigid) < 0.005
     carried = [float(h.normal_force.sel(axis="z").sum("contact").mean()) for h in (one, rigid)]
     assert carried[0] == pytest.approx(carried[1], rel=1e-4)
@@ -235,7 +235,7 @@ def driven(*windows, **drive):
 
 
 def test_a_released_shoe_is_driven_no_more_until_the_drive_is_on_again():
-    history = CrawlerModel(driven((0.0, 0.1), (0.15, 9.0))).simulate(0.2)
+    history = simulate(driven((0.0, 0.1), (0.15, 9.0)), 0.2)
     t = history.time
     off = (t > 0.1 + 1e-9) & (t <= 0.15 + 1e-9)
     front = history.velocity.sel(shoe=13, axis="x")
@@ -295,7 +295,7 @@ def test_a_staged_run_with_flexible_shoes_is_the_unstaged_one(history):
     """Solver calls one after the other with floating-frame bodies, each from the state that the last left."""
     case = history.case
     staged = case.with_(solver=case.solver.with_(checkpoint_interval=0.02))
-    parts = CrawlerModel(staged).simulate(history.duration).dataset
+    parts = simulate(staged, history.duration).dataset
     for name in ("position", "velocity", "joint_force", "modal_coordinate", "modal_velocity"):
         whole = history.dataset[name].values
         off = np.sqrt(np.mean((whole - parts[name].values) ** 2) / np.mean(whole**2))

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 
-from exudyn_crawler import Case, CrawlerModel, History
+from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case import FlexibleShoes, GeneralContact, LoadCycle, Phase, Terrain
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.ground.sphere_contact import SphereContact, seam, sphere_places
@@ -15,6 +15,7 @@ from exudyn_crawler.ground.spheres import COLUMN
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.balance import powers, shoe_imbalance, track_imbalance
 from exudyn_crawler.results.contacts import contacts_by_shoe
+from exudyn_crawler.run.equilibrium import static_equilibrium
 from exudyn_crawler.run.simulation import integrate
 from studies.comparison import compare_kinematics
 from studies.force_comparison import compare_forces
@@ -31,12 +32,12 @@ SHOE_COORDINATES = 6 * CASE.track.shoe_count
 
 @pytest.fixture(scope="module")
 def general() -> History:
-    return CrawlerModel(CASE).simulate(0.4)
+    return simulate(CASE, 0.4)
 
 
 @pytest.fixture(scope="module")
 def rest() -> np.ndarray:
-    return CrawlerModel(CASE).equilibrium()
+    return static_equilibrium(CASE)
 
 
 def test_spheres_carry_the_mean_load_at_the_pair_laws_depth():
@@ -112,7 +113,7 @@ def test_shoes_settle_as_deep_as_by_the_pair_law(general, translation):
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 def test_law_repeats_the_engines_forces(case):
     system = build(case)
-    system.set_initial(CrawlerModel(case).equilibrium())
+    system.set_initial(static_equilibrium(case))
     # full friction is not reached yet: within a step the engine keeps its branch of the law
     integrate(system, 0.06)
     data = system.mbs.systemData
@@ -128,7 +129,7 @@ def test_law_repeats_the_engines_forces(case):
 @pytest.mark.parametrize("factors", [(1.0, 0.0), (0.0, 1.0)], ids=["position", "velocity"])
 def test_derivatives_are_those_of_the_forces(case, factors):
     contact = SphereContact(case)
-    q = CrawlerModel(case).equilibrium()
+    q = static_equilibrium(case)
     random = np.random.default_rng(3)
     q[:SHOE_COORDINATES] += random.normal(0.0, 1e-3, SHOE_COORDINATES)
     q_t = np.zeros_like(q)
@@ -150,7 +151,7 @@ def test_derivatives_are_those_of_the_forces(case, factors):
 
 @pytest.mark.parametrize("case", [CASE, TURNING], ids=["straight", "turning"])
 def test_contact_forces_close_every_shoes_balance(case):
-    history = CrawlerModel(case).simulate(0.5)
+    history = simulate(case, 0.5)
     # far into full friction, where forces by the law alone miss the engine's at every change of branch
     assert float(abs(history.slip_velocity).max()) > 0.002
     # Newton's method ends at a mean residual of 0.2 N
@@ -213,13 +214,13 @@ def small_spheres(radius: float) -> Case:
 
 def test_spheres_without_rest_are_named():
     with pytest.raises(EquilibriumError, match=r"radius of 0\.07 m may be too small for a .* of 0\.06575 m"):
-        CrawlerModel(small_spheres(0.07)).equilibrium()
+        static_equilibrium(small_spheres(0.07))
 
 
 def test_spheres_that_sink_through_stop_the_run():
     """They stand at rest; the pull of the drive presses shoe 12 deeper until its spheres lose the ground."""
     with pytest.raises(SimulationStopped, match=r"spheres of shoes \[12\] sank through the ground") as stop:
-        CrawlerModel(small_spheres(0.08)).simulate(2.0)
+        simulate(small_spheres(0.08), 2.0)
     kept = stop.value.history
     assert 0.5 < kept.duration < 2.0
     assert float(kept.position.sel(axis="z").min()) > 0.0
@@ -295,7 +296,7 @@ def test_forces_study_refuses_histories_of_the_other_model(general, tmp_path):
 
 def statics(case: Case, duration: float) -> pd.Series:
     """Computed `statics` rows of both studies by quantity and statistic, those that the duration allows."""
-    histories = {"translation": CrawlerModel(case).simulate(duration, progress=False)}
+    histories = {"translation": simulate(case, duration, progress=False)}
     table = pd.concat((compare_kinematics(histories), compare_forces(histories)))
     chosen = table[(table["class"] == "statics") & (table["case"] == "translation")]
     return chosen.set_index(["quantity", "statistic"])["computed"].dropna()

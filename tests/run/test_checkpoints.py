@@ -9,18 +9,18 @@ import time
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, CrawlerModel
+from exudyn_crawler import Case, simulate
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.simulation import stage_times
 
 INTERVAL = 0.05
 SCRIPT = """
 import sys
-from exudyn_crawler import Case, CrawlerModel
+from exudyn_crawler import Case, simulate
 from exudyn_crawler.run.checkpoints import Checkpoints
 
 case = Case.model_validate_json(sys.argv[1])
-CrawlerModel(case).simulate(60.0, checkpoints=Checkpoints(sys.argv[2]))
+simulate(case, 60.0, checkpoints=Checkpoints(sys.argv[2]))
 """
 
 
@@ -38,8 +38,8 @@ def test_stages_end_at_multiples_where_the_drive_goes_off_and_at_the_end():
 
 def test_a_staged_run_is_the_unstaged_one():
     """Only the algorithmic acceleration, a fraction of a step ahead, starts anew."""
-    whole = CrawlerModel(staged(10.0)).simulate(0.4).dataset
-    parts = CrawlerModel(staged()).simulate(0.4).dataset
+    whole = simulate(staged(10.0), 0.4).dataset
+    parts = simulate(staged(), 0.4).dataset
     assert parts.time.values == pytest.approx(whole.time.values, abs=1e-12)
     for name in ("position", "velocity", "acceleration", "joint_force", "normal_force"):
         a, b = whole[name].values, parts[name].values
@@ -59,30 +59,30 @@ def test_a_killed_run_goes_on_and_gives_the_same_numbers(tmp_path):
     kept = len(Checkpoints(tmp_path).load(case))
     assert kept >= 3
     duration = (kept + 1.5) * INTERVAL
-    resumed = CrawlerModel(case).simulate(duration, checkpoints=Checkpoints(tmp_path))
-    straight = CrawlerModel(case).simulate(duration)
+    resumed = simulate(case, duration, checkpoints=Checkpoints(tmp_path))
+    straight = simulate(case, duration)
     assert resumed.dataset.identical(straight.dataset)
 
 
 def test_the_second_contact_model_goes_on_from_checkpoints_too(tmp_path):
     case = staged().with_(contact_model="general")
-    whole = CrawlerModel(case).simulate(3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+    whole = simulate(case, 3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
     (tmp_path / "stage_0001.npz").unlink()
-    resumed = CrawlerModel(case).simulate(3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+    resumed = simulate(case, 3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
     assert resumed.dataset.identical(whole.dataset)
 
 
 def test_checkpoints_of_other_parameters_are_refused(tmp_path):
     case = staged()
-    CrawlerModel(case).simulate(2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+    simulate(case, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
     other = case.with_(gravity=9.0)
     with pytest.raises(ValueError, match="other parameters"):
-        CrawlerModel(other).simulate(2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+        simulate(other, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
 
 
 def test_a_broken_checkpoint_is_named(tmp_path):
     case = staged()
-    CrawlerModel(case).simulate(2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+    simulate(case, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
     (tmp_path / "stage_0000.npz").write_bytes(b"PK\x03\x04 broken")
     with pytest.raises(ValueError, match=r"stage_0000\.npz cannot be read"):
         Checkpoints(tmp_path).load(case)
@@ -90,7 +90,7 @@ def test_a_broken_checkpoint_is_named(tmp_path):
 
 def test_checkpoints_can_be_removed(tmp_path):
     checkpoints = Checkpoints(tmp_path / "checkpoints")
-    CrawlerModel(staged()).simulate(2 * INTERVAL, checkpoints=checkpoints)
+    simulate(staged(), 2 * INTERVAL, checkpoints=checkpoints)
     assert len(checkpoints.load(staged())) == 1
     checkpoints.remove()
     assert not (tmp_path / "checkpoints").exists()

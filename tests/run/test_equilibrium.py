@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, CrawlerModel, EquilibriumError, LoadCycle, Terrain
+from exudyn_crawler import Case, EquilibriumError, LoadCycle, Terrain, simulate
 
 CASES = {
     "translation": Case.translation(),
@@ -20,7 +20,7 @@ def start(request):
     case = CASES[request.param]
     # a shorter step would show rounding: accelerations lose digits with its square
     solver = case.solver.with_(step=1e-4, residual=0.02)
-    return CrawlerModel(case.with_(solver=solver)).simulate(1e-4)
+    return simulate(case.with_(solver=solver), 1e-4)
 
 
 @pytest.mark.parametrize("when", [0, -1])
@@ -53,7 +53,7 @@ def test_springs_carry_track_and_terrain(start):
 
 
 def test_every_shoe_sinks_about_as_deep_as_the_papers_say():
-    history = CrawlerModel(Case.translation()).simulate(2e-3)
+    history = simulate(Case.translation(), 2e-3)
     depth = history.penetration.isel(time=0)[np.isin(history.contact_shoe, [3, 10, 12])]
     assert depth.values == pytest.approx(np.full(3, 0.0657), rel=0.1)
 
@@ -61,4 +61,4 @@ def test_every_shoe_sinks_about_as_deep_as_the_papers_say():
 def test_a_track_that_no_ground_can_hold_is_refused():
     loads = LoadCycle.constant([-1e6] * 13)  # pulled up
     with pytest.raises(EquilibriumError, match="no static equilibrium of case 'lifted'"):
-        CrawlerModel(Case.translation().with_(name="lifted", loads=loads)).simulate(0.01)
+        simulate(Case.translation().with_(name="lifted", loads=loads), 0.01)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, CrawlerModel, SimulationStopped
+from exudyn_crawler import Case, SimulationStopped, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.balance import shoe_imbalance, track_imbalance
 
@@ -85,19 +85,19 @@ def test_every_variable_of_a_history_is_an_attribute(translation):
 def test_states_are_stored_at_the_output_interval():
     case = Case.translation()
     coarse = case.with_(solver=case.solver.with_(output_interval=0.01))
-    times = CrawlerModel(coarse).simulate(0.05).time.values
+    times = simulate(coarse, 0.05).time.values
     assert times == pytest.approx([0.0, 0.01, 0.02, 0.03, 0.04, 0.05], abs=1e-12)
 
 
 def test_the_same_case_twice_gives_the_same_numbers():
-    first, second = (CrawlerModel(Case.turning()).simulate(0.05).dataset for _ in range(2))
+    first, second = (simulate(Case.turning(), 0.05).dataset for _ in range(2))
     assert first.identical(second)
 
 
 @pytest.mark.parametrize("duration", [0.0, -1.0, math.nan, math.inf])
 def test_bad_durations_are_refused(duration):
     with pytest.raises(ValueError, match=f"duration must be positive and finite, got {duration!r} s"):
-        CrawlerModel(Case.translation()).simulate(duration)
+        simulate(Case.translation(), duration)
 
 
 def test_a_step_that_fails_stops_the_run_and_keeps_what_there_is():
@@ -107,7 +107,7 @@ def test_a_step_that_fails_stops_the_run_and_keeps_what_there_is():
     with pytest.raises(
         SimulationStopped, match=r"stopped at t = .* s: Newton's method failed at the least step"
     ) as stop:
-        CrawlerModel(impatient).simulate(3.0)
+        simulate(impatient, 3.0)
     kept = stop.value.history
     assert 0.0 <= stop.value.time < 3.0
     assert kept.duration == pytest.approx(stop.value.time, abs=1e-12)
@@ -126,19 +126,19 @@ def test_an_interrupt_keeps_the_history(monkeypatch):
     store = _Recorder.store
     monkeypatch.setattr(_Recorder, "store", interrupted)
     with pytest.raises(SimulationStopped, match="interrupted") as stop:
-        CrawlerModel(Case.translation()).simulate(0.1)
+        simulate(Case.translation(), 0.1)
     assert 0.02 < stop.value.time < 0.03
     assert stop.value.history.duration == pytest.approx(stop.value.time, abs=1e-12)
 
 
 def test_progress_is_quiet_off_a_terminal(capfd):
-    CrawlerModel(Case.translation()).simulate(0.01)
+    simulate(Case.translation(), 0.01)
     captured = capfd.readouterr()
     assert captured.out + captured.err == ""
 
 
 def test_progress_shows_time_and_speed_when_asked(capfd):
-    CrawlerModel(Case.translation()).simulate(0.01, progress=True)
+    simulate(Case.translation(), 0.01, progress=True)
     shown = capfd.readouterr().err
     for words in ("translation", "0.01 of 0.01 s", "s wall per s"):
         assert words in shown

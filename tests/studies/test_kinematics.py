@@ -6,7 +6,7 @@ import sys
 import pandas as pd
 import pytest
 
-from exudyn_crawler import Case, CrawlerModel, History
+from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case.files import CaseFile
 from exudyn_crawler.views.curves import KINEMATICS
 from studies.comparison import compare_kinematics
@@ -121,7 +121,7 @@ def test_the_verification_study_prints_both_tables():
 @pytest.fixture(scope="module")
 def full():
     """Histories of the papers' 10 s."""
-    return {case.name: CrawlerModel(case).simulate(10.0) for case in (Case.translation(), Case.turning())}
+    return {case.name: simulate(case, 10.0) for case in (Case.translation(), Case.turning())}
 
 
 @pytest.mark.slow
@@ -139,7 +139,7 @@ def test_the_full_study_comes_as_close_as_its_classes_ask(full):
 def test_the_statics_rows_are_converged(full, finer):
     tight = {}
     for case in (Case.translation(), Case.turning()):
-        tight[case.name] = CrawlerModel(case.with_(solver=case.solver.with_(**finer))).simulate(10.0)
+        tight[case.name] = simulate(case.with_(solver=case.solver.with_(**finer)), 10.0)
     tables = [compare_kinematics(one) for one in (full, tight)]
     rows = tables[0]["class"] == "statics"
     default, converged = (table.loc[rows, "computed"].to_numpy() for table in tables)

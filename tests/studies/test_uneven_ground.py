@@ -9,11 +9,12 @@ import pytest
 from matplotlib.figure import Figure
 from pydantic import ValidationError
 
-from exudyn_crawler import Case, CrawlerModel, History
+from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case import Terrain
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.sphere_contact import SphereContact
 from exudyn_crawler.results.balance import shoe_imbalance
+from exudyn_crawler.run.equilibrium import static_equilibrium
 from exudyn_crawler.views.ground_figures import draw_side_view
 from studies.comparison import time_mean
 from studies.uneven_ground import (
@@ -58,8 +59,8 @@ def test_shoes_stand_higher_beyond_a_step(step):
 
 
 def test_a_step_down_mirrors_a_step_up():
-    down = CrawlerModel(GENERAL.with_(terrain=strip().with_step(14.0, -0.1))).equilibrium()
-    up = CrawlerModel(uneven_case("step")).equilibrium()
+    down = static_equilibrium(GENERAL.with_(terrain=strip().with_step(14.0, -0.1)))
+    up = static_equilibrium(uneven_case("step"))
     heights = [q[2 : 6 * 13 : 6] for q in (down, up)]
     # shoes 2 to 5 and 9 to 12, less the two beside the one on the edge
     for z, change in zip(heights, (-0.1, 0.1), strict=True):
@@ -124,8 +125,8 @@ def test_grounds_add_up():
 def test_run_on_the_papers_grid():
     """Units of 7 x 7 m with a step below the track's middle."""
     terrain = Terrain.kinematics().with_step(14.0, 0.1)
-    q = CrawlerModel(GENERAL.with_(terrain=terrain)).equilibrium()
-    even = CrawlerModel(GENERAL).equilibrium()
+    q = static_equilibrium(GENERAL.with_(terrain=terrain))
+    even = static_equilibrium(GENERAL)
     rise = (q - even)[2 : 6 * 13 : 6]
     assert rise[:5].mean() == pytest.approx(0.0, abs=0.003)
     assert rise[8:].mean() == pytest.approx(0.1, abs=0.003)
@@ -176,14 +177,14 @@ def test_step_ahead_is_refused_before_the_run():
     )  # the track ends at 18.3 m, at 19.06 m after 10 s
     case.check_support(8.0)
     with pytest.raises(ValueError, match=r"at t = 9\.\d+ s units 11 and 12 below it differ by 0\.2 m"):
-        CrawlerModel(case).simulate(10.0)
+        simulate(case, 10.0)
 
 
 def test_ground_without_rest_is_named():
     """Down a steep ramp the track slides onto its held front shoe: at rest there is no friction."""
     case = GENERAL.with_(name="steep", terrain=strip().with_ramp(8.0, 20.0, -1.0))
     with pytest.raises(EquilibriumError, match=r"case 'steep' .* uneven ground.* shoe"):
-        CrawlerModel(case).equilibrium()
+        static_equilibrium(case)
 
 
 def test_side_view_draws_shoes_and_units(step):
