@@ -18,14 +18,12 @@ def at_fault(system: System, solver: Any) -> str:
     solver : exudyn.MainSolverStatic or exudyn.MainSolverImplicitSecondOrder
         After it failed.
     """
-    row = solver.conv.linearSolverCausingRow
-    if solver.conv.linearSolverFailed and 0 <= row < system.layout.equation_count:
-        return f"its equations are singular at {system.layout.equation(row)}"
+    singular = "the equations are singular, " if solver.conv.linearSolverFailed else ""
     residual = np.abs(solver.GetSystemResidual())
     if not np.isfinite(residual).all():
         # a single one makes all of them so in the next iteration
-        return "the residual is not finite"
+        return f"{singular}the residual is not finite"
     if not solver.IsStaticSolver():
         # the solver multiplies the equations of motion by what makes accelerations of displacements
         residual[: system.layout.coordinate_count] /= solver.newmarkBeta * solver.it.currentStepSize**2
-    return f"greatest residual at {system.layout.equation(int(residual.argmax()))}"
+    return f"{singular}greatest residual at {system.layout.equation(int(residual.argmax()))}"

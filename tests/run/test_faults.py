@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, EquilibriumError, LoadCycle, SimulationStopped, simulate
+from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.system import build
 from exudyn_crawler.run.equilibrium import static_equilibrium
+from exudyn_crawler.run.faults import at_fault
 from exudyn_crawler.run.integration import integrate
 
 
@@ -48,6 +50,21 @@ def test_a_failed_step_names_the_coordinate_that_does_not_settle(rest, coordinat
 def test_forces_that_are_no_numbers_are_told(rest):
     with pytest.raises(SimulationStopped, match=r"; the residual is not finite$"):
         integrate(pushed(rest, 2, np.nan), 0.1)
+
+
+def test_a_track_that_nothing_carries_is_singular(rest):
+    system = build(Case.translation(), static=True)
+    system.contact.forces = lambda q, q_t: np.zeros(system.contact.size)
+    system.contact.derivatives = lambda *_factors, **_options: np.zeros((1, 3))
+    system.set_initial(rest)
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    with pytest.raises(exu.SolverError):
+        system.mbs.SolveStatic(settings)
+    # the springs of the units push up what no shoe holds down
+    fault = at_fault(system, system.mbs.sys["staticSolver"])
+    assert fault == "the equations are singular, greatest residual at terrain (coordinate 1)"
 
 
 def test_a_search_for_rest_names_what_does_not_come_to_rest():
