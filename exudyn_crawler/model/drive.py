@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exudyn_crawler.case import Drive
+from exudyn_crawler.case import Drive, StepProfile
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.items import at_time, coordinate_marker
 
@@ -31,13 +31,12 @@ def add_drive(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> int
     )
 
 
-def add_turn(mbs: "exu.MainSystem", drive: Drive, node: int) -> int:
+def add_turn(mbs: "exu.MainSystem", turn_rate: StepProfile, node: int) -> int:
     """Prescribed angular velocity of the front shoe about its own z axis: a non-holonomic constraint.
 
     With the angles (a, b, c) about x, y, z it reads ``a' sin b + c' = rate(t)``.
     """
-    assert drive.turn_rate is not None
-    rate = at_time(drive.turn_rate.value)
+    rate = at_time(turn_rate.value)
     empty = mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=mbs.AddNode(items.NodePointGround())))
     marker = mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=node))
 

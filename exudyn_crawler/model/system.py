@@ -91,7 +91,7 @@ class System:
     def state(self) -> NDArray:
         """Time, coordinates, their first and second rates and the multipliers, in one row.
 
-        After them, with contact model "general", the shoes' generalized contact forces.
+        After them, with contact by spheres, the shoes' generalized contact forces.
         """
         data = self.mbs.systemData
         parts = [
@@ -129,7 +129,7 @@ def build(case: Case, static: bool = False) -> System:
     links = add_links(mbs, shoes)
     contact: TrackContact | SphereContact
     general = None
-    if case.contact_model == "general":
+    if case.contact.model == "spheres":
         contact = SphereContact(case)
         if not static:
             general = add_general_contact(mbs, case, shoes, terrain_nodes)
@@ -138,7 +138,7 @@ def build(case: Case, static: bool = False) -> System:
             case.track.com_positions(case.shoe.com_height),
             case.shoe,
             case.terrain,
-            case.contact,
+            case.pair_contact(),
             coordinates,
             None if floating is None else floating.underside,
             [index for index, shoe in enumerate(shoes) if shoe.is_flexible],
@@ -157,7 +157,7 @@ def build(case: Case, static: bool = False) -> System:
     else:
         drive = add_drive(mbs, case.drive, fixed, shoe_nodes[-1])
         if case.drive.turn_rate is not None:
-            turn = add_turn(mbs, case.drive, shoe_nodes[-1])
+            turn = add_turn(mbs, case.drive.turn_rate, shoe_nodes[-1])
     mbs.Assemble()
     rows = mbs.systemData.GetObjectLTGAE
     return System(

@@ -8,6 +8,7 @@ import h5py
 import xarray as xr
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.files import write_netcdf
 
 
@@ -74,7 +75,7 @@ class History:
         try:
             # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
             with h5py.File(path, "r") as file:
-                case = Case.model_validate_json(file.attrs["case"])
+                case = saved_case(file.attrs["case"], path)
             dataset = xr.load_dataset(path, engine="h5netcdf")
             del dataset.attrs["case"]
         except (OSError, KeyError, ValueError, RuntimeError) as error:

@@ -143,9 +143,8 @@ def _reactions(system: System, q: NDArray, multipliers: NDArray) -> dict[str, Va
 def _flexible_coordinates(system: System) -> dict[str, object]:
     if system.floating is None:
         return {}
-    assert system.case.flexible is not None
     return {
-        "flexible_shoe": list(system.case.flexible.shoes),
+        "flexible_shoe": list(system.case.flexible_shoes().shoes),
         "mode": np.arange(1, system.floating.mode_count + 1),
         "frequency": ("mode", system.floating.reduced.frequencies, {"units": "Hz"}),
         "pin": list(SIDES),
@@ -156,8 +155,7 @@ def _flexible(system: System, q: NDArray, q_t: NDArray, multipliers: NDArray) ->
     """Modal coordinates of the flexible shoes and the forces at each pin of their links."""
     if system.floating is None:
         return {}
-    assert system.case.flexible is not None
-    numbers = system.case.flexible.shoes
+    numbers = system.case.flexible_shoes().shoes
     modes = system.floating.mode_count
     bent, bending = (x[:, -len(numbers) * modes :].reshape(len(q), len(numbers), modes) for x in (q, q_t))
     force = np.full((len(q), len(system.link_rows), len(SIDES), 3), np.nan)

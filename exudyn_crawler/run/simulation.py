@@ -71,7 +71,7 @@ def stage_times(case: Case, duration: float) -> list[float]:
     """
     interval = case.solver.checkpoint_interval
     times = {0.0, duration} | {k * interval for k in range(1, math.ceil(duration / interval))}
-    for time in case.loads.switch_times:
+    for time in case.drive.switch_times:
         times |= {other for other in (time, time + SETTLING) if other < duration}
     kept: list[float] = []
     for time in sorted(times):
@@ -105,8 +105,8 @@ def integrate(
                 recorder.take(saved[number])
                 system.set_state(saved[number].state)
                 continue
-            system.switch_drive(case.loads.drives_after(start))
-            quiet = case.loads.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)
+            system.switch_drive(case.drive.drives_after(start))
+            quiet = case.drive.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)
             set_times(settings, case.solver, start, end, quiet)
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
             first = recorder.count
@@ -143,7 +143,7 @@ def integrate_from(case: Case, state: NDArray, duration: float) -> History:
     recorder = _Recorder(system, end, start)
     sunken = _watch(system, recorder)
     system.set_state(state)
-    system.switch_drive(case.loads.drives_after(start))
+    system.switch_drive(case.drive.drives_after(start))
     settings = solver_settings(case.solver)
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
     set_times(settings, case.solver, start, end)
@@ -179,7 +179,7 @@ def _solve(system: System, settings: "exu.SimulationSettings", sunken: list[int]
     if sunken:
         return (
             f"spheres of shoes {sunken} sank through the ground; they need a greater "
-            f"general_contact.radius than {system.case.general_contact.radius} m, or flatter ground"
+            f"contact.radius than {system.case.sphere_contact().radius} m, or flatter ground"
         )
     return reason
 
