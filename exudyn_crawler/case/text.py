@@ -99,5 +99,5 @@ def value_text(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):
-        return f"{value:.8g}"
+        return number_text(value) if abs(value) >= 1e6 else f"{value:.8g}"
     return NONE if value is None else str(value)
