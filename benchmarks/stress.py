@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.split import print_split
-from exudyn_crawler import Case, LoadCycle, simulate
+from exudyn_crawler import Case, Drive, LoadCycle, simulate
 from exudyn_crawler.model.state import RATES
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.from_states import history_of
@@ -38,17 +38,17 @@ def loading_case(mesh: str) -> Case:
     cycle = LoadCycle.shovel_cycle()
     start, _, dig, swing = (0.0, *(cycle.phases[k] for k in range(3)))
     phases = (dig.with_(end=start), swing.with_(end=swing.end - dig.end))
-    return Case.stress(mesh).with_(loads=cycle.with_(phases=phases, drive_on=()))
+    return Case.stress(mesh).with_(loads=cycle.with_(phases=phases), drive=Drive.to_rest().with_(on=()))
 
 
 def windows(mesh: str = "coarse") -> pd.DataFrame:
     """Peak von Mises stress (MPa) of each flexible shoe in both windows, default modes against all 94."""
     rows = []
     for name, case, start in (("propel", Case.stress(mesh), 3.0), ("loading", loading_case(mesh), 4.0)):
-        assert case.flexible is not None
+        flexible = case.flexible_shoes()
         state, history = _state(case, start)
         few = _peaks(integrate_from(case, state, WINDOW))
-        whole = case.with_(flexible=case.flexible.with_modes("all"))
+        whole = case.with_(flexible=flexible.with_modes("all"))
         begun = clock.perf_counter()
         many = _peaks(integrate_from(whole, _in_all_modes(history, state, whole), WINDOW))
         spent = clock.perf_counter() - begun
@@ -61,7 +61,7 @@ def windows(mesh: str = "coarse") -> pd.DataFrame:
                 "off": few[shoe] / many[shoe] - 1.0,
                 "wall s of all 94": spent,
             }
-            for shoe in case.flexible.shoes
+            for shoe in flexible.shoes
         ]
     return pd.DataFrame(rows)
 
@@ -78,13 +78,12 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
 
 def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarray:
     """State row of the track with all modes: what is not integrated stands where its loads hold it."""
-    assert history.case.flexible is not None
     basis = stress_basis(history)
     few, all_modes = build(history.case).layout, build(whole).layout
     names = ["time", "multipliers"] + [f"{part}{rate}" for part in ("shoes", "terrain") for rate in RATES]
     parts = {name: few.part(state, name) for name in names}
     parts["modes"] = np.array(
-        [whole_coordinates(history, basis, shoe)[0] for shoe in history.case.flexible.shoes]
+        [whole_coordinates(history, basis, shoe)[0] for shoe in history.case.flexible_shoes().shoes]
     )
     for rate in RATES[1:]:
         parts[f"modes{rate}"] = few.part(state, f"modes{rate}") @ basis.inside.T
@@ -92,10 +91,9 @@ def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarra
 
 
 def _peaks(history: History) -> dict[int, float]:
-    assert history.case.flexible is not None
     basis = stress_basis(history)
     peaks = {}
-    for shoe in history.case.flexible.shoes:
+    for shoe in history.case.flexible_shoes().shoes:
         found = recover_extremes(basis.whole.stress_modes, whole_coordinates(history, basis, shoe))
         peaks[shoe] = float(found.highest.max()) / 1e6
     return peaks

@@ -1,7 +1,7 @@
 """The rooms of the code, read from its imports, and the picture of them that the handbook shows.
 
-``python -m docs.rooms`` draws `docs/images/rooms.svg` anew; the tests hold the picture, and what each room may
-import, against the code.
+``python -m docs.rooms`` draws `docs/images/rooms.svg` anew; the tests hold the picture, and what each room
+may import, against the code.
 """
 
 import ast
@@ -35,7 +35,7 @@ FACE = PACKAGE
 
 
 def room_of(module: str) -> str:
-    """Room of a module's dotted name: ``exudyn_crawler.run.stages`` is in ``run``, ``fem.mesh`` in ``fem``."""
+    """Room of a module's name: ``exudyn_crawler.run.stages`` is in ``run``, ``fem.mesh`` in ``fem``."""
     parts = module.split(".")
     if parts[0] != PACKAGE:
         return parts[0]
@@ -63,7 +63,9 @@ def imports() -> Iterator[tuple[str, str]]:
                 below = [f"{node.module}.{alias.name}" for alias in node.names]
                 targets = [one if one in known else node.module for one in below]
             elif isinstance(node, ast.ImportFrom):
-                raise ValueError(f"{path}: imports are absolute here, got a relative one in line {node.lineno}")
+                raise ValueError(
+                    f"{path}: imports must be absolute, got a relative one in line {node.lineno}"
+                )
             else:
                 continue
             yield from ((module, one) for one in sorted(set(targets)) if one in known and one != module)
@@ -136,9 +138,8 @@ def picture() -> str:
             f'<rect x="{left:g}" y="{top:g}" width="{width:g}" height="{BOX}" rx="6" fill="{fill}" '
             'stroke="#3c4a54"/>'
         )
-        lines.append(
-            f'<text x="{left + 12:g}" y="{top + 20:g}" font-size="15" font-weight="bold">{escape(room)}</text>'
-        )
+        place = f'x="{left + 12:g}" y="{top + 20:g}"'
+        lines.append(f'<text {place} font-size="15" font-weight="bold">{escape(room)}</text>')
         for k, part in enumerate(_wrapped(purpose(room), int(width / 6.0))[:2]):
             lines.append(
                 f'<text x="{left + 12:g}" y="{top + 34 + 12 * k:g}" font-size="10.5" fill="#444">'

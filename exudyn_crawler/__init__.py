@@ -12,16 +12,21 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from exudyn_crawler.case import (
         Case,
-        ContactLaw,
+        CaseFile,
         Drive,
         FlexibleShoes,
         LoadCycle,
+        Outputs,
+        PairContact,
         Phase,
         Shoe,
         Solver,
+        SphereContact,
         StepProfile,
         Terrain,
         Track,
+        read_case,
+        write_case,
     )
     from exudyn_crawler.errors import CrawlerError, EquilibriumError, SimulationStopped
     from exudyn_crawler.results.history import History
@@ -38,21 +43,26 @@ _HOMES = {
 
 __all__ = [
     "Case",
-    "ContactLaw",
+    "CaseFile",
     "CrawlerError",
     "Drive",
     "EquilibriumError",
     "FlexibleShoes",
     "History",
     "LoadCycle",
+    "Outputs",
+    "PairContact",
     "Phase",
     "Shoe",
     "SimulationStopped",
     "Solver",
+    "SphereContact",
     "StepProfile",
     "Terrain",
     "Track",
+    "read_case",
     "simulate",
+    "write_case",
 ]
 
 

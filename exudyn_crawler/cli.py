@@ -163,9 +163,8 @@ def stress(
         print_table(open_choices(min(duration, 8.0), mesh), "Paper, and computed for some choices")
         return
     case = Case.stress(mesh)
-    assert case.flexible is not None
     if modes is not None:
-        case = case.with_(flexible=case.flexible.with_modes(modes))
+        case = case.with_(flexible=case.flexible_shoes().with_modes(modes))
     if cycle is not None:
         case = case.with_(loads=LoadCycle.from_toml(cycle))
     print_table(case.loads.table(), "Loads on the shoes at the ends of the phases, kN")
@@ -256,7 +255,7 @@ def verify(debug: Debug = False) -> None:
 
     Example: exudyn-crawler verify
     """
-    from exudyn_crawler.case import ContactLaw
+    from exudyn_crawler.case import PairContact
     from exudyn_crawler.views.tables import print_table
     from studies.two_bodies import (
         compare_verification,
@@ -265,7 +264,7 @@ def verify(debug: Debug = False) -> None:
         hand_solution,
     )
 
-    law = ContactLaw.oil_sand()
+    law = PairContact.oil_sand()
     engine = engine_solution(law)
     print_table(compare_verification(hand_solution(law), engine), "Two-body problem at t = 0.5 s")
     print_table(compare_with_paper(engine), "Paper against computed")
@@ -285,10 +284,11 @@ def init(
 
     Example: exudyn-crawler init soft_ground --study kinematics
     """
+    from exudyn_crawler.case import write_case
     from studies.starts import study_case_file
 
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
-    written = study_case_file(study.value, path.stem).write(path, overwrite)
+    written = write_case(study_case_file(study.value, path.stem), path, overwrite)
     typer.echo(f"{written}: change it, then: exudyn-crawler run {written}")
 
 
@@ -307,9 +307,9 @@ def run(
 
     Example: exudyn-crawler run soft_ground.toml --out results/soft_ground
     """
-    from exudyn_crawler.case.files import CaseFile
+    from exudyn_crawler.case import read_case
 
-    case_file = CaseFile.read(case)
+    case_file = read_case(case)
     out = RESULTS / case.stem if out is None else out
 
     from exudyn_crawler.run_case import run_case
@@ -330,13 +330,13 @@ def info(
 
     Example: exudyn-crawler info soft_ground.toml
     """
-    from exudyn_crawler.case.files import CaseFile
+    from exudyn_crawler.case import read_case
     from exudyn_crawler.case.text import case_table
     from exudyn_crawler.views.tables import print_table
     from studies.starts import study_case_file
 
     known = case in [study.value for study in StudyChoice]
-    case_file = study_case_file(case) if known else CaseFile.read(case)
+    case_file = study_case_file(case) if known else read_case(case)
     print_table(case_table(case_file), case)
 
 

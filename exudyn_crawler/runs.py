@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.fields import TAG
 from exudyn_crawler.case.files import CaseFile
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.history import History
@@ -120,6 +121,8 @@ def _differences(found: object, wanted: object, name: str = "") -> list[str]:
     """Names of the parameters in which two dumped cases differ, with both values."""
     if isinstance(found, dict) and isinstance(wanted, dict):
         names = sorted(found.keys() | wanted.keys())
+        if found.get(TAG) != wanted.get(TAG):
+            names = [TAG]  # parts of different classes
         return [
             difference
             for key in names

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-
-from fem.mesh import Mesh, read_mesh
+from typing import TYPE_CHECKING
 
 from .geometry import (
     COM_HEIGHT,
@@ -16,6 +15,9 @@ from .geometry import (
     REAR_PIN_X,
     ShoeDimensions,
 )
+
+if TYPE_CHECKING:
+    from fem.mesh import Mesh
 
 SHOE_SIZES = ("coarse", "study", "fine")
 
@@ -35,12 +37,14 @@ def shoe_path(size: str = "study") -> Path:
 
 def shoe_mesh(size: str = "study") -> Mesh:
     """Ready mesh of the shoe in shoe axes, in m."""
-    return read_mesh(shoe_path(size))
+    return mesh_named(str(shoe_path(size)))
 
 
 def mesh_named(name: str) -> Mesh:
     """Ready mesh of the shoe by its size, or any mesh by its path; as `fem.read_mesh`."""
-    return shoe_mesh(name) if name in SHOE_SIZES else read_mesh(name)
+    from fem.mesh import read_mesh  # whoever only wants dimensions does not wait for finite elements
+
+    return read_mesh(shoe_path(name) if name in SHOE_SIZES else name)
 
 
 __all__ = [

@@ -25,7 +25,13 @@ FRONT_PIN_X = 0.3088
 REAR_PIN_X = FRONT_PIN_X - PITCH
 """x of the rear pin axis in m; a neighbour one pitch behind has its front pin exactly there."""
 
-PIN_Y = {"right": 8.68 - 9.2901, "left": 10.03 - 9.2901}
+TRACK_Y = 9.2901
+"""y of the track's centres of mass in m, in the papers' global axes."""
+
+TRACK_PIN_Y = {"right": 8.68, "left": 10.03}
+"""y of the track's joint centres in m, in the papers' global axes."""
+
+PIN_Y = {side: y - TRACK_Y for side, y in TRACK_PIN_Y.items()}
 """y of the joint centres in m; left is +y for somebody who looks along +x."""
 
 JOINT_CENTERS: dict[str, tuple[float, float, float]] = {

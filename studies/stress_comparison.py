@@ -38,8 +38,7 @@ def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
     ValueError
         For words that name no such quantity.
     """
-    assert history.case.flexible is not None
-    shoes = list(history.case.flexible.shoes)
+    shoes = list(history.case.flexible_shoes().shoes)
     if quantity == "total terrain deformation from equilibrium":
         return terrain_deformation(history)
     if quantity == "revolute joint torque x and z":
@@ -70,7 +69,7 @@ def in_phase(values: xr.DataArray, history: History, phase: str) -> xr.DataArray
     ValueError
         For any other phase.
     """
-    end = min(history.case.loads.switch_times, default=math.inf)
+    end = min(history.case.drive.switch_times, default=math.inf)
     if phase == "propel":
         return values.where(values.time <= end, drop=True)
     if phase == "loading":

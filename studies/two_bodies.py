@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.case import ContactLaw, Shoe, Terrain
+from exudyn_crawler.case import PairContact, Shoe, Terrain
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
 from exudyn_crawler.ground.pair_contact import TrackContact
 from exudyn_crawler.model.engine import exu, items
@@ -69,7 +69,7 @@ def _box(sides: tuple[float, float, float]) -> tuple[float, tuple[float, float, 
     return mass, (mass / 12 * (y**2 + z**2), mass / 12 * (x**2 + z**2), mass / 12 * (x**2 + y**2))
 
 
-def block_penetration(law: ContactLaw) -> float:
+def block_penetration(law: PairContact) -> float:
     """Penetration (m) that gives the printed force at the given sinking rate.
 
     It is deeper than the damping depth, so that the whole damping acts.
@@ -77,7 +77,7 @@ def block_penetration(law: ContactLaw) -> float:
     return float(((NORMAL_FORCE - law.damping * SINKING) / law.stiffness) ** (1.0 / law.exponent))
 
 
-def hand_solution(law: ContactLaw) -> TwoBodySolution:
+def hand_solution(law: PairContact) -> TwoBodySolution:
     """Newton's and Euler's equations of the two bodies.
 
     The slip of 0.5 m/s is beyond the friction speed, so the friction is mu_d of the normal force. The
@@ -105,7 +105,7 @@ def hand_solution(law: ContactLaw) -> TwoBodySolution:
     )
 
 
-def engine_solution(law: ContactLaw) -> TwoBodySolution:
+def engine_solution(law: PairContact) -> TwoBodySolution:
     """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
     block_mass, block_inertia = _box(BLOCK)
     plate_mass, plate_inertia = _box(PLATE)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from exudyn_crawler.case import Case, Terrain
+from exudyn_crawler.case import Case, SphereContact, Terrain
 from exudyn_crawler.case.files import CaseFile
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.folder import kept_run
@@ -59,9 +59,8 @@ def uneven_case(ground: str) -> Case:
     """
     if ground not in GROUNDS:
         raise ValueError(f"ground must be of {list(GROUNDS)}, got {ground!r}")
-    case = Case.translation(contact="general")
-    spheres = case.general_contact.with_(faces="drawn_back")
-    return case.with_(name=ground, terrain=GROUNDS[ground](), general_contact=spheres)
+    spheres = SphereContact.oil_sand().with_(faces="drawn_back")
+    return Case.translation().with_(name=ground, terrain=GROUNDS[ground](), contact=spheres)
 
 
 def run_uneven_ground(

@@ -1,7 +1,7 @@
 """Short runs whose numbers are kept: what a change of the code alone must not move.
 
-``python -m tests.golden`` writes them anew; do so only with a change that means to move them, and say in the changelog
-why it does.
+``python -m tests.golden`` writes them anew; do so only with a change that means to move them, and say in the
+changelog why it does.
 """
 
 import json
@@ -36,7 +36,7 @@ CASES: dict[str, tuple[Callable[[], Case], float]] = {
     "spheres": (lambda: _driven(uneven_case("rough")), 0.1),
     "flexible": (_flexible, 0.1),
 }
-"""Case and duration (s) of every kept run: one of each contact model, terrain formulation and kind of shoe."""
+"""Case and duration (s) of every kept run: each contact model, terrain formulation and kind of shoe."""
 
 
 def numbers(history: History) -> dict[str, list[float]]:

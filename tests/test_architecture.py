@@ -1,4 +1,4 @@
-"""The rooms of the code: arrows one way, no cycle, functions that fit a screen, and a picture that is true."""
+"""The rooms of the code: arrows one way, no circle, functions that fit a screen, a picture that is true."""
 
 import ast
 

@@ -8,7 +8,7 @@ import pytest
 from tests import golden
 
 TOLERANCE = 1e-5
-"""Of a variable's greatest magnitude: rounding differs between processors and grows tenfold in 0.1 s of slip."""
+"""Of a variable's greatest magnitude: rounding differs between processors and grows in slip."""
 
 
 @pytest.mark.parametrize("name", list(golden.CASES))
@@ -19,4 +19,6 @@ def test_short_runs_keep_their_numbers(name):
     for variable, values in kept.items():
         # forces that are rounding alone (lateral ones, say) have no digits to keep
         scale = max(abs(values[0]), 1.0 if variable.endswith(("force", "torque")) else 1e-6)
-        np.testing.assert_allclose(found[variable], values, rtol=0.0, atol=TOLERANCE * scale, err_msg=variable)
+        np.testing.assert_allclose(
+            found[variable], values, rtol=0.0, atol=TOLERANCE * scale, err_msg=variable
+        )

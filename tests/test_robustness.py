@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from exudyn_crawler import Case, History, simulate
-from exudyn_crawler.case.files import CaseFile
+from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.case.text import case_text
 from exudyn_crawler.cli import main
@@ -39,7 +39,7 @@ def read_or_refused(path):
     """A file is either a case or refused in lines that name it; anything else is raised."""
     refusal = None
     try:
-        return CaseFile.read(path)
+        return read_case(path)
     except CaseFileError as error:
         refusal = error
     assert refusal.faults
@@ -114,7 +114,7 @@ def test_a_file_that_finds_no_room_is_one_line_and_leaves_nothing_half(tmp_path,
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names <= {".lock", "case.toml", "run.json", "run.log"}
     if "case.toml" in names:
-        assert CaseFile.read(tmp_path / "out" / "case.toml").duration == 0.05
+        assert read_case(tmp_path / "out" / "case.toml").duration == 0.05
 
 
 def test_a_history_that_finds_no_room_is_kept_elsewhere(translation, tmp_path, monkeypatch):

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import ContactLaw, Shoe, Terrain
+from exudyn_crawler.case import PairContact, Shoe, Terrain
 from exudyn_crawler.ground.coordinates import ReducedCoordinates, TerrainCoordinates, flexible_triplets
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pairs import (
@@ -28,7 +28,7 @@ class TrackContact:
         What all of them are.
     terrain : Terrain
         Grid of units.
-    law : ContactLaw
+    law : PairContact
         Contact law of every pair.
     coordinates : TerrainCoordinates
         Formulation of the terrain.
@@ -43,7 +43,7 @@ class TrackContact:
         com_positions: NDArray,
         shoe: Shoe,
         terrain: Terrain,
-        law: ContactLaw,
+        law: PairContact,
         coordinates: TerrainCoordinates,
         underside: Underside | None = None,
         flexible_shoes: Sequence[int] = (),

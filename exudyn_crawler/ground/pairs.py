@@ -264,7 +264,7 @@ def contact_forces(
     footprint : array (5,)
         Underside in the shoe's frame: least x, greatest x, least y, greatest y, z (m).
     law : array (10,)
-        Contact law as of `ContactLaw.as_array`.
+        Contact law as of `PairContact.as_array`.
     shoe_forces : array (shoes, 6)
         Out: generalized forces on the shoes' coordinates (N, N m).
     unit_forces : array (units, 6)

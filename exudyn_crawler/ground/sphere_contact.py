@@ -14,7 +14,7 @@ from exudyn_crawler.ground.spheres import COLUMN, COLUMNS, sphere_contacts, sphe
 
 def sphere_places(case: Case) -> NDArray:
     """Centres of the spheres in the shoe's frame: array (spheres, 3), m."""
-    spheres = case.general_contact
+    spheres = case.sphere_contact()
     low_x, high_x, low_y, high_y, z = case.shoe.footprint
     x = low_x + (high_x - low_x) * (np.arange(spheres.spheres_x) + 0.5) / spheres.spheres_x
     y = low_y + (high_y - low_y) * (np.arange(spheres.spheres_y) + 0.5) / spheres.spheres_y
@@ -29,9 +29,10 @@ def seam(case: Case) -> tuple[float, float]:
     pushed twice as hard. Drawn back by this much, both together push a sphere at the settled depth that
     stands over the middle of the seam up as hard as one face does.
     """
-    if case.general_contact.faces == "whole":
+    spheres = case.sphere_contact()
+    if spheres.faces == "whole":
         return 0.0, 0.0
-    radius, depth = case.general_contact.radius, case.settled_penetration
+    radius, depth = spheres.radius, case.settled_penetration
     height = radius - depth
     slant = radius / (1.0 + 0.5 * depth / height)  # from 2 (radius - slant) height / slant = depth
     inset = math.sqrt(slant**2 - height**2)
@@ -47,11 +48,11 @@ class SphereContact:
     Parameters
     ----------
     case : Case
-        With contact model "general".
+        With contact by spheres.
     """
 
     def __init__(self, case: Case) -> None:
-        shoes, terrain, spheres = case.track.shoe_count, case.terrain, case.general_contact
+        shoes, terrain, spheres = case.track.shoe_count, case.terrain, case.sphere_contact()
         units = terrain.unit_count
         self.coordinates = ConstrainedCoordinates(units, terrain.tilt_axis)
         com_positions = case.track.com_positions(case.shoe.com_height)

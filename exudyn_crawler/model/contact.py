@@ -22,7 +22,7 @@ def add_general_contact(
     mbs: "exu.MainSystem", case: Case, shoes: Sequence[ShoeBody], unit_nodes: Sequence[int]
 ) -> "exu.GeneralContact":
     """Spheres on the shoes and triangles on the units' top faces, in the engine's own contact."""
-    spheres, terrain = case.general_contact, case.terrain
+    spheres, terrain = case.sphere_contact(), case.terrain
     contact = mbs.AddGeneralContact()
     contact.frictionProportionalZone = spheres.friction_speed
     contact.SetFrictionPairings(np.array([[max(spheres.friction, NO_FRICTION)]]))

@@ -124,7 +124,7 @@ def build(case: Case, static: bool = False) -> System:
     add_links(mbs, shoes)
     contact: TrackContact | SphereContact
     general = None
-    if case.contact_model == "general":
+    if case.contact.model == "spheres":
         contact = SphereContact(case)
         if not static:
             general = add_general_contact(mbs, case, shoes, terrain_nodes)
@@ -133,7 +133,7 @@ def build(case: Case, static: bool = False) -> System:
             case.track.com_positions(case.shoe.com_height),
             case.shoe,
             case.terrain,
-            case.contact,
+            case.pair_contact(),
             coordinates,
             None if floating is None else floating.underside,
             [index for index, shoe in enumerate(shoes) if shoe.is_flexible],

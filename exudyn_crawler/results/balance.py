@@ -146,13 +146,13 @@ def powers(history: History) -> xr.Dataset:
     Raises
     ------
     ValueError
-        For a history of contact model "general": one row a pair does not tell what its spheres take; or one
-        with flexible shoes.
+        For a history of contact by spheres: one row a pair does not tell what its spheres take; or one with
+        flexible shoes.
     """
     _only_rigid(history)
-    if history.case.contact_model != "pair":
-        raise ValueError("powers need a history of contact_model 'pair', whose law they divide")
     case, terrain, law = history.case, history.case.terrain, history.case.contact
+    if law.model != "pair":
+        raise ValueError("powers need a history of contact.model 'pair', whose law they divide")
     frames = rotation_matrices(history.angles.values)
     omega, velocity = history.angular_velocity.values, history.velocity.values
     driven = history.drive_force.values * velocity[:, -1, 0]

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.state import VERSION
 
@@ -82,7 +83,7 @@ class History:
                 found = np.asarray(file.attrs.get(LAYOUT_VERSION, VERSION)).item()
                 if found != VERSION:
                     raise ValueError(f"its states have layout version {found}, this program reads {VERSION}")
-                case = Case.model_validate_json(file.attrs["case"])
+                case = saved_case(file.attrs["case"], path)
             dataset = xr.load_dataset(path, engine="h5netcdf")
             del dataset.attrs["case"]
         except (OSError, KeyError, ValueError, RuntimeError) as error:

@@ -77,8 +77,7 @@ def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -
         If the run has no flexible shoes, or none of the times lies within it.
     """
     basis = stress_basis(history)
-    assert history.case.flexible is not None
-    shoes = list(history.case.flexible.shoes)
+    shoes = list(history.case.flexible_shoes().shoes)
     frames = _frames(history, times)
     found, tables = [], {}
     for shoe in shoes:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.model.state import StateLayout
 
@@ -79,12 +80,12 @@ class Checkpoints:
         while (path := self._file(len(found))).is_file():
             try:
                 with path.open("rb") as file, np.load(file) as content:
-                    saved = str(content["case"])
+                    saved = saved_case(str(content["case"]), path)
                     own = StateLayout.from_json(str(content["layout"]))
                     found.append(Checkpoint(own, content["state"], content["rows"]))
             except (OSError, KeyError, ValueError, BadZipFile, EOFError) as error:
                 raise ValueError(f"checkpoint {path} cannot be read: {error}; delete it to go on") from error
-            if saved != case.model_dump_json():
+            if saved != case:
                 raise ValueError(
                     f"checkpoint {path} comes from other parameters: choose another folder "
                     f"or ask for overwriting"

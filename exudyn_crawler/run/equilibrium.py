@@ -42,17 +42,17 @@ def static_equilibrium(case: Case) -> NDArray:
         try:
             q = _rest(system, _first_guess(system))
         except EquilibriumError as error:
-            if case.contact_model != "general":
+            if case.contact.model != "spheres":
                 raise
             raise EquilibriumError(
-                f"{error}. The spheres' radius of {case.general_contact.radius} m may "
+                f"{error}. The spheres' radius of {case.contact.radius} m may "
                 f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
             ) from error
-    if case.contact_model == "general" and (sunken := SphereContact(case).sunken(q)):
+    if case.contact.model == "spheres" and (sunken := SphereContact(case).sunken(q)):
         raise EquilibriumError(
             f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
-            f"the ground; they need a greater general_contact.radius than "
-            f"{case.general_contact.radius} m, or flatter ground"
+            f"the ground; they need a greater contact.radius than "
+            f"{case.contact.radius} m, or flatter ground"
         )
     return q
 
@@ -158,10 +158,8 @@ def _first_guess(system: System) -> NDArray:
     q = np.zeros(system.contact.size)
     shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
     loads = case.loads.loads(0.0)[0] + case.shoe.mass * case.gravity
-    law = case.contact
-    penetration = (np.maximum(loads, 0.0) / law.stiffness) ** (1.0 / law.exponent)
     sag = case.terrain.unit_mass * case.gravity / case.terrain.heave_stiffness
-    shoes[:, 2] = -sag - penetration
+    shoes[:, 2] = -sag - case.contact.settled_depth(loads)
     terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
     if isinstance(system.contact.coordinates, ConstrainedCoordinates):
         terrain.reshape(-1, 6)[:, 2] = -sag

@@ -20,7 +20,7 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from exudyn_crawler.case.files import CaseFile
+from exudyn_crawler.case import CaseFile, read_case, write_case
 from exudyn_crawler.errors import CaseFileError, SimulationStopped
 from exudyn_crawler.files import whole_file, writable_folder
 
@@ -185,7 +185,7 @@ def _keep_cases(out: Path, cases: Mapping[str, CaseFile], overwrite: bool) -> No
     for name, case_file in cases.items():
         path = out / f"{name}.toml"
         try:
-            same = path.exists() and CaseFile.read(path) == case_file
+            same = path.exists() and read_case(path) == case_file
         except CaseFileError:
             same = False
         if path.exists() and not same and not overwrite:
@@ -195,7 +195,7 @@ def _keep_cases(out: Path, cases: Mapping[str, CaseFile], overwrite: bool) -> No
         if not same:
             new[path] = case_file
     for path, case_file in new.items():
-        case_file.write(path, overwrite)
+        write_case(case_file, path, overwrite)
 
 
 def _start(cases: Mapping[str, CaseFile]) -> dict[str, Any]:

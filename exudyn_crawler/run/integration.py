@@ -43,7 +43,7 @@ def integrate(
                 recorder.take(saved[number])
                 system.set_state(saved[number].state)
                 continue
-            system.switch_drive(case.loads.drives_after(start))
+            system.switch_drive(case.drive.drives_after(start))
             set_times(settings, case.solver, start, end, is_quiet(case, start))
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
             first = recorder.count
@@ -85,7 +85,7 @@ def integrate_from(case: Case, state: NDArray, duration: float) -> History:
     recorder = Recorder(system, end, start)
     sunken = _watch(system, recorder)
     system.set_state(state)
-    system.switch_drive(case.loads.drives_after(start))
+    system.switch_drive(case.drive.drives_after(start))
     settings = solver_settings(case.solver)
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
     set_times(settings, case.solver, start, end)
@@ -121,7 +121,7 @@ def _solve(system: System, settings: "exu.SimulationSettings", sunken: list[int]
     if sunken:
         return (
             f"spheres of shoes {sunken} sank through the ground; they need a greater "
-            f"general_contact.radius than {system.case.general_contact.radius} m, or flatter ground"
+            f"contact.radius than {system.case.sphere_contact().radius} m, or flatter ground"
         )
     return reason
 

@@ -18,7 +18,7 @@ def stage_times(case: Case, duration: float) -> list[float]:
     """
     interval = case.solver.checkpoint_interval
     times = {0.0, duration} | {k * interval for k in range(1, math.ceil(duration / interval))}
-    for time in case.loads.switch_times:
+    for time in case.drive.switch_times:
         times |= {other for other in (time, time + SETTLING) if other < duration}
     kept: list[float] = []
     for time in sorted(times):
@@ -30,4 +30,4 @@ def stage_times(case: Case, duration: float) -> list[float]:
 
 def is_quiet(case: Case, start: float) -> bool:
     """Whether the track is quiet in the stage that starts at a time, s."""
-    return case.loads.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)
+    return case.drive.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)

@@ -170,7 +170,6 @@ def draw_scene(
     ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
     if backend == "opengl":
         box = ax.get_window_extent()
-        assert ax.figure is not None
         per_metre = min(box.width / (window[1] - window[0]), box.height / (window[3] - window[2]))
         image = opengl_image(scene, view, window, limits, per_metre * dpi / ax.figure.dpi)
         ax.imshow(image, extent=window, aspect="equal", interpolation="lanczos", zorder=1)

@@ -17,8 +17,7 @@ MOTION = {"displacement": "m", "velocity": "m/s", "angular velocity": "deg/s"}
 
 def stress_figures(history: History, results: StressResults) -> dict[str, Figure]:
     """Every figure of a run, by a name that can be a file's."""
-    assert history.case.flexible is not None
-    shoes = history.case.flexible.shoes
+    shoes = history.case.flexible_shoes().shoes
     figures = {}
     for quantity, unit in MOTION.items():
         curves = {f"shoe {shoe}": kinematic_series(history, quantity, shoe) for shoe in shoes}

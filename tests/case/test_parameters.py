@@ -10,9 +10,9 @@ from pydantic import ValidationError
 import fem
 from exudyn_crawler import (
     Case,
-    ContactLaw,
     Drive,
     LoadCycle,
+    PairContact,
     Phase,
     Shoe,
     Solver,
@@ -27,7 +27,7 @@ MAKERS = {
     "shoe": Shoe.ph4100c,
     "track": Track.ph4100c,
     "terrain": Terrain.kinematics,
-    "contact": ContactLaw.oil_sand,
+    "contact": PairContact.oil_sand,
     "solver": Solver,
 }
 POSITIVE = {
@@ -112,16 +112,16 @@ def test_parameters_cannot_be_changed_in_place():
 
 def test_dynamic_friction_above_static_friction_is_refused():
     refusal(
-        lambda: ContactLaw.oil_sand().with_(dynamic_friction=0.41),
+        lambda: PairContact.oil_sand().with_(dynamic_friction=0.41),
         "dynamic_friction must not exceed static_friction = 0.4, got 0.41",
     )
-    assert ContactLaw.oil_sand().with_(dynamic_friction=0.4).dynamic_friction == 0.4
+    assert PairContact.oil_sand().with_(dynamic_friction=0.4).dynamic_friction == 0.4
 
 
 @pytest.mark.parametrize("speed", [0.01, 0.005])
 def test_a_friction_speed_not_above_the_stiction_speed_is_refused(speed):
     refusal(
-        lambda: ContactLaw.oil_sand().with_(friction_speed=speed),
+        lambda: PairContact.oil_sand().with_(friction_speed=speed),
         f"friction_speed must exceed stiction_speed = 0.01, got {speed}",
     )
 
@@ -266,7 +266,7 @@ def test_the_load_is_an_even_share_of_the_machine_and_sinks_a_shoe_by_the_papers
     weight = load[0] + Shoe.ph4100c().mass * 9.81
     assert weight == pytest.approx(432.3e3, rel=1e-3)
     # the paper cuts 6.575 cm off to 6.57
-    assert math.sqrt(weight / ContactLaw.oil_sand().stiffness) == pytest.approx(0.0657, abs=1e-4)
+    assert math.sqrt(weight / PairContact.oil_sand().stiffness) == pytest.approx(0.0657, abs=1e-4)
 
 
 def test_a_shoe_has_the_mass_and_inertia_of_a_solid():

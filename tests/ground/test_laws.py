@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from exudyn_crawler import ContactLaw
+from exudyn_crawler import PairContact
 from exudyn_crawler.ground.laws import (
     equal_area_radius,
     friction_coefficient,
@@ -30,7 +30,7 @@ def adams_step(x, x0, h0, x1, h1):
 
 
 def test_papers_law_has_the_values_used_here():
-    law = ContactLaw.oil_sand().as_array(2.0)[:8]
+    law = PairContact.oil_sand().as_array(2.0)[:8]
     assert law.tolist() == [K, E, C, D, MU_S, MU_D, V_ST, V_D]
 
 

@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, simulate
+from exudyn_crawler import Case, Drive, SphereContact, simulate
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.stages import stage_times
 
@@ -33,7 +33,7 @@ def staged(interval=INTERVAL):
 def test_stages_end_at_multiples_where_the_drive_goes_off_and_at_the_end():
     case = staged(0.5)
     assert stage_times(case, 1.2) == [0.0, 0.5, 1.0, 1.2]
-    off = case.with_(loads=case.loads.with_(drive_on=((0.0, 0.7),)))
+    off = case.with_(drive=Drive.to_rest().with_(on=((0.0, 0.7),)))
     assert stage_times(off, 1.0) == [0.0, 0.5, 0.7, 1.0]
 
 
@@ -66,7 +66,7 @@ def test_a_killed_run_goes_on_and_gives_the_same_numbers(tmp_path):
 
 
 def test_the_second_contact_model_goes_on_from_checkpoints_too(tmp_path):
-    case = staged().with_(contact_model="general")
+    case = staged().with_(contact=SphereContact.oil_sand())
     whole = simulate(case, 3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
     (tmp_path / "stage_0001.npz").unlink()
     resumed = simulate(case, 3 * INTERVAL, checkpoints=Checkpoints(tmp_path))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, EquilibriumError, History, SimulationStopped, Terrain
-from exudyn_crawler.case.files import CaseFile
+from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.run.folder import kept_run
 from exudyn_crawler.run_case import run_case
@@ -50,7 +50,7 @@ def kept(tmp_path_factory):
 def test_a_folder_keeps_what_its_results_come_from(kept):
     names = {"case.toml", "run.json", "run.log", "history.nc", "forces.nc", "extremes.csv", "loads.csv"}
     assert visible(kept) == names
-    assert CaseFile.read(kept / "case.toml") == SHORT
+    assert read_case(kept / "case.toml") == SHORT
     found = record(kept)
     assert found["status"] == "done"
     assert set(found["files"]) == names
@@ -66,9 +66,9 @@ def test_a_folder_keeps_what_its_results_come_from(kept):
 def test_the_same_case_gives_the_same_numbers_bit_for_bit(kept, tmp_path):
     # in a process of its own, where nothing is warm yet
     script = (
-        "from pathlib import Path; from exudyn_crawler.case.files import CaseFile\n"
+        "from pathlib import Path; from exudyn_crawler.case import read_case\n"
         "from exudyn_crawler.run_case import run_case\n"
-        f"run_case(CaseFile.read({str(kept / 'case.toml')!r}), Path({str(tmp_path / 'again')!r}))"
+        f"run_case(read_case({str(kept / 'case.toml')!r}), Path({str(tmp_path / 'again')!r}))"
     )
     subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
     first, again = (History.load(folder / "history.nc").dataset for folder in (kept, tmp_path / "again"))
@@ -114,7 +114,7 @@ def test_overwriting_leaves_nothing_of_the_earlier_run_and_all_that_is_the_users
     assert (tmp_path / "notes.txt").read_text() == "mine"
     assert (tmp_path / "own.csv").read_text() == "mine too"
     assert History.load(tmp_path / "history.nc").case == Case.turning()
-    assert CaseFile.read(tmp_path / "case.toml").case == Case.turning()
+    assert read_case(tmp_path / "case.toml").case == Case.turning()
 
 
 def test_overwriting_that_fails_keeps_the_earlier_results(tmp_path):
@@ -168,7 +168,7 @@ def test_studies_keep_the_same(tmp_path):
     run_forces(["translation"], 0.01, tmp_path / "forces", tmp_path / "kinematics")
     for study in ("kinematics", "forces"):
         folder = tmp_path / study
-        assert CaseFile.read(folder / "translation.toml").case == Case.translation()
+        assert read_case(folder / "translation.toml").case == Case.translation()
         assert record(folder)["status"] == "done"
         assert set(record(folder)["files"]) == visible(folder)
     assert "simulate translation" in record(tmp_path / "kinematics")["stages_s"]

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, History, simulate
-from exudyn_crawler.case.files import CaseFile
+from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.views.curves import KINEMATICS
 from studies.comparison import compare_kinematics
 from studies.kinematics import run_kinematics
@@ -44,7 +44,7 @@ def test_a_short_study_leaves_history_table_and_figures(folder):
     for figure in figures:
         assert (folder / figure).read_bytes().startswith(b"\x89PNG")
     history = History.load(folder / "translation.nc")
-    kept = CaseFile.read(folder / "translation.toml")
+    kept = read_case(folder / "translation.toml")
     assert kept == CaseFile(case=history.case, duration=0.05)
     assert history.case == Case.translation()
     assert history.duration == pytest.approx(0.05, rel=1e-9)

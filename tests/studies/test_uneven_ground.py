@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case import Terrain
+from exudyn_crawler.case.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.sphere_contact import SphereContact
 from exudyn_crawler.results.balance import shoe_imbalance
@@ -28,7 +29,7 @@ from studies.uneven_ground import (
     uneven_case,
 )
 
-GENERAL = Case.translation(contact="general")
+GENERAL = Case.translation().with_(contact=Spheres.oil_sand())
 INNER = slice(2, 12)
 """Shoes with a neighbour on both sides."""
 
@@ -133,7 +134,7 @@ def test_run_on_the_papers_grid():
 
 
 def test_heights_are_refused_by_the_pair_law():
-    with pytest.raises(ValidationError, match=r"terrain.heights must be None with contact_model 'pair'"):
+    with pytest.raises(ValidationError, match=r"terrain.heights must be None with contact\.model 'pair'"):
         Case.translation().with_(terrain=strip().with_step(14.0, 0.1))
 
 
@@ -166,9 +167,9 @@ def test_step_that_leaves_the_track_unsupported_is_refused():
     message = r"units 6 and 7 below it differ by 0\.2 m, allowed is less than 0\.1342 m"
     with pytest.raises(ValidationError, match=message):
         GENERAL.with_(terrain=strip().with_step(14.0, 0.2))
-    larger = GENERAL.general_contact.with_(radius=0.25)
+    larger = GENERAL.sphere_contact().with_(radius=0.25)
     with pytest.raises(ValidationError, match=r"allowed is less than 0\.1842 m"):
-        GENERAL.with_(terrain=strip().with_step(14.0, 0.2), general_contact=larger)
+        GENERAL.with_(terrain=strip().with_step(14.0, 0.2), contact=larger)
 
 
 def test_step_ahead_is_refused_before_the_run():

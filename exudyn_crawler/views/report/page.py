@@ -17,9 +17,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoes
 from markupsafe import Markup
 from PIL import Image
 from plotly.offline import get_plotlyjs
-from pydantic import BaseModel
 
-from exudyn_crawler.case import LoadCycle
+from exudyn_crawler.case.text import case_table
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
@@ -138,7 +137,10 @@ def report_page(folder: Path) -> str:
         has_shoes=data["shoes"] is not None,
         pictures=pictures,
         tables=[_table(path.name, pd.read_csv(path)) for path in _further(folder)],
-        cases=[{"title": name, "rows": case_rows(one.case)} for name, one in histories.items()],
+        cases=[
+            {"title": name, "rows": case_table(one.case).to_dict("records")}
+            for name, one in histories.items()
+        ],
         texts=_texts(folder),
     )
 
@@ -308,47 +310,3 @@ def _texts(folder: Path) -> list[dict[str, str]]:
     return [
         {"title": path.name, "content": path.read_text(encoding="utf-8")} for path in found if path.is_file()
     ]
-
-
-def case_rows(model: BaseModel, prefix: str = "") -> list[dict[str, str]]:
-    """Every parameter of a case: name, value, unit and meaning, in the order of its fields."""
-    rows: list[dict[str, str]] = []
-    for name, field in type(model).model_fields.items():
-        value = getattr(model, name)
-        path = f"{prefix}{name}"
-        if isinstance(value, LoadCycle):
-            rows += [
-                {
-                    "name": f"{path}.{phase.name}",
-                    "value": _shown(phase.loads),
-                    "unit": "N",
-                    "meaning": f"downward load on shoes 1 to {value.shoe_count} at t = {phase.end:g} s",
-                }
-                for phase in value.phases
-            ]
-        elif isinstance(value, BaseModel) and not (isinstance(field.json_schema_extra, dict)):
-            rows += case_rows(value, f"{path}.")
-        else:
-            extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
-            rows.append(
-                {
-                    "name": path,
-                    "value": _shown(value),
-                    "unit": str(extra.get("unit", "")),
-                    "meaning": field.description or "",
-                }
-            )
-    return rows
-
-
-def _shown(value: object) -> str:
-    """Value of a parameter for reading."""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.8g}"
-    if isinstance(value, tuple):
-        return ", ".join(_shown(one) for one in value)
-    if isinstance(value, BaseModel):
-        return "; ".join(f"{name} {_shown(getattr(value, name))}" for name in type(value).model_fields)
-    return "none" if value is None else str(value)
