@@ -18,8 +18,9 @@ from hypothesis.extra.numpy import arrays
 
 from exudyn_crawler import History
 from exudyn_crawler.results.contacts import contacts_of
-from exudyn_crawler.views.report.data import quantities, thinned
+from exudyn_crawler.views.report.packing import thinned
 from exudyn_crawler.views.report.page import case_rows, hot_spot_tables, report_page, write_report
+from exudyn_crawler.views.series import dataset_series
 from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
@@ -108,7 +109,7 @@ def test_series_on_the_page_are_those_of_the_history(flexible_run, stress_page):
 
 def test_rigid_links_have_no_pins_to_pick(flexible_run):
     history, stress, _ = flexible_run
-    found = {quantity.label: quantity for quantity in quantities(history.dataset, stress)}
+    found = {series.label: series for series in dataset_series(history.dataset, stress)}
     pins = set(found["pin force"].values["item"].values.tolist())
     assert pins == {f"link {link} {side}" for link in ("6-7", "7-8", "12-13") for side in ("right", "left")}
 
