@@ -132,5 +132,5 @@ def _add_constrained_terrain(
             )
         )
     for axis in (0, 1):
-        hold(mbs, fixed, nodes[-1], axis)
+        hold(mbs, fixed, nodes[-1], axis, f"hold of unit {terrain.unit_count}")
     return nodes, ConstrainedCoordinates(terrain.unit_count, terrain.tilt_axis)

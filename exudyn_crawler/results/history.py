@@ -5,10 +5,15 @@ from pathlib import Path
 from typing import Self
 
 import h5py
+import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import write_netcdf
+from exudyn_crawler.model.state import VERSION
+
+LAYOUT_VERSION = "layout_version"
+"""Attribute of the version of the states that a history was made of; the first histories have none."""
 
 
 @dataclass(frozen=True)
@@ -16,7 +21,7 @@ class History:
     """Results of a run.
 
     Every variable of the dataset is an attribute too: ``history.position.sel(shoe=13, axis="x")``.
-    `exudyn_crawler.results.states` lists the variables, each with its unit and meaning in its attributes.
+    `exudyn_crawler.results.quantities` lists the variables; each has its unit and meaning in its attributes.
 
     Attributes
     ----------
@@ -63,7 +68,7 @@ class History:
         FileNotFoundError
             If there is no such file.
         ValueError
-            If the file does not hold a history.
+            If the file does not hold a history, or one of states laid out in another version.
         """
         path = Path(path)
         if not path.is_file():
@@ -71,6 +76,9 @@ class History:
         try:
             # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
             with h5py.File(path, "r") as file:
+                found = np.asarray(file.attrs.get(LAYOUT_VERSION, VERSION)).item()
+                if found != VERSION:
+                    raise ValueError(f"its states have layout version {found}, this program reads {VERSION}")
                 case = Case.model_validate_json(file.attrs["case"])
             dataset = xr.load_dataset(path, engine="h5netcdf")
             del dataset.attrs["case"]

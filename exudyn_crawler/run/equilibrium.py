@@ -9,6 +9,7 @@ from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
 from exudyn_crawler.ground.sphere_contact import SphereContact
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.system import System, build
+from exudyn_crawler.run.faults import at_fault
 
 RESIDUAL = 1e-3
 """N, root mean square of the residual that ends the iteration: 1e-9 of a shoe's load."""
@@ -26,7 +27,7 @@ def static_equilibrium(case: Case) -> NDArray:
     Returns
     -------
     array (coordinates,)
-        As in `engine`: m and rad, from the places at t = 0 before settling.
+        Laid out as `model.state` says: m and rad, from the places at t = 0 before settling.
 
     Raises
     ------
@@ -72,8 +73,10 @@ def _rest(system: System, guess: NDArray) -> NDArray:
     try:
         system.mbs.SolveStatic(settings)
     except exu.SolverError as error:
-        name = system.case.name
-        raise EquilibriumError(f"no static equilibrium of case {name!r} was found: {error}") from error
+        fault = at_fault(system, system.mbs.sys["staticSolver"])
+        raise EquilibriumError(
+            f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, {fault}"
+        ) from error
     return np.asarray(system.mbs.systemData.GetODE2Coordinates())
 
 
@@ -119,8 +122,8 @@ def _relaxed(system: System, q: NDArray) -> NDArray:
             system.mbs.SolveDynamic(settings)
         except exu.SolverError as error:
             raise EquilibriumError(
-                f"no static equilibrium of case {name!r} was found on its uneven ground. "
-                f"{_unsupported(system)}"
+                f"no static equilibrium of case {name!r} was found on its uneven ground: damped motion "
+                f"failed, {at_fault(system, system.mbs.sys['dynamicSolver'])}. {_unsupported(system)}"
             ) from error
         q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
         speed = np.abs(system.mbs.systemData.GetODE2Coordinates_t()).max()

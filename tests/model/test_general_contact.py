@@ -16,7 +16,7 @@ from exudyn_crawler.model.system import build
 from exudyn_crawler.results.balance import powers, shoe_imbalance, track_imbalance
 from exudyn_crawler.results.contacts import contacts_by_shoe
 from exudyn_crawler.run.equilibrium import static_equilibrium
-from exudyn_crawler.run.simulation import integrate
+from exudyn_crawler.run.integration import integrate
 from studies.comparison import compare_kinematics
 from studies.force_comparison import compare_forces
 from studies.forces import run_forces
