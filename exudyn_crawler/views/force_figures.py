@@ -1,7 +1,6 @@
 """Figures of the F-paper: contact, friction and joint forces, sinkage and deformation."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -15,6 +14,7 @@ from exudyn_crawler.views.series import (
     CONTACT_VECTORS,
     JOINT_VECTORS,
     TERRAIN_DEFORMATION,
+    deformation_panels,
     history_series,
     link_names,
     shoe_names,
@@ -34,8 +34,7 @@ def force_figures(
     panels |= {label: found[label].panels(links) for label in JOINT_VECTORS}
     case = history.case.name
     figures = {name: panel_figure(f"{case}: {name}", one) for name, one in panels.items()}
-    deformation = replace(found[TERRAIN_DEFORMATION], label="deformation")
-    figures["terrain deformation"] = panel_figure(f"{case}: {TERRAIN_DEFORMATION}", deformation.panels())
+    figures["terrain deformation"] = panel_figure(f"{case}: {TERRAIN_DEFORMATION}", deformation_panels(found))
     return figures
 
 

@@ -1,38 +1,28 @@
 """What a run offers to be drawn over time: quantities of shoes, links and track, in units for reading."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import xarray as xr
 
 from exudyn_crawler.results.contacts import contacts_of, terrain_deformation
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.quantities import QUANTITIES
 from exudyn_crawler.views.curves import KINEMATICS, Panel, kinematic_series
 from exudyn_crawler.views.scales import MEGA
 
-CONTACT_VECTORS = {
-    "normal force": ("normal_force", "N"),
-    "slip velocity": ("slip_velocity", "m/s"),
-    "friction force": ("friction_force", "N"),
-    "contact force": ("contact_force", "N"),
-}
-CONTACT_SCALARS = {
-    "penetration depth": ("penetration", "m"),
-    "sinkage velocity": ("penetration_rate", "m/s"),
-    "friction torque": ("friction_torque", "N m"),
-}
-JOINT_VECTORS = {
-    "spherical joint reaction": ("joint_force", "N"),
-    "parallel joint torque": ("joint_torque", "N m"),
-}
-PIN_VECTORS = {"pin force": ("pin_force", "N"), "pin torque": ("pin_torque", "N m")}
-TERRAIN_DEFORMATION = "total terrain deformation from equilibrium"
-TRACK_SCALARS = {
-    "force of the drive along x": ("drive_force", "N"),
-    "torque of the turn about z": ("drive_torque", "N m"),
-    TERRAIN_DEFORMATION: ("terrain_deformation", "m"),
-}
-HIGHEST_STRESS = "highest von Mises stress"
+
+def _labelled(*names: str) -> dict[str, tuple[str, str]]:
+    """Variables and their units by label, as the catalogue has them."""
+    return {QUANTITIES[name].label: (name, QUANTITIES[name].unit) for name in names}
+
+
+CONTACT_VECTORS = _labelled("normal_force", "slip_velocity", "friction_force", "contact_force")
+CONTACT_SCALARS = _labelled("penetration", "penetration_rate", "friction_torque")
+JOINT_VECTORS = _labelled("joint_force", "joint_torque")
+PIN_VECTORS = _labelled("pin_force", "pin_torque")
+TERRAIN_DEFORMATION = QUANTITIES["terrain_deformation"].long_name
+HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
 
 
 @dataclass(frozen=True)
@@ -85,6 +75,12 @@ def dataset_series(dataset: xr.Dataset, stress: xr.Dataset | None = None) -> lis
     """Same from a history's variables, whose terrain deformation is drawn where it is among them."""
     found = [] if stress is None else [_highest(stress)]
     return [*found, *_motion(dataset), *_contact(dataset), *_links(dataset), *_track(dataset)]
+
+
+def deformation_panels(found: Mapping[str, Series]) -> list[Panel]:
+    """Panel of the terrain's deformation, with a label that fits beside it."""
+    label = QUANTITIES["terrain_deformation"].label
+    return replace(found[TERRAIN_DEFORMATION], label=label).panels()
 
 
 def shoe_names(shoes: Iterable[int]) -> list[str]:
@@ -154,8 +150,10 @@ def pin_name(joint: int, side: str) -> str:
 
 
 def _track(dataset: xr.Dataset) -> Iterator[Series]:
-    for label, (name, unit) in TRACK_SCALARS.items():
+    deformation = {TERRAIN_DEFORMATION: ("terrain_deformation", QUANTITIES["terrain_deformation"].unit)}
+    for label, (name, unit) in (_labelled("drive_force", "drive_torque") | deformation).items():
         if name in dataset:
             yield Series("track", label, unit, _shaped(dataset[name], "track", ["track"]))
-    if "shoe_load" in dataset:
-        yield Series("track", "machine and dipper load", "N", _of_shoes(dataset.shoe_load))
+    for label, (name, unit) in _labelled("shoe_load").items():
+        if name in dataset:
+            yield Series("track", label, unit, _of_shoes(dataset[name]))

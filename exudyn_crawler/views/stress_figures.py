@@ -11,6 +11,7 @@ from exudyn_crawler.views.series import (
     HIGHEST_STRESS,
     TERRAIN_DEFORMATION,
     Series,
+    deformation_panels,
     history_series,
     shoe_names,
 )
@@ -41,8 +42,7 @@ def stress_figures(history: History, results: StressResults) -> dict[str, Figure
             figures[f"{side} {name}"] = panel_figure(
                 f"flexible shoes: {side} {name}", _of_side(found[label], str(side)).panels()
             )
-    deformation = replace(found[TERRAIN_DEFORMATION], label="deformation")
-    figures["terrain deformation"] = panel_figure(TERRAIN_DEFORMATION, deformation.panels())
+    figures["terrain deformation"] = panel_figure(TERRAIN_DEFORMATION, deformation_panels(found))
     figures["modal coordinates"] = panel_figure(
         f"modal coordinates 1 to {MODES_DRAWN}",
         [_modal_panel(history, int(shoe)) for shoe in history.flexible_shoe.values],
