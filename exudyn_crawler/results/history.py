@@ -57,11 +57,8 @@ class History:
             If the file exists and `overwrite` is false.
         """
         path = Path(path)
-        compressed = {
-            name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.dataset.data_vars
-        }
         whole = self.dataset.assign_attrs(case=self.case.model_dump_json())
-        return write_netcdf(whole, path, overwrite, compressed)
+        return write_netcdf(whole, path, overwrite)
 
     @classmethod
     def load(cls, path: str | Path) -> Self:

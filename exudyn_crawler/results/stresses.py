@@ -9,7 +9,6 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import StressBasis, stress_basis, whole_coordinates
 from exudyn_crawler.results.quantities import variable
@@ -55,12 +54,7 @@ class StressResults:
         FileExistsError
             If the file exists and `overwrite` is false.
         """
-        compressed = {
-            name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.dataset.data_vars
-        }
-        with whole_file(path, overwrite) as temporary:
-            self.dataset.to_netcdf(temporary, engine="h5netcdf", encoding=compressed)
-        return path
+        return write_netcdf(self.dataset, path, overwrite)
 
 
 def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -> StressResults:

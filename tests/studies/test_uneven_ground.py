@@ -6,7 +6,6 @@ import sys
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from pydantic import ValidationError
 
 from exudyn_crawler import Case, History, simulate
@@ -16,7 +15,6 @@ from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.sphere_contact import SphereContact
 from exudyn_crawler.results.balance import shoe_imbalance
 from exudyn_crawler.run.equilibrium import static_equilibrium
-from exudyn_crawler.views.ground_figures import draw_side_view
 from studies.comparison import time_mean
 from studies.uneven_ground import (
     RAMP_END,
@@ -186,16 +184,6 @@ def test_ground_without_rest_is_named():
     case = GENERAL.with_(name="steep", terrain=strip().with_ramp(8.0, 20.0, -1.0))
     with pytest.raises(EquilibriumError, match=r"case 'steep' .* uneven ground.* shoe"):
         static_equilibrium(case)
-
-
-def test_side_view_draws_shoes_and_units(step):
-    ax = Figure().add_subplot()
-    assert draw_side_view(ax, step, 1.0) is ax
-    assert len(ax.patches) == 13 + 13
-    assert len(ax.lines) == 13
-    assert "t = 1 s" in ax.get_title()
-    tops = [max(patch.get_xy()[:, 1]) for patch in ax.patches[:13]]
-    assert tops[12] - tops[0] == pytest.approx(STEP_HEIGHT, abs=0.02)
 
 
 def test_study_runs_as_a_script(tmp_path):

@@ -1,41 +1,47 @@
 """One self-contained page of a run's folder, to be read offline in a browser."""
 
-import base64
-import io
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import matplotlib as mpl
-import numpy as np
 import pandas as pd
 import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
-from PIL import Image
 from plotly.offline import get_plotlyjs
 
 from exudyn_crawler.case.text import case_table
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
-from exudyn_crawler.views.report.data import packed_case, packed_shoes, points_a_series, quantities
-from exudyn_crawler.views.scenes import ARROW_COLOUR, COLOURS
-from exudyn_crawler.views.stress_pictures import PICTURES, picture_time, write_stress_pictures
+from exudyn_crawler.views.report.pictures import embedded_picture
+from exudyn_crawler.views.report.plots import (
+    first_plots,
+    packed_case,
+    page_colours,
+    points_a_series,
+    thinning,
+)
+from exudyn_crawler.views.report.shoes import packed_shoes
+from exudyn_crawler.views.report.tables import comparison_rows, hot_spot_table, html_table
+from exudyn_crawler.views.series import dataset_series
+from exudyn_crawler.views.stress_pictures import PICTURES, write_stress_pictures
 from studies.comparison import summary
 
 REPORT = "report.html"
-PICTURE_WIDTH = 1500
-"""Pixels of a picture on the page."""
-FIRST_PLOTS = {
-    "rigid": ("velocity", "contact force"),
-    "stress": ("highest von Mises stress", "contact force"),
-}
-"""What the plots show first, by what a folder holds."""
-VERDICTS = {"yes": "within", "no": "outside", "": "none"}
+SECTIONS = (
+    ("comparison", "Paper against computed", "comparison"),
+    ("histories", "Time histories", "has_series"),
+    ("hot-spots", "Hot spots", "hot_spots"),
+    ("shoes", "Flexible shoes in 3D", "has_shoes"),
+    ("pictures", "Stress pictures", "pictures"),
+    ("tables", "Further tables", "tables"),
+    ("case", "Case", None),
+)
+"""Anchor and heading of each section, and what there must be for it to be shown."""
 
 
 def write_report(folder: Path, out: Path | None = None, overwrite: bool = False) -> Path:
@@ -81,39 +87,48 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
 def report_page(folder: Path) -> str:
     """HTML of the report; raises as `write_report`."""
     histories, variables = _histories(folder)
-    stress = _stress(folder)
-    comparison = _comparison(folder)
+    stress, comparison = _stress(folder), _comparison(folder)
     if not variables and comparison is None:
         raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
     owner = next((one for one in histories.values() if one.case.flexible is not None), None)
     found = {
-        name: quantities(dataset, stress if owner is None or name == owner.case.name else None)
+        name: dataset_series(dataset, stress if owner is None or name == owner.case.name else None)
         for name, dataset in variables.items()
     }
     points = points_a_series(found)
-    pictures = _pictures(folder, stress, owner)
-    hot_spots = hot_spot_tables(folder, stress)
     data = {
         "cases": {name: packed_case(one, points) for name, one in found.items()},
         "shoes": None if stress is None or owner is None else packed_shoes(stress, owner),
-        "first": _first_plots(found),
-        "colours": _colour_scale(),
-        "arrows": ARROW_COLOUR,
+        "first": first_plots(found),
+        **page_colours(),
     }
     title = " and ".join(variables) if variables else folder.resolve().name
     lead = [
         f"{name}: {float(one.time[-1]):.4g} s, {one.sizes['time']} stored times"
         for name, one in variables.items()
     ]
-    named = {
-        "comparison": ("Paper against computed", comparison is not None),
-        "histories": ("Time histories", bool(variables)),
-        "hot-spots": ("Hot spots", bool(hot_spots)),
-        "shoes": ("Flexible shoes in 3D", data["shoes"] is not None),
-        "pictures": ("Stress pictures", bool(pictures)),
-        "tables": ("Further tables", bool(_further(folder))),
-        "case": ("Case", True),
+    content = {
+        "title": f"Crawler track: {title}",
+        "lead": "; ".join(lead),
+        "summary": [] if comparison is None else _summary_rows(comparison),
+        "comparison": None if comparison is None else comparison_rows(comparison),
+        "has_series": bool(variables),
+        "thinning": thinning(variables, points),
+        "hot_spots": hot_spot_tables(folder, stress),
+        "has_shoes": data["shoes"] is not None,
+        "pictures": _pictures(folder, stress, owner),
+        "tables": [html_table(path.name, pd.read_csv(path)) for path in _further(folder)],
+        "cases": [
+            {"title": name, "rows": case_table(one.case).to_dict("records")}
+            for name, one in histories.items()
+        ],
+        "texts": _texts(folder),
     }
+    return _rendered(content, data)
+
+
+def _rendered(content: dict[str, Any], data: dict[str, Any]) -> str:
+    """Page of what its sections show and of the data that its script draws."""
     environment = Environment(
         loader=FileSystemLoader(str(files("exudyn_crawler.views.report").joinpath("templates"))),
         autoescape=select_autoescape(default=True),
@@ -121,27 +136,15 @@ def report_page(folder: Path) -> str:
         trim_blocks=True,
     )
     return environment.get_template("report.html").render(
-        title=f"Crawler track: {title}",
-        lead="; ".join(lead),
+        content,
         style=Markup(_template("report.css")),
         script=Markup(_template("report.js")),
-        plotly=Markup(get_plotlyjs()) if variables else "",
+        plotly=Markup(get_plotlyjs()) if content["has_series"] else "",
         # the page's own parser must not find the end of a script in the data
         data=Markup(json.dumps(data, separators=(",", ":")).replace("</", "<\\/")),
-        sections=[(anchor, name) for anchor, (name, there) in named.items() if there],
-        summary=[] if comparison is None else _summary_rows(comparison),
-        comparison=None if comparison is None else _comparison_rows(comparison),
-        has_series=bool(variables),
-        thinning=_thinning(variables, points),
-        hot_spots=hot_spots,
-        has_shoes=data["shoes"] is not None,
-        pictures=pictures,
-        tables=[_table(path.name, pd.read_csv(path)) for path in _further(folder)],
-        cases=[
-            {"title": name, "rows": case_table(one.case).to_dict("records")}
-            for name, one in histories.items()
+        sections=[
+            (anchor, heading) for anchor, heading, shown in SECTIONS if shown is None or content[shown]
         ],
-        texts=_texts(folder),
     )
 
 
@@ -195,54 +198,9 @@ def _summary_rows(table: pd.DataFrame) -> list[dict[str, Any]]:
     ]
 
 
-def _comparison_rows(table: pd.DataFrame) -> dict[str, Any]:
-    """Columns and rows of the comparison, each row with its verdict."""
-    shown = table.assign(within=table["within"].map(VERDICTS))
-    shown["within"] = shown["within"].replace("none", "no verdict")
-    rows = [
-        {"verdict": VERDICTS[verdict], "cells": [_cell(value) for value in row]}
-        for verdict, row in zip(table["within"], shown.itertuples(index=False), strict=True)
-    ]
-    return {"columns": list(shown.columns), "rows": rows}
-
-
-def _cell(value: object) -> dict[str, Any]:
-    if isinstance(value, float | np.floating):
-        return {"text": "" if np.isnan(value) else f"{value:.4g}", "number": True}
-    return {"text": str(value), "number": isinstance(value, int | np.integer)}
-
-
-def _table(title: str, table: pd.DataFrame) -> dict[str, Any]:
-    html = table.to_html(index=False, border=0, na_rep="", float_format=lambda value: f"{value:.5g}")
-    return {"title": title, "html": Markup(html)}
-
-
 def hot_spot_tables(folder: Path, stress: xr.Dataset | None) -> list[dict[str, Any]]:
     """Titles and HTML of the hot spots' tables of a folder, in the order of the shoes."""
-    return [_hot_spot_table(path, stress) for path in _by_number(folder.glob("hot_spots_*.csv"))]
-
-
-def _hot_spot_table(path: Path, stress: xr.Dataset | None) -> dict[str, Any]:
-    """Table of hot spots with stresses in MPa and places in the shoe's frame.
-
-    Studies give places in the track at t = 0, as the S-paper does, which are kept beside.
-    """
-    table = pd.read_csv(path)
-    for name in ("value", "jump"):
-        if name in table:
-            table[name] = table[name] / 1e6
-    places = {"place in the shoe, m": table[list("xyz")].to_numpy()}
-    if stress is not None:
-        local = stress.node_position.transpose("node", "axis").values[table["node"]]
-        if not np.allclose(local, places["place in the shoe, m"], atol=1e-6):
-            places = {"place in the shoe, m": local, "place at t = 0, m": places["place in the shoe, m"]}
-    at = table.columns.get_loc("x")
-    table = table.drop(columns=list("xyz"))
-    for offset, (name, values) in enumerate(places.items()):
-        table.insert(at + offset, name, [", ".join(f"{value:.4f}" for value in row) for row in values])
-    names = {"value": "von Mises, MPa", "jump": "jump, MPa", "time": "time, s"}
-    title = path.stem.removeprefix("hot_spots_").replace("_", " ")
-    return _table(title, table.rename(columns=names))
+    return [hot_spot_table(path, stress) for path in _by_number(folder.glob("hot_spots_*.csv"))]
 
 
 def _by_number(paths: Iterator[Path]) -> list[Path]:
@@ -263,45 +221,9 @@ def _pictures(folder: Path, stress: xr.Dataset | None, history: History | None) 
     """Stress pictures of the folder, or new ones where it has none."""
     kept = sorted(folder.glob(PICTURES))
     if kept or stress is None or history is None:
-        return [_picture(path) for path in kept]
+        return [embedded_picture(path) for path in kept]
     with TemporaryDirectory() as temporary:
-        return [_picture(path) for path in write_stress_pictures(stress, history, Path(temporary))]
-
-
-def _picture(path: Path) -> dict[str, str]:
-    """Picture as a data URI, no wider than the page needs."""
-    with Image.open(path) as opened:
-        image = opened.convert("RGB")
-    if image.width > PICTURE_WIDTH:
-        size = (PICTURE_WIDTH, round(image.height * PICTURE_WIDTH / image.width))
-        image = image.resize(size, Image.Resampling.LANCZOS)
-    memory = io.BytesIO()
-    image.save(memory, format="webp", quality=85)
-    encoded = base64.b64encode(memory.getvalue()).decode("ascii")
-    return {"time": f"{picture_time(path):g}", "uri": f"data:image/webp;base64,{encoded}"}
-
-
-def _first_plots(found: Mapping[str, list]) -> list[str]:
-    labels = {quantity.label for one in found.values() for quantity in one}
-    return list(FIRST_PLOTS["stress" if "highest von Mises stress" in labels else "rigid"])
-
-
-def _colour_scale() -> list[list[Any]]:
-    """Colours of stresses as Plotly takes them."""
-    places = np.linspace(0.0, 1.0, 17)
-    return [[float(at), mpl.colors.to_hex(mpl.colormaps[COLOURS](at))] for at in places]
-
-
-def _thinning(variables: Mapping[str, xr.Dataset], points: int) -> str:
-    """What the reader has to know about left-out times."""
-    most = max((one.sizes["time"] for one in variables.values()), default=0)
-    if most <= points:
-        return "Every stored time is drawn."
-    return (
-        f"Of the {most} stored times each curve keeps the least and the greatest value in every one of "
-        f"{points // 2 - 1} equal parts of the run, so that no extreme is lost; in between it is thinner "
-        "than what was computed."
-    )
+        return [embedded_picture(path) for path in write_stress_pictures(stress, history, Path(temporary))]
 
 
 def _texts(folder: Path) -> list[dict[str, str]]:
