@@ -97,7 +97,8 @@ def _names(model):
             yield from _names(part)
 
 
-NAMES = sorted({*_names(CaseFile), "base", "wrong"} - {"case"})
+OLD = {"contact_model", "general_contact", "drive_on"}
+NAMES = sorted({*_names(CaseFile), *OLD, "base", "wrong"} - {"case"})
 PLAIN = (
     st.none().map(lambda _none: "none")
     | st.booleans()
@@ -105,7 +106,9 @@ PLAIN = (
     | st.floats()
     | TEXT
     | st.datetimes()
-    | st.sampled_from(["translation", "stress", "ph4100c", "coarse", "pitch", "oil_sand", "spheres"])
+    | st.sampled_from(
+        ["translation", "stress", "ph4100c", "coarse", "pitch", "oil_sand", "spheres", "general"]
+    )
 )
 TOML = st.dictionaries(
     st.sampled_from(NAMES) | TEXT,

@@ -168,6 +168,30 @@ def test_a_drive_that_does_not_start_from_rest_is_refused(field, part):
     refusal(lambda: Drive.turning().with_(**{field: moving}), f"{part} must start from", "got 0.2 at 0.0 s")
 
 
+def test_a_drive_tells_when_it_is_on():
+    drive = Drive.to_rest()
+    assert drive.on == ((0.0, 15.0),)
+    assert drive.switch_times == (15.0,)
+    again = StepProfile(times=(0.0, 5.0, 10.0, 15.0, 20.0, 25.0), values=(0.0, 0.1, 0.1, 0.0, 0.0, 0.1))
+    twice = drive.with_(speed=again, on=((0.0, 15.0), (20.0, 30.0)))
+    assert twice.switch_times == (15.0, 20.0, 30.0)
+    on = {0.0: True, 14.9: True, 15.0: False, 20.0: True, 30.0: False}
+    assert {time: twice.drives_after(time) for time in on} == on
+    assert [twice.off_since(time) for time in (10.0, 15.0, 19.0, 25.0, 33.0)] == [0.0, 0.0, 4.0, 0.0, 3.0]
+    assert twice.travel(20.0) == twice.travel(15.0) == pytest.approx(0.25 + 0.5 + 0.25, rel=1e-12)
+    assert twice.travel(40.0) - twice.travel(20.0) == pytest.approx(0.25 + 0.5, rel=1e-12)
+    assert Drive.translation().drives_after(1e9)
+    assert Drive.translation().switch_times == ()
+    assert Drive.translation().turn(10.0) == 0.0
+    assert Drive.turning().turn(10.0) == pytest.approx(math.radians(7.5), rel=1e-12)
+
+
+def test_flexible_shoes_are_had_where_there_are_some():
+    assert Case.stress().flexible_shoes().shoes == (6, 7, 8, 11, 12, 13)
+    with pytest.raises(ValueError, match="flexible must be given, got a case of rigid shoes only, 'turning'"):
+        Case.turning().flexible_shoes()
+
+
 def phases(*ends, names=("a", "b"), loads=((1.0, 2.0), (3.0, 4.0))):
     return tuple(Phase(name=n, end=e, loads=load) for n, e, load in zip(names, ends, loads, strict=True))
 

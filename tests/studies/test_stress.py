@@ -143,7 +143,7 @@ def test_results_are_not_overwritten_unasked(study):
 
 
 def test_a_track_of_rigid_shoes_is_refused():
-    with pytest.raises(ValueError, match="needs flexible shoes"):
+    with pytest.raises(ValueError, match="flexible must be given"):
         run_stress(Case.translation())
 
 
