@@ -9,6 +9,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import StressBasis, stress_basis, whole_coordinates
 from exudyn_crawler.results.quantities import variable
