@@ -1,7 +1,5 @@
 """Tables of `docs/fem.md`: mesh convergence, spiders and residual modes of the shoe."""
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np
@@ -10,17 +8,8 @@ import fem
 import meshes
 from fem.stress import von_mises
 
-STEEL = fem.Material(200e9, 0.3, 7847.25)
 PULL = 1.3e6
 MACHINE_LOAD = np.array([0.0, 0.0, -386.4e3])
-
-
-def shoe_interfaces(mesh: fem.Mesh, spider: fem.interfaces.Spider) -> list[fem.Interface]:
-    """Four interfaces of the shoe at its bores."""
-    return [
-        fem.Interface(name, center, mesh.nodes_of(f"bore {name}"), spider)
-        for name, center in meshes.JOINT_CENTERS.items()
-    ]
 
 
 def center_loads(interfaces: tuple[fem.Interface, ...], end: str, axis: int) -> np.ndarray:
@@ -37,14 +26,14 @@ def center_loads(interfaces: tuple[fem.Interface, ...], end: str, axis: int) -> 
 def convergence(sizes: tuple[str, ...]) -> None:
     """Print rigid properties, ten frequencies and peak stresses of each mesh."""
     for size in sizes:
-        body = fem.ElasticBody(meshes.shoe_mesh(size), STEEL)
+        body = fem.ElasticBody(meshes.shoe_mesh(size), meshes.STEEL)
         frequencies = body.natural_frequencies(16)[6:]
         print(f"\n{size}: {len(body.mesh.nodes)} nodes, {len(body.mesh.elements)} elements")
         print(f"mass {body.mass:.2f} kg, centre {body.center_of_mass.round(5)} m")
         print(f"inertia {body.inertia.round(2).tolist()} kg m2")
         print("frequencies " + " | ".join(f"{f:.2f}" for f in frequencies))
         for spider in ("rigid", "averaging"):
-            partition = fem.Partition(body, shoe_interfaces(body.mesh, spider))
+            partition = fem.Partition(body, meshes.joint_interfaces(body.mesh, spider))
             for end, axis in (("rear", 0), ("front", 0), ("rear", 1)):
                 loads = center_loads(partition.interfaces, end, axis)
                 u = partition.static_response(center_loads=loads).reshape(-1, 3, 1)
@@ -62,8 +51,8 @@ def convergence(sizes: tuple[str, ...]) -> None:
 
 def residual_modes(size: str) -> None:
     """Print what the stress of each distributed load loses without its residual mode."""
-    body = fem.ElasticBody(meshes.shoe_mesh(size), STEEL)
-    partition = fem.Partition(body, shoe_interfaces(body.mesh, "rigid"))
+    body = fem.ElasticBody(meshes.shoe_mesh(size), meshes.STEEL)
+    partition = fem.Partition(body, meshes.joint_interfaces(body.mesh, "rigid"))
     reduced = fem.craig_bampton(body, partition.interfaces, 76, partition=partition)
     for surface in ("top", "roller path", "underside"):
         load = body.surface_load(surface, MACHINE_LOAD)

@@ -1,7 +1,5 @@
 """Reduced bodies to and from one HDF5 file, with digests that tell a stale one."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json
@@ -14,12 +12,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .body import ElasticBody
-from .elasticity import Material
-from .interfaces import Interface
-from .mesh import Floats, Mesh
-from .reduced import ReducedBody
-from .reduction import craig_bampton
+from fem.body import ElasticBody
+from fem.elasticity import Material
+from fem.interfaces import Interface
+from fem.mesh import Floats, Mesh
+from fem.reduced import ReducedBody
+from fem.reduction import craig_bampton
 
 FORMAT = "fem reduced body 1"
 _ARRAYS = ("frequencies", "modes", "stress_modes", "pilots", "center_of_mass", "inertia")
@@ -52,9 +50,11 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
 
     Parameters
     ----------
-    path : file to write, replaced only when complete.
+    path : str | Path
+        File to write, replaced only when complete.
     body : ReducedBody
-    digest : of `reduction_digest`, if the file is to serve as a cache.
+    digest : str
+        Of `reduction_digest`, if the file is to serve as a cache.
     """
     path = Path(path)
     # made in memory first: where a disk is full, HDF5 does not fail but ends the process
@@ -96,9 +96,12 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
 
     Parameters
     ----------
-    path : file of `save_reduced`.
-    mesh : the mesh it must belong to, if given.
-    digest : of `reduction_digest`, that it must have, if given.
+    path : str | Path
+        File of `save_reduced`.
+    mesh : Mesh, optional
+        The mesh it must belong to, if given.
+    digest : str, optional
+        Of `reduction_digest`, that it must have, if given.
 
     Raises
     ------

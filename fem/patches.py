@@ -1,7 +1,7 @@
-"""Motion of a flexible underside, averaged over the part of it that lies on a terrain unit.
+"""Mean motion of a rectangular surface of a body over any rectangle of it.
 
-The mode shapes of the underside are integrated once over a fine grid, so that their mean over any rectangle
-costs four look-ups, however many nodes the mesh has.
+The mode shapes of the surface, an underside, are integrated once over a fine grid, so that their mean over a
+rectangle costs four look-ups, however many nodes the mesh has.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from scipy.interpolate import LinearNDInterpolator
 
-from fem.mesh import Floats as FloatArray
+from fem.mesh import Floats
 
 CELL = 0.03
 """m, greatest side of a cell of the grid; the underside's elements are several times as large."""
@@ -30,9 +30,9 @@ class Underside:
         Integral of the modes' displacements from the corner to every grid point, m2 times m per unit.
     """
 
-    corner: FloatArray
-    cell: FloatArray
-    integral: FloatArray
+    corner: Floats
+    cell: Floats
+    integral: Floats
 
     @property
     def mode_count(self) -> int:
@@ -40,7 +40,7 @@ class Underside:
         return self.integral.shape[3]
 
 
-def integrate_underside(positions: FloatArray, modes: FloatArray, footprint: FloatArray) -> Underside:
+def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> Underside:
     """Integrate mode shapes over a rectangular underside.
 
     Parameters

@@ -1,12 +1,6 @@
 """The crawler shoe: its dimensions, the script that meshes it and the ready meshes."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
-from fem.mesh import Mesh, read_mesh
-
-from .geometry import (
+from meshes.geometry import (
     COM_HEIGHT,
     FRONT_PIN_X,
     JOINT_CENTERS,
@@ -16,44 +10,24 @@ from .geometry import (
     REAR_PIN_X,
     ShoeDimensions,
 )
-
-SHOE_SIZES = ("coarse", "study", "fine")
-
-
-def shoe_path(size: str = "study") -> Path:
-    """Path of a ready mesh of the shoe: "coarse", "study" or "fine".
-
-    Raises
-    ------
-    ValueError
-        If there is no such size.
-    """
-    if size not in SHOE_SIZES:
-        raise ValueError(f"size = {size!r} must be one of {SHOE_SIZES}")
-    return Path(__file__).parent / f"shoe_{size}.msh.gz"
-
-
-def shoe_mesh(size: str = "study") -> Mesh:
-    """Ready mesh of the shoe in shoe axes, in m."""
-    return read_mesh(shoe_path(size))
-
-
-def mesh_named(name: str) -> Mesh:
-    """Ready mesh of the shoe by its size, or any mesh by its path; as `fem.read_mesh`."""
-    return shoe_mesh(name) if name in SHOE_SIZES else read_mesh(name)
-
+from meshes.load_surfaces import LOAD_SURFACES, with_load_surfaces
+from meshes.shoe import SHOE_SIZES, STEEL, joint_interfaces, mesh_named, shoe_mesh, shoe_path
 
 __all__ = [
     "COM_HEIGHT",
     "FRONT_PIN_X",
     "JOINT_CENTERS",
+    "LOAD_SURFACES",
     "PIN_HEIGHT",
     "PIN_Y",
     "PITCH",
     "REAR_PIN_X",
     "SHOE_SIZES",
+    "STEEL",
     "ShoeDimensions",
+    "joint_interfaces",
     "mesh_named",
     "shoe_mesh",
     "shoe_path",
+    "with_load_surfaces",
 ]

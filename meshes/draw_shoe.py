@@ -1,7 +1,5 @@
 """Draw the shoe's surface: `python -m meshes.draw_shoe [file.png]`."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
@@ -11,8 +9,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from fem.mesh import Floats, Mesh
-
-from . import shoe_mesh
+from meshes import shoe_mesh
 
 COLORS = {"roller path": "#d98c3f", "top": "#e8c48a", "bore": "#b23a48"}
 STEEL_COLOR = "#9fb1bd"
@@ -24,10 +21,13 @@ def draw_surface(ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimu
 
     Parameters
     ----------
-    ax : 3-D axes.
+    ax : Axes3D
+        3-D axes.
     mesh : Mesh
-    colors : (k, 3) red, green, blue of each boundary triangle, 0 to 1.
-    elevation, azimuth : place of the viewer in degrees; faces turned away are left out.
+    colors : array (k, 3)
+        Red, green, blue of each boundary triangle, 0 to 1.
+    elevation, azimuth : float
+        Place of the viewer in degrees; faces turned away are left out.
     """
     corners = mesh.nodes[mesh.boundary[:, :3]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

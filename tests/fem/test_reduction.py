@@ -4,50 +4,16 @@ import itertools
 
 import numpy as np
 import pytest
-import scipy.linalg
 
 import fem
-from fem.eigen import lowest_modes
-from fem.interfaces import averaging_rows, rigid_motion_of_centers
-from fem.solver import default_backend, factorized
+from fem.interfaces import rigid_motion_of_centers
 from fem.stress import von_mises
-from tests.fem.conftest import STEEL, beam_interfaces, box_mesh, shoe_interfaces
+from tests.fem.bodies import beam_interfaces
 
 
 def spring_response(reduced: fem.ReducedBody, load: np.ndarray) -> np.ndarray:
     """Solve for the static modal coordinates (m,) of a modal load (m,)."""
     return load / (2 * np.pi * reduced.frequencies) ** 2
-
-
-def test_solvers_agree(beam: fem.ElasticBody) -> None:
-    matrix = beam.stiffness + beam.shift * beam.mass_matrix
-    b = np.random.default_rng(0).standard_normal((matrix.shape[0], 3))
-    superlu = factorized(matrix, "superlu")(b)
-    other = factorized(matrix, default_backend())(b)
-    assert np.abs(other - superlu).max() < 1e-8 * np.abs(superlu).max()
-    np.testing.assert_array_equal(factorized(matrix)(b[:, 0]).shape, (len(b),))
-
-
-def test_unknown_solver(beam: fem.ElasticBody) -> None:
-    with pytest.raises(ValueError, match="backend = 'magic'"):
-        factorized(beam.stiffness, "magic")  # type: ignore[arg-type]
-
-
-def test_block_lanczos_against_dense() -> None:
-    body = fem.ElasticBody(box_mesh((8, 2, 2), (1.0, 0.2, 0.25)), STEEL)
-    found, modes = body.free_modes(40)
-    k, m = body.stiffness.toarray(), body.mass_matrix.toarray()
-    exact = scipy.linalg.eigh(k, m, eigvals_only=True, subset_by_index=(0, 39))
-    np.testing.assert_allclose(found[6:], exact[6:], rtol=1e-10)
-    np.testing.assert_allclose(modes.T @ m @ modes, np.eye(40), atol=1e-12)
-
-
-def test_too_many_modes(beam: fem.ElasticBody) -> None:
-    size = beam.stiffness.shape[0]
-    with pytest.raises(ValueError, match=f"count = {size + 1} modes"):
-        lowest_modes(beam.stiffness, beam.mass_matrix, size + 1)
-    with pytest.raises(ValueError, match="n_fixed_modes = 5000"):
-        fem.craig_bampton(beam, beam_interfaces(beam), 5000)
 
 
 def test_shoe_modes_are_orthonormal(shoe: fem.ElasticBody, reduced: fem.ReducedBody) -> None:
@@ -96,15 +62,6 @@ def test_averaging_spider_keeps_the_bodys_own_stiffness(beam: fem.ElasticBody) -
     free = beam.displacement_under(forces.reshape(-1, 1))
     tied = partition.static_response(center_loads=loads)
     assert np.abs(tied - free).max() < 1e-9 * np.abs(free).max()
-
-
-def test_averaging_rows_see_a_rigid_motion() -> None:
-    rng = np.random.default_rng(3)
-    positions, center = rng.standard_normal((9, 3)), rng.standard_normal(3)
-    translation, rotation = rng.standard_normal(3), rng.standard_normal(3)
-    u = translation + np.cross(rotation, positions - center)
-    rows = averaging_rows(positions, rng.random(9), center)
-    np.testing.assert_allclose(rows @ u.ravel(), np.r_[translation, rotation], rtol=1e-10)
 
 
 def test_frequencies_converge_from_above(beam: fem.ElasticBody) -> None:
@@ -198,42 +155,3 @@ def test_residual_mode_restores_the_stress_of_its_load(
 
     assert error(enriched) < 1e-6
     assert error(reduced) > 0.02
-
-
-def test_load_of_a_patch(reduced: fem.ReducedBody) -> None:
-    half = reduced.polygon_weights("underside", [[-1, 0], [1, 0], [1, 2], [-1, 2]])
-    nodes = np.flatnonzero(half)
-    assert (reduced.nodes[nodes, 1] > -1e-9).all()
-    assert half.sum() == pytest.approx(0.63 * 3.505 / 2, rel=0.1)  # whole nodes only
-    rows = reduced.mean_rows(half)
-    np.testing.assert_allclose(
-        reduced.motion_rows(half, half @ reduced.nodes / half.sum())[:3], rows, atol=1e-9
-    )
-
-
-def test_some_modes_alone(reduced: fem.ReducedBody) -> None:
-    few = reduced.with_modes([0, 5, 11])
-    assert few.modes.shape[2] == few.stress_modes.shape[2] == few.pilots.shape[2] == 3
-    np.testing.assert_array_equal(few.modes[:, :, 1], reduced.modes[:, :, 5])
-    with pytest.raises(ValueError, match=r"0\.\.93"):
-        reduced.with_modes([94])
-    with pytest.raises(ValueError, match="different"):
-        reduced.with_modes([1, 1])
-
-
-def test_faulty_interfaces(shoe: fem.ElasticBody) -> None:
-    bores = shoe_interfaces(shoe)
-    with pytest.raises(ValueError, match="'empty' has no nodes"):
-        fem.Interface("empty", (0, 0, 0), [])
-    with pytest.raises(ValueError, match="three finite numbers"):
-        fem.Interface("odd", (0, np.nan, 0), [1, 2, 3])
-    shared = fem.Interface("double", bores[0].center, bores[0].nodes[:5])
-    with pytest.raises(ValueError, match="'front right' and 'double' share node"):
-        fem.Partition(shoe, [*bores, shared])
-    ends = shoe.mesh.elements[0, [0, 1, 4]]
-    with pytest.raises(ValueError, match="'line': its 3 nodes lie on a line"):
-        fem.Partition(shoe, [fem.Interface("line", (0, 0, 0), ends)])
-    with pytest.raises(ValueError, match="outside"):
-        fem.Partition(shoe, [fem.Interface("far", (0, 0, 0), [0, 1, 10**7])])
-    with pytest.raises(ValueError, match="twice"):
-        fem.Partition(shoe, [bores[0], bores[0]])
