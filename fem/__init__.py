@@ -6,7 +6,7 @@ from fem.elasticity import Material
 from fem.export import write_calculix, write_frame_vtu, write_modes_vtu, write_vtu
 from fem.files import StaleCacheError, cached_craig_bampton, load_reduced, save_reduced
 from fem.hotspots import Apart, OneARegion, hot_spots
-from fem.interfaces import Interface
+from fem.interfaces import Interface, center_loads
 from fem.mesh import Mesh, MeshError
 from fem.mesh_files import read_mesh, write_mesh
 from fem.recovery import Extremes, Peaks, recover_extremes, recover_peaks, shares
@@ -30,6 +30,7 @@ __all__ = [
     "StaleCacheError",
     "StressBlock",
     "cached_craig_bampton",
+    "center_loads",
     "craig_bampton",
     "faces_joined_to",
     "faces_seen_from",

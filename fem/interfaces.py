@@ -8,12 +8,13 @@ the stress beside it. An averaging one (RBE3) makes the centre move as the weigh
 nodes and spreads a load over them without stiffening (NASTRAN's RBE3 with equal weights).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import ArrayLike
 from scipy.sparse import coo_array, csr_array, hstack, identity
 
 from fem.body import rigid_modes
@@ -120,6 +121,35 @@ def averaging_rows(positions: Floats, weights: Floats, center: Floats) -> Floats
     modes = rigid_modes(positions, center)
     weighted = modes * np.repeat(weights, 3)[:, None]
     return np.asarray(np.linalg.solve(modes.T @ weighted, weighted.T), dtype=np.float64)
+
+
+def center_loads(interfaces: Sequence[Interface], forces: Mapping[str, ArrayLike]) -> Floats:
+    """Forces on joint centres as `reduction.Partition.static_response` takes them.
+
+    Parameters
+    ----------
+    interfaces : sequence of Interface
+    forces : mapping of str to array (3,)
+        In N, body axes, by name of the interface; none on the others.
+
+    Returns
+    -------
+    array (6 i, 1)
+        Force and moment on each joint centre in N and N m; the moments are zero.
+
+    Raises
+    ------
+    KeyError
+        If there is no such interface.
+    """
+    names = [interface.name for interface in interfaces]
+    unknown = sorted(set(forces) - set(names))
+    if unknown:
+        raise KeyError(f"forces must be on interfaces of {names}, got {unknown}")
+    loads = np.zeros((len(names), 6))
+    for name, force in forces.items():
+        loads[names.index(name), :3] = force
+    return loads.reshape(-1, 1)
 
 
 def rigid_motion_of_centers(interfaces: Sequence[Interface], origin: Floats) -> Floats:

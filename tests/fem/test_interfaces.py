@@ -6,6 +6,7 @@ import pytest
 import fem
 from fem.interfaces import averaging_rows
 from meshes import joint_interfaces
+from tests.fem.bodies import beam_interfaces
 
 
 def test_averaging_rows_see_a_rigid_motion() -> None:
@@ -33,3 +34,11 @@ def test_faulty_interfaces(shoe: fem.ElasticBody) -> None:
         fem.Partition(shoe, [fem.Interface("far", (0, 0, 0), [0, 1, 10**7])])
     with pytest.raises(ValueError, match="twice"):
         fem.Partition(shoe, [bores[0], bores[0]])
+
+
+def test_loads_on_centres_are_placed_by_name(beam: fem.ElasticBody) -> None:
+    ends = beam_interfaces(beam)
+    loads = fem.center_loads(ends, {"right": [1.0, 2.0, 3.0]})
+    np.testing.assert_array_equal(loads[:, 0], [0, 0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0])
+    with pytest.raises(KeyError, match=r"interfaces of \['left', 'right'\], got \['middle'\]"):
+        fem.center_loads(ends, {"middle": [1.0, 0.0, 0.0]})

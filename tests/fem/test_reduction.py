@@ -10,6 +10,9 @@ from fem.interfaces import rigid_motion_of_centers
 from fem.stress import von_mises
 from tests.fem.bodies import beam_interfaces
 
+BACKWARD = {f"rear {side}": [-1.3e6, 0.0, 0.0] for side in ("left", "right")}
+"""N, a chain's pull on the rear pins."""
+
 
 def spring_response(reduced: fem.ReducedBody, load: np.ndarray) -> np.ndarray:
     """Solve for the static modal coordinates (m,) of a modal load (m,)."""
@@ -80,10 +83,7 @@ def test_frequencies_converge_from_above(beam: fem.ElasticBody) -> None:
 def test_reduced_stress_is_that_of_the_full_model(
     shoe: fem.ElasticBody, partition: fem.Partition, reduced: fem.ReducedBody
 ) -> None:
-    pulls = np.zeros((24, 1))
-    names = [i.name for i in reduced.interfaces]
-    for side in ("left", "right"):
-        pulls[6 * names.index(f"rear {side}")] = -1.3e6
+    pulls = fem.center_loads(reduced.interfaces, BACKWARD)
     full = partition.static_response(center_loads=pulls).reshape(-1, 3, 1)
     exact = shoe.stress(full)[:, :, 0]
     q = spring_response(reduced, reduced.pilots.reshape(24, -1).T @ pulls[:, 0])
@@ -97,9 +97,9 @@ def test_stress_of_loads_at_the_pins_is_exact_beside_the_spiders_too(
     shoe: fem.ElasticBody, partition: fem.Partition, reduced: fem.ReducedBody
 ) -> None:
     """A chain's pull through the shoe: the constraint modes hold it, whatever the fixed modes leave out."""
-    pull = np.zeros((24, 1))
-    for place, interface in enumerate(reduced.interfaces):
-        pull[6 * place] = 0.7e6 if interface.name.startswith("front") else -0.7e6
+    sense = {"front": 1.0, "rear": -1.0}
+    forces = {i.name: [0.7e6 * sense[i.name.split()[0]], 0.0, 0.0] for i in reduced.interfaces}
+    pull = fem.center_loads(reduced.interfaces, forces)
     exact = shoe.stress(partition.static_response(center_loads=pull).reshape(-1, 3, 1))[:, :, 0]
     found = reduced.stress(spring_response(reduced, reduced.pilots.reshape(24, -1).T @ pull[:, 0]))[0]
     assert von_mises(found - exact).max() < 1e-6 * von_mises(exact).max()
@@ -113,10 +113,7 @@ def test_residual_mode_of_inertia_completes_an_unbalanced_pull(
     body = fem.craig_bampton(
         shoe, partition.interfaces, 76, residual_loads={"inertia": push}, partition=partition
     )
-    pulls = np.zeros((24, 1))
-    for place, interface in enumerate(body.interfaces):
-        if interface.name.startswith("rear"):
-            pulls[6 * place] = -1.3e6
+    pulls = fem.center_loads(body.interfaces, BACKWARD)
     exact = shoe.stress(partition.static_response(center_loads=pulls).reshape(-1, 3, 1))[:, :, 0]
     found = body.stress(spring_response(body, body.pilots.reshape(24, -1).T @ pulls[:, 0]))[0]
     away = np.setdiff1d(np.arange(len(exact)), np.r_[body.spider_nodes, body.nodes_beside_spiders])
