@@ -58,7 +58,7 @@ def write_calculix(
 
     Parameters
     ----------
-    path : str | Path
+    path : str or Path
         File to write (`.inp`).
     body : ElasticBody
     frequencies : int, optional

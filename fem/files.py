@@ -50,7 +50,7 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
 
     Parameters
     ----------
-    path : str | Path
+    path : str or Path
         File to write, replaced only when complete.
     body : ReducedBody
     digest : str
@@ -96,7 +96,7 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
 
     Parameters
     ----------
-    path : str | Path
+    path : str or Path
         File of `save_reduced`.
     mesh : Mesh, optional
         The mesh it must belong to, if given.
@@ -118,21 +118,23 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
     try:
         file = h5py.File(path, "r")
     except OSError as error:
-        raise ValueError(f"{path} is no HDF5 file: {error}") from error
+        raise ValueError(f"{path} must be an HDF5 file, got: {error}") from error
     try:
         with file:
             return _read(file, path, mesh, digest)
     except (OSError, KeyError, TypeError, RuntimeError) as error:
-        raise ValueError(f"{path} is broken: {error}") from error
+        raise ValueError(f"{path} must be whole, got a broken file: {error}") from error
 
 
 def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) -> ReducedBody:
     if file.attrs.get("format") != FORMAT:
-        raise ValueError(f"{path} is no {FORMAT!r} file, but {file.attrs.get('format')!r}")
+        raise ValueError(f"{path} must be a {FORMAT!r} file, got {file.attrs.get('format')!r}")
     if mesh is not None and file.attrs["mesh_digest"] != mesh.digest:
-        raise StaleCacheError(f"{path} belongs to another mesh than the one given")
+        raise StaleCacheError(f"{path} must belong to the mesh given, got that of another mesh")
     if digest is not None and file.attrs["digest"] != digest:
-        raise StaleCacheError(f"{path} was made with another mesh or other parameters")
+        raise StaleCacheError(
+            f"{path} must be made with the mesh and parameters given, got another mesh or other parameters"
+        )
     stored = file["mesh"]
     own = mesh or Mesh(
         stored["nodes"][()],

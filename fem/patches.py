@@ -51,6 +51,11 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
         Displacements of these nodes.
     footprint : array (5,)
         Least and greatest x, least and greatest y, z of the underside, m.
+
+    Raises
+    ------
+    ValueError
+        If the nodes leave a part of the rectangle out.
     """
     low, high = footprint[[0, 2]], footprint[[1, 3]]
     counts = np.maximum(np.ceil((high - low) / CELL).astype(int), 1)
@@ -58,6 +63,12 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
     x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell[k] for k in range(2))
     shapes = LinearNDInterpolator(positions, modes.reshape(len(positions), -1))
     values = shapes(*np.meshgrid(x, y, indexing="ij")).reshape(*counts, *modes.shape[1:])
+    outside = int(np.isnan(values).any(axis=(2, 3)).sum())
+    if outside:
+        raise ValueError(
+            f"positions must surround the rectangle {footprint[:4].tolist()} m, "
+            f"got {outside} of its {counts.prod()} cells outside"
+        )
     integral = np.zeros((counts[0] + 1, counts[1] + 1, *modes.shape[1:]))
     integral[1:, 1:] = values.cumsum(axis=0).cumsum(axis=1) * cell[0] * cell[1]
     return Underside(corner=low, cell=cell, integral=integral)

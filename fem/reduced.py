@@ -140,7 +140,7 @@ class ReducedBody:
             return weights / weights.sum()
         nodes = np.unique(np.asarray(where, dtype=np.int64))
         if len(nodes) == 0 or nodes[0] < 0 or nodes[-1] >= n:
-            raise ValueError(f"nodes must be at least one number in 0..{n - 1}, got {nodes.tolist()}")
+            raise ValueError(f"nodes must be at least one, all in 0..{n - 1}, got {nodes[:1]}..{nodes[-1:]}")
         weights = np.zeros(n)
         weights[nodes] = 1.0 / len(nodes)
         return weights

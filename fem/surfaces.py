@@ -87,7 +87,14 @@ def faces_joined_to(faces: Integers, seed: Integers) -> Integers:
     ----------
     faces, seed : int array (k, 3 or 6), (s, 3 or 6)
         Triangles of nodes; faces of the seed that are not among `faces` are left out.
+
+    Returns
+    -------
+    int array (j, 3 or 6)
+        In the order of `faces`; none if none of the seed is among them.
     """
+    if len(faces) == 0:
+        return faces
     corners = np.sort(faces[:, :3], axis=1)
     edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [0, 2]]])
     _, number = np.unique(edges, axis=0, return_inverse=True)

@@ -72,6 +72,7 @@ def test_faces_that_hang_together_with_a_seed(overhang: fem.Mesh) -> None:
     joined = fem.faces_joined_to(level[flat], roof[:1])
     assert {tuple(f) for f in joined.tolist()} == {tuple(f) for f in roof.tolist()}
     assert len(fem.faces_joined_to(level[flat], overhang.boundary[:0])) == 0
+    assert len(fem.faces_joined_to(overhang.boundary[:0], roof)) == 0
 
 
 @pytest.mark.parametrize("direction", [[0, 0, 0], [0, 0, np.nan], [1, 0]])
