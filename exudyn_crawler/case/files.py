@@ -102,6 +102,16 @@ class CaseFile(Parameters):
         return path
 
 
+def read_case(path: str | Path) -> CaseFile:
+    """Read a case file; as `CaseFile.read`."""
+    return CaseFile.read(path)
+
+
+def write_case(case_file: CaseFile, path: str | Path, overwrite: bool = False) -> Path:
+    """Write a case file; as `CaseFile.write`."""
+    return case_file.write(path, overwrite)
+
+
 def named_values(kind: type[BaseModel]) -> dict[str, Callable[[], BaseModel]]:
     """Constructors of a parameter class that need no argument, by name: ``Terrain.stress``, say."""
     found: dict[str, Callable[[], BaseModel]] = {}

@@ -16,6 +16,8 @@ from exudyn_crawler.results.history import History
 
 SHOES = (1, 4, 7, 10, 13)
 """Shoes that the papers draw."""
+JOINTS = (1, 4, 7, 10, 12)
+"""Links that the papers draw, by their rear shoe: those behind these shoes, and 12-13."""
 
 KINEMATICS = {
     "displacement": ("position", "m", 1.0),

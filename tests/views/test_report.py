@@ -23,8 +23,8 @@ from exudyn_crawler.views.report.page import case_rows, hot_spot_tables, report_
 from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
-from studies.forces import run_forces
-from studies.kinematics import run_kinematics
+from studies.forces import study as forces_study
+from studies.kinematics import study as kinematics_study
 from studies.reported import reported_values
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -186,8 +186,8 @@ def test_a_long_stress_study_stays_below_the_limit(flexible_run, stress_folder, 
 def rigid_folders(tmp_path_factory):
     """What short runs of the two rigid studies leave."""
     kinematics, forces = (tmp_path_factory.mktemp(name) for name in ("kinematics", "forces"))
-    run_kinematics(duration=0.02, out=kinematics)
-    run_forces(duration=0.02, out=forces, reuse=kinematics)
+    kinematics_study(kinematics, duration=0.02)
+    forces_study(forces, duration=0.02, reuse=kinematics)
     return kinematics, forces
 
 
@@ -197,11 +197,20 @@ def test_rigid_studies_are_reported_too(rigid_folders):
         assert list(data_of(page)["cases"]) == ["translation", "turning"]
         assert "<h2>Paper against computed</h2>" in page
         assert "Stress pictures" not in page
-    assert "The folder keeps no resolved case." in page
-    assert "turning_ratios.csv" in page
-    # the forces study keeps its histories elsewhere and has the deformation all the same
+    for table in ("turning_ratios.csv", "turning/extremes.csv"):
+        assert table in page
     time, _ = series_of(data_of(page), "turning", "total terrain deformation from equilibrium", "track", "")
     assert time[-1] == pytest.approx(0.02)
+
+
+def test_a_studys_page_shows_the_flexible_shoes_of_its_run(stress_folder, tmp_path):
+    shutil.copytree(stress_folder, tmp_path / "cycle", ignore=shutil.ignore_patterns("comparison.csv"))
+    shutil.copy(stress_folder / "comparison.csv", tmp_path)
+    page = report_page(tmp_path)
+    for heading in ("Paper against computed", "Time histories", "Hot spots", "Flexible shoes in 3D"):
+        assert f"<h2>{heading}</h2>" in page
+    assert page.count("data:image/webp;base64,") == 2
+    assert data_of(page)["shoes"] == data_of(report_page(stress_folder))["shoes"]
 
 
 def test_a_comparison_alone_is_a_report_even_if_nothing_was_judged(tmp_path):
@@ -421,7 +430,7 @@ def test_pictures_and_rows_can_be_chosen(reader):
 
 def test_cases_can_be_compared(browser, rigid_folders, tmp_path):
     reader = Reader(browser, write_report(rigid_folders[0], tmp_path / "report.html"))
-    turning = History.load(rigid_folders[0] / "turning.nc")
+    turning = History.load(rigid_folders[0] / "turning" / "history.nc")
     reader.page.locator("#plot-0").get_by_label("case").select_option("turning")
     assert reader.shown("report.plots[0].quantity.label") == "velocity"
     drawn = reader.shown("Array.from(data[0].y)")

@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.results.contacts import contacts_of
 from exudyn_crawler.results.history import History
-from exudyn_crawler.views.curves import KINEMATICS, NEGLIGIBLE, NEGLIGIBLE_MOTION, SHOES
+from exudyn_crawler.views.curves import JOINTS, KINEMATICS, NEGLIGIBLE, NEGLIGIBLE_MOTION, SHOES
 from exudyn_crawler.views.force_figures import CONTACT_SCALARS, CONTACT_VECTORS, JOINT_VECTORS
 from exudyn_crawler.views.placement import Pose, instant, touching
 from exudyn_crawler.views.stress_pictures import MEGA, Scales
-from studies.force_comparison import JOINTS
 
 SERIES_BYTES = 4_500_000
 """Size on the page that all series together may have."""

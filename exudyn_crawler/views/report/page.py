@@ -26,9 +26,10 @@ from exudyn_crawler.results.history import History
 from exudyn_crawler.views.report.data import packed_case, packed_shoes, points_a_series, quantities
 from exudyn_crawler.views.scenes import ARROW_COLOUR, COLOURS
 from exudyn_crawler.views.stress_pictures import PICTURES, picture_time, write_stress_pictures
-from studies.comparison import summary
+from exudyn_crawler.views.tables import within_by_class
 
 REPORT = "report.html"
+STRESSES = "stress.nc"
 PICTURE_WIDTH = 1500
 """Pixels of a picture on the page."""
 FIRST_PLOTS = {
@@ -41,6 +42,9 @@ VERDICTS = {"yes": "within", "no": "outside", "": "none"}
 
 def write_report(folder: Path, out: Path | None = None, overwrite: bool = False) -> Path:
     """Write the report of a run's folder: whatever of comparison, histories, stresses and case is there.
+
+    Of a study's folder the runs in its folders are shown together; pictures, hot spots and the 3D view are
+    those of the first run with flexible shoes.
 
     Parameters
     ----------
@@ -81,19 +85,26 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
 
 def report_page(folder: Path) -> str:
     """HTML of the report; raises as `write_report`."""
-    histories, variables = _histories(folder)
-    stress = _stress(folder)
+    folders = _run_folders(folder)
+    histories, places = _histories(folders)
+    variables = {
+        name: one.dataset.assign(terrain_deformation=terrain_deformation(one))
+        for name, one in histories.items()
+    }
+    stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
+    stress = _stress(stressed)
     comparison = _comparison(folder)
     if not variables and comparison is None:
         raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
-    owner = next((one for one in histories.values() if one.case.flexible is not None), None)
+    bent = next((n for n in histories if places[n] == stressed and histories[n].case.flexible), None)
+    owner = None if bent is None else histories[bent]
     found = {
-        name: quantities(dataset, stress if owner is None or name == owner.case.name else None)
-        for name, dataset in variables.items()
+        name: quantities(dataset, stress if name == bent else None) for name, dataset in variables.items()
     }
     points = points_a_series(found)
-    pictures = _pictures(folder, stress, owner)
-    hot_spots = hot_spot_tables(folder, stress)
+    pictures = _pictures(stressed, stress, owner)
+    hot_spots = hot_spot_tables(stressed, stress)
+    further = [path for one in folders for path in _further(one)]
     data = {
         "cases": {name: packed_case(one, points) for name, one in found.items()},
         "shoes": None if stress is None or owner is None else packed_shoes(stress, owner),
@@ -112,7 +123,7 @@ def report_page(folder: Path) -> str:
         "hot-spots": ("Hot spots", bool(hot_spots)),
         "shoes": ("Flexible shoes in 3D", data["shoes"] is not None),
         "pictures": ("Stress pictures", bool(pictures)),
-        "tables": ("Further tables", bool(_further(folder))),
+        "tables": ("Further tables", bool(further)),
         "case": ("Case", True),
     }
     environment = Environment(
@@ -137,7 +148,7 @@ def report_page(folder: Path) -> str:
         hot_spots=hot_spots,
         has_shoes=data["shoes"] is not None,
         pictures=pictures,
-        tables=[_table(path.name, pd.read_csv(path)) for path in _further(folder)],
+        tables=[_table(path.relative_to(folder).as_posix(), pd.read_csv(path)) for path in further],
         cases=[{"title": name, "rows": case_rows(one.case)} for name, one in histories.items()],
         texts=_texts(folder),
     )
@@ -147,31 +158,31 @@ def _template(name: str) -> str:
     return files("exudyn_crawler.views.report").joinpath("templates", name).read_text(encoding="utf-8")
 
 
-def _histories(folder: Path) -> tuple[dict[str, History], dict[str, xr.Dataset]]:
-    """Histories of a folder by case, and the variables over time of each case.
+def _run_folders(folder: Path) -> list[Path]:
+    """A folder and those of the runs in it: a study keeps each of its cases in a folder of its own."""
+    return [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
 
-    The forces study keeps variables without the case of a history that it reused.
-    """
+
+def _histories(folders: list[Path]) -> tuple[dict[str, History], dict[str, Path]]:
+    """Histories of some folders by case, and the folder of each."""
     histories: dict[str, History] = {}
-    variables: dict[str, xr.Dataset] = {}
-    loose: dict[str, xr.Dataset] = {}
-    for path in sorted(folder.glob("*.nc")):
-        with xr.open_dataset(path, engine="h5netcdf") as dataset:
-            attributes, names = dict(dataset.attrs), set(dataset.data_vars)
-        if "case" in attributes:
+    places: dict[str, Path] = {}
+    for folder in folders:
+        for path in sorted(folder.glob("*.nc")):
+            with xr.open_dataset(path, engine="h5netcdf") as dataset:
+                kept = "case" in dataset.attrs
+            if not kept:
+                continue
             history = History.load(path)
-            name = history.case.name if history.case.name not in histories else path.stem
-            histories[name] = history
-            variables[name] = history.dataset.assign(terrain_deformation=terrain_deformation(history))
-        elif {"position", "contact_shoe"} <= names | set(dataset.coords):
-            loose[str(attributes.get("title", path.stem))] = xr.load_dataset(path, engine="h5netcdf")
-    for name, dataset in loose.items():
-        variables.setdefault(name, dataset)
-    return histories, variables
+            name = history.case.name
+            if name in histories:
+                name = f"{folder.name}, {path.stem}"
+            histories[name], places[name] = history, folder
+    return histories, places
 
 
 def _stress(folder: Path) -> xr.Dataset | None:
-    path = folder / "stress.nc"
+    path = folder / STRESSES
     return xr.load_dataset(path, engine="h5netcdf") if path.is_file() else None
 
 
@@ -188,8 +199,8 @@ def _comparison(folder: Path) -> pd.DataFrame | None:
 
 def _summary_rows(table: pd.DataFrame) -> list[dict[str, Any]]:
     return [
-        {"name": name, "within": int(row["within"]), "of": int(row["of"])}
-        for name, row in summary(table).iterrows()
+        {"name": row["class"], "within": int(row["within"]), "of": int(row["of"])}
+        for _, row in within_by_class(table).iterrows()
     ]
 
 
