@@ -16,7 +16,7 @@ PACKAGE = "exudyn_crawler"
 FLOORS = (
     ("studies",),
     ("cli",),
-    ("run_case",),
+    ("case_run",),
     ("run", "views"),
     ("results",),
     ("model",),

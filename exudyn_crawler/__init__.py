@@ -28,22 +28,43 @@ if TYPE_CHECKING:
         read_case,
         write_case,
     )
-    from exudyn_crawler.errors import CrawlerError, EquilibriumError, SimulationStopped
+    from exudyn_crawler.case_run import CaseRun, run_case
+    from exudyn_crawler.errors import CaseFileError, CrawlerError, EquilibriumError, SimulationStopped
+    from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
     from exudyn_crawler.results.history import History
+    from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+    from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
+    from exudyn_crawler.views.animation import write_animation
+    from exudyn_crawler.views.paraview import write_paraview
+    from exudyn_crawler.views.report.page import write_report
 
 _HOMES = {
+    "CaseFileError": "errors",
+    "CaseRun": "case_run",
     "CrawlerError": "errors",
     "EquilibriumError": "errors",
     "History": "results.history",
     "SimulationStopped": "errors",
+    "StressResults": "results.stresses",
+    "contacts_by_shoe": "results.contacts",
+    "recover_stresses": "results.stresses",
+    "run_case": "case_run",
     "simulate": "run.simulation",
+    "stress_basis": "results.modal_coordinates",
+    "terrain_deformation": "results.contacts",
+    "whole_coordinates": "results.modal_coordinates",
+    "write_animation": "views.animation",
+    "write_paraview": "views.paraview",
+    "write_report": "views.report.page",
 }
-"""Modules of the names that are not parameters."""
+"""Modules of the names that are not parts of a case."""
 
 __all__ = [
     "Case",
     "CaseFile",
+    "CaseFileError",
+    "CaseRun",
     "CrawlerError",
     "Drive",
     "EquilibriumError",
@@ -58,11 +79,21 @@ __all__ = [
     "Solver",
     "SphereContact",
     "StepProfile",
+    "StressResults",
     "Terrain",
     "Track",
+    "contacts_by_shoe",
     "read_case",
+    "recover_stresses",
+    "run_case",
     "simulate",
+    "stress_basis",
+    "terrain_deformation",
+    "whole_coordinates",
+    "write_animation",
     "write_case",
+    "write_paraview",
+    "write_report",
 ]
 
 

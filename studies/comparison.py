@@ -132,10 +132,3 @@ def compare_kinematics(histories: Mapping[str, History]) -> pd.DataFrame:
         kinematics_value(histories, row.case, row.quantity, row.statistic) for row in reported.itertuples()
     ]
     return comparison_table(reported, computed)
-
-
-def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """How many rows of each class are within, out of those with a verdict."""
-    judged = table[table["within"] != ""]
-    grouped = judged.groupby("class", sort=False)["within"]
-    return pd.DataFrame({"within": grouped.agg(lambda w: int((w == "yes").sum())), "of": grouped.size()})

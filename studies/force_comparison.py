@@ -15,12 +15,9 @@ import xarray as xr
 
 from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.history import History
-from exudyn_crawler.views.curves import SHOES
+from exudyn_crawler.views.curves import JOINTS, SHOES
 from studies.comparison import comparison_table, statistic_of, time_mean
 from studies.reported import reported_values
-
-JOINTS = (1, 4, 7, 10, 12)
-"""Links that the F-paper draws: 1-2, 4-5, 7-8, 10-11 and 12-13."""
 
 CONTACT = {
     "penetration depth": "penetration",

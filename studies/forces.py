@@ -1,139 +1,180 @@
-"""Forces study (F-paper): contact, friction and joint forces, sinkage and terrain deformation."""
+"""Contact, friction and joint forces, sinkage and terrain deformation of a crawler track.
 
-from collections.abc import Callable, Sequence
+Reproduces the F-paper ("Contact and Joint Forces Modeling and Simulation of Crawler-Formation Interactions")
+on the two runs of the K-paper: the extremes and means of contact and joint forces, penetration, slip and
+terrain deformation that it states, and its figures of shoes 1, 4, 7, 10 and 13, of shoe 7 where it crosses
+from unit to unit, and of shoe 10 and link 10-11 turning against translation.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
 
-from exudyn_crawler.case import Case
-from exudyn_crawler.files import write_netcdf
-from exudyn_crawler.results.contacts import contact_force, terrain_deformation
-from exudyn_crawler.results.history import History
-from exudyn_crawler.run.folder import kept_run
-from exudyn_crawler.runs import CASES, matching_history, saved_run, study_cases
-from exudyn_crawler.views.curves import SHOES, save_figure
-from exudyn_crawler.views.force_figures import crossing_figure, force_figures, turning_figures
+from exudyn_crawler import Case, CaseFile, CaseRun, History, run_case, simulate
+from exudyn_crawler.results.contacts import contact_force, contacts_by_shoe
+from exudyn_crawler.run.folder import kept_run, quiet
+from exudyn_crawler.run.histories import matching_history
+from exudyn_crawler.views.curves import Panel, axis_panels, panel_figure, save_figure
+from exudyn_crawler.views.force_figures import CONTACT_SCALARS, CONTACT_VECTORS, JOINT_VECTORS, vertical
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
-from studies.force_comparison import JOINTS, compare_forces, turning_ratios
+from studies.force_comparison import compare_forces, turning_ratios
+from studies.kinematics import CASES, case_files
 
+CROSSING_SHOE = 7
+"""Shoe that stands on two units, which the F-paper draws apart."""
+COMPARED_SHOE, COMPARED_JOINT = 10, 10
+"""Shoe and link that the F-paper draws turning against translation."""
 ECCENTRICITY = 0.05
 """m, offset of the machine load along y that `lateral_effects` shows."""
 
 
-def run_forces(
-    cases: Sequence[str] = tuple(CASES),
-    duration: float = DURATION,
+def start() -> CaseFile:
+    """Case to start from: propel with a turn."""
+    return case_files(["turning"])["turning"]
+
+
+def study(
     out: Path | None = None,
+    cases: Sequence[str] = tuple(CASES),
+    *,
+    duration: float = DURATION,
     reuse: Path | None = None,
     strict: bool = True,
     overwrite: bool = False,
     progress: bool | None = None,
-    say: Callable[[str], None] = lambda _text: None,
-) -> tuple[dict[str, History], pd.DataFrame]:
-    """Get the cases' histories and compare their forces with the paper.
+    say: Callable[[str], None] = quiet,
+) -> tuple[dict[str, CaseRun], pd.DataFrame]:
+    """Run the cases, or take their histories, and compare their forces with the paper.
 
     Parameters
     ----------
+    out : Path, optional
+        Folder of the study: a folder a case, `comparison.csv`, `turning_ratios.csv` and figures; None writes
+        nothing.
     cases : sequence of str
         Of "translation" and "turning".
     duration : float
         s.
-    out : Path, optional
-        Folder for the cases, forces, figures, `comparison.csv` and `turning_ratios.csv`; None writes nothing.
     reuse : Path, optional
-        Folder whose histories take the place of runs where the parameters are the same.
+        Folder of a study whose histories take the place of runs where the parameters are the same.
     strict : bool
         Refuse histories in `reuse` that are missing or come from other parameters, instead of running
         these cases.
-    overwrite : bool
-        Replace files of an earlier study.
-    say : callable
-        Is told, in a line, which histories are reused and which are not.
+    overwrite, progress, say
+        As of `run_case`.
 
     Returns
     -------
-    histories : dict
+    runs : dict
         By case.
     comparison : pandas.DataFrame
         As of `force_comparison.compare_forces`.
 
     Raises
     ------
-    ValueError
-        For an unknown case, a bad duration or, if `strict`, a history from other parameters.
+    FileNotFoundError, ValueError
+        For an unknown case, a bad duration or, if `strict`, a history that is missing or comes from other
+        parameters.
     FileExistsError, BlockingIOError
         Before anything runs, if results are there and `overwrite` is false, or another run works there.
-    SimulationStopped
-        If a run ends early; its history is saved.
+    EquilibriumError, SimulationStopped
+        As of `run_case`.
     """
-    files = study_cases(cases, duration)
-    reused = {name: _reused(one.case, duration, reuse, strict, say) for name, one in files.items()}
-    histories: dict[str, History] = {}
-    with kept_run(out, files, overwrite, say) as keeper:
-        for name, one in files.items():
-            if found := reused[name]:
-                keeper.say(f"{name}: reusing the history in {reuse}, whose parameters are the same")
-                histories[name] = found
-                continue
-            with keeper.timed(f"simulate {name}"):
-                histories[name] = saved_run(one.case, duration, out, overwrite, progress)
+    files = case_files(cases, duration)
+    sources = {name: _source(one, reuse, strict, say) for name, one in files.items()}
+    with kept_run(out, overwrite=overwrite, tell=say) as keeper:
+        runs = {
+            name: run_case(
+                one,
+                out and out / name,
+                overwrite=overwrite,
+                reuse=sources[name],
+                progress=progress,
+                say=keeper.say,
+            )
+            for name, one in files.items()
+        }
+        histories = {name: run.history for name, run in runs.items()}
         table = compare_forces(histories)
         if out is not None:
-            with keeper.timed("tables and figures"):
-                _write(histories, table, out, overwrite)
-    return histories, table
+            write_table(table, out / "comparison.csv", overwrite)
+            write_figures(histories, out, overwrite)
+            if len(histories) > 1:
+                ratios = turning_ratios(histories["translation"], histories["turning"])
+                write_table(ratios, out / "turning_ratios.csv", overwrite)
+    return runs, table
 
 
-def _reused(
-    case: Case, duration: float, reuse: Path | None, strict: bool, say: Callable[[str], None]
-) -> History | None:
+def _source(case_file: CaseFile, reuse: Path | None, strict: bool, say: Callable[[str], None]) -> Path | None:
+    """Folder whose history takes the place of a run, if there is one that fits."""
     if reuse is None:
         return None
     try:
-        return matching_history(reuse, case, duration)
+        matching_history(reuse, case_file)
     except (FileNotFoundError, ValueError) as error:
         if strict:
             raise
         if not isinstance(error, FileNotFoundError):
-            say(f"{case.name}: running anew, since {error}")
+            say(f"{case_file.case.name}: running anew, since {error}")
         return None
+    return reuse
 
 
-def _write(histories: dict[str, History], table: pd.DataFrame, out: Path, overwrite: bool) -> None:
-    write_table(table, out / "comparison.csv", overwrite)
-    for name, history in histories.items():
-        write_forces(history, out / f"{name}_forces.nc", overwrite)
-        write_force_figures(history, out, f"{name}_", overwrite)
-        save_figure(crossing_figure(history), out / f"{name}_shoe_7_crossing.png", overwrite)
-    if set(histories) == set(CASES):
-        ratios = turning_ratios(histories["translation"], histories["turning"])
-        write_table(ratios, out / "turning_ratios.csv", overwrite)
-        for title, figure in turning_figures(histories).items():
-            save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
+def write_figures(histories: Mapping[str, History], out: Path, overwrite: bool = False) -> None:
+    """Draw what the F-paper draws beside the curves of each run."""
+    figures = {
+        f"{name} shoe {CROSSING_SHOE} crossing": crossing_figure(one) for name, one in histories.items()
+    }
+    if len(histories) > 1:
+        figures |= turning_figures(histories)
+    for title, figure in figures.items():
+        save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
 
 
-def write_forces(history: History, path: Path, overwrite: bool = False) -> Path:
-    """Write contact and joint forces with what derives from them, without the units of the terrain."""
-    forces = history.dataset.drop_dims("unit").assign(
-        contact_force=contact_force(history), terrain_deformation=terrain_deformation(history)
-    )
-    return write_netcdf(forces, path, overwrite)
+def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
+    """Contacts of one shoe drawn apart, a curve for every unit it meets."""
+    forces = contact_force(history)
+    curves: dict[str, dict[str, xr.DataArray]] = {"penetration": {}, "normal": {}, "contact": {}}
+    for index in np.flatnonzero(history.contact_shoe.values == shoe):
+        unit = f"unit {int(history.contact_unit[index])}"
+        curves["penetration"][unit] = history.penetration.isel(contact=index)
+        curves["normal"][unit] = history.normal_force.isel(contact=index).sel(axis="z")
+        curves["contact"][unit] = forces.isel(contact=index).sel(axis="x")
+    panels = [
+        Panel("penetration depth", "m", curves["penetration"]),
+        Panel("z normal force", "N", curves["normal"]),
+        Panel("x contact force", "N", curves["contact"]),
+    ]
+    return panel_figure(f"{history.case.name}: shoe {shoe} crossing units", panels)
 
 
-def write_force_figures(
-    history: History,
-    out: Path,
-    prefix: str = "",
-    overwrite: bool = False,
-    shoes: Sequence[int] = SHOES,
-    joints: Sequence[int] = JOINTS,
-    suffix: str = "png",
-) -> None:
-    """Draw contact, joint forces and deformation of some shoes and links, a file each."""
-    for title, figure in force_figures(history, shoes, joints).items():
-        save_figure(figure, out / f"{prefix}{title.replace(' ', '_')}.{suffix}", overwrite)
+def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
+    """Cases against each other: contact of one shoe, reactions of one link; by a name that can be a file."""
+    shoe, joint = COMPARED_SHOE, COMPARED_JOINT
+    contacts = {case: contacts_by_shoe(one).sel(shoe=shoe) for case, one in histories.items()}
+    reactions = {case: one.dataset.sel(joint=joint) for case, one in histories.items()}
+    figures = {}
+    for title, (name, unit) in CONTACT_VECTORS.items():
+        curves = {case: one[name] for case, one in contacts.items()}
+        panels = axis_panels(title, unit, curves)
+        figures[f"shoe {shoe} {title}"] = panel_figure(f"shoe {shoe}: {title}", panels)
+    panels = [
+        Panel(title, unit, {case: vertical(one[name]) for case, one in contacts.items()})
+        for title, (name, unit) in CONTACT_SCALARS.items()
+    ]
+    title = "sinkage and friction torque"
+    figures[f"shoe {shoe} {title}"] = panel_figure(f"shoe {shoe}: {title}", panels)
+    for title, (name, unit) in JOINT_VECTORS.items():
+        curves = {case: one[name] for case, one in reactions.items()}
+        panels = axis_panels(title, unit, curves)
+        figures[f"link {joint} {title}"] = panel_figure(f"link {joint}-{joint + 1}: {title}", panels)
+    return figures
 
 
 def lateral_effects(duration: float = DURATION, progress: bool | None = None) -> pd.DataFrame:
@@ -160,7 +201,7 @@ def lateral_effects(duration: float = DURATION, progress: bool | None = None) ->
     }
     columns = {}
     for cause, changed in causes.items():
-        history = {"translation": saved_run(changed, duration, None, False, progress)}
+        history = {"translation": simulate(changed, duration, progress)}
         tables = pd.concat([compare_kinematics(history), compare_forces(history)])
         rows = tables[(tables["class"] == "lateral") & (tables["case"] == "translation")]
         columns[cause] = rows["computed"].to_numpy()
@@ -169,6 +210,6 @@ def lateral_effects(duration: float = DURATION, progress: bool | None = None) ->
 
 
 if __name__ == "__main__":
-    from exudyn_crawler.cli import forces, run_script
+    from exudyn_crawler.cli import run_script
 
-    run_script(forces)
+    run_script("studies.commands:forces")

@@ -1,48 +1,74 @@
-"""Kinematics study (K-chapter and K-paper): motion of the shoes, straight and turning."""
+"""Kinematics of a crawler track, straight and turning.
 
-from collections.abc import Callable, Sequence
+Reproduces the motion of the rigid shoes over 10 s of the K-chapter ("Multi-Body Kinematics Simulation
+Modeling and Analysis of Shovel Crawler Performance in Rugged Surface Mining Terrains") and the K-paper
+("Multi-Body Dynamic Modeling and Simulation of Crawler-Formation Interactions in Surface Mining Operations -
+Crawler Kinematics"): the prescribed motion of shoe 13 (equations 27 and 29), the extremes and means of
+displacements, velocities, accelerations and angular motion that they state, and their figures of shoes 1, 4,
+7, 10 and 13 and of shoe 10 turning against translation.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
 
-from exudyn_crawler.results.history import History
-from exudyn_crawler.run.folder import Keeper, kept_run
-from exudyn_crawler.runs import CASES, saved_run, study_cases
-from exudyn_crawler.views.curves import KINEMATICS, SHOES, comparison_figure, kinematic_figure, save_figure
+from exudyn_crawler import Case, CaseFile, CaseRun, History, run_case
+from exudyn_crawler.run.folder import kept_run, quiet
+from exudyn_crawler.views.curves import KINEMATICS, comparison_figure, save_figure
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
 
+CASES = {"translation": Case.translation, "turning": Case.turning}
+"""Cases of the rigid studies by name."""
 COMPARED_SHOE = 10
 """Shoe that the K-chapter draws turning against translation."""
 
 
-def run_kinematics(
-    cases: Sequence[str] = tuple(CASES),
-    duration: float = DURATION,
+def case_files(names: Sequence[str] = tuple(CASES), duration: float = DURATION) -> dict[str, CaseFile]:
+    """Cases of the rigid studies with their duration (s), checked before anything runs.
+
+    Raises
+    ------
+    ValueError
+        For an unknown case or none, or a duration that is not positive or takes a track off its terrain.
+    """
+    if not names or set(names) - set(CASES):
+        raise ValueError(f"cases must be of {list(CASES)}, got {list(names)}")
+    return {name: CaseFile(case=CASES[name](), duration=duration) for name in names}
+
+
+def start() -> CaseFile:
+    """Case to start from: straight propel."""
+    return case_files(["translation"])["translation"]
+
+
+def study(
     out: Path | None = None,
+    cases: Sequence[str] = tuple(CASES),
+    *,
+    duration: float = DURATION,
     overwrite: bool = False,
     progress: bool | None = None,
-    say: Callable[[str], None] = lambda _text: None,
-) -> tuple[dict[str, History], pd.DataFrame]:
+    say: Callable[[str], None] = quiet,
+) -> tuple[dict[str, CaseRun], pd.DataFrame]:
     """Run the cases and compare them with the papers.
 
     Parameters
     ----------
+    out : Path, optional
+        Folder of the study: a folder a case, `comparison.csv` and figures; None writes nothing.
     cases : sequence of str
         Of "translation" and "turning".
     duration : float
         s.
-    out : Path, optional
-        Folder for the cases, histories, figures and `comparison.csv`; None writes nothing.
-    overwrite : bool
-        Replace files of an earlier run.
-    say : callable
-        Is told, in a line, what is going on.
+    overwrite, progress, say
+        As of `run_case`.
 
     Returns
     -------
-    histories : dict
+    runs : dict
         By case.
     comparison : pandas.DataFrame
         As of `comparison.compare_kinematics`.
@@ -53,50 +79,32 @@ def run_kinematics(
         For an unknown case or a bad duration.
     FileExistsError, BlockingIOError
         Before anything runs, if results are there and `overwrite` is false, or another run works there.
-    SimulationStopped
-        If a run ends early; its history is saved beside the others.
+    EquilibriumError, SimulationStopped
+        As of `run_case`.
     """
-    files = study_cases(cases, duration)
-    histories: dict[str, History] = {}
-    with kept_run(out, files, overwrite, say) as keeper:
-        for name, one in files.items():
-            with keeper.timed(f"simulate {name}"):
-                histories[name] = saved_run(one.case, duration, out, overwrite, progress)
+    files = case_files(cases, duration)
+    with kept_run(out, overwrite=overwrite, tell=say) as keeper:
+        runs = {
+            name: run_case(one, out and out / name, overwrite=overwrite, progress=progress, say=keeper.say)
+            for name, one in files.items()
+        }
+        histories = {name: run.history for name, run in runs.items()}
         table = compare_kinematics(histories)
         if out is not None:
-            _write(histories, table, out, overwrite, keeper)
-    return histories, table
+            write_table(table, out / "comparison.csv", overwrite)
+            write_figures(histories, out, overwrite)
+    return runs, table
 
 
-def _write(
-    histories: dict[str, History], table: pd.DataFrame, out: Path, overwrite: bool, keeper: Keeper
-) -> None:
-    with keeper.timed("tables and figures"):
-        write_table(table, out / "comparison.csv", overwrite)
-        for name, history in histories.items():
-            write_kinematic_figures(history, out, f"{name}_", overwrite)
-        if len(histories) > 1:
-            for quantity in KINEMATICS:
-                figure = comparison_figure(histories, quantity, COMPARED_SHOE)
-                file = f"shoe_{COMPARED_SHOE}_{quantity.replace(' ', '_')}.png"
-                save_figure(figure, out / file, overwrite)
-
-
-def write_kinematic_figures(
-    history: History,
-    out: Path,
-    prefix: str = "",
-    overwrite: bool = False,
-    shoes: Sequence[int] = SHOES,
-    suffix: str = "png",
-) -> None:
-    """Draw every kinematic quantity of some shoes, a file each."""
-    for quantity in KINEMATICS:
-        figure = kinematic_figure(history, quantity, shoes)
-        save_figure(figure, out / f"{prefix}{quantity.replace(' ', '_')}.{suffix}", overwrite)
+def write_figures(histories: Mapping[str, History], out: Path, overwrite: bool = False) -> None:
+    """Draw one shoe turning against translation, a figure a quantity."""
+    for quantity in KINEMATICS if len(histories) > 1 else ():
+        figure = comparison_figure(histories, quantity, COMPARED_SHOE)
+        name = f"shoe_{COMPARED_SHOE}_{quantity.replace(' ', '_')}.png"
+        save_figure(figure, out / name, overwrite)
 
 
 if __name__ == "__main__":
-    from exudyn_crawler.cli import kinematics, run_script
+    from exudyn_crawler.cli import run_script
 
-    run_script(kinematics)
+    run_script("studies.commands:kinematics")

@@ -1,60 +1,59 @@
-"""Stress study (S-paper): flexible shoes over propel and loading, von Mises histories and hot spots."""
+"""Stresses of flexible shoes over propel and a loading cycle.
+
+Reproduces the S-paper ("Multibody Dynamic Stress Simulation of Rigid-Flexible Shovel Crawler Shoes",
+Minerals 2016, 6(3), 61): six flexible shoes over 15 s of propel and 25 s of digging, swinging and dumping;
+the modes of figure 9, motion, contact and joint forces and deformation of figures 11 to 17 and 21, von Mises
+stresses at eight instants, and the hot spots of tables 5 and 6.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
 
-from exudyn_crawler.case import Case
-from exudyn_crawler.case.files import CaseFile
+from exudyn_crawler import Case, CaseFile, CaseRun, run_case
 from exudyn_crawler.case.flexible import ADAMS_DAMPING
-from exudyn_crawler.case.outputs import Outputs
-from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.files import whole_file
 from exudyn_crawler.model.flexible_shoes import shoe_model
-from exudyn_crawler.results.history import History
-from exudyn_crawler.results.stresses import StressResults, recover_stresses
-from exudyn_crawler.run.folder import kept_run
-from exudyn_crawler.run.simulation import simulate
-from exudyn_crawler.runs import HISTORY, STOPPED_HISTORY, keep_history, kept_checkpoints
-from exudyn_crawler.views.curves import save_figure
-from exudyn_crawler.views.paraview import write_paraview
-from exudyn_crawler.views.stress_figures import stress_figures
-from exudyn_crawler.views.stress_pictures import write_stress_pictures
+from exudyn_crawler.run.folder import kept_run, quiet
 from exudyn_crawler.views.tables import write_table
-from fem import write_vtu
 from studies.defaults import CYCLE_DURATION
-from studies.stress_comparison import compare_stresses, stress_summary
+from studies.stress_comparison import compare_stresses
+
+RUN = "cycle"
+"""Folder of the run in the folder of the study."""
 
 
-def run_stress(
-    case: Case | None = None,
-    duration: float = CYCLE_DURATION,
+def start() -> CaseFile:
+    """Case to start from: the whole cycle with six flexible shoes."""
+    return CaseFile(case=Case.stress(), duration=CYCLE_DURATION)
+
+
+def study(
     out: Path | None = None,
+    case: Case | None = None,
+    *,
+    duration: float = CYCLE_DURATION,
     overwrite: bool = False,
     progress: bool | None = None,
-    say: Callable[[str], None] = lambda _text: None,
-) -> tuple[History, StressResults, pd.DataFrame]:
+    say: Callable[[str], None] = quiet,
+) -> tuple[CaseRun, pd.DataFrame]:
     """Run a track with flexible shoes, recover their stresses and compare them with the paper.
 
     Parameters
     ----------
+    out : Path, optional
+        Folder of the study: the run in a folder named "cycle", and `comparison.csv`; None writes nothing. A
+        study that was killed goes on: the same call takes up where it ended.
     case : Case, optional
         With flexible shoes; `Case.stress()` if left out.
     duration : float
         s.
-    out : Path, optional
-        Folder for all results; None writes nothing. Its folder `checkpoints` lets a run that was killed go
-        on: the same call takes up where it ended.
-    overwrite : bool
-        Replace files of an earlier study and start anew.
-    say : callable
-        Is told, in a line, what is going on.
+    overwrite, progress, say
+        As of `run_case`.
 
     Returns
     -------
-    history : History
-    results : StressResults
+    run : CaseRun
     comparison : pandas.DataFrame
         As of `stress_comparison.compare_stresses`.
 
@@ -65,71 +64,19 @@ def run_stress(
         exist, a bad duration, or checkpoints of other parameters.
     FileExistsError, BlockingIOError
         Before anything runs, if results are there and `overwrite` is false, or another run works there.
-    SimulationStopped
-        If the run ends early; its history is saved.
+    EquilibriumError, SimulationStopped
+        As of `run_case`.
     """
     case = Case.stress() if case is None else case
     flexible = case.flexible_shoes()
     case_file = CaseFile(case=case, duration=duration)
     shoe_model(flexible, case.track)  # refuses a mesh that does not fit while nothing is written yet
-    with kept_run(out, {"case": case_file}, overwrite, say) as keeper:
-        checkpoints = None if out is None else kept_checkpoints(out, case, overwrite, keeper)
-        with keeper.timed("simulate"):
-            try:
-                history = simulate(case, duration, progress, checkpoints)
-            except SimulationStopped as stop:
-                if out is not None:
-                    keep_history(stop.history, out / STOPPED_HISTORY, overwrite=True)
-                raise
+    with kept_run(out, overwrite=overwrite, tell=say) as keeper:
+        run = run_case(case_file, out and out / RUN, overwrite=overwrite, progress=progress, say=keeper.say)
+        table = compare_stresses(run.history, run.recovered())
         if out is not None:
-            keep_history(history, out / HISTORY, overwrite)
-        with keeper.timed("recover stresses"):
-            results = recover_stresses(history)
-            table = compare_stresses(history, results)
-        if out is not None:
-            with keeper.timed("tables and figures"):
-                write_stresses(history, results, out, overwrite)
-                write_table(table, out / "comparison.csv", overwrite)
-                write_table(case.loads.table(), out / "loads.csv", overwrite)
-        if checkpoints is not None:
-            checkpoints.remove()
-    return history, results, table
-
-
-def write_stresses(
-    history: History,
-    results: StressResults,
-    out: Path,
-    overwrite: bool = False,
-    outputs: Outputs = Outputs(),  # noqa: B008 - frozen
-) -> None:
-    """Write stresses and, if wanted, tables, figures, pictures, fields and the ParaView series."""
-    results.save(out / "stress.nc", overwrite)
-    if outputs.tables:
-        write_table(stress_summary(history, results), out / "highest_stresses.csv", overwrite)
-        for shoe, hot_spots in results.hot_spots.items():
-            write_table(hot_spots, out / f"hot_spots_shoe_{shoe}.csv", overwrite)
-    if not outputs.figures:
-        return
-    for title, figure in stress_figures(history, results).items():
-        name = f"flexible_{title.replace(' ', '_')}.{outputs.figure_format}"
-        save_figure(figure, out / name, overwrite)
-    _write_fields(results, out, overwrite)
-    write_stress_pictures(results.dataset, history, out, overwrite)
-    write_paraview(results.dataset, history, out, overwrite)
-
-
-def _write_fields(results: StressResults, out: Path, overwrite: bool) -> None:
-    """Greatest von Mises stress of every node, when it occurs and its range, for ParaView."""
-    for shoe in results.dataset.shoe.values:
-        own = results.dataset.sel(shoe=shoe)
-        fields = {
-            "greatest von Mises": own.peak_von_mises.values,
-            "time of the greatest": own.peak_time.values,
-            "range of von Mises": (own.peak_von_mises - own.least_von_mises).values,
-        }
-        with whole_file(out / f"fields_shoe_{shoe}.vtu", overwrite) as temporary:
-            write_vtu(temporary, results.whole.mesh, fields)
+            write_table(table, out / "comparison.csv", overwrite)
+    return run, table
 
 
 def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | None = None) -> pd.DataFrame:
@@ -155,13 +102,13 @@ def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | N
     }
     columns = {}
     for choice, changed in choices.items():
-        _, _, table = run_stress(changed, duration, progress=progress)
+        _, table = study(case=changed, duration=duration, progress=progress)
         columns[choice] = table["computed"]
     rows = table[["case", "quantity", "statistic", "unit", "paper"]].assign(**columns)
     return rows.dropna().reset_index(drop=True)
 
 
 if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script, stress
+    from exudyn_crawler.cli import run_script
 
-    run_script(stress)
+    run_script("studies.commands:stress")

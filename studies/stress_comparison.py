@@ -13,6 +13,7 @@ import xarray as xr
 
 from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.propel import in_phase
 from exudyn_crawler.results.stresses import StressResults
 from studies.comparison import KINEMATIC, comparison_table, statistic_of
 from studies.reported import reported_values
@@ -61,22 +62,6 @@ def _revolute(values: xr.DataArray) -> xr.DataArray:
     return values.isel(joint=values.notnull().all(["time", "pin", "axis"]).values)
 
 
-def in_phase(values: xr.DataArray, history: History, phase: str) -> xr.DataArray:
-    """Part of a series in the propel or in the loading; empty where the run does not reach it.
-
-    Raises
-    ------
-    ValueError
-        For any other phase.
-    """
-    end = min(history.case.drive.switch_times, default=math.inf)
-    if phase == "propel":
-        return values.where(values.time <= end, drop=True)
-    if phase == "loading":
-        return values.where(values.time > end, drop=True)
-    raise ValueError(f"phase must be 'propel' or 'loading', got {phase!r}")
-
-
 def stress_value(history: History, results: StressResults, case: str, quantity: str, statistic: str) -> float:
     """Computed value of a row on propel, loading or hot spots; NaN where the run does not reach it."""
     if match := HOT_SPOT.fullmatch(quantity):
@@ -103,20 +88,3 @@ def compare_stresses(history: History, results: StressResults) -> pd.DataFrame:
         else:
             computed.append(stress_value(history, results, row.case, row.quantity, row.statistic))
     return comparison_table(reported, computed)
-
-
-def stress_summary(history: History, results: StressResults) -> pd.DataFrame:
-    """Highest von Mises stress of every flexible shoe in propel and loading.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns shoe, propel and loading (MPa), ratio of loading to propel; NaN for a phase not reached.
-    """
-    highest = results.dataset.highest_von_mises / MEGA
-    rows = []
-    for shoe in highest.shoe.values:
-        phases = {phase: in_phase(highest.sel(shoe=shoe), history, phase) for phase in ("propel", "loading")}
-        peaks = {p: float(v.max()) if v.size else math.nan for p, v in phases.items()}
-        rows.append({"shoe": int(shoe)} | peaks | {"ratio": peaks["loading"] / peaks["propel"]})
-    return pd.DataFrame(rows)

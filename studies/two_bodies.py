@@ -1,4 +1,7 @@
-"""Two-body verification problem of the K-paper: a block dragged over a fixed plate.
+"""Two-body verification problem: a block dragged over a fixed plate.
+
+Reproduces the problem by which the K-paper ("Multi-Body Dynamic Modeling and Simulation of Crawler-Formation
+Interactions in Surface Mining Operations - Crawler Kinematics") verifies its equations (its tables 7 and 8).
 
 Body 2, a plate, is fixed to the ground at its centre; body 3, a block, keeps its orientation, is driven
 along x and is free in y and z. Given the block's penetration and its rate, accelerations and reactions
@@ -9,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from exudyn_crawler.case import PairContact, Shoe, Terrain
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
@@ -69,6 +73,10 @@ def _box(sides: tuple[float, float, float]) -> tuple[float, tuple[float, float, 
     return mass, (mass / 12 * (y**2 + z**2), mass / 12 * (x**2 + z**2), mass / 12 * (x**2 + y**2))
 
 
+BLOCK_MASS, BLOCK_INERTIA = _box(BLOCK)
+PLATE_MASS, PLATE_INERTIA = _box(PLATE)
+
+
 def block_penetration(law: PairContact) -> float:
     """Penetration (m) that gives the printed force at the given sinking rate.
 
@@ -83,20 +91,18 @@ def hand_solution(law: PairContact) -> TwoBodySolution:
     The slip of 0.5 m/s is beyond the friction speed, so the friction is mu_d of the normal force. The
     contact acts at half the penetration below the plate's top face, under the block's middle.
     """
-    block_mass, _ = _box(BLOCK)
-    plate_mass, _ = _box(PLATE)
     friction = law.dynamic_friction * NORMAL_FORCE
     depth = block_penetration(law)
     contact_z = -0.5 * depth
     block_z = 0.5 * BLOCK[2] - depth
     arm_x = BLOCK_START[0] + SPEED * TIME - 0.5 * PLATE[0]
     arm_z = contact_z + 0.5 * PLATE[2]
-    weight = plate_mass * GRAVITY
+    weight = PLATE_MASS * GRAVITY
     # moment of a force (fx, 0, fz) at (ax, 0, az) about y: az fx - ax fz
     on_block = (contact_z - block_z) * -friction
     on_plate = arm_z * friction - arm_x * -NORMAL_FORCE
     return TwoBodySolution(
-        block_acceleration=(0.0, 0.0, NORMAL_FORCE / block_mass - GRAVITY),
+        block_acceleration=(0.0, 0.0, NORMAL_FORCE / BLOCK_MASS - GRAVITY),
         plate_force_z=-weight - NORMAL_FORCE,
         drive_force=friction,
         hold_moment=(0.0, -on_block, 0.0),
@@ -105,20 +111,22 @@ def hand_solution(law: PairContact) -> TwoBodySolution:
     )
 
 
-def engine_solution(law: PairContact) -> TwoBodySolution:
-    """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
-    block_mass, block_inertia = _box(BLOCK)
-    plate_mass, plate_inertia = _box(PLATE)
-    block = Shoe(
-        mass=block_mass,
-        inertia=(*block_inertia, 0.0, 0.0, 0.0),
+def block_shoe() -> Shoe:
+    """Body 3 as a shoe."""
+    return Shoe(
+        mass=BLOCK_MASS,
+        inertia=(*BLOCK_INERTIA, 0.0, 0.0, 0.0),
         com_height=0.5 * BLOCK[2],
         length=BLOCK[0],
         width=BLOCK[1],
         underside_center=(0.0, 0.0),
         load_point=(0.0, 0.0, 0.5 * BLOCK[2]),
     )
-    plate = Terrain(
+
+
+def plate_terrain() -> Terrain:
+    """Body 2 as a terrain of one unit."""
+    return Terrain(
         columns=1,
         rows=1,
         unit_length=PLATE[0],
@@ -132,50 +140,75 @@ def engine_solution(law: PairContact) -> TwoBodySolution:
         column_tilt=False,
         tilt="pitch",
     )
-    start = np.array([BLOCK_START])
-    contact = TrackContact(start, block, plate, law, ConstrainedCoordinates(1, plate.tilt_axis))
+
+
+def engine_solution(law: PairContact) -> TwoBodySolution:
+    """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
+    start, plate = np.array([BLOCK_START]), plate_terrain()
+    contact = TrackContact(start, block_shoe(), plate, law, ConstrainedCoordinates(1, plate.tilt_axis))
     container = exu.SystemContainer()
     mbs = container.AddSystem()
-    ground = mbs.AddObject(items.ObjectGround())
-    nodes, bodies = [], []
-    travel = SPEED * TIME
-    for position, mass, inertia, displacement, velocity in (
-        (
-            start[0],
-            block_mass,
-            block_inertia,
-            [travel, 0, -block_penetration(law)],
-            [SPEED, 0, -SINKING],
-        ),
-        (plate.centers[0], plate_mass, plate_inertia, [0.0] * 3, [0.0] * 3),
-    ):
-        nodes.append(
-            mbs.AddNode(
-                items.NodeRigidBodyRxyz(
-                    referenceCoordinates=[*position, 0.0, 0.0, 0.0],
-                    initialCoordinates=[*displacement, 0.0, 0.0, 0.0],
-                    initialVelocities=[*velocity, 0.0, 0.0, 0.0],
-                )
-            )
-        )
-        bodies.append(
-            mbs.AddObject(
-                items.ObjectRigidBody(mass=mass, inertia=[*inertia, 0.0, 0.0, 0.0], nodeNumber=nodes[-1])
-            )
-        )
-        com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=bodies[-1]))
-        mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0, 0, -mass * GRAVITY]))
-    add_contact(mbs, contact, nodes)
-
-    at_ground = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=list(plate.centers[0])))
-    at_plate = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=bodies[1]))
-    fixing = mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[at_ground, at_plate]))
-    fixed = mbs.AddMarker(
-        items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
+    displacement = np.array([SPEED * TIME, 0.0, -block_penetration(law), *[0.0] * 9])
+    velocity = np.array([SPEED, 0.0, -SINKING, *[0.0] * 9])
+    block = _add_body(mbs, start[0], (BLOCK_MASS, BLOCK_INERTIA), displacement[:3], velocity[:3])
+    fixed = _add_body(mbs, plate.centers[0], (PLATE_MASS, PLATE_INERTIA), np.zeros(3), np.zeros(3))
+    add_contact(mbs, contact, [block, fixed])
+    fixing, holds = _add_fixing(mbs, fixed, plate.centers[0]), _add_holds(mbs, block)
+    accelerations, multipliers = _initial_state(mbs)
+    rows = mbs.systemData.GetObjectLTGAE
+    drive, hold_x, hold_y, hold_z = (float(-multipliers[rows(item)[0]]) for item in holds)
+    # the joint's equations are p1 - p0 = 0, vz0 . vy1 = 0, vz0 . vx1 = 0, vx0 . vy1 = 0, all axes aligned
+    fx, fy, fz, about_x, about_y, about_z = (-multipliers[row] for row in rows(fixing))
+    contact_on_plate = float(contact.forces(displacement, velocity)[8])
+    return TwoBodySolution(
+        block_acceleration=tuple(accelerations[:3]),
+        plate_force_z=contact_on_plate - PLATE_MASS * GRAVITY,
+        drive_force=drive,
+        hold_moment=(hold_x, hold_y, hold_z),
+        fixing_force=(float(fx), float(fy), float(fz)),
+        fixing_moment=(float(about_x), float(-about_y), float(about_z)),
     )
+
+
+def _add_body(
+    mbs: "exu.MainSystem",
+    position: NDArray,
+    body: tuple[float, tuple[float, float, float]],
+    displacement: NDArray,
+    velocity: NDArray,
+) -> int:
+    """Add a body of some mass and principal moments of inertia, with its weight; gives its node."""
+    mass, inertia = body
+    node = mbs.AddNode(
+        items.NodeRigidBodyRxyz(
+            referenceCoordinates=[*position, 0.0, 0.0, 0.0],
+            initialCoordinates=[*displacement, 0.0, 0.0, 0.0],
+            initialVelocities=[*velocity, 0.0, 0.0, 0.0],
+        )
+    )
+    number = mbs.AddObject(
+        items.ObjectRigidBody(mass=mass, inertia=[*inertia, 0.0, 0.0, 0.0], nodeNumber=node)
+    )
+    com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=number))
+    mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0, 0, -mass * GRAVITY]))
+    return node
+
+
+def _add_fixing(mbs: "exu.MainSystem", node: int, place: NDArray) -> int:
+    """Fix a body to the ground at its centre; gives the joint."""
+    ground = mbs.AddObject(items.ObjectGround())
+    at_ground = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=list(place)))
+    at_body = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
+    return mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[at_ground, at_body]))
+
+
+def _add_holds(mbs: "exu.MainSystem", node: int) -> list[int]:
+    """Drive a body along x and keep its orientation; gives the connectors, x first, then the rotations."""
+    at_rest = mbs.AddNode(items.NodePointGround())
+    fixed = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=at_rest, coordinate=0))
     holds = []
     for coordinate in (0, 3, 4, 5):
-        held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=coordinate))
+        held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
         holds.append(
             mbs.AddObject(
                 items.ObjectConnectorCoordinate(
@@ -185,6 +218,11 @@ def engine_solution(law: PairContact) -> TwoBodySolution:
                 )
             )
         )
+    return holds
+
+
+def _initial_state(mbs: "exu.MainSystem") -> tuple[NDArray, NDArray]:
+    """Accelerations and multipliers of the assembled system in its initial state."""
     mbs.Assemble()
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
@@ -201,25 +239,14 @@ def engine_solution(law: PairContact) -> TwoBodySolution:
 
     mbs.SetPostStepUserFunction(keep)
     mbs.SolveDynamic(settings)
-    accelerations, multipliers = states[0]
-    rows = mbs.systemData.GetObjectLTGAE
-    drive, hold_x, hold_y, hold_z = (float(-multipliers[rows(item)[0]]) for item in holds)
-    # the joint's equations are p1 - p0 = 0, vz0 . vy1 = 0, vz0 . vx1 = 0, vx0 . vy1 = 0, all axes aligned
-    fx, fy, fz, about_x, about_y, about_z = (-multipliers[row] for row in rows(fixing))
-    contact_on_plate = float(
-        contact.forces(
-            np.array([travel, 0, -block_penetration(law), *[0.0] * 9]),
-            np.array([SPEED, 0, -SINKING, *[0.0] * 9]),
-        )[8]
-    )
-    return TwoBodySolution(
-        block_acceleration=tuple(accelerations[:3]),
-        plate_force_z=contact_on_plate - plate_mass * GRAVITY,
-        drive_force=drive,
-        hold_moment=(hold_x, hold_y, hold_z),
-        fixing_force=(float(fx), float(fy), float(fz)),
-        fixing_moment=(float(about_x), float(-about_y), float(about_z)),
-    )
+    return states[0]
+
+
+def study() -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Both solutions side by side, and the engine's beside the printed values."""
+    law = PairContact.oil_sand()
+    engine = engine_solution(law)
+    return compare_verification(hand_solution(law), engine), compare_with_paper(engine)
 
 
 def compare_verification(hand: TwoBodySolution, engine: TwoBodySolution) -> pd.DataFrame:
@@ -251,6 +278,6 @@ def compare_with_paper(engine: TwoBodySolution) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script, verify
+    from exudyn_crawler.cli import run_script
 
-    run_script(verify)
+    run_script("studies.commands:verify")

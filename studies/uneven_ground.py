@@ -1,15 +1,15 @@
-"""Uneven-ground study: the track over a step, a ramp or random roughness, with the second contact model."""
+"""The track over uneven ground: a step, a ramp or random roughness.
 
-from collections.abc import Callable
+No paper reports it; the rigid track of the papers goes straight over ground whose units have different
+heights, with the second contact model.
+"""
+
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from exudyn_crawler.case import Case, SphereContact, Terrain
-from exudyn_crawler.case.files import CaseFile
-from exudyn_crawler.results.history import History
-from exudyn_crawler.run.folder import kept_run
-from exudyn_crawler.runs import saved_run
-from exudyn_crawler.views.curves import save_figure
-from exudyn_crawler.views.ground_figures import ground_figure
+from exudyn_crawler import Case, CaseFile, CaseRun, SphereContact, Terrain, run_case
+from exudyn_crawler.run.folder import quiet
+from studies.defaults import DURATION
 
 STEP_PLACE, STEP_HEIGHT = 14.0, 0.1
 """m: below the middle of the track at t = 0; height."""
@@ -17,8 +17,6 @@ RAMP_START, RAMP_END, RAMP_HEIGHT = 8.0, 20.0, 0.6
 """m: 5 % over the whole track."""
 ROUGHNESS, SEED = 0.02, 1
 """m, standard deviation of the units' heights; seed of the generator."""
-DURATION = 10.0
-"""s, in which the track travels 0.75 m: every shoe passes a unit's edge or stands where its neighbour was."""
 
 
 def strip() -> Terrain:
@@ -63,45 +61,55 @@ def uneven_case(ground: str) -> Case:
     return Case.translation().with_(name=ground, terrain=GROUNDS[ground](), contact=spheres)
 
 
-def run_uneven_ground(
-    ground: str,
-    duration: float = DURATION,
+def start() -> CaseFile:
+    """Case to start from: random roughness."""
+    return CaseFile(case=uneven_case("rough"), duration=DURATION)
+
+
+def study(
     out: Path | None = None,
+    grounds: Sequence[str] = tuple(GROUNDS),
+    *,
+    duration: float = DURATION,
     overwrite: bool = False,
     progress: bool | None = None,
-) -> History:
-    """Run the track over one of the grounds.
+    say: Callable[[str], None] = quiet,
+) -> dict[str, CaseRun]:
+    """Run the track over some of the grounds; each run's figure `ground` shows its end.
 
     Parameters
     ----------
-    ground : str
-        "step", "ramp" or "rough".
+    out : Path, optional
+        Folder of the study: a folder a ground; None writes nothing.
+    grounds : sequence of str
+        Of "step", "ramp" and "rough".
     duration : float
         s.
-    out : Path, optional
-        Folder for the history and a figure of its end; None writes nothing.
-    overwrite : bool
-        Replace files of an earlier run.
+    overwrite, progress, say
+        As of `run_case`.
+
+    Returns
+    -------
+    dict
+        Runs by ground.
 
     Raises
     ------
     ValueError
-        For an unknown ground or a bad duration.
+        Before anything runs, for an unknown ground or a bad duration.
     FileExistsError, BlockingIOError
-        Before anything runs, if results are there and `overwrite` is false, or another run works there.
+        Before a run, if results are there and `overwrite` is false, or another run works there.
     EquilibriumError, SimulationStopped
-        As of `simulate`.
+        As of `run_case`.
     """
-    case = uneven_case(ground)
-    with kept_run(out, {ground: CaseFile(case=case, duration=duration)}, overwrite) as keeper:
-        with keeper.timed("simulate"):
-            history = saved_run(case, duration, out, overwrite, progress)
-        if out is not None:
-            save_figure(ground_figure(history, duration), out / f"{ground}_ground.png", overwrite)
-    return history
+    files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
+    return {
+        ground: run_case(one, out and out / ground, overwrite=overwrite, progress=progress, say=say)
+        for ground, one in files.items()
+    }
 
 
 if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script, uneven
+    from exudyn_crawler.cli import run_script
 
-    run_script(uneven)
+    run_script("studies.commands:uneven")

@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import runpy
 import subprocess
 import sys
 import tomllib
@@ -14,7 +15,8 @@ import pytest
 
 from exudyn_crawler import Case, History, cli
 from exudyn_crawler.case import CaseFile, read_case
-from studies import kinematics as kinematics_workflow
+from exudyn_crawler.cli.registered import COMMANDS as GROUP
+from exudyn_crawler.cli.registered import registered
 
 COMMANDS = (
     "kinematics",
@@ -86,9 +88,10 @@ def test_help_shows_an_example(call, command):
 
 def test_every_command_is_among_those_tested(call):
     _, out, _ = call("--help")
-    listed = {command.callback.__name__ for command in cli.app.registered_commands}
-    assert listed == set(COMMANDS)
-    assert all(name in out for name in listed)
+    own = {command.callback.__name__ for command in cli.app.registered_commands}
+    assert own == {"init", "info", "run", "report", "animate"}
+    assert own | set(registered(GROUP)) == set(COMMANDS)
+    assert all(name in out for name in COMMANDS)
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"]])
@@ -112,12 +115,60 @@ def test_help_loads_nothing_heavy(arguments):
         ("forces", "forces"),
         ("stress", "stress"),
         ("uneven_ground", "uneven"),
-        ("verification", "verify"),
+        ("two_bodies", "verify"),
     ],
 )
-def test_scripts_and_command_are_one(script, command):
-    module = importlib.import_module(f"studies.{script}")
-    assert getattr(module, command) is getattr(cli, command)
+def test_scripts_and_commands_are_one(script, command, monkeypatch):
+    called = []
+    monkeypatch.setattr(cli, "run_script", called.append)
+    runpy.run_module(f"studies.{script}", run_name="__main__")
+    assert called == [registered(GROUP)[command].value]
+
+
+@pytest.fixture
+def strangers(tmp_path_factory, monkeypatch):
+    """A package of somebody else, installed beside: a study with its case, and one that cannot be loaded."""
+    folder = tmp_path_factory.mktemp("packages")
+    (folder / "stranger.py").write_text(
+        "from exudyn_crawler import Case, CaseFile\n"
+        "from exudyn_crawler.cli import Debug\n"
+        "def haul(times: int = 1, debug: Debug = False) -> None:\n"
+        '    """Haul a load.\n\n    Example: exudyn-crawler haul\n    """\n'
+        "    if times < 1: raise ValueError(f'times must be positive, got {times}')\n"
+        "    print('hauled', times)\n"
+        "def start() -> CaseFile:\n"
+        "    return CaseFile(case=Case.translation(), duration=3.0)\n"
+    )
+    metadata = folder / "stranger-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: stranger\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text(
+        "[exudyn_crawler.commands]\nhaul = stranger:haul\nbroken = lost:command\nrun = stranger:haul\n"
+        "[exudyn_crawler.cases]\nhaul = stranger:start\n"
+    )
+    monkeypatch.syspath_prepend(folder)
+
+
+@pytest.mark.usefixtures("strangers")
+def test_another_package_can_add_a_study(call, tmp_path):
+    assert call("haul", "--times", "3") == (0, "hauled 3\n", "")
+    code, _, err = call("haul", "--times", "0")
+    assert code == 2
+    assert_one_line(err, "times must be positive, got 0")
+    assert call("init", "own", "--study", "haul")[0] == 0
+    assert read_case(tmp_path / "own.toml").duration == 3.0
+    # a name that is taken stays with its owner
+    assert "Run a case file" in call("run", "--help")[1]
+
+
+@pytest.mark.usefixtures("strangers")
+def test_a_study_that_cannot_be_loaded_spoils_no_other(call):
+    code, out, _ = call("--help")
+    assert code == 0
+    assert all(name in out for name in (*COMMANDS, "haul", "broken"))
+    code, _, err = call("broken", "--loud", "now")
+    assert code == 1
+    assert_one_line(err, "No module named 'lost'")
 
 
 def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
@@ -206,7 +257,7 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
         (["kinematics", "--duration", "-1"], "duration must be positive and finite, got -1.0 s"),
         (["kinematics", "--duration", "soon"], "Invalid value for '--duration'"),
         (["kinematics", "--case", "sideways"], "'sideways'"),
-        (["forces", "--reuse", "nowhere", "--duration", "0.01"], "no history at nowhere/translation.nc"),
+        (["forces", "--reuse", "nowhere", "--duration", "0.01"], "no history at nowhere/history.nc"),
         (["stress", "--mesh", "lost"], "no mesh file lost"),
         (["stress", "--modes", "loud"], "modes must be like"),
         (["stress", "--cycle", "nowhere.toml"], "no load cycle nowhere.toml"),
@@ -216,6 +267,10 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
         (["report", "nowhere"], "no folder nowhere"),
         (["animate", "nowhere.nc"], "no history at nowhere.nc"),
         (["init"], "Missing argument 'NAME'"),
+        (
+            ["init", "own", "--study", "opera"],
+            "study must be of ['forces', 'kinematics', ",
+        ),
         (["init", "nowhere/case"], "nowhere/case.toml"),
         (["sing"], "No such command 'sing'"),
         (["run", "a.toml", "--fast"], "No such option"),
@@ -289,7 +344,7 @@ def test_all_else_is_one_line_too(call, monkeypatch, error, code, words):
     def fail(*_args, **_options):
         raise error
 
-    monkeypatch.setattr(kinematics_workflow, "run_kinematics", fail)
+    monkeypatch.setattr("studies.kinematics.study", fail)
     found, _, err = call("kinematics")
     assert found == code
     assert_one_line(err, words)

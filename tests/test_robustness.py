@@ -12,15 +12,14 @@ import tomlkit
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from exudyn_crawler import Case, History, simulate
+from exudyn_crawler import Case, History, run_case, simulate
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.case.text import case_text
 from exudyn_crawler.cli import main
 from exudyn_crawler.errors import CaseFileError
-from exudyn_crawler.run_case import run_case
-from exudyn_crawler.runs import keep_history
-from studies.stress import run_stress
+from exudyn_crawler.run.histories import keep_history
+from studies.stress import study as stress_study
 from tests.case.strategies import TOML
 
 SAME_FOLDER = settings(
@@ -212,6 +211,39 @@ def test_a_killed_run_goes_on_in_its_folder_and_gives_the_same_numbers(tmp_path)
         assert resumed[name].values.tobytes() == unbroken[name].values.tobytes(), name
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+def test_a_killed_study_goes_on_too(tmp_path):
+    script = (
+        "import sys\nfrom pathlib import Path\n"
+        "from exudyn_crawler import Case\nfrom studies.stress import study\n"
+        "case = Case.stress('coarse')\n"
+        "solver = case.solver.with_(checkpoint_interval=0.1)\n"
+        "case = case.with_(solver=solver, flexible=case.flexible.with_(shoes=(13,), fixed_modes=4))\n"
+        "run, _ = study(Path(sys.argv[1]), case, duration=0.4, say=print)\n"
+    )
+    line = [sys.executable, "-c", script]
+    checkpoints = tmp_path / "out" / "cycle" / "checkpoints"
+    with subprocess.Popen([*line, "out"], cwd=tmp_path) as run:
+        try:
+            end = time.monotonic() + 120.0
+            while not list(checkpoints.glob("stage_*.npz")):
+                assert time.monotonic() < end
+                assert run.poll() is None
+                time.sleep(0.02)
+        finally:
+            run.send_signal(signal.SIGKILL)
+    assert not (tmp_path / "out" / "cycle" / "history.nc").exists()
+    told = subprocess.run([*line, "out"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert "stress: going on from the checkpoint at t = " in told
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["status"] == "done"
+    assert (tmp_path / "out" / "comparison.csv").exists()
+    subprocess.run([*line, "whole"], cwd=tmp_path, capture_output=True, check=True)
+    resumed, unbroken = (
+        History.load(tmp_path / name / "cycle" / "history.nc").dataset for name in ("out", "whole")
+    )
+    assert resumed.identical(unbroken)
+
+
 @pytest.fixture(scope="module")
 def short_file(tmp_path_factory):
     history = simulate(Case.translation(), 0.01)
@@ -255,7 +287,7 @@ def test_a_mesh_that_does_not_fit_is_refused_before_anything_is_written(tmp_path
     with pytest.raises(ValueError, match="must meet the track's pins"):
         run_case(CaseFile(case=off, duration=0.01), tmp_path / "run")
     with pytest.raises(ValueError, match="must meet the track's pins"):
-        run_stress(off, 0.01, tmp_path / "study")
+        stress_study(tmp_path / "study", off, duration=0.01)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -1,18 +1,15 @@
 """Folder of a run: one process at a time, and beside the results what they come from.
 
-A folder holds the resolved case files, `run.json` with versions, machine, timing and outcome, `run.log`, and
-what the run writes: histories (NetCDF), tables (CSV) and figures.
+A folder holds the resolved case file, `run.json` with versions, machine, timing and outcome, `run.log`, and
+what the run writes: its history (NetCDF), tables (CSV) and figures. A study's folder holds a folder a case
+and its own record of all of them.
 """
 
-import importlib.metadata
-import json
 import logging
 import os
-import platform
-import re
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -22,16 +19,27 @@ from filelock import FileLock, Timeout
 
 from exudyn_crawler.case import CaseFile, read_case, write_case
 from exudyn_crawler.errors import CaseFileError, SimulationStopped
-from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.files import writable_folder
+from exudyn_crawler.run.record import (
+    PROGRAM,
+    RECORD,
+    earlier_record,
+    machine,
+    timestamp,
+    versions,
+    write_record,
+)
 
-RECORD = "run.json"
+CASE = "case.toml"
 LOG = "run.log"
 LOCK = ".lock"
-RESULT_SUFFIXES = {".nc", ".csv", ".png", ".pdf", ".svg"}
-PROGRAM = "exudyn-crawler"
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+RESULT_SUFFIXES = {".nc", ".csv", ".png", ".pdf", ".svg", ".vtu", ".pvd", ".mp4", ".gif"}
 
 logger = logging.getLogger("exudyn_crawler")
+
+
+def quiet(_text: str) -> None:
+    """Tell nobody."""
 
 
 class Keeper:
@@ -67,9 +75,9 @@ class Keeper:
 @contextmanager
 def kept_run(
     out: Path | None,
-    cases: Mapping[str, CaseFile],
+    case_file: CaseFile | None = None,
     overwrite: bool = False,
-    tell: Callable[[str], None] = lambda _text: None,
+    tell: Callable[[str], None] = quiet,
 ) -> Iterator[Keeper]:
     """Hold a folder while a run writes into it, and keep what the results come from.
 
@@ -77,8 +85,8 @@ def kept_run(
     ----------
     out : Path, optional
         Folder, made where it is missing; None keeps nothing.
-    cases : mapping
-        What is run, by the names that the case files get (without suffix).
+    case_file : CaseFile, optional
+        What is run; None for a study, whose cases are run into folders of their own in this one.
     overwrite : bool
         Replace what an earlier run left. Files of that run which this one does not write anew are removed
         when it has ended well, so that no result stands beside a case that it does not come from.
@@ -99,28 +107,32 @@ def kept_run(
         yield keeper
         return
     with _held(writable_folder(out)):
-        refuse_results(out, overwrite)
+        if not overwrite:
+            refuse_results(out, below=case_file is None)
         found = earlier_record(out)
-        _keep_cases(out, cases, overwrite)
-        record = _start(cases)
-        before = _stamps(out)
-        with _logged(out, overwrite):
-            logger.info("%s %s, process %d", PROGRAM, record["versions"].get(PROGRAM, ""), os.getpid())
-            _write_record(out, record)
-            try:
-                yield keeper
-            except BaseException as error:
-                stopped = isinstance(error, SimulationStopped)
-                outcome = {"status": "stopped" if stopped else "failed", "error": str(error) or repr(error)}
-                logger.error("%s", outcome["status"], exc_info=error)
-                # what went wrong matters more than a record that cannot be written either
-                with suppress(OSError):
-                    _finish(out, record | outcome, keeper, before)
-                raise
-            written = _finish(out, record | {"status": "done"}, keeper, before)
-            if overwrite:
-                _remove(out, [name for name in found.get("files", []) if name not in written])
-            logger.info("done")
+        if case_file is not None:
+            _keep_case(out / CASE, case_file, overwrite)
+        with _recorded(out, keeper, overwrite) as written:
+            yield keeper
+        if overwrite:
+            _remove(out, set(found.get("files", [])) - set(written))
+
+
+def refuse_results(out: Path, below: bool = False) -> None:
+    """Refuse a folder that holds results already, also one folder `below`.
+
+    Raises
+    ------
+    FileExistsError
+        Naming what is there.
+    """
+    paths = [*out.iterdir(), *(out.glob("*/*") if below else ())]
+    found = sorted(path.relative_to(out).as_posix() for path in paths if path.suffix in RESULT_SUFFIXES)
+    if found:
+        raise FileExistsError(
+            f"{out} holds results already ({', '.join(found[:3])}, ...): "
+            f"choose another folder or ask for overwriting"
+        )
 
 
 def note_file(path: Path) -> None:
@@ -129,36 +141,11 @@ def note_file(path: Path) -> None:
     Nothing is noted where there is no record. A run at work in the folder notes what is new by itself.
     """
     out = path.parent
-    if not (found := earlier_record(out)):
+    if not earlier_record(out):
         return
     with suppress(BlockingIOError), _held(out):
         found = earlier_record(out)
-        _write_record(out, found | {"files": sorted({*found.get("files", []), path.name})})
-
-
-def refuse_results(out: Path, overwrite: bool) -> None:
-    """Refuse a folder that holds results already.
-
-    Raises
-    ------
-    FileExistsError
-        Naming what is there, unless `overwrite`.
-    """
-    found = sorted(path.name for path in out.iterdir() if path.suffix in RESULT_SUFFIXES)
-    if found and not overwrite:
-        raise FileExistsError(
-            f"{out} holds results already ({', '.join(found[:3])}, ...): "
-            f"choose another folder or ask for overwriting"
-        )
-
-
-def earlier_record(folder: Path) -> dict[str, Any]:
-    """What an earlier run recorded in a folder; nothing if there is no readable record."""
-    try:
-        found = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
+        write_record(out, found | {"files": sorted({*found.get("files", []), path.name})})
 
 
 @contextmanager
@@ -179,35 +166,48 @@ def _held(out: Path) -> Iterator[None]:
         lock.release()
 
 
-def _keep_cases(out: Path, cases: Mapping[str, CaseFile], overwrite: bool) -> None:
-    """Write the resolved case files; one that says the same stays as its author wrote it."""
-    new = {}
-    for name, case_file in cases.items():
-        path = out / f"{name}.toml"
-        try:
-            same = path.exists() and read_case(path) == case_file
-        except CaseFileError:
-            same = False
-        if path.exists() and not same and not overwrite:
-            raise FileExistsError(
-                f"{path} is the case of another run: choose another folder or ask for overwriting"
-            )
-        if not same:
-            new[path] = case_file
-    for path, case_file in new.items():
+def _keep_case(path: Path, case_file: CaseFile, overwrite: bool) -> None:
+    """Write the resolved case file; one that says the same stays as its author wrote it."""
+    try:
+        same = path.exists() and read_case(path) == case_file
+    except CaseFileError:
+        same = False
+    if path.exists() and not same and not overwrite:
+        raise FileExistsError(
+            f"{path} is the case of another run: choose another folder or ask for overwriting"
+        )
+    if not same:
         write_case(case_file, path, overwrite)
 
 
-def _start(cases: Mapping[str, CaseFile]) -> dict[str, Any]:
-    return {
+@contextmanager
+def _recorded(out: Path, keeper: Keeper, overwrite: bool) -> Iterator[list[str]]:
+    """Log and record what goes on in a folder; gives a list that gets the files that were written."""
+    record: dict[str, Any] = {
         "status": "running",
         "command": sys.argv,
-        "cases": {name: f"{name}.toml" for name in cases},
         "process": os.getpid(),
-        "started": _now(),
+        "started": timestamp(),
         "machine": machine(),
         "versions": versions(),
     }
+    before = _stamps(out)
+    written: list[str] = []
+    with _logged(out, overwrite):
+        logger.info("%s %s, process %d", PROGRAM, record["versions"].get(PROGRAM, ""), os.getpid())
+        write_record(out, record)
+        try:
+            yield written
+        except BaseException as error:
+            stopped = isinstance(error, SimulationStopped)
+            outcome = {"status": "stopped" if stopped else "failed", "error": str(error) or repr(error)}
+            logger.error("%s", outcome["status"], exc_info=error)
+            # what went wrong matters more than a record that cannot be written either
+            with suppress(OSError):
+                _finish(out, record | outcome, keeper, before)
+            raise
+        written += _finish(out, record | {"status": "done"}, keeper, before)
+        logger.info("done")
 
 
 def _finish(
@@ -215,17 +215,11 @@ def _finish(
 ) -> list[str]:
     """Complete the record; the names of the files that the run wrote."""
     after = _stamps(out)
-    kept = {LOG, RECORD, *record["cases"].values()}
-    written = sorted(name for name in after if name in kept or before.get(name) != after[name])
+    written = sorted(name for name in after if name in (CASE, LOG, RECORD) or before.get(name) != after[name])
     took = datetime.now(UTC) - datetime.fromisoformat(record["started"])
-    times = {"finished": _now(), "wall_time_s": round(took.total_seconds(), 3), "stages_s": keeper.stages}
-    _write_record(out, record | times | {"files": written})
+    times = {"finished": timestamp(), "wall_time_s": round(took.total_seconds(), 3)}
+    write_record(out, record | times | {"stages_s": keeper.stages, "files": written})
     return written
-
-
-def _write_record(out: Path, record: dict[str, Any]) -> None:
-    with whole_file(out / RECORD, overwrite=True) as temporary:
-        temporary.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
 
 
 def _stamps(out: Path) -> dict[str, tuple[int, int]]:
@@ -238,12 +232,16 @@ def _stamps(out: Path) -> dict[str, tuple[int, int]]:
     return stamps
 
 
-def _remove(out: Path, names: list[str]) -> None:
-    """Remove files of an earlier run, and nothing outside the folder."""
-    for name in names:
-        path = (out / name).resolve()
-        if path.is_relative_to(out.resolve()):
-            path.unlink(missing_ok=True)
+def _remove(out: Path, names: set[str]) -> None:
+    """Remove files of an earlier run and folders that they leave empty, and nothing outside the folder."""
+    whole = out.resolve()
+    paths = [path for name in names if (path := (out / name).resolve()).is_relative_to(whole)]
+    for path in paths:
+        path.unlink(missing_ok=True)
+    for folder in {path.parent for path in paths} - {whole}:
+        if folder.is_dir() and {path.name for path in folder.iterdir()} <= {LOCK}:
+            (folder / LOCK).unlink(missing_ok=True)
+            folder.rmdir()
 
 
 class _LogFile(logging.FileHandler):
@@ -271,40 +269,3 @@ def _logged(out: Path, overwrite: bool) -> Iterator[None]:
         logger.removeHandler(handler)
         logger.setLevel(level)
         handler.close()
-
-
-def _now() -> str:
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
-
-
-def machine() -> dict[str, Any]:
-    """What the run works on."""
-    return {
-        "platform": platform.platform(),
-        "processor": _processor(),
-        "cpu_count": os.cpu_count(),
-        "python": platform.python_version(),
-        "threads": {name: os.environ[name] for name in THREAD_VARIABLES if name in os.environ},
-    }
-
-
-def _processor() -> str:
-    """Name of the processor; Linux tells it in a file only."""
-    with suppress(OSError):
-        if found := re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8")):
-            return found[1]
-    return platform.processor() or platform.machine()
-
-
-def versions() -> dict[str, str]:
-    """Versions of the package and of everything that it needs, as far as they are installed."""
-    try:
-        needed = importlib.metadata.requires(PROGRAM) or []
-    except importlib.metadata.PackageNotFoundError:
-        needed = []
-    names = [re.split(r"[\s<>=!~;\[(]", one, maxsplit=1)[0] for one in needed if "extra ==" not in one]
-    found = {}
-    for name in (PROGRAM, *sorted(names, key=str.lower)):
-        with suppress(importlib.metadata.PackageNotFoundError):
-            found[name] = importlib.metadata.version(name)
-    return found

@@ -39,3 +39,17 @@ def write_table(table: pd.DataFrame, path: Path, overwrite: bool = False) -> Pat
     with whole_file(path, overwrite) as temporary:
         table.to_csv(temporary, index=False)
     return path
+
+
+def within_by_class(table: pd.DataFrame) -> pd.DataFrame:
+    """How many rows of a comparison are within, of those with a verdict: columns class, within, of.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        With the columns class and within: yes, no, or empty without a verdict.
+    """
+    judged = table[table["within"] != ""]
+    grouped = judged.groupby("class", sort=False)["within"]
+    counts = pd.DataFrame({"within": grouped.agg(lambda w: int((w == "yes").sum())), "of": grouped.size()})
+    return counts.reset_index()

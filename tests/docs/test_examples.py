@@ -1,5 +1,6 @@
 """Every example in the documentation runs, every link leads somewhere, and the API reference builds."""
 
+import ast
 import re
 import subprocess
 import sys
@@ -73,6 +74,18 @@ def test_every_block_is_of_a_language_that_is_known_here(page):
     for fence in fences:
         if fence.info == "python" and not fence.content.startswith(">>>"):
             compile(fence.content, f"{page}:{fence.map[0] + 1}", "exec")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+def test_examples_need_the_public_names_alone(page):
+    fences = [token for token in tokens_of(page) if token.type == "fence" and token.info == "python"]
+    blocks = [fence.content for fence in fences if not fence.content.startswith(">>>")]
+    nodes = [node for block in blocks for node in ast.walk(ast.parse(block))]
+    imported = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+    imported |= {node.module for node in nodes if isinstance(node, ast.ImportFrom)}
+    ours = {name for name in imported if name.split(".")[0] in ("exudyn_crawler", "fem", "meshes", "studies")}
+    # drawing another shoe needs gmsh, which the package does without
+    assert ours <= {"exudyn_crawler", "fem", "meshes", "meshes.build_shoe"}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)

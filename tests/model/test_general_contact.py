@@ -20,7 +20,7 @@ from exudyn_crawler.run.equilibrium import static_equilibrium
 from exudyn_crawler.run.integration import integrate
 from studies.comparison import compare_kinematics
 from studies.force_comparison import compare_forces
-from studies.forces import run_forces
+from studies.forces import study as forces_study
 from studies.uneven_ground import uneven_case
 
 SPHERES = Spheres.oil_sand()
@@ -298,7 +298,7 @@ def test_forces_study_refuses_histories_of_the_other_model(general, tmp_path):
     before = (tmp_path / "translation.nc").read_bytes()
     out = tmp_path / "forces"
     with pytest.raises(ValueError, match=r"other parameters: contact\.model is spheres, not pair"):
-        run_forces(["translation"], general.duration, out, reuse=tmp_path)
+        forces_study(out, ["translation"], duration=general.duration, reuse=tmp_path)
     assert (tmp_path / "translation.nc").read_bytes() == before
     assert not out.exists()
 

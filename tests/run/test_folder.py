@@ -7,13 +7,20 @@ import sys
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, EquilibriumError, History, SimulationStopped, Terrain
-from exudyn_crawler.case import CaseFile, read_case
-from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler import (
+    Case,
+    CaseFile,
+    EquilibriumError,
+    History,
+    Outputs,
+    SimulationStopped,
+    Terrain,
+    read_case,
+    run_case,
+)
 from exudyn_crawler.run.folder import kept_run
-from exudyn_crawler.run_case import run_case
-from studies.forces import run_forces
-from studies.kinematics import run_kinematics
+from studies.forces import study as forces_study
+from studies.kinematics import study as kinematics_study
 
 QUIET = Outputs(figures=False)
 SHORT = CaseFile(case=Case.turning(), duration=0.05, outputs=QUIET)
@@ -21,7 +28,7 @@ HOLD = """
 import sys, time
 from pathlib import Path
 from exudyn_crawler.run.folder import kept_run
-with kept_run(Path(sys.argv[1]), {}):
+with kept_run(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(60)
 """
@@ -66,9 +73,8 @@ def test_a_folder_keeps_what_its_results_come_from(kept):
 def test_the_same_case_gives_the_same_numbers_bit_for_bit(kept, tmp_path):
     # in a process of its own, where nothing is warm yet
     script = (
-        "from pathlib import Path; from exudyn_crawler.case import read_case\n"
-        "from exudyn_crawler.run_case import run_case\n"
-        f"run_case(read_case({str(kept / 'case.toml')!r}), Path({str(tmp_path / 'again')!r}))"
+        "from exudyn_crawler import read_case, run_case\n"
+        f"run_case(read_case({str(kept / 'case.toml')!r}), {str(tmp_path / 'again')!r})"
     )
     subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
     first, again = (History.load(folder / "history.nc").dataset for folder in (kept, tmp_path / "again"))
@@ -134,7 +140,7 @@ def test_nothing_outside_the_folder_is_removed(tmp_path):
     run_case(
         CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(figures=False, tables=False)),
         out,
-        True,
+        overwrite=True,
     )
     assert (tmp_path / "precious").exists()
     assert not (out / "loads.csv").exists()
@@ -163,17 +169,28 @@ def test_a_stopped_run_is_recorded_with_its_reason(tmp_path):
     assert "Traceback" in (tmp_path / "run.log").read_text()
 
 
-def test_studies_keep_the_same(tmp_path):
-    run_kinematics(["translation"], 0.01, tmp_path / "kinematics")
-    run_forces(["translation"], 0.01, tmp_path / "forces", tmp_path / "kinematics")
-    for study in ("kinematics", "forces"):
-        folder = tmp_path / study
-        assert read_case(folder / "translation.toml").case == Case.translation()
-        assert record(folder)["status"] == "done"
-        assert set(record(folder)["files"]) == visible(folder)
-    assert "simulate translation" in record(tmp_path / "kinematics")["stages_s"]
-    assert "simulate translation" not in record(tmp_path / "forces")["stages_s"]
-    assert "reusing the history" in (tmp_path / "forces" / "run.log").read_text()
+def test_a_study_keeps_a_folder_a_case_and_a_record_of_all(tmp_path):
+    kinematics, forces = tmp_path / "kinematics", tmp_path / "forces"
+    kinematics_study(kinematics, ["translation"], duration=0.01)
+    forces_study(forces, ["translation"], duration=0.01, reuse=kinematics)
+    for folder in (kinematics, forces):
+        assert read_case(folder / "translation" / "case.toml").case == Case.translation()
+        assert record(folder)["status"] == record(folder / "translation")["status"] == "done"
+        run = {f"translation/{name}" for name in visible(folder / "translation")}
+        assert set(record(folder)["files"]) == visible(folder) - {"translation"} | run
+        # the study's log tells what its runs told
+        assert "tables and figures: " in (folder / "run.log").read_text()
+    assert "simulate" in record(kinematics / "translation")["stages_s"]
+    assert "simulate" not in record(forces / "translation")["stages_s"]
+    assert "reusing the history" in (forces / "translation" / "run.log").read_text()
+
+
+def test_a_run_without_a_folder_gives_the_same_and_writes_nothing(kept, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run = run_case(SHORT)
+    assert (run.folder, run.stresses) == (None, None)
+    assert run.history.dataset.identical(History.load(kept / "history.nc").dataset)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_two_runs_in_one_folder_are_one_too_many_and_a_killed_one_leaves_it_free(tmp_path):
@@ -194,7 +211,7 @@ def test_two_runs_in_one_folder_are_one_too_many_and_a_killed_one_leaves_it_free
 
 def test_a_failure_of_the_work_itself_is_recorded_and_passed_on(tmp_path):
     def fail():
-        with kept_run(tmp_path, {"case": SHORT}) as keeper:
+        with kept_run(tmp_path, SHORT) as keeper:
             with keeper.timed("half"):
                 pass
             raise RuntimeError("halfway")

@@ -8,13 +8,13 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Case, History
+from exudyn_crawler.views.tables import within_by_class
 from studies.comparison import (
     compare_kinematics,
     comparison_table,
     kinematic_quantity,
     kinematics_value,
     statistic_of,
-    summary,
     time_mean,
 )
 from studies.reported import reported_values, verdict
@@ -143,8 +143,8 @@ def test_the_summary_counts_rows_with_a_verdict():
         ],
         columns=["study", "case", "quantity", "statistic", "unit", "value", "class", "source"],
     )
-    counts = summary(comparison_table(reported, [1.05, 2.0, 1.0, math.nan]))
-    assert counts.to_dict("index") == {"statics": {"within": 1, "of": 2}}
+    counts = within_by_class(comparison_table(reported, [1.05, 2.0, 1.0, math.nan]))
+    assert counts.to_dict("records") == [{"class": "statics", "within": 1, "of": 2}]
 
 
 def test_unknown_studies_are_refused():

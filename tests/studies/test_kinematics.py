@@ -10,7 +10,7 @@ from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.views.curves import KINEMATICS
 from studies.comparison import compare_kinematics
-from studies.kinematics import run_kinematics
+from studies.kinematics import study as kinematics_study
 from studies.reported import reported_values
 
 
@@ -31,20 +31,16 @@ def folder(tmp_path_factory):
     return out
 
 
-def test_a_short_study_leaves_history_table_and_figures(folder):
-    figures = {f"translation_{quantity.replace(' ', '_')}.png" for quantity in KINEMATICS}
+def test_a_short_study_leaves_a_folder_a_case_and_its_comparison(folder):
+    names = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
+    assert names == {"translation", "comparison.csv", "run.json", "run.log"}
+    run = folder / "translation"
+    figures = [run / f"{quantity.replace(' ', '_')}.png" for quantity in KINEMATICS]
     assert len(figures) == 5
-    assert {path.name for path in folder.iterdir() if not path.name.startswith(".")} == {
-        "translation.nc",
-        "translation.toml",
-        "comparison.csv",
-        "run.json",
-        "run.log",
-    } | figures
     for figure in figures:
-        assert (folder / figure).read_bytes().startswith(b"\x89PNG")
-    history = History.load(folder / "translation.nc")
-    kept = read_case(folder / "translation.toml")
+        assert figure.read_bytes().startswith(b"\x89PNG")
+    history = History.load(run / "history.nc")
+    kept = read_case(run / "case.toml")
     assert kept == CaseFile(case=history.case, duration=0.05)
     assert history.case == Case.translation()
     assert history.duration == pytest.approx(0.05, rel=1e-9)
@@ -69,11 +65,16 @@ def test_results_are_not_overwritten_unasked(folder):
 
 
 def test_results_are_overwritten_when_asked(tmp_path):
-    run_kinematics(["translation"], 0.02, tmp_path)
+    kinematics_study(tmp_path, duration=0.02)
+    (tmp_path / "notes.txt").write_text("mine")
     with pytest.raises(FileExistsError, match="holds results already"):
-        run_kinematics(["translation"], 0.01, tmp_path)
-    run_kinematics(["translation"], 0.01, tmp_path, overwrite=True)
-    assert History.load(tmp_path / "translation.nc").duration == pytest.approx(0.01, rel=1e-9)
+        kinematics_study(tmp_path, ["translation"], duration=0.01)
+    kinematics_study(tmp_path, ["translation"], duration=0.01, overwrite=True)
+    history = History.load(tmp_path / "translation" / "history.nc")
+    assert history.duration == pytest.approx(0.01, rel=1e-9)
+    # nothing of the case that was not run again is left
+    left = {path.name for path in tmp_path.iterdir() if not path.name.startswith(".")}
+    assert left == {"translation", "comparison.csv", "run.json", "run.log", "notes.txt"}
 
 
 @pytest.mark.parametrize("duration", ["0", "-1", "nan", "1000"])
@@ -97,8 +98,9 @@ def test_an_output_folder_under_a_file_is_one_line_and_exit_code_2(tmp_path):
 
 
 def test_both_cases_are_drawn_against_each_other(tmp_path):
-    histories, table = run_kinematics(duration=0.02, out=tmp_path)
-    assert list(histories) == ["translation", "turning"]
+    runs, table = kinematics_study(tmp_path, duration=0.02)
+    assert list(runs) == ["translation", "turning"]
+    assert [run.folder for run in runs.values()] == [tmp_path / "translation", tmp_path / "turning"]
     assert len(list(tmp_path.glob("shoe_10_*.png"))) == 5
     over = table["statistic"] == "max over its translation value"
     assert table.loc[over, "computed"].notna().all()
@@ -108,11 +110,11 @@ def test_unknown_cases_are_refused():
     with pytest.raises(
         ValueError, match=r"cases must be of \['translation', 'turning'\], got \['sideways'\]"
     ):
-        run_kinematics(["sideways"], 0.01)
+        kinematics_study(None, ["sideways"], duration=0.01)
 
 
 def test_the_verification_study_prints_both_tables():
-    done = study("verification")
+    done = study("two_bodies")
     assert (done.returncode, done.stderr) == (0, "")
     for words in ("Two-body problem at t = 0.5 s", "Paper against computed", "-3.324"):
         assert words in done.stdout

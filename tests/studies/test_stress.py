@@ -8,13 +8,15 @@ import pytest
 from exudyn_crawler import Case, StepProfile
 from exudyn_crawler.case import Drive
 from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.case_run import STRESS_WRITERS
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+from exudyn_crawler.results.propel import highest_in_propel_and_loading, in_phase
 from exudyn_crawler.results.stresses import recover_stresses
 from fem import write_mesh
 from meshes import shoe_mesh
-from studies.stress import run_stress, write_stresses
-from studies.stress_comparison import compare_stresses, flexible_quantity, in_phase, stress_summary
+from studies.stress import study as stress_study
+from studies.stress_comparison import compare_stresses, flexible_quantity
 
 PULL = Drive(speed=StepProfile(times=(0.0, 0.5, 0.7), values=(0.0, 0.1, 0.1)))
 """Soon at full speed, so that a short run has the papers' pull."""
@@ -33,16 +35,22 @@ def short_case():
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
     out = tmp_path_factory.mktemp("stress")
-    return out, *run_stress(short_case(), DURATION, out, progress=False)
+    run, table = stress_study(out, short_case(), duration=DURATION, progress=False)
+    return run.folder, run.history, run.stresses, table
 
 
 def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
     _, history, _, _ = study
     results = recover_stresses(history, (0.2, 0.5))
     assert results.dataset.frame.values == pytest.approx([0.2, 0.5], abs=1e-9)
-    write_stresses(history, results, tmp_path, outputs=Outputs(tables=False, figures=False))
+
+    def write(outputs):
+        for writer in STRESS_WRITERS:
+            writer(history, results, tmp_path, outputs, True)
+
+    write(Outputs(tables=False, figures=False))
     assert {path.name for path in tmp_path.iterdir()} == {"stress.nc"}
-    write_stresses(history, results, tmp_path, True, Outputs(tables=False, figure_format="svg"))
+    write(Outputs(tables=False, figure_format="svg"))
     names = {path.name for path in tmp_path.iterdir()}
     assert not [name for name in names if name.endswith(".csv")]
     assert {name for name in names if name.endswith(".png")} == {
@@ -100,7 +108,7 @@ def test_fields_agree_with_the_modal_history(study):
 def test_everything_is_written_and_read_back(study):
     out, history, results, table = study
     names = {path.name for path in out.iterdir()}
-    assert {"history.nc", "stress.nc", "comparison.csv", "loads.csv", "highest_stresses.csv"} <= names
+    assert {"history.nc", "stress.nc", "loads.csv", "highest_stresses.csv"} <= names
     assert {"hot_spots_shoe_7.csv", "hot_spots_shoe_13.csv", "flexible_highest_von_Mises_stress.png"} <= names
     assert "checkpoints" not in names
     fields = meshio.read(out / "fields_shoe_13.vtu").point_data
@@ -110,7 +118,7 @@ def test_everything_is_written_and_read_back(study):
     again = History.load(out / "history.nc")
     assert again.case == history.case
     assert recover_stresses(again).dataset.identical(results.dataset)
-    assert len(pd.read_csv(out / "comparison.csv")) == len(table)
+    assert len(pd.read_csv(out.parent / "comparison.csv")) == len(table)
 
 
 def test_every_row_of_the_paper_is_compared_or_out_of_reach(study):
@@ -132,19 +140,19 @@ def test_phases_end_where_the_drive_goes_off(study):
         in_phase(speed, history, "rest")
     with pytest.raises(ValueError, match="names no quantity"):
         flexible_quantity(history, "flexible shoe x mood")
-    summary = stress_summary(history, study[2])
+    summary = highest_in_propel_and_loading(history, study[2])
     assert list(summary["shoe"]) == [7, 13]
     assert (summary["propel"] > 0.0).all()
 
 
 def test_results_are_not_overwritten_unasked(study):
     with pytest.raises(FileExistsError, match="holds results already"):
-        run_stress(short_case(), DURATION, study[0], progress=False)
+        stress_study(study[0].parent, short_case(), duration=DURATION, progress=False)
 
 
 def test_a_track_of_rigid_shoes_is_refused():
     with pytest.raises(ValueError, match="flexible must be given"):
-        run_stress(Case.translation())
+        stress_study(case=Case.translation())
 
 
 def test_a_mesh_that_does_not_meet_the_pins_is_refused_before_the_run(tmp_path):
@@ -155,7 +163,7 @@ def test_a_mesh_that_does_not_meet_the_pins_is_refused_before_the_run(tmp_path):
     case = short_case()
     case = case.with_(flexible=case.flexible.with_(mesh=str(path)))
     with pytest.raises(ValueError, match=r"must meet the track's pins within 0.001 m"):
-        run_stress(case, 0.1, tmp_path / "out")
+        stress_study(tmp_path / "out", case, duration=0.1)
 
 
 def test_a_mesh_without_bores_is_refused(tmp_path):
@@ -165,7 +173,7 @@ def test_a_mesh_without_bores_is_refused(tmp_path):
     write_mesh(path, type(mesh)(mesh.nodes, mesh.elements, kept))
     case = short_case()
     with pytest.raises(ValueError, match="must have the surface 'bore rear left'"):
-        run_stress(case.with_(flexible=case.flexible.with_(mesh=str(path))), 0.1)
+        stress_study(case=case.with_(flexible=case.flexible.with_(mesh=str(path))), duration=0.1)
 
 
 def test_quiet_steps_lose_nothing_of_slow_loading():
@@ -181,6 +189,7 @@ def test_quiet_steps_lose_nothing_of_slow_loading():
     slow = case.with_(solver=case.solver.with_(quiet_step=case.solver.step))
     peaks = []
     for one in (case, slow):
-        result = run_stress(one, 2.0, progress=False)[1].dataset.highest_von_mises
+        run, _ = stress_study(case=one, duration=2.0, progress=False)
+        result = run.stresses.dataset.highest_von_mises
         peaks.append(float(result.sel(shoe=7)[-1]))
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)

@@ -22,8 +22,8 @@ from studies.uneven_ground import (
     RAMP_START,
     STEP_HEIGHT,
     STEP_PLACE,
-    run_uneven_ground,
     strip,
+    study,
     uneven_case,
 )
 
@@ -34,17 +34,17 @@ INNER = slice(2, 12)
 
 @pytest.fixture(scope="module")
 def step() -> History:
-    return run_uneven_ground("step", 1.0)
+    return study(None, ["step"], duration=1.0)["step"].history
 
 
 @pytest.fixture(scope="module")
 def ramp() -> History:
-    return run_uneven_ground("ramp", 1.0)
+    return study(None, ["ramp"], duration=1.0)["ramp"].history
 
 
 @pytest.fixture(scope="module")
 def rough() -> History:
-    return run_uneven_ground("rough", 1.0)
+    return study(None, ["rough"], duration=1.0)["rough"].history
 
 
 def test_shoes_stand_higher_beyond_a_step(step):
@@ -199,7 +199,8 @@ def test_study_runs_as_a_script(tmp_path):
     ]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert {"step.nc", "step.toml", "step_ground.png"} <= {path.name for path in (tmp_path / "a").iterdir()}
+    names = {path.name for path in (tmp_path / "a" / "step").iterdir()}
+    assert {"history.nc", "case.toml", "ground.png"} <= names
     again = subprocess.run(command, capture_output=True, text=True)
     assert again.returncode == 2
     assert "holds results already" in again.stderr

@@ -6,8 +6,8 @@ import pytest
 from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
-from studies.forces import run_forces
-from studies.kinematics import run_kinematics
+from studies.forces import study as forces_study
+from studies.kinematics import study as kinematics_study
 from studies.reported import reported_values
 
 
@@ -33,6 +33,6 @@ def stress_folder(flexible_run, tmp_path_factory):
 def rigid_folders(tmp_path_factory):
     """What short runs of the two rigid studies leave."""
     kinematics, forces = (tmp_path_factory.mktemp(name) for name in ("kinematics", "forces"))
-    run_kinematics(duration=0.02, out=kinematics)
-    run_forces(duration=0.02, out=forces, reuse=kinematics)
+    kinematics_study(kinematics, duration=0.02)
+    forces_study(forces, duration=0.02, reuse=kinematics)
     return kinematics, forces

@@ -165,11 +165,20 @@ def test_rigid_studies_are_reported_too(rigid_folders):
         assert list(data_of(page)["cases"]) == ["translation", "turning"]
         assert "<h2>Paper against computed</h2>" in page
         assert "Stress pictures" not in page
-    assert "The folder keeps no resolved case." in page
-    assert "turning_ratios.csv" in page
-    # the forces study keeps its histories elsewhere and has the deformation all the same
+    for table in ("turning_ratios.csv", "turning/extremes.csv"):
+        assert table in page
     time, _ = series_of(data_of(page), "turning", "total terrain deformation from equilibrium", "track", "")
     assert time[-1] == pytest.approx(0.02)
+
+
+def test_a_studys_page_shows_the_flexible_shoes_of_its_run(stress_folder, tmp_path):
+    shutil.copytree(stress_folder, tmp_path / "cycle", ignore=shutil.ignore_patterns("comparison.csv"))
+    shutil.copy(stress_folder / "comparison.csv", tmp_path)
+    page = report_page(tmp_path)
+    for heading in ("Paper against computed", "Time histories", "Hot spots", "Flexible shoes in 3D"):
+        assert f"<h2>{heading}</h2>" in page
+    assert page.count("data:image/webp;base64,") == 2
+    assert data_of(page)["shoes"] == data_of(report_page(stress_folder))["shoes"]
 
 
 def test_a_comparison_alone_is_a_report_even_if_nothing_was_judged(tmp_path):

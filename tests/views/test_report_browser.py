@@ -208,7 +208,7 @@ def test_pictures_and_rows_can_be_chosen(reader):
 
 def test_cases_can_be_compared(browser, rigid_folders, tmp_path):
     reader = Reader(browser, write_report(rigid_folders[0], tmp_path / "report.html"))
-    turning = History.load(rigid_folders[0] / "turning.nc")
+    turning = History.load(rigid_folders[0] / "turning" / "history.nc")
     reader.page.locator("#plot-0").get_by_label("case").select_option("turning")
     assert reader.shown("report.plots[0].quantity.label") == "velocity"
     drawn = reader.shown("Array.from(data[0].y)")

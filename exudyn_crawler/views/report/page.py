@@ -29,9 +29,10 @@ from exudyn_crawler.views.report.shoes import packed_shoes
 from exudyn_crawler.views.report.tables import comparison_rows, hot_spot_table, html_table
 from exudyn_crawler.views.series import dataset_series
 from exudyn_crawler.views.stress_pictures import PICTURES, write_stress_pictures
-from studies.comparison import summary
+from exudyn_crawler.views.tables import within_by_class
 
 REPORT = "report.html"
+STRESSES = "stress.nc"
 SECTIONS = (
     ("comparison", "Paper against computed", "comparison"),
     ("histories", "Time histories", "has_series"),
@@ -46,6 +47,9 @@ SECTIONS = (
 
 def write_report(folder: Path, out: Path | None = None, overwrite: bool = False) -> Path:
     """Write the report of a run's folder: whatever of comparison, histories, stresses and case is there.
+
+    Of a study's folder the runs in its folders are shown together; pictures, hot spots and the 3D view are
+    those of the first run with flexible shoes.
 
     Parameters
     ----------
@@ -86,14 +90,20 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
 
 def report_page(folder: Path) -> str:
     """HTML of the report; raises as `write_report`."""
-    histories, variables = _histories(folder)
-    stress, comparison = _stress(folder), _comparison(folder)
+    folders = _run_folders(folder)
+    histories, places = _histories(folders)
+    variables = {
+        name: one.dataset.assign(terrain_deformation=terrain_deformation(one))
+        for name, one in histories.items()
+    }
+    stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
+    stress, comparison = _stress(stressed), _comparison(folder)
     if not variables and comparison is None:
         raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
-    owner = next((one for one in histories.values() if one.case.flexible is not None), None)
+    bent = next((n for n in histories if places[n] == stressed and histories[n].case.flexible), None)
+    owner = None if bent is None else histories[bent]
     found = {
-        name: dataset_series(dataset, stress if owner is None or name == owner.case.name else None)
-        for name, dataset in variables.items()
+        name: dataset_series(dataset, stress if name == bent else None) for name, dataset in variables.items()
     }
     points = points_a_series(found)
     data = {
@@ -114,10 +124,14 @@ def report_page(folder: Path) -> str:
         "comparison": None if comparison is None else comparison_rows(comparison),
         "has_series": bool(variables),
         "thinning": thinning(variables, points),
-        "hot_spots": hot_spot_tables(folder, stress),
+        "hot_spots": hot_spot_tables(stressed, stress),
         "has_shoes": data["shoes"] is not None,
-        "pictures": _pictures(folder, stress, owner),
-        "tables": [html_table(path.name, pd.read_csv(path)) for path in _further(folder)],
+        "pictures": _pictures(stressed, stress, owner),
+        "tables": [
+            html_table(path.relative_to(folder).as_posix(), pd.read_csv(path))
+            for one in folders
+            for path in _further(one)
+        ],
         "cases": [
             {"title": name, "rows": case_table(one.case).to_dict("records")}
             for name, one in histories.items()
@@ -152,31 +166,31 @@ def _template(name: str) -> str:
     return files("exudyn_crawler.views.report").joinpath("templates", name).read_text(encoding="utf-8")
 
 
-def _histories(folder: Path) -> tuple[dict[str, History], dict[str, xr.Dataset]]:
-    """Histories of a folder by case, and the variables over time of each case.
+def _run_folders(folder: Path) -> list[Path]:
+    """A folder and those of the runs in it: a study keeps each of its cases in a folder of its own."""
+    return [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
 
-    The forces study keeps variables without the case of a history that it reused.
-    """
+
+def _histories(folders: list[Path]) -> tuple[dict[str, History], dict[str, Path]]:
+    """Histories of some folders by case, and the folder of each."""
     histories: dict[str, History] = {}
-    variables: dict[str, xr.Dataset] = {}
-    loose: dict[str, xr.Dataset] = {}
-    for path in sorted(folder.glob("*.nc")):
-        with xr.open_dataset(path, engine="h5netcdf") as dataset:
-            attributes, names = dict(dataset.attrs), set(dataset.data_vars)
-        if "case" in attributes:
+    places: dict[str, Path] = {}
+    for folder in folders:
+        for path in sorted(folder.glob("*.nc")):
+            with xr.open_dataset(path, engine="h5netcdf") as dataset:
+                kept = "case" in dataset.attrs
+            if not kept:
+                continue
             history = History.load(path)
-            name = history.case.name if history.case.name not in histories else path.stem
-            histories[name] = history
-            variables[name] = history.dataset.assign(terrain_deformation=terrain_deformation(history))
-        elif {"position", "contact_shoe"} <= names | set(dataset.coords):
-            loose[str(attributes.get("title", path.stem))] = xr.load_dataset(path, engine="h5netcdf")
-    for name, dataset in loose.items():
-        variables.setdefault(name, dataset)
-    return histories, variables
+            name = history.case.name
+            if name in histories:
+                name = f"{folder.name}, {path.stem}"
+            histories[name], places[name] = history, folder
+    return histories, places
 
 
 def _stress(folder: Path) -> xr.Dataset | None:
-    path = folder / "stress.nc"
+    path = folder / STRESSES
     return xr.load_dataset(path, engine="h5netcdf") if path.is_file() else None
 
 
@@ -193,8 +207,8 @@ def _comparison(folder: Path) -> pd.DataFrame | None:
 
 def _summary_rows(table: pd.DataFrame) -> list[dict[str, Any]]:
     return [
-        {"name": name, "within": int(row["within"]), "of": int(row["of"])}
-        for name, row in summary(table).iterrows()
+        {"name": row["class"], "within": int(row["within"]), "of": int(row["of"])}
+        for _, row in within_by_class(table).iterrows()
     ]
 
 

@@ -1,10 +1,10 @@
 """How a command tells of what went wrong."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-
-from pydantic import ValidationError
+from functools import wraps
+from typing import Any
 
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 
@@ -49,8 +49,21 @@ def readable_errors(debug: bool = False) -> Iterator[None]:
         raise SystemExit(code) from error
 
 
+def readable(function: Callable[..., None]) -> Callable[..., None]:
+    """Give a command's errors in a line each, with its option `debug` for the traceback."""
+
+    @wraps(function)
+    def told(*args: Any, **options: Any) -> None:
+        with readable_errors(options.get("debug", False)):
+            function(*args, **options)
+
+    return told
+
+
 def _told(error: BaseException) -> tuple[list[str], int]:
     """Lines that tell of an error, and the exit code."""
+    from pydantic import ValidationError  # takes longer than the help of a command
+
     if isinstance(error, SimulationStopped):
         return [f"{error}; what there is was kept"], STOPPED
     if isinstance(error, EquilibriumError):

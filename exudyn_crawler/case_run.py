@@ -1,0 +1,288 @@
+"""One case into one folder: simulate, recover stresses, then a list of writers.
+
+The module is not named after its function, which would hide it behind the package's public name.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from exudyn_crawler.case import CaseFile
+from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.files import whole_file, write_netcdf
+from exudyn_crawler.model.flexible_shoes import shoe_model
+from exudyn_crawler.results.contacts import contact_force, terrain_deformation
+from exudyn_crawler.results.extremes import extremes
+from exudyn_crawler.results.history import History
+from exudyn_crawler.results.propel import highest_in_propel_and_loading
+from exudyn_crawler.results.stresses import PICTURE_TIMES, StressResults, recover_stresses
+from exudyn_crawler.run.checkpoints import Checkpoints
+from exudyn_crawler.run.folder import Keeper, kept_run, quiet
+from exudyn_crawler.run.histories import HISTORY, STOPPED_HISTORY, keep_history, matching_history
+from exudyn_crawler.run.simulation import simulate
+from exudyn_crawler.views.animation import write_animation
+from exudyn_crawler.views.curves import KINEMATICS, kinematic_figure, save_figure
+from exudyn_crawler.views.force_figures import force_figures
+from exudyn_crawler.views.ground_figures import ground_figure
+from exudyn_crawler.views.paraview import write_paraview
+from exudyn_crawler.views.stress_figures import stress_figures
+from exudyn_crawler.views.stress_pictures import write_stress_pictures
+from exudyn_crawler.views.tables import write_table
+from fem import write_vtu
+
+CHECKPOINTS = "checkpoints"
+ANIMATION = "track.mp4"
+
+
+@dataclass(frozen=True)
+class CaseRun:
+    """A case that was run.
+
+    Attributes
+    ----------
+    history : History
+    stresses : StressResults or None
+        Of the flexible shoes, if there are any.
+    folder : Path or None
+        Where all of it is kept, if it is.
+    """
+
+    history: History
+    stresses: StressResults | None
+    folder: Path | None
+
+    def recovered(self) -> StressResults:
+        """Stresses of a run with flexible shoes.
+
+        Raises
+        ------
+        ValueError
+            If it has none.
+        """
+        if self.stresses is None:
+            raise ValueError(f"case {self.history.case.name!r} must have flexible shoes to have stresses")
+        return self.stresses
+
+
+def run_case(
+    case_file: CaseFile,
+    out: str | Path | None = None,
+    *,
+    overwrite: bool = False,
+    reuse: str | Path | None = None,
+    progress: bool | None = None,
+    say: Callable[[str], None] = quiet,
+) -> CaseRun:
+    """Simulate a case and leave its folder: case, record, log, history, and what its outputs ask for.
+
+    A run that was killed goes on from its last checkpoint when the same case is run into the same folder.
+
+    Parameters
+    ----------
+    case_file : CaseFile
+        Case, duration and outputs.
+    out : path, optional
+        Folder of the run; None writes nothing.
+    overwrite : bool
+        Replace an earlier run.
+    reuse : path, optional
+        Folder of an earlier run whose history takes the place of the simulation.
+    progress : bool, optional
+        Show a progress bar; None shows it on a terminal only.
+    say : callable
+        Is told, in a line, what is going on.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        Before anything is written, if `reuse` holds no history or one of other parameters, or if the flexible
+        shoes' mesh does not fit the track; or if checkpoints come from other parameters.
+    FileExistsError, BlockingIOError
+        Before anything runs, if results are there and `overwrite` is false, or another run works there.
+    EquilibriumError
+        If the track finds no rest before t = 0.
+    SimulationStopped
+        If the run ends early; its history is kept.
+    """
+    case, outputs = case_file.case, case_file.outputs
+    folder = None if out is None else Path(out)
+    reused = None if reuse is None else matching_history(Path(reuse), case_file)
+    if case.flexible is not None:
+        shoe_model(case.flexible, case.track)  # refuses a mesh that does not fit while nothing is written yet
+    with kept_run(folder, case_file, overwrite, say) as keeper:
+        if reused is None:
+            history = _simulated(case_file, folder, overwrite, progress, keeper)
+        else:
+            keeper.say(f"{case.name}: reusing the history in {reuse}, whose parameters are the same")
+            history = reused
+        if folder is not None:
+            keep_history(history, folder / HISTORY, overwrite)
+            Checkpoints(folder / CHECKPOINTS).remove()
+        stresses = None
+        if case.flexible is not None:
+            with keeper.timed("recover stresses"):
+                stresses = recover_stresses(history, outputs.picture_times or PICTURE_TIMES)
+        if folder is not None:
+            with keeper.timed("tables and figures"):
+                write_outputs(history, stresses, folder, outputs, overwrite)
+    return CaseRun(history, stresses, folder)
+
+
+def _simulated(
+    case_file: CaseFile, folder: Path | None, overwrite: bool, progress: bool | None, keeper: Keeper
+) -> History:
+    """Simulate a case, from its last checkpoint if there is one; what a run that stops early has is kept."""
+    case, checkpoints = case_file.case, None
+    if folder is not None:
+        checkpoints = Checkpoints(folder / CHECKPOINTS)
+        if overwrite:
+            checkpoints.clear()
+        elif kept := checkpoints.load(case):
+            keeper.say(f"{case.name}: going on from the checkpoint at t = {kept[-1].time:g} s")
+    with keeper.timed("simulate"):
+        try:
+            return simulate(case, case_file.duration, progress, checkpoints)
+        except SimulationStopped as stop:
+            if folder is not None:
+                keep_history(stop.history, folder / STOPPED_HISTORY, overwrite=True)
+            raise
+
+
+def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
+    """Contact and joint forces with what derives from them, without the units of the terrain."""
+    if outputs.forces:
+        forces = history.dataset.drop_dims("unit").assign(
+            contact_force=contact_force(history), terrain_deformation=terrain_deformation(history)
+        )
+        write_netcdf(forces, folder / "forces.nc", overwrite)
+
+
+def write_extremes(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
+    """Least and greatest value of every variable."""
+    if outputs.tables:
+        write_table(extremes(history), folder / "extremes.csv", overwrite)
+
+
+def write_loads(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
+    """Loads on the shoes at the ends of the phases."""
+    if outputs.tables:
+        write_table(history.case.loads.table(), folder / "loads.csv", overwrite)
+
+
+def write_motion(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
+    """Every kinematic quantity of some shoes, a figure each."""
+    shoes = outputs.drawn_shoes(history.case.track.shoe_count)
+    for quantity in KINEMATICS if outputs.figures else ():
+        figure = kinematic_figure(history, quantity, shoes)
+        save_figure(figure, _figure_file(folder, quantity, outputs), overwrite)
+
+
+def write_contact_and_joints(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
+    """Contact and joint forces of the same shoes and the links behind them, a figure each."""
+    if not outputs.figures:
+        return
+    count = history.case.track.shoe_count
+    shoes = outputs.drawn_shoes(count)
+    joints = sorted({min(shoe, count - 1) for shoe in shoes})
+    for title, figure in force_figures(history, shoes, joints).items():
+        save_figure(figure, _figure_file(folder, title, outputs), overwrite)
+
+
+def write_ground(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
+    """The track on uneven ground at the end of the run, and what the ground carries."""
+    if outputs.figures and history.case.terrain.heights is not None:
+        figure = ground_figure(history, history.duration)
+        save_figure(figure, _figure_file(folder, "ground", outputs), overwrite)
+
+
+def write_film(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
+    """The track on its deforming terrain."""
+    if outputs.animation:
+        write_animation(history, folder / ANIMATION, overwrite)
+
+
+def write_stresses(
+    history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
+) -> None:
+    """Stresses over time, at all nodes and at chosen times."""
+    stresses.save(folder / "stress.nc", overwrite)
+
+
+def write_hot_spots(
+    history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
+) -> None:
+    """Highest stresses of every shoe, and where they are."""
+    if not outputs.tables:
+        return
+    table = highest_in_propel_and_loading(history, stresses)
+    write_table(table, folder / "highest_stresses.csv", overwrite)
+    for shoe, hot_spots in stresses.hot_spots.items():
+        write_table(hot_spots, folder / f"hot_spots_shoe_{shoe}.csv", overwrite)
+
+
+def write_flexible_shoes(
+    history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
+) -> None:
+    """Motion, contact, joint forces, modal coordinates and stress of the flexible shoes, a figure each."""
+    for title, figure in stress_figures(history, stresses).items() if outputs.figures else ():
+        save_figure(figure, _figure_file(folder, f"flexible {title}", outputs), overwrite)
+
+
+def write_fields(
+    history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
+) -> None:
+    """Greatest von Mises stress of every node, when it occurs and its range, for ParaView."""
+    for shoe in stresses.dataset.shoe.values if outputs.figures else ():
+        own = stresses.dataset.sel(shoe=shoe)
+        fields = {
+            "greatest von Mises": own.peak_von_mises.values,
+            "time of the greatest": own.peak_time.values,
+            "range of von Mises": (own.peak_von_mises - own.least_von_mises).values,
+        }
+        with whole_file(folder / f"fields_shoe_{shoe}.vtu", overwrite) as temporary:
+            write_vtu(temporary, stresses.whole.mesh, fields)
+
+
+def write_pictures(
+    history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
+) -> None:
+    """Stressed shoes at the chosen times: pictures, and the whole track for ParaView."""
+    if outputs.figures:
+        write_stress_pictures(stresses.dataset, history, folder, overwrite)
+        write_paraview(stresses.dataset, history, folder, overwrite)
+
+
+STRESS_WRITERS: tuple[Callable[[History, StressResults, Path, Outputs, bool], None], ...] = (
+    write_stresses,
+    write_hot_spots,
+    write_flexible_shoes,
+    write_fields,
+    write_pictures,
+)
+"""What is written of flexible shoes, in this order."""
+WRITERS: tuple[Callable[[History, Path, Outputs, bool], None], ...] = (
+    write_forces,
+    write_extremes,
+    write_loads,
+    write_motion,
+    write_contact_and_joints,
+    write_ground,
+    write_film,
+)
+"""What is written of any run, in this order."""
+
+
+def write_outputs(
+    history: History, stresses: StressResults | None, folder: Path, outputs: Outputs, overwrite: bool = False
+) -> None:
+    """Write what derives from a history and its stresses, as far as the outputs ask for it."""
+    if stresses is not None:
+        for write_stress in STRESS_WRITERS:
+            write_stress(history, stresses, folder, outputs, overwrite)
+    for write in WRITERS:
+        write(history, folder, outputs, overwrite)
+
+
+def _figure_file(folder: Path, title: str, outputs: Outputs) -> Path:
+    return folder / f"{title.replace(' ', '_')}.{outputs.figure_format}"

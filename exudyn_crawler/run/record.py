@@ -1,0 +1,70 @@
+"""Record of a run: versions, machine, timing and outcome, as `run.json` in its folder."""
+
+import importlib.metadata
+import json
+import os
+import platform
+import re
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from exudyn_crawler.files import whole_file
+
+RECORD = "run.json"
+PROGRAM = "exudyn-crawler"
+THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+def earlier_record(folder: Path) -> dict[str, Any]:
+    """What an earlier run recorded in a folder; nothing if there is no readable record."""
+    try:
+        found = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def write_record(folder: Path, record: dict[str, Any]) -> None:
+    """Write the record of a run."""
+    with whole_file(folder / RECORD, overwrite=True) as temporary:
+        temporary.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+
+
+def timestamp() -> str:
+    """Now, as a record says it."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def machine() -> dict[str, Any]:
+    """What the run works on."""
+    return {
+        "platform": platform.platform(),
+        "processor": _processor(),
+        "cpu_count": os.cpu_count(),
+        "python": platform.python_version(),
+        "threads": {name: os.environ[name] for name in THREAD_VARIABLES if name in os.environ},
+    }
+
+
+def _processor() -> str:
+    """Name of the processor; Linux tells it in a file only."""
+    with suppress(OSError):
+        if found := re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8")):
+            return found[1]
+    return platform.processor() or platform.machine()
+
+
+def versions() -> dict[str, str]:
+    """Versions of the package and of everything that it needs, as far as they are installed."""
+    try:
+        needed = importlib.metadata.requires(PROGRAM) or []
+    except importlib.metadata.PackageNotFoundError:
+        needed = []
+    names = [re.split(r"[\s<>=!~;\[(]", one, maxsplit=1)[0] for one in needed if "extra ==" not in one]
+    found = {}
+    for name in (PROGRAM, *sorted(names, key=str.lower)):
+        with suppress(importlib.metadata.PackageNotFoundError):
+            found[name] = importlib.metadata.version(name)
+    return found

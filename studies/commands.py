@@ -1,0 +1,178 @@
+"""Commands of the studies, which `pyproject.toml` registers; each script of a study runs its own.
+
+Nothing heavy is imported before a command needs it, so that help comes at once.
+"""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from exudyn_crawler.cli import RESULTS, Debug, Out, Overwrite
+from studies.defaults import CYCLE_DURATION, DURATION
+
+
+class CaseChoice(StrEnum):
+    """Cases of the rigid studies."""
+
+    translation = "translation"
+    turning = "turning"
+    both = "both"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the cases."""
+        return ("translation", "turning") if self is CaseChoice.both else (self.value,)
+
+
+class GroundChoice(StrEnum):
+    """Uneven grounds that can be run over."""
+
+    step = "step"
+    ramp = "ramp"
+    rough = "rough"
+
+
+Chosen = Annotated[CaseChoice, typer.Option(help="what to run")]
+Duration = Annotated[float, typer.Option(help="simulated time in s")]
+
+
+def kinematics(
+    case: Chosen = CaseChoice.both,
+    duration: Duration = DURATION,
+    out: Out = RESULTS / "kinematics",
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Run the kinematics study and compare it with the papers.
+
+    Example: exudyn-crawler kinematics --case translation --duration 2 --out results/short
+    """
+    from exudyn_crawler.views.tables import print_table, within_by_class
+    from studies.kinematics import study
+
+    _, table = study(out, case.names, duration=duration, overwrite=overwrite, say=typer.echo)
+    print_table(table, "Kinematics: paper against computed")
+    print_table(within_by_class(table), "Rows within their class")
+    typer.echo(f"runs, figures and comparison.csv are in {out}")
+
+
+def forces(
+    case: Chosen = CaseChoice.both,
+    duration: Duration = DURATION,
+    out: Out = RESULTS / "forces",
+    reuse: Annotated[
+        Path | None,
+        typer.Option(
+            help=f"folder with runs to reuse; {RESULTS / 'kinematics'} where they fit, if not given"
+        ),
+    ] = None,
+    overwrite: Overwrite = False,
+    lateral: Annotated[
+        bool, typer.Option("--lateral", help="show instead what moves a straight track sideways")
+    ] = False,
+    debug: Debug = False,
+) -> None:
+    """Run the forces study and compare it with the paper.
+
+    Example: exudyn-crawler forces --case translation --out results/straight
+    """
+    from exudyn_crawler.views.tables import print_table, within_by_class
+    from studies.forces import lateral_effects, study
+
+    if lateral:
+        print_table(lateral_effects(duration), "Lateral motion: paper, and computed for some causes")
+        return
+    _, table = study(
+        out,
+        case.names,
+        duration=duration,
+        reuse=RESULTS / "kinematics" if reuse is None else reuse,
+        strict=reuse is not None,
+        overwrite=overwrite,
+        say=typer.echo,
+    )
+    print_table(table, "Forces: paper against computed")
+    print_table(within_by_class(table), "Rows within their class")
+    typer.echo(f"runs, figures, comparison.csv and turning_ratios.csv are in {out}")
+
+
+def stress(
+    duration: Duration = CYCLE_DURATION,
+    mesh: Annotated[str, typer.Option(help="coarse, study or fine, or the path of a mesh")] = "study",
+    modes: Annotated[
+        str | None,
+        typer.Option(
+            help='modes that answer dynamically: all, 1200Hz (and below), 1-20,25 (by number) or "10 fixed"; '
+            "the others follow without inertia"
+        ),
+    ] = None,
+    cycle: Annotated[Path | None, typer.Option(help="TOML file of an own load cycle")] = None,
+    out: Out = RESULTS / "stress",
+    overwrite: Overwrite = False,
+    choices: Annotated[
+        bool, typer.Option("--choices", help="show instead what the study's open choices do, over 8 s")
+    ] = False,
+    debug: Debug = False,
+) -> None:
+    """Run the stress study and compare it with the paper; a study that was killed goes on.
+
+    Example: exudyn-crawler stress --duration 8 --mesh coarse --out results/short
+    """
+    from exudyn_crawler import Case, LoadCycle
+    from exudyn_crawler.results.propel import highest_in_propel_and_loading
+    from exudyn_crawler.views.tables import print_table, within_by_class
+    from studies.stress import open_choices, study
+
+    if choices:
+        print_table(open_choices(min(duration, 8.0), mesh), "Paper, and computed for some choices")
+        return
+    case = Case.stress(mesh)
+    if modes is not None:
+        case = case.with_(flexible=case.flexible_shoes().with_modes(modes))
+    if cycle is not None:
+        case = case.with_(loads=LoadCycle.from_toml(cycle))
+    print_table(case.loads.table(), "Loads on the shoes at the ends of the phases, kN")
+    run, table = study(out, case, duration=duration, overwrite=overwrite, say=typer.echo)
+    for shoe, hot_spots in run.recovered().hot_spots.items():
+        print_table(hot_spots, f"Shoe {shoe}: highest von Mises stresses (Pa; places in m at t = 0)")
+    summary = highest_in_propel_and_loading(run.history, run.recovered())
+    print_table(summary, "Highest von Mises stress, MPa")
+    print_table(table, "Stress: paper against computed")
+    print_table(within_by_class(table), "Rows within their class")
+    typer.echo(f"the run and comparison.csv are in {out}")
+
+
+def uneven(
+    grounds: Annotated[
+        list[GroundChoice] | None,
+        typer.Argument(help="grounds to run over; all, if none is given", metavar="[step|ramp|rough]..."),
+    ] = None,
+    duration: Duration = DURATION,
+    out: Out = RESULTS / "uneven",
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Run the track over uneven ground; each ground has a folder with its run and a figure of its end.
+
+    Example: exudyn-crawler uneven ramp --duration 2
+    """
+    from studies.uneven_ground import study
+
+    names = [ground.value for ground in grounds or GroundChoice]
+    study(out, names, duration=duration, overwrite=overwrite, say=typer.echo)
+    typer.echo(f"runs and figures are in {out}")
+
+
+def verify(debug: Debug = False) -> None:
+    """Solve the two-body problem by hand and by the engine, side by side.
+
+    Example: exudyn-crawler verify
+    """
+    from exudyn_crawler.views.tables import print_table
+    from studies.two_bodies import study
+
+    side_by_side, table = study()
+    print_table(side_by_side, "Two-body problem at t = 0.5 s")
+    print_table(table, "Paper against computed")

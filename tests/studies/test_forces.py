@@ -1,0 +1,150 @@
+"""Forces study: the F-paper's words, reuse of histories, files."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from exudyn_crawler import Case, CaseFile
+from exudyn_crawler.results.contacts import contacts_by_shoe
+from exudyn_crawler.run.histories import matching_history
+from studies.force_comparison import (
+    compare_forces,
+    force_quantity,
+    force_statistic,
+    turning_ratios,
+)
+from studies.forces import study
+from studies.reported import reported_values
+
+
+def test_every_row_of_the_paper_is_computed(translation, turning):
+    table = compare_forces({"translation": translation, "turning": turning})
+    assert len(table) == len(reported_values("forces"))
+    assert table["computed"].notna().all()
+
+
+def test_a_missing_case_leaves_its_rows_empty(translation):
+    table = compare_forces({"translation": translation})
+    assert (table["computed"].isna() == (table["case"] == "turning")).all()
+
+
+@pytest.mark.parametrize(
+    ("quantity", "variable", "chosen"),
+    [
+        ("shoe 10 normal force z", "normal_force", {"shoe": 10, "axis": "z"}),
+        ("shoe 7 (crossing two units) penetration depth", "penetration", {"shoe": 7}),
+        ("slip velocity y of shoe 10", "slip_velocity", {"shoe": 10, "axis": "y"}),
+        ("contact force x", "contact_force", {"shoe": [1, 4, 7, 10, 13], "axis": "x"}),
+        ("penetration depth of a shoe", "penetration", {"shoe": [1, 4, 7, 10, 13]}),
+    ],
+)
+def test_the_papers_words_name_contact_quantities(translation, quantity, variable, chosen):
+    contacts = contacts_by_shoe(translation)
+    xr.testing.assert_identical(
+        force_quantity(translation, contacts, quantity), contacts[variable].sel(chosen)
+    )
+
+
+def test_the_papers_words_name_joints(translation):
+    values = force_quantity(translation, contacts_by_shoe(translation), "parallel joint torque z")
+    assert values.joint.values.tolist() == [1, 4, 7, 10, 12]
+    xr.testing.assert_identical(values, translation.joint_torque.sel(joint=[1, 4, 7, 10, 12], axis="z"))
+
+
+def test_other_words_are_refused(translation):
+    with pytest.raises(ValueError, match="'mood of a shoe' names no quantity"):
+        force_quantity(translation, contacts_by_shoe(translation), "mood of a shoe")
+
+
+def test_means_are_magnitudes_over_time_and_greatest_over_shoes():
+    values = xr.DataArray(
+        [[-1.0, 2.0], [-3.0, 2.0], [-3.0, 2.0]],
+        dims=("time", "shoe"),
+        coords={"time": [0.0, 1.0, 3.0], "shoe": [1, 4]},
+    )
+    # by the trapezoidal rule: (2 * 1 + 3 * 2) / 3 and 2
+    assert force_statistic(values, "mean greatest of shoes") == pytest.approx(8 / 3)
+    assert force_statistic(values, "mean least") == pytest.approx(2.0)
+    assert force_statistic(values, "mean") == pytest.approx((8 / 3 + 2.0) / 2)
+    assert force_statistic(values, "max abs") == 3.0
+
+
+def test_turning_ratios_cover_every_component_and_leave_ratios_to_rounding_empty(translation, turning):
+    table = turning_ratios(translation, turning)
+    assert len(table) == 2 + 5 * 3 + 2 * 3
+    row = table.set_index(["quantity", "axis"]).loc[("shoe 10 normal force", "z")]
+    extremes = [
+        float(abs(contacts_by_shoe(one).normal_force.sel(shoe=10, axis="z")).max())
+        for one in (translation, turning)
+    ]
+    assert row["extreme ratio"] == pytest.approx(extremes[1] / extremes[0], rel=1e-12)
+    sideways = table.set_index(["quantity", "axis"]).loc[("shoe 10 slip velocity", "y")]
+    assert np.isnan(sideways["extreme ratio"])
+    assert sideways["extreme turning"] > 1e-4
+
+
+def test_a_study_reuses_a_history_of_the_same_parameters(translation, tmp_path):
+    earlier = tmp_path / "runs"
+    (earlier / "translation").mkdir(parents=True)
+    translation.save(earlier / "translation" / "history.nc")
+    said = []
+    out = tmp_path / "out"
+    runs, table = study(out, ["translation"], duration=0.4, reuse=earlier, say=said.append)
+    assert runs["translation"].history.dataset.identical(translation.dataset)
+    assert said == [f"translation: reusing the history in {earlier}, whose parameters are the same"]
+    names = {path.name for path in out.iterdir()}
+    assert {"comparison.csv", "translation", "translation_shoe_7_crossing.png"} <= names
+    assert "turning_ratios.csv" not in names
+    assert len(pd.read_csv(out / "comparison.csv")) == len(table)
+    forces = xr.load_dataset(out / "translation" / "forces.nc")
+    assert {"penetration", "contact_force", "joint_torque", "terrain_deformation"} <= set(forces)
+
+
+def test_histories_are_found_where_runs_and_studies_keep_them(translation, tmp_path):
+    asked = CaseFile(case=Case.translation(), duration=0.4)
+    for number, name in enumerate(("history.nc", "translation/history.nc", "translation.nc")):
+        folder = tmp_path / str(number)
+        (folder / name).parent.mkdir(parents=True)
+        translation.save(folder / name)
+        assert matching_history(folder, asked).dataset.identical(translation.dataset)
+    with pytest.raises(FileNotFoundError, match=r"no history at .*history\.nc or .*translation/history\.nc"):
+        matching_history(tmp_path, asked)
+
+
+def test_a_history_of_other_parameters_is_refused_by_name(translation, tmp_path):
+    translation.save(tmp_path / "history.nc")
+    other = Case.translation()
+    other = other.with_(contact=other.contact.with_(stiffness=2e8))
+    with pytest.raises(ValueError, match=r"contact.stiffness is 100000000.0, not 200000000.0"):
+        matching_history(tmp_path, CaseFile(case=other, duration=0.4))
+    with pytest.raises(ValueError, match=r"duration is 0.4 s, not 10 s"):
+        study(tmp_path / "out", ["translation"], duration=10.0, reuse=tmp_path)
+    assert not (tmp_path / "out").exists()
+
+
+def test_unasked_a_history_of_other_parameters_is_run_anew(translation, tmp_path):
+    translation.save(tmp_path / "history.nc")
+    said = []
+    runs, _ = study(None, ["translation"], duration=0.01, reuse=tmp_path, strict=False, say=said.append)
+    assert runs["translation"].history.duration == pytest.approx(0.01)
+    assert "running anew" in said[0]
+
+
+def test_results_are_refused_before_anything_runs(tmp_path, monkeypatch):
+    monkeypatch.setattr("exudyn_crawler.case_run.simulate", lambda *_: pytest.fail("it ran"))
+    (tmp_path / "turning").mkdir()
+    (tmp_path / "turning" / "history.nc").write_text("kept")
+    with pytest.raises(FileExistsError, match=r"holds results already \(turning/history\.nc, "):
+        study(tmp_path, ["translation"], duration=0.1)
+    with pytest.raises(ValueError, match="cases must be of"):
+        study(None, ["sideways"], duration=0.1)
+
+
+@pytest.mark.slow
+def test_the_forces_study_comes_as_close_as_its_classes_ask():
+    _, table = study()
+    statics = table[table["class"] == "statics"]
+    assert (statics["within"] == "yes").all()
+    fluctuation = table[table["class"] == "fluctuation"]
+    assert (fluctuation["within"] == "yes").mean() >= 0.7

@@ -1,0 +1,39 @@
+"""What the package offers: all of it there, and nothing heavy loaded before it is asked for."""
+
+import importlib
+import inspect
+import subprocess
+import sys
+
+import pytest
+
+import exudyn_crawler
+
+
+@pytest.mark.parametrize("name", exudyn_crawler.__all__)
+def test_every_public_name_is_there_and_told(name):
+    assert inspect.getdoc(getattr(exudyn_crawler, name))
+
+
+def test_names_are_in_order_and_others_are_refused():
+    assert exudyn_crawler.__all__ == sorted(exudyn_crawler.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'gravity'"):
+        _ = exudyn_crawler.gravity
+
+
+def test_no_module_hides_a_public_name():
+    for name in exudyn_crawler.__all__:
+        public = getattr(exudyn_crawler, name)
+        importlib.import_module(public.__module__)
+        assert getattr(exudyn_crawler, name) is public
+        assert not inspect.ismodule(public)
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    script = (
+        "import sys, exudyn_crawler\n"
+        "heavy = {'exudyn', 'numba', 'scipy.optimize', 'matplotlib', 'pydantic'} & set(sys.modules)\n"
+        "sys.exit(str(heavy) if heavy else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
