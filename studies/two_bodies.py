@@ -12,7 +12,7 @@ import pandas as pd
 
 from exudyn_crawler.case import ContactLaw, Shoe, Terrain
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
-from exudyn_crawler.ground.pair_contact import TrackContact
+from exudyn_crawler.ground.pair_contact import PairContact
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.system import add_contact
 from studies.comparison import comparison_table
@@ -133,7 +133,7 @@ def engine_solution(law: ContactLaw) -> TwoBodySolution:
         tilt="pitch",
     )
     start = np.array([BLOCK_START])
-    contact = TrackContact(start, block, plate, law, ConstrainedCoordinates(1, plate.tilt_axis))
+    contact = PairContact(start, block, plate, law, ConstrainedCoordinates(1, plate.tilt_axis))
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     ground = mbs.AddObject(items.ObjectGround())

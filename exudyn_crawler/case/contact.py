@@ -2,8 +2,6 @@
 
 from typing import Literal, Self
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case.base import Parameters, quantity
@@ -59,27 +57,4 @@ class ContactLaw(Parameters):
             friction_speed=0.1,
             sharing=sharing,
             edge_width=0.01,
-        )
-
-    def as_array(self, underside_area: float) -> NDArray:
-        """Values in the order that `exudyn_crawler.ground.pairs` takes them: array (10,).
-
-        Parameters
-        ----------
-        underside_area : float
-            m2; the last value where pairs share by area, else the last value is zero.
-        """
-        return np.array(
-            [
-                self.stiffness,
-                self.exponent,
-                self.damping,
-                self.damping_depth,
-                self.static_friction,
-                self.dynamic_friction,
-                self.stiction_speed,
-                self.friction_speed,
-                self.edge_width,
-                underside_area if self.sharing == "area" else 0.0,
-            ]
         )

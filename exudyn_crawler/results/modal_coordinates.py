@@ -104,7 +104,7 @@ def modal_loads(history: History, basis: StressBasis, shoe: int) -> NDArray:
         high = np.minimum((center + half - origin) / shortened, footprint[[1, 3]])
         for time in np.flatnonzero(history.area.isel(contact=index).values > 0.0):
             (x0, y0), (x1, y1) = low[time], high[time]
-            mean_rows(under.corner, under.cell, under.integral, x0, x1, y0, y1, rows)
+            mean_rows(under.corner, under.cell, under.integral, (x0, x1, y0, y1), rows)
             loads[time] += body_force[time] @ rows
     return loads
 

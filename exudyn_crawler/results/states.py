@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from exudyn_crawler.case.track import SIDES
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
-from exudyn_crawler.ground.sphere_contact import SphereContact
 from exudyn_crawler.model.system import System
 from exudyn_crawler.results.history import History
 
@@ -209,7 +208,7 @@ def _terrain(system: System, q: NDArray, q_t: NDArray, q_tt: NDArray) -> dict[st
 
 def _contacts(system: System, rows: NDArray, q: NDArray, q_t: NDArray) -> tuple[dict[str, Variable], NDArray]:
     """Contacts over time, one column a pair that ever met; zero while the pair is apart."""
-    if isinstance(system.contact, SphereContact):
+    if system.general is not None:
         shoe_forces = rows[:, -system.contact.shoe_reference.size :]
         states = zip(q, q_t, shoe_forces, strict=True)
         found = [system.contact.results(*state) for state in states]
