@@ -187,12 +187,17 @@ def sphere_touch(
 
 
 @compiled
-def _keep(touch: Touch, s: int, u: int, row: FloatArray) -> None:
+def _append(touch: Touch, s: int, u: int, table: FloatArray, count: int) -> int:
+    """Write a sphere of shoe s on unit u that is deep enough below `count` rows; gives their number."""
+    if touch.depth <= 0.0 or count >= table.shape[0]:
+        return count
+    row = table[count]
     row[0], row[1], row[2], row[3] = s, u, touch.depth, touch.approach
     row[10], row[14], row[15], row[19] = touch.size, touch.drag, touch.distance, touch.kind
     for k in range(3):
         row[4 + k], row[7 + k] = touch.point[k], touch.normal[k]
         row[11 + k], row[16 + k] = touch.slip[k], touch.edge[k]
+    return count + 1
 
 
 @compiled
@@ -204,33 +209,28 @@ def kept(row: FloatArray) -> Touch:
 
 
 @compiled
-def _touches(
-    center: Vector,
-    shoe: Frame,
-    s: int,
-    bodies: SphereBodies,
-    track: SphereTrack,
-    table: FloatArray,
-    count: int,
+def _shoe_touches(
+    shoe: Frame, s: int, bodies: SphereBodies, track: SphereTrack, table: FloatArray, count: int
 ) -> int:
-    """Append what one sphere of shoe s touches to a table that has `count` rows; gives their number."""
+    """Append what the spheres of shoe s touch to a table that has `count` rows; gives their number."""
     radius, axis = track.radius, track.grid.tilt_axis
-    cells = cells_about(track.grid, center[0], center[1], radius, radius)
-    for k in range(cells.columns * cells.rows):
-        u = cell(track.grid, cells, k)
-        unit = unit_frame(bodies.units[u], bodies.unit_rates[u], axis, tilted(bodies.units[u, 3], axis))
-        local = turned_back(unit.R, along(center, -1.0, unit.r))
-        above = local[2] - track.tops[u]
-        if above <= 0.0 or above >= radius:
-            continue
-        number, first, second = nearest_on_face(local[0], local[1], track.half_x, track.half_y)
-        for f in range(number):
-            near = first if f == 0 else second
-            apart = (local[0] - near.x, local[1] - near.y, above)
-            if dot(apart, apart) < radius * radius and count < table.shape[0]:
+    for n in range(track.places.shape[0]):
+        place = (track.places[n, 0], track.places[n, 1], track.places[n, 2])
+        center = along(shoe.r, 1.0, turned(shoe.R, place))
+        cells = cells_about(track.grid, center[0], center[1], radius, radius)
+        for k in range(cells.columns * cells.rows):
+            u = cell(track.grid, cells, k)
+            unit = unit_frame(bodies.units[u], bodies.unit_rates[u], axis, tilted(bodies.units[u, 3], axis))
+            local = turned_back(unit.R, along(center, -1.0, unit.r))
+            above = local[2] - track.tops[u]
+            if above <= 0.0 or above >= radius:
+                continue
+            number, first, second = nearest_on_face(local[0], local[1], track.half_x, track.half_y)
+            for f in range(number):
+                near = first if f == 0 else second
+                apart = (local[0] - near.x, local[1] - near.y, above)
                 touch = sphere_touch(center, apart, near, shoe, unit, radius, track.law)
-                _keep(touch, s, u, table[count])
-                count += 1
+                count = _append(touch, s, u, table, count)
     return count
 
 
@@ -257,10 +257,7 @@ def sphere_contacts(places: tuple, model: tuple, table: FloatArray) -> int:
     for s in range(bodies.shoes.shape[0]):
         at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
         shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
-        for n in range(centers.shape[0]):
-            place = (centers[n, 0], centers[n, 1], centers[n, 2])
-            center = along(shoe.r, 1.0, turned(shoe.R, place))
-            count = _touches(center, shoe, s, bodies, track, table, count)
+        count = _shoe_touches(shoe, s, bodies, track, table, count)
     return count
 
 
