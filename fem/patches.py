@@ -74,10 +74,15 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
     return Underside(corner=low, cell=cell, integral=integral)
 
 
-@njit(cache=True)
-def mean_rows(corner, cell, integral, x0, x1, y0, y1, out):
-    """Write the mean displacement rows (3, modes) over the rectangle x0..x1, y0..y1 into `out`."""
-    out[:] = 0.0
+@njit(cache=True, error_model="numpy")
+def mean_rows(corner, cell, integral, rectangle, out):
+    """Write the mean displacement rows (3, modes) over a rectangle into `out`.
+
+    `corner`, `cell` and `integral` as of `Underside`; `rectangle` is least and greatest x, least and
+    greatest y, m, body axes.
+    """
+    out.fill(0.0)
+    x0, x1, y0, y1 = rectangle
     columns, rows = integral.shape[0] - 1, integral.shape[1] - 1
     width_x, width_y = columns * cell[0], rows * cell[1]
     x0 = min(max(x0 - corner[0], 0.0), width_x)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import PairContact, Shoe, Terrain
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
-from exudyn_crawler.ground.pair_contact import TrackContact
+from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.system import add_contact
 from studies.comparison import comparison_table
@@ -145,7 +145,7 @@ def plate_terrain() -> Terrain:
 def engine_solution(law: PairContact) -> TwoBodySolution:
     """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
     start, plate = np.array([BLOCK_START]), plate_terrain()
-    contact = TrackContact(start, block_shoe(), plate, law, ConstrainedCoordinates(1, plate.tilt_axis))
+    contact = PairGroundContact(start, block_shoe(), plate, law, ConstrainedCoordinates(1, plate.tilt_axis))
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     displacement = np.array([SPEED * TIME, 0.0, -block_penetration(law), *[0.0] * 9])

@@ -7,9 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
-from exudyn_crawler.ground.pair_contact import TrackContact
-from exudyn_crawler.ground.sphere_contact import SphereContact
+from exudyn_crawler.ground.contact import GroundContact, ground_contact
 from exudyn_crawler.model.contact import add_contact, add_general_contact
 from exudyn_crawler.model.drive import add_drives
 from exudyn_crawler.model.engine import exu, items
@@ -30,7 +28,7 @@ class System:
     ----------
     mbs : exudyn.MainSystem
         The assembled system.
-    contact : TrackContact or SphereContact
+    contact : GroundContact
         Contact forces as functions of the system's coordinates.
     general : exudyn.GeneralContact, optional
         The engine's own contact, where it makes the forces.
@@ -45,7 +43,7 @@ class System:
     container: "exu.SystemContainer"
     mbs: "exu.MainSystem"
     case: Case
-    contact: TrackContact | SphereContact
+    contact: GroundContact
     general: "exu.GeneralContact | None"
     floating: FloatingShoe | None
     layout: StateLayout
@@ -57,9 +55,7 @@ class System:
         return None if self.floating is None else self.floating.reduced.frequencies
 
     def sunken(self) -> list[int]:
-        """Numbers of the shoes with spheres below the ground in the current state; see `SphereContact`."""
-        if self.general is None or not isinstance(self.contact, SphereContact):
-            return []
+        """Numbers of the shoes that have sunk through the ground in the current state."""
         return self.contact.sunken(np.array(self.mbs.systemData.GetODE2Coordinates()))
 
     def set_initial(self, q: NDArray) -> None:
@@ -122,22 +118,15 @@ def build(case: Case, static: bool = False) -> System:
     shoes = add_shoe_bodies(mbs, case, shoe_nodes, floating)
     add_loads(mbs, case, shoes)
     add_links(mbs, shoes)
-    contact: TrackContact | SphereContact
+    contact = ground_contact(
+        case,
+        coordinates,
+        None if floating is None else floating.underside,
+        [index for index, shoe in enumerate(shoes) if shoe.is_flexible],
+    )
     general = None
-    if case.contact.model == "spheres":
-        contact = SphereContact(case)
-        if not static:
-            general = add_general_contact(mbs, case, shoes, terrain_nodes)
-    else:
-        contact = TrackContact(
-            case.track.com_positions(case.shoe.com_height),
-            case.shoe,
-            case.terrain,
-            case.pair_contact(),
-            coordinates,
-            None if floating is None else floating.underside,
-            [index for index, shoe in enumerate(shoes) if shoe.is_flexible],
-        )
+    if contact.spheres is not None and not static:
+        general = add_general_contact(mbs, case.terrain, contact.spheres, shoes, terrain_nodes)
     modal_nodes = [shoe.modal_node for shoe in shoes if shoe.modal_node is not None]
     add_contact(mbs, contact, shoe_nodes + terrain_nodes + modal_nodes, forces=general is None)
 
@@ -166,7 +155,7 @@ def build(case: Case, static: bool = False) -> System:
 def _layout(
     mbs: "exu.MainSystem",
     case: Case,
-    contact: TrackContact | SphereContact,
+    contact: GroundContact,
     floating: FloatingShoe | None,
     contact_forces: bool,
 ) -> StateLayout:
@@ -179,7 +168,7 @@ def _layout(
     return StateLayout(
         shoes=case.track.shoe_count,
         terrain=contact.coordinates.size,
-        terrain_bodies=isinstance(contact.coordinates, ConstrainedCoordinates),
+        terrain_bodies=contact.coordinates.shapes is None,
         flexible_shoes=() if case.flexible is None else tuple(case.flexible.shoes),
         modes=0 if floating is None else floating.mode_count,
         multipliers=tuple((name, size) for _, name, size in sorted(held)),

@@ -11,7 +11,9 @@ from exudyn_crawler import Case, History, PairContact, simulate
 from exudyn_crawler.case import FlexibleShoes, LoadCycle, Phase, Terrain
 from exudyn_crawler.case.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
-from exudyn_crawler.ground.sphere_contact import SphereContact, seam, sphere_places
+from exudyn_crawler.ground.contact import ground_contact
+from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
+from exudyn_crawler.ground.sphere_contact import sphere_field
 from exudyn_crawler.ground.spheres import COLUMN
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.balance import powers, shoe_imbalance, track_imbalance
@@ -30,6 +32,11 @@ DRAWN_BACK = CASE.with_(contact=SPHERES.with_(faces="drawn_back"))
 CASES = {"straight": CASE, "turning": TURNING, "drawn back": DRAWN_BACK, "step": uneven_case("step")}
 WEIGHT = CASE.track.shoe_count * CASE.mean_load
 SHOE_COORDINATES = 6 * CASE.track.shoe_count
+
+
+def contact_of(case: Case):
+    """Contact of a case without a system round it."""
+    return ground_contact(case, ConstrainedCoordinates(case.terrain.unit_count, case.terrain.tilt_axis))
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +59,7 @@ def test_spheres_carry_the_mean_load_at_the_pair_laws_depth():
 
 
 def test_spheres_stand_evenly_inside_the_underside():
-    places = sphere_places(CASE)
+    places = sphere_field(CASE).places
     low_x, high_x, low_y, high_y, z = CASE.shoe.footprint
     assert len(places) == 20
     assert places.mean(axis=0)[:2] == pytest.approx(
@@ -65,8 +72,8 @@ def test_spheres_stand_evenly_inside_the_underside():
 
 def lift_over_seam(case: Case, beside: float) -> float:
     """Vertical force on a sphere beside the seam at x = 7 m by so much (m), over that far from any seam."""
-    contact = SphereContact(case)
-    rear = sphere_places(case)[0, 0] + contact.shoe_reference[0, 0]
+    contact = contact_of(case)
+    rear = sphere_field(case).places[0, 0] + contact.shoe_reference[0, 0]
 
     def lift(x):
         q = np.zeros(contact.size)
@@ -81,7 +88,7 @@ def lift_over_seam(case: Case, beside: float) -> float:
 
 
 def test_whole_faces_both_push_a_sphere_over_their_seam():
-    assert seam(CASE) == (0.0, 0.0)
+    assert sphere_field(CASE).inset == (0.0, 0.0)
     assert lift_over_seam(CASE, 0.0) == pytest.approx(2.0, rel=1e-9)
 
 
@@ -130,7 +137,7 @@ def test_law_repeats_the_engines_forces(case):
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 @pytest.mark.parametrize("factors", [(1.0, 0.0), (0.0, 1.0)], ids=["position", "velocity"])
 def test_derivatives_are_those_of_the_forces(case, factors):
-    contact = SphereContact(case)
+    contact = contact_of(case)
     q = static_equilibrium(case)
     random = np.random.default_rng(3)
     q[:SHOE_COORDINATES] += random.normal(0.0, 1e-3, SHOE_COORDINATES)
@@ -163,7 +170,7 @@ def test_contact_forces_close_every_shoes_balance(case):
 
 
 def test_results_of_a_pair_are_sums_over_its_spheres(rest):
-    contact = SphereContact(CASE)
+    contact = contact_of(CASE)
     results = contact.results(rest, np.zeros_like(rest))
     generalized = contact.forces(rest, np.zeros_like(rest))[:SHOE_COORDINATES].reshape(-1, 6)
     carried = np.bincount(results[:, 0].astype(int), results[:, 10], CASE.track.shoe_count)
@@ -228,7 +235,7 @@ def test_spheres_that_sink_through_stop_the_run():
 
 
 def test_centres_below_a_face_are_found(rest):
-    contact = SphereContact(CASE)
+    contact = contact_of(CASE)
     assert contact.sunken(rest) == []
     lower = rest.copy()
     height = SPHERES.radius - CASE.settled_penetration
