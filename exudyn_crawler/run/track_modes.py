@@ -303,8 +303,8 @@ def track_modes(case: Case, speed: float, travel: float = 0.0) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over `mode`: `growth_rate` (1/s), `frequency` (Hz) and `damping_ratio`. `shape` (mode, shoe,
-        coordinate), complex: displacement of the COM in m and angles in rad; `unit_shape` (mode, unit,
+        Over `mode`: `growth_rate` (1/s), `frequency` (Hz) and `damping_ratio` (NaN at rest). `shape` (mode,
+        shoe, coordinate), complex: displacement of the COM in m and angles in rad; `unit_shape` (mode, unit,
         motion): heave in m and tilt in rad. The greatest motion of a shoe's COM or end is 1 m, real. Of the
         equilibrium: `place` (shoe, coordinate) from t = 0 before settling, `tension` (joint) and
         `normal_force` (shoe), N.
@@ -333,7 +333,8 @@ def _dataset(system: System, state: SteadySliding, values: NDArray, shapes: NDAr
     scale = np.where(np.abs(greatest) > 0.0, greatest, 1.0)
     scaled = shapes / scale
     units = [system.contact.unit_motion(s.real) + 1j * system.contact.unit_motion(s.imag) for s in scaled.T]
-    size = np.maximum(np.abs(values), np.finfo(float).tiny)
+    # a motion that nothing drives back, such as that across the path, has no damping ratio
+    size = np.where(np.abs(values) > SAME * np.abs(values).max(), np.abs(values), np.nan)
     return xr.Dataset(
         {
             "growth_rate": ("mode", values.real, {"units": "1/s"}),
