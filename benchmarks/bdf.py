@@ -185,7 +185,7 @@ def main(duration: float = 5.0) -> pd.DataFrame:
     case = Case.stress().with_(flexible=None)
     track = PlanarTrack(case)
     rows = [row("generalized-alpha, 2 ms", engine_run(case, duration))]
-    for error in (1e-2, 1e-3, 1e-4, 1e-6):
+    for error in (1e-2, 1e-3, 1e-4):
         for rates in (False, True):
             checked = "displacements and rates" if rates else "displacements"
             rows.append(row(f"BDF {error:g} of {checked}", bdf_run(track, error, rates, duration)))
