@@ -32,7 +32,7 @@ ITERATIONS = 15
 LONG_STEP = 1.0
 """m and rad, correction beyond which Newton's method is off its way."""
 LEAST_PORTION = 0.01
-"""Of friction, put on at a time."""
+"""Of friction and travel, put on at a time."""
 
 POSITION_STEP, RATE_STEP = 1e-6, 1e-6
 """m and rad, and per second: half steps of central differences, far below the 0.1 mm of the damping law and
@@ -190,21 +190,23 @@ def _check(case: Case, speed: float) -> None:
 def _steady_sliding(
     system: System, equations: _Equations, start: NDArray, speed: float, travel: float
 ) -> SteadySliding:
-    """Steady sliding from rest, with friction put on in as few portions as Newton's method needs."""
+    """Steady sliding from rest at t = 0, in as few portions of friction and travel as can be."""
     shoes = 6 * system.case.track.shoe_count
     q, q_t, multipliers = start.copy(), np.zeros(equations.size), np.zeros(equations.rows)
     q_t[:shoes:6] = speed
-    q[:shoes:6] += travel - q[shoes - 6]
     done, portion = 0.0, 1.0
     while done < 1.0:
-        found = _newton(system, equations, (q, q_t, multipliers), min(1.0, done + portion), travel)
+        goal = min(1.0, done + portion)
+        guess = q.copy()
+        guess[:shoes:6] += goal * travel - q[shoes - 6]
+        found = _newton(system, equations, (guess, q_t, multipliers), goal, goal * travel)
         if found is not None:
             q, multipliers = found
-            done, portion = min(1.0, done + portion), 2.0 * portion
+            done, portion = goal, 2.0 * portion
         elif portion < LEAST_PORTION:
             raise EquilibriumError(
                 f"no steady sliding of case {system.case.name!r} at {speed:g} m/s was found: Newton's method "
-                f"fails where friction has {100 * done:.3g} % of its value"
+                f"fails where friction and travel have {100 * done:.3g} % of their values"
             )
         else:
             portion *= 0.5
