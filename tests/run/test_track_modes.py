@@ -5,7 +5,8 @@ import pytest
 
 from exudyn_crawler import Case, LoadCycle
 from exudyn_crawler.run.simulation import integrate_from
-from exudyn_crawler.run.track_modes import eigenmodes, linearized_track, steady_sliding, track_modes
+from exudyn_crawler.run.steady_sliding import steady_sliding
+from exudyn_crawler.run.track_modes import eigenmodes, linearized_track, track_modes
 from tests.run.planar_track import PlanarTrack
 
 SPEED = 0.2
