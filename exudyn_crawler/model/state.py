@@ -122,6 +122,19 @@ class StateLayout:
         first, shape = self._places[name]
         return rows[..., first : first + prod(shape)].reshape((*rows.shape[:-1], *shape))
 
+    def first_multiplier(self, name: str) -> int:
+        """Index of an item's first multiplier among all multipliers.
+
+        Raises
+        ------
+        ValueError
+            If no item of this name has any.
+        """
+        names = [item for item, _ in self.multipliers]
+        if name not in names:
+            raise ValueError(f"a state has no multipliers of {name!r}; it has those of {names}")
+        return sum(size for _, size in self.multipliers[: names.index(name)])
+
     def has(self, name: str) -> bool:
         """Whether there is a part of this name."""
         return name in self._places

@@ -11,8 +11,10 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.track import SIDES
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.state import pin_name
 from exudyn_crawler.model.system import System, build
 from exudyn_crawler.run.equilibrium import static_equilibrium
 
@@ -158,8 +160,7 @@ def check_sliding(case: Case, speed: float) -> None:
     """Refuse what has no steady sliding; see `steady_sliding`."""
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be positive and finite, got {speed!r} m/s")
-    if case.contact_model != "pair":
-        raise ValueError(f"contact_model must be 'pair', got {case.contact_model!r}")
+    case.pair_contact()
     if case.drive.turn_rate is not None:
         raise ValueError("drive.turn_rate must be None: a track that turns has no steady state")
 
@@ -196,7 +197,7 @@ def _newton(
     """Coordinates and multipliers in balance under a portion of what the speed adds; None without success."""
     n, driven = equations.size, 6 * system.case.track.shoe_count - 6
     q, q_t, multipliers = start
-    drive = n + system.drive_row
+    drive = n + system.layout.first_multiplier("drive")
 
     def balance(q: NDArray, multipliers: NDArray) -> NDArray:
         moving, resting = (equations.residual(q, rates, multipliers) for rates in (q_t, 0.0 * q_t))
@@ -231,5 +232,9 @@ def _newton(
 def _read(system: System, q: NDArray, q_t: NDArray, multipliers: NDArray, speed: float) -> SteadySliding:
     shoes = system.case.track.shoe_count
     forces = system.contact.forces(q, q_t)[: 6 * shoes].reshape(-1, 6)
-    tension = -np.array([sum(multipliers[pin[0]] for pin in link) for link in system.link_rows])
+    layout = system.layout
+    tension = np.zeros(shoes - 1)
+    for link in range(1, shoes):
+        for name in filter(layout.has, (pin_name(side, link) for side in SIDES)):
+            tension[link - 1] -= multipliers[layout.first_multiplier(name)]
     return SteadySliding(system.case, speed, q, q_t, multipliers, tension, forces[:, 2])

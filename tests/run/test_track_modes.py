@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, LoadCycle
+from exudyn_crawler import Case, LoadCycle, SphereContact
 from exudyn_crawler.run.simulation import integrate_from
 from exudyn_crawler.run.steady_sliding import steady_sliding
 from exudyn_crawler.run.track_modes import eigenmodes, linearized_track, track_modes
@@ -186,7 +186,7 @@ def test_a_flexible_shoe_has_the_modes_of_a_rigid_one_and_its_own():
 def test_what_has_no_steady_sliding_is_refused():
     with pytest.raises(ValueError, match=r"speed must be positive and finite, got 0\.0"):
         track_modes(Case.translation(), 0.0)
-    with pytest.raises(ValueError, match="contact_model must be 'pair', got 'general'"):
-        steady_sliding(Case.translation("general"), SPEED)
+    with pytest.raises(ValueError, match=r"contact\.model must be 'pair', got 'spheres'"):
+        steady_sliding(Case.translation().with_(contact=SphereContact.oil_sand()), SPEED)
     with pytest.raises(ValueError, match=r"drive\.turn_rate must be None"):
         steady_sliding(Case.turning(), SPEED)
