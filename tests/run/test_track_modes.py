@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, LoadCycle, SphereContact
-from exudyn_crawler.run.simulation import integrate_from
+from exudyn_crawler.run.integration import integrate_from
 from exudyn_crawler.run.steady_sliding import steady_sliding
 from exudyn_crawler.run.track_modes import eigenmodes, linearized_track, track_modes
 from tests.run.planar_track import PlanarTrack
