@@ -176,7 +176,7 @@ class Case(Parameters):
         """
         return cls(
             name="stress",
-            shoe=Shoe.ph4100c(),
+            shoe=Shoe.ph4100c().of_mass(4489.63),  # S-paper, table 2, for its rigid shoes too
             track=Track.ph4100c(),
             terrain=Terrain.stress(),
             contact=ContactLaw.oil_sand(sharing="area"),

@@ -1,16 +1,16 @@
 """Prescribed motion of the front shoe."""
 
 import math
-from typing import Self
+from typing import Literal, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from exudyn_crawler.case.base import Parameters, quantity
 from exudyn_crawler.case.profile import StepProfile
 
 
 class Drive(Parameters):
-    """Velocity of the front shoe's COM along x and, in a turn, its rate about its own z axis.
+    """Velocity of a point of the front shoe along x and, in a turn, the shoe's rate about its own z axis.
 
     `LoadCycle.drive_on` tells when it acts.
     """
@@ -18,6 +18,12 @@ class Drive(Parameters):
     speed: StepProfile = quantity("m/s", "velocity along global x")
     turn_rate: StepProfile | None = quantity(
         "rad/s", "angular velocity about the shoe's z axis; None leaves it free", default=None
+    )
+    point: Literal["com node", "front pins", "frame"] = Field(
+        default="com node",
+        description="what of the front shoe has the speed. com node: the mesh node nearest to "
+        "`flexible.com_node`, or the COM of a rigid shoe; front pins: the middle of its two front joint "
+        "centres; frame: the shoe as a whole, which spreads the force over a flexible shoe like a weight",
     )
 
     @model_validator(mode="after")

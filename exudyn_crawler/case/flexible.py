@@ -1,7 +1,7 @@
 """Flexible shoes of a track."""
 
 import re
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -28,6 +28,16 @@ class FlexibleShoes(Parameters):
     density: float = quantity("kg/m3", "density", gt=0)
     fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0)
     recovered_modes: int = quantity("1", "fixed-interface modes of the basis that stress is made of", ge=0)
+    load_surface: Literal["rails", "plateau", "whole top"] = Field(
+        default="whole top",
+        description="part of the top face that the machine load is spread over: the roller path's rails, "
+        "the plateau without the wings, or all of it",
+    )
+    com_node: tuple[float, float, float] = quantity(
+        "m",
+        "the drive may move the mesh node nearest to this place, in the shoe's frame",
+        default=(0.0, 0.0, 0.0),
+    )
     load_mode: bool = Field(
         default=False,
         description="whether the static answer to the machine load joins both bases, which else lose what "
@@ -109,5 +119,6 @@ class FlexibleShoes(Parameters):
             density=7847.25,
             fixed_modes=10,
             recovered_modes=76,
+            com_node=(0.0, 0.0485, 0.0009),  # S-paper, table 4: shoe 13's "moved COM" less its COM
             damping=PAPER_DAMPING,
         )

@@ -58,6 +58,11 @@ class Shoe(Parameters):
             load_point=(0.0, 0.0, 0.2014),  # height of the mesh's top face at its centroid
         )
 
+    def of_mass(self, mass: float) -> Self:
+        """Same shape of another density (kg): its inertia goes with the mass."""
+        ratio = mass / self.mass
+        return self.with_(mass=mass, inertia=tuple(ratio * value for value in self.inertia))
+
     @property
     def inertia_tensor(self) -> NDArray:
         """Inertia tensor about the COM, array (3, 3), kg m2."""

@@ -3,6 +3,7 @@
 import numpy as np
 
 from exudyn_crawler.case import Drive
+from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.items import at_time, coordinate_marker
 
@@ -26,6 +27,42 @@ def add_drive(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> int
             offsetUserFunction=travel,
             offsetUserFunction_t=rate,
             # on velocity level a halved step leaves no error in the acceleration
+            velocityLevel=True,
+        )
+    )
+
+
+def add_point_drive(
+    mbs: "exu.MainSystem", drive: Drive, point: DrivePoint, node: int, modal: int | None
+) -> int:
+    """Prescribed velocity along x of a point of the front shoe, as a constraint.
+
+    Like the drive of the COM it stands on velocity level.
+
+    Parameters
+    ----------
+    node, modal : int
+        Nodes of the shoe's frame and of its modal coordinates; None for a rigid shoe.
+    """
+    speed = at_time(drive.speed.value)
+    # the coordinates come in the order of the markers, none of the ground's
+    nodes = [mbs.AddNode(items.NodePointGround()), node] if modal is None else [node, modal]
+
+    def residual(_mbs, t, _item, q, q_t, _velocity_level):
+        values = np.array(q)
+        return [point.gradient(values[3:6], values[6:]) @ np.array(q_t) - speed(t)]
+
+    def jacobian(_mbs, _t, _item, q, _q_t, _velocity_level):
+        values = np.array(q)
+        return point.gradient(values[3:6], values[6:])[None, :]
+
+    return mbs.AddObject(
+        items.ObjectConnectorCoordinateVector(
+            name="drive",
+            markerNumbers=[mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=n)) for n in nodes],
+            scalingMarker1=np.zeros((1, 6 if modal is None else point.rows.shape[1])),
+            constraintUserFunction=residual,
+            jacobianUserFunction=jacobian,
             velocityLevel=True,
         )
     )

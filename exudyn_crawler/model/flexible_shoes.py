@@ -13,12 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
-from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton
+from fem import ElasticBody, Interface, Material, Mesh, Partition, ReducedBody, craig_bampton
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
 
 PIN_TOLERANCE = 1e-3
 """m, between the axis of a bore and the pin."""
+
+LOADED = {"rails": "roller path", "plateau": "top", "whole top": "whole top"}
+"""Surface of the mesh that carries the machine's load, by the name in the case."""
 
 ARM = 0.05
 """m, distance of a joint's massless nodes from its centre."""
@@ -74,9 +77,21 @@ def _material(flexible: FlexibleShoes) -> Material:
     return Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
 
 
+def _with_whole_top(mesh: Mesh) -> Mesh:
+    """Mesh with the surface "whole top": every upward face at the height of flange and rails."""
+    if "whole top" in mesh.surfaces:
+        return mesh
+    corners = mesh.nodes[mesh.boundary[:, :3]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    upward = normal[:, 2] > 0.9 * np.linalg.norm(normal, axis=1)
+    low, high = mesh.nodes[:, 2].min(), mesh.nodes[:, 2].max()
+    faces = mesh.boundary[upward & (corners[:, :, 2].mean(axis=1) > low + 0.87 * (high - low))]
+    return Mesh(mesh.nodes, mesh.elements, {**mesh.surfaces, "whole top": faces})
+
+
 @lru_cache(maxsize=4)
 def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[ElasticBody, list[Interface]]:
-    mesh = mesh_named(mesh_name)
+    mesh = _with_whole_top(mesh_named(mesh_name))
     interfaces = []
     for name, center in track.joint_centers.items():
         if f"bore {name}" not in mesh.surfaces:
@@ -113,15 +128,34 @@ def _partition(mesh: str, material: Material, track: Track) -> Partition:
 
 
 @lru_cache(maxsize=4)
-def _reduction(mesh: str, material: Material, track: Track, fixed_modes: int, load_mode: bool) -> ReducedBody:
+def _reduction(
+    mesh: str,
+    material: Material,
+    track: Track,
+    fixed_modes: int,
+    load_surface: str | None,
+    pulled_node: int | None,
+) -> ReducedBody:
     body, interfaces = _finite_elements(mesh, material, track)
-    loads = {"machine load": body.surface_load("top", np.array([0.0, 0.0, -1.0]))} if load_mode else None
+    loads = {}
+    if load_surface is not None:
+        loads["machine load"] = body.surface_load(load_surface, np.array([0.0, 0.0, -1.0]))
+    if pulled_node is not None:
+        loads["drive"] = np.zeros_like(body.mesh.nodes)
+        loads["drive"][pulled_node, 0] = 1.0
     return craig_bampton(body, interfaces, fixed_modes, loads, partition=_partition(mesh, material, track))
 
 
-def whole_basis(flexible: FlexibleShoes, track: Track, fixed_modes: int) -> ReducedBody:
-    """Reduce a flexible shoe to its constraint modes and some fixed-interface modes; remembered."""
-    return _reduction(flexible.mesh, _material(flexible), track, fixed_modes, flexible.load_mode)
+def whole_basis(
+    flexible: FlexibleShoes, track: Track, fixed_modes: int, pulled_node: int | None = None
+) -> ReducedBody:
+    """Reduce a flexible shoe to its constraint modes and some fixed-interface modes; remembered.
+
+    The static answer to a force along x on a node joins them if it is given: no fixed-interface mode knows
+    of a force on a single node.
+    """
+    loaded = LOADED[flexible.load_surface] if flexible.load_mode else None
+    return _reduction(flexible.mesh, _material(flexible), track, fixed_modes, loaded, pulled_node)
 
 
 def floating_shoe(case: Case) -> FloatingShoe:
@@ -143,7 +177,7 @@ def _floating_shoe(flexible: FlexibleShoes, track: Track, footprint: tuple[float
     body, interfaces = shoe_model(flexible, track)
     mesh = body.mesh
     reduced = _integrated_modes(flexible, whole_basis(flexible, track, flexible.fixed_modes))
-    positions, rows = _massless_nodes(reduced)
+    positions, rows = _massless_nodes(reduced, LOADED[flexible.load_surface])
     under = mesh.nodes_of("underside")
     return FloatingShoe(
         reduced=reduced,
@@ -170,14 +204,14 @@ def _integrated_modes(flexible: FlexibleShoes, whole: ReducedBody) -> ReducedBod
     return whole
 
 
-def _massless_nodes(reduced: ReducedBody) -> tuple[NDArray, NDArray]:
+def _massless_nodes(reduced: ReducedBody, loaded: str) -> tuple[NDArray, NDArray]:
     """Positions (nodes, 3) and mode rows (nodes, 3, modes) of the massless nodes."""
     positions, rows = [], []
     for interface, pilot in zip(reduced.interfaces, reduced.pilots, strict=True):
         for offset in JOINT_OFFSETS:
             positions.append(interface.center + offset)
             rows.append(pilot[:3] + np.cross(pilot[3:], offset, axisa=0, axisc=0))
-    weights = reduced.weights("top")
+    weights = reduced.weights(loaded)
     positions.append(weights @ reduced.nodes / weights.sum())
     rows.append(reduced.mean_rows(weights))
     return np.array(positions), np.array(rows)

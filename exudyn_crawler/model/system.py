@@ -14,13 +14,14 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.ground.pair_contact import TrackContact
 from exudyn_crawler.ground.sphere_contact import SphereContact
 from exudyn_crawler.model.contact import add_contact, add_general_contact
-from exudyn_crawler.model.drive import add_drive, add_turn
+from exudyn_crawler.model.drive import add_drive, add_point_drive, add_turn
+from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
 from exudyn_crawler.model.items import coordinate_marker, hold
 from exudyn_crawler.model.links import add_links
 from exudyn_crawler.model.loads import add_loads
-from exudyn_crawler.model.shoes import add_shoe_bodies, add_shoe_nodes
+from exudyn_crawler.model.shoes import ShoeBody, add_shoe_bodies, add_shoe_nodes
 from exudyn_crawler.model.terrain import add_terrain
 
 
@@ -38,6 +39,8 @@ class System:
         The engine's own contact, where it makes the forces.
     floating : FloatingShoe, optional
         What the flexible shoes share.
+    point : DrivePoint
+        Point of the front shoe that the drive moves.
     link_rows, drive_row, turn_row :
         Indices of the Lagrange multipliers: six for each pin's joint of each link; of the drive; of the turn
         (None without one).
@@ -49,6 +52,7 @@ class System:
     contact: TrackContact | SphereContact
     general: "exu.GeneralContact | None"
     floating: FloatingShoe | None
+    point: DrivePoint
     link_rows: list[list[list[int]]]
     drive: int
     drive_row: int
@@ -150,12 +154,13 @@ def build(case: Case, static: bool = False) -> System:
         items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
     )
     turn = None
+    point = drive_point(case, floating.reduced if floating is not None and shoes[-1].is_flexible else None)
     if static:
         drive, _, _ = (hold(mbs, fixed, shoe_nodes[-1], axis) for axis in (0, 1, 5))
         if case.terrain.heights is not None:
             _add_dashpots(mbs, case, fixed, shoe_nodes)
     else:
-        drive = add_drive(mbs, case.drive, fixed, shoe_nodes[-1])
+        drive = _add_drive(mbs, case, fixed, shoes[-1], point)
         if case.drive.turn_rate is not None:
             turn = add_turn(mbs, case.drive, shoe_nodes[-1])
     mbs.Assemble()
@@ -168,11 +173,19 @@ def build(case: Case, static: bool = False) -> System:
         general=general,
         link_rows=[[rows(pin) for pin in link] for link in links],
         floating=floating,
+        point=point,
         drive=drive,
         drive_row=rows(drive)[0],
         turn=turn,
         turn_row=None if turn is None else rows(turn)[0],
     )
+
+
+def _add_drive(mbs: "exu.MainSystem", case: Case, fixed: int, shoe: ShoeBody, point: DrivePoint) -> int:
+    """Drive of the front shoe, at its frame's own coordinate where that is what moves."""
+    if not (point.place.any() or point.rows.any()):
+        return add_drive(mbs, case.drive, fixed, shoe.node)
+    return add_point_drive(mbs, case.drive, point, shoe.node, shoe.modal_node)
 
 
 def _add_dashpots(mbs: "exu.MainSystem", case: Case, fixed: int, nodes: Sequence[int]) -> None:

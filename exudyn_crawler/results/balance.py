@@ -46,6 +46,7 @@ def shoe_actions(history: History) -> xr.Dataset:
     drive, drive_moment = zero.copy(), zero.copy()
     drive[:, -1, 0] = history.drive_force.values
     drive_moment[:, -1] = history.drive_torque.values[:, None] * frames[:, -1, :, 2]
+    drive_moment[:, -1] += np.cross(history.drive_point.values - position[:, -1], drive[:, -1])
 
     joint, joint_moment = zero.copy(), zero.copy()
     reaction, torque = history.joint_force.values, history.joint_torque.values
@@ -162,7 +163,8 @@ def powers(history: History) -> xr.Dataset:
     case, terrain, law = history.case, history.case.terrain, history.case.contact
     frames = rotation_matrices(history.angles.values)
     omega, velocity = history.angular_velocity.values, history.velocity.values
-    driven = history.drive_force.values * velocity[:, -1, 0]
+    # while it acts, its point moves at its speed
+    driven = history.drive_force.values * case.drive.speed.value(history.time.values)
     driven += history.drive_torque.values * np.sum(frames[:, -1, :, 2] * omega[:, -1], axis=-1)
     at_load = velocity + np.cross(omega, frames @ np.array(case.shoe.load_point))
     loaded = -np.sum(history.shoe_load.values * at_load[..., 2], axis=1)

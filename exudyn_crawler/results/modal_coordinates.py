@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, whole_basis
+from exudyn_crawler.model.drive_point import drive_point, pulled_node
+from exudyn_crawler.model.flexible_shoes import LOADED, floating_shoe, shoe_model, whole_basis
 from exudyn_crawler.results.history import History
 from fem import ReducedBody
 from fem.patches import Underside, integrate_underside, mean_rows
@@ -50,7 +51,8 @@ def stress_basis(history: History) -> StressBasis:
         raise ValueError("the history has no flexible shoes")
     floating = floating_shoe(history.case)
     body, _ = shoe_model(flexible, history.case.track)
-    whole = whole_basis(flexible, history.case.track, flexible.recovered_modes)
+    pulled = pulled_node(history.case, body.mesh)
+    whole = whole_basis(flexible, history.case.track, flexible.recovered_modes, pulled)
     count = len(whole.frequencies)
     modes = whole.modes.reshape(-1, count)
     mass = body.mass_matrix
@@ -66,8 +68,9 @@ def stress_basis(history: History) -> StressBasis:
 
 
 def modal_loads(history: History, basis: StressBasis, shoe: int) -> NDArray:
-    """Loads of all modes of a flexible shoe: pins, contact and machine load; array (times, M)."""
-    case = history.case
+    """Loads of all modes of a flexible shoe: pins, contact, machine load and drive; array (times, M)."""
+    case, flexible = history.case, history.case.flexible
+    assert flexible is not None
     whole = basis.whole
     frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
     loads = np.zeros((len(frames), len(whole.frequencies)))
@@ -86,7 +89,11 @@ def modal_loads(history: History, basis: StressBasis, shoe: int) -> NDArray:
 
     machine = np.zeros((len(frames), 3))
     machine[:, 2] = -history.shoe_load.sel(shoe=shoe).values
-    loads += _in_body(frames, machine) @ whole.mean_rows(whole.weights("top"))
+    loads += _in_body(frames, machine) @ whole.mean_rows(whole.weights(LOADED[flexible.load_surface]))
+    if shoe == case.track.shoe_count:
+        drive = np.zeros((len(frames), 3))
+        drive[:, 0] = history.drive_force.values
+        loads += _in_body(frames, drive) @ drive_point(case, whole).rows
 
     rows = np.zeros((3, loads.shape[1]))
     terrain = case.terrain

@@ -132,12 +132,26 @@ def _reactions(system: System, q: NDArray, multipliers: NDArray) -> dict[str, Va
             -multipliers[:, system.drive_row],
             {"units": "N", "long_name": "force of the drive on the front shoe along x"},
         ),
+        "drive_point": (
+            ("time", "axis"),
+            _drive_point(system, q),
+            {"units": "m", "long_name": "point of the front shoe that the drive moves"},
+        ),
         "drive_torque": (
             ("time",),
             turn,
             {"units": "N m", "long_name": "torque of the turn on the front shoe about its z axis"},
         ),
     }
+
+
+def _drive_point(system: System, q: NDArray) -> NDArray:
+    """Where the drive acts: array (times, 3)."""
+    last = 6 * (system.case.track.shoe_count - 1)
+    modes = system.point.rows.shape[1]
+    # the front shoe's modal coordinates are the last, if it has any
+    arm = system.point.arm(q[:, last + 3 : last + 6], q[:, q.shape[1] - modes :])
+    return q[:, last : last + 3] + system.contact.shoe_reference[-1, :3] + arm
 
 
 def _flexible_coordinates(system: System) -> dict[str, object]:
