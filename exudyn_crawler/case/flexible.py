@@ -1,7 +1,7 @@
 """Flexible shoes of a track."""
 
 import re
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
@@ -28,10 +28,10 @@ class FlexibleShoes(Parameters):
     density: float = quantity("kg/m3", "density", gt=0)
     fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0)
     recovered_modes: int = quantity("1", "fixed-interface modes of the basis that stress is made of", ge=0)
-    load_surface: Literal["rails", "plateau", "whole top"] = Field(
+    load_surface: str = Field(
         default="whole top",
-        description="part of the top face that the machine load is spread over: the roller path's rails, "
-        "the plateau without the wings, or all of it",
+        description="surface of the mesh that the machine load is spread over: whole top, plateau (without "
+        "the wings), rails, or another that the mesh names",
     )
     com_node: tuple[float, float, float] = quantity(
         "m",

@@ -20,9 +20,6 @@ from meshes import mesh_named
 PIN_TOLERANCE = 1e-3
 """m, between the axis of a bore and the pin."""
 
-LOADED = {"rails": "roller path", "plateau": "top", "whole top": "whole top"}
-"""Surface of the mesh that carries the machine's load, by the name in the case."""
-
 ARM = 0.05
 """m, distance of a joint's massless nodes from its centre."""
 JOINT_OFFSETS = ARM * np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
@@ -77,21 +74,23 @@ def _material(flexible: FlexibleShoes) -> Material:
     return Material(flexible.youngs_modulus, flexible.poissons_ratio, flexible.density)
 
 
-def _with_whole_top(mesh: Mesh) -> Mesh:
-    """Mesh with the surface "whole top": every upward face at the height of flange and rails."""
-    if "whole top" in mesh.surfaces:
-        return mesh
+def _with_load_surfaces(mesh: Mesh) -> Mesh:
+    """Mesh with the surfaces "rails", "plateau" and "whole top", every upward face at the height of both."""
     corners = mesh.nodes[mesh.boundary[:, :3]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     upward = normal[:, 2] > 0.9 * np.linalg.norm(normal, axis=1)
     low, high = mesh.nodes[:, 2].min(), mesh.nodes[:, 2].max()
     faces = mesh.boundary[upward & (corners[:, :, 2].mean(axis=1) > low + 0.87 * (high - low))]
-    return Mesh(mesh.nodes, mesh.elements, {**mesh.surfaces, "whole top": faces})
+    named = {"whole top": faces}
+    for name, old in (("rails", "roller path"), ("plateau", "top")):
+        if old in mesh.surfaces:
+            named[name] = mesh.surfaces[old]
+    return Mesh(mesh.nodes, mesh.elements, {**named, **mesh.surfaces})
 
 
 @lru_cache(maxsize=4)
 def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[ElasticBody, list[Interface]]:
-    mesh = _with_whole_top(mesh_named(mesh_name))
+    mesh = _with_load_surfaces(mesh_named(mesh_name))
     interfaces = []
     for name, center in track.joint_centers.items():
         if f"bore {name}" not in mesh.surfaces:
@@ -117,9 +116,15 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list
     Raises
     ------
     ValueError
-        If the mesh has no bores where the track's pins are.
+        If the mesh has no bores where the track's pins are, or not the surface that is loaded.
     """
-    return _finite_elements(flexible.mesh, _material(flexible), track)
+    body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track)
+    if flexible.load_surface not in body.mesh.surfaces:
+        raise ValueError(
+            f"load_surface must be a surface of the mesh {flexible.mesh!r}, which has "
+            f"{sorted(body.mesh.surfaces)}, got {flexible.load_surface!r}"
+        )
+    return body, interfaces
 
 
 @lru_cache(maxsize=2)
@@ -154,7 +159,7 @@ def whole_basis(
     The static answer to a force along x on a node joins them if it is given: no fixed-interface mode knows
     of a force on a single node.
     """
-    loaded = LOADED[flexible.load_surface] if flexible.load_mode else None
+    loaded = flexible.load_surface if flexible.load_mode else None
     return _reduction(flexible.mesh, _material(flexible), track, fixed_modes, loaded, pulled_node)
 
 
@@ -177,7 +182,7 @@ def _floating_shoe(flexible: FlexibleShoes, track: Track, footprint: tuple[float
     body, interfaces = shoe_model(flexible, track)
     mesh = body.mesh
     reduced = _integrated_modes(flexible, whole_basis(flexible, track, flexible.fixed_modes))
-    positions, rows = _massless_nodes(reduced, LOADED[flexible.load_surface])
+    positions, rows = _massless_nodes(reduced, flexible.load_surface)
     under = mesh.nodes_of("underside")
     return FloatingShoe(
         reduced=reduced,

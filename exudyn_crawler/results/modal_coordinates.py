@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import drive_point, pulled_node
-from exudyn_crawler.model.flexible_shoes import LOADED, floating_shoe, shoe_model, whole_basis
+from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, whole_basis
 from exudyn_crawler.results.history import History
 from fem import ReducedBody
 from fem.patches import Underside, integrate_underside, mean_rows
@@ -89,7 +89,7 @@ def modal_loads(history: History, basis: StressBasis, shoe: int) -> NDArray:
 
     machine = np.zeros((len(frames), 3))
     machine[:, 2] = -history.shoe_load.sel(shoe=shoe).values
-    loads += _in_body(frames, machine) @ whole.mean_rows(whole.weights(LOADED[flexible.load_surface]))
+    loads += _in_body(frames, machine) @ whole.mean_rows(whole.weights(flexible.load_surface))
     if shoe == case.track.shoe_count:
         drive = np.zeros((len(frames), 3))
         drive[:, 0] = history.drive_force.values
