@@ -62,9 +62,9 @@ def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
 
 
 def test_modal_frequencies_of_the_shoe_are_the_papers(study):
-    """First bending mode 178.07 Hz (S-paper fig. 9); all of 94 modes are elastic."""
+    """First bending mode 178.07 Hz (S-paper fig. 9); all of 94 modes and the drive's own are elastic."""
     frequencies = study[2].whole.frequencies
-    assert len(frequencies) == 94
+    assert len(frequencies) == 94 + 1
     assert frequencies[0] == pytest.approx(178.07, rel=0.01)
     assert (np.diff(frequencies) > 0.0).all()
 
@@ -73,8 +73,8 @@ def test_peak_stress_is_what_the_pull_does_at_the_rear_lugs(study):
     """Shoe 13 pulls the whole track; the numbers are this model's on the coarse mesh, MPa."""
     _, history, results, _ = study
     peak = {shoe: table["value"].iloc[0] / 1e6 for shoe, table in results.hot_spots.items()}
-    assert peak[13] == pytest.approx(96.9, rel=0.05)
-    assert peak[7] == pytest.approx(34.0, rel=0.05)
+    assert peak[13] == pytest.approx(119.0, rel=0.05)
+    assert peak[7] == pytest.approx(25.8, rel=0.05)
     pull = float(history.joint_force.sel(joint=12, axis="x").max())
     assert pull > 0.25 * 12 * 432.3e3  # friction of the twelve shoes behind
     spot = results.hot_spots[13].iloc[0]
@@ -82,8 +82,8 @@ def test_peak_stress_is_what_the_pull_does_at_the_rear_lugs(study):
         history.case.track.joint_centers["rear right"][0] + history.case.track.com_positions(0.2025)[12, 0]
     )
     assert abs(spot["x"] - rear_pin) < 0.25
-    lugs = np.array([8.68, 10.03])
-    assert np.abs(lugs - spot["y"]).min() < 0.25
+    inner_faces = np.array([8.76, 9.95])  # S-paper, table 6
+    assert np.abs(inner_faces - spot["y"]).min() < 0.02
 
 
 def test_fields_agree_with_the_modal_history(study):
