@@ -79,10 +79,10 @@ FINE_UNIT = (1.0, 1.0, 1.0)
 FINE_SPRINGS: Final = 1
 """Under each unit."""
 FINE_ORIGIN = (5.044, 3.2901)
-"""m. Chosen: before and behind the track the same margin halfway through the drive (4.7 m; "4 to 5 m" in the
-S-paper), and a seam below the track's middle. The pair law knows no area: with a row of units below the middle the
-outermost 0.25 m of a shoe would push as hard as a whole unit; with the seam there are four rows, of which the
-narrowest carries 0.75 m. The margins beside the track are 4.2 and 5.2 m."""
+"""m. Chosen: before and behind the track the same margin halfway through the drive (4.7 m; "4 to 5 m" in
+the S-paper), and a seam below the track's middle. The pair law knows no area: with a row of units below the
+middle the outermost 0.25 m of a shoe would push as hard as a whole unit; with the seam there are four rows,
+of which the narrowest carries 0.75 m. The margins beside the track are 4.2 and 5.2 m."""
 
 # contact (all papers, contact table)
 CONTACT_STIFFNESS = 1.0e8
