@@ -4,8 +4,6 @@ The yardstick of the reduction is Exudyn's own RBE2 Craig-Bampton routine on the
 that of the recovery the bare matrix product that it needs.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import time
@@ -16,7 +14,6 @@ from scipy.sparse import csr_matrix
 import fem
 import meshes
 
-STEEL = fem.Material(200e9, 0.3, 7847.25)
 ROWS = 4000
 
 
@@ -43,18 +40,17 @@ def main(*, yardstick: bool = True, size: str = "study") -> None:
 
     Parameters
     ----------
-    yardstick : also run Exudyn's routine, which takes minutes on the study mesh.
-    size : of the shoe's mesh.
+    yardstick : bool
+        Also run Exudyn's routine, which takes minutes on the study mesh.
+    size : str
+        Of the shoe's mesh.
     """
     print(f"threads: OMP_NUM_THREADS={os.environ.get('OMP_NUM_THREADS', 'unset')}")
-    body = fem.ElasticBody(meshes.shoe_mesh(size), STEEL)
+    body = fem.ElasticBody(meshes.shoe_mesh(size), meshes.STEEL)
     started = time.perf_counter()
     dofs = max(body.stiffness.shape[0], body.mass_matrix.shape[0])
     print(f"assembly, {dofs} DOF: {time.perf_counter() - started:.1f} s")
-    interfaces = [
-        fem.Interface(name, center, body.mesh.nodes_of(f"bore {name}"))
-        for name, center in meshes.JOINT_CENTERS.items()
-    ]
+    interfaces = meshes.joint_interfaces(body.mesh)
     started = time.perf_counter()
     reduced = fem.craig_bampton(body, interfaces, 76)
     own = time.perf_counter() - started

@@ -12,15 +12,16 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.split import print_split
-from exudyn_crawler import Case, LoadCycle, simulate
+from exudyn_crawler import Case, Drive, LoadCycle, simulate
+from exudyn_crawler.model.state import RATES
 from exudyn_crawler.model.system import build
+from exudyn_crawler.results.from_states import history_of
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
-from exudyn_crawler.results.states import history_of
 from exudyn_crawler.results.stresses import recover_stresses
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.equilibrium import static_equilibrium
-from exudyn_crawler.run.simulation import integrate_from
+from exudyn_crawler.run.integration import integrate_from
 from exudyn_crawler.views.stress_figures import stress_figures
 from exudyn_crawler.views.tables import print_table
 from fem import recover_extremes
@@ -37,19 +38,19 @@ def loading_case(mesh: str) -> Case:
     cycle = LoadCycle.shovel_cycle()
     start, _, dig, swing = (0.0, *(cycle.phases[k] for k in range(3)))
     phases = (dig.with_(end=start), swing.with_(end=swing.end - dig.end))
-    return Case.stress(mesh).with_(loads=cycle.with_(phases=phases, drive_on=()))
+    return Case.stress(mesh).with_(loads=cycle.with_(phases=phases), drive=Drive.to_rest().with_(on=()))
 
 
 def windows(mesh: str = "coarse") -> pd.DataFrame:
     """Peak von Mises stress (MPa) of each flexible shoe in both windows, default modes against all 94."""
     rows = []
     for name, case, start in (("propel", Case.stress(mesh), 3.0), ("loading", loading_case(mesh), 4.0)):
-        assert case.flexible is not None
+        flexible = case.flexible_shoes()
         state, history = _state(case, start)
         few = _peaks(integrate_from(case, state, WINDOW))
-        whole = case.with_(flexible=case.flexible.with_modes("all"))
+        whole = case.with_(flexible=flexible.with_modes("all"))
         begun = clock.perf_counter()
-        many = _peaks(integrate_from(whole, _in_all_modes(history, state), WINDOW))
+        many = _peaks(integrate_from(whole, _in_all_modes(history, state, whole), WINDOW))
         spent = clock.perf_counter() - begun
         rows += [
             {
@@ -60,7 +61,7 @@ def windows(mesh: str = "coarse") -> pd.DataFrame:
                 "off": few[shoe] / many[shoe] - 1.0,
                 "wall s of all 94": spent,
             }
-            for shoe in case.flexible.shoes
+            for shoe in flexible.shoes
         ]
     return pd.DataFrame(rows)
 
@@ -71,29 +72,28 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
         kept = Checkpoints(Path(folder))
         simulate(case, time + case.solver.step, False, kept)
         state = kept.load(case)[-1].state
-    return state, history_of(build(case), state[None])
+    system = build(case)
+    return state, history_of(case, system.layout, system.contact, state[None], system.frequencies)
 
 
-def _in_all_modes(history: History, state: np.ndarray) -> np.ndarray:
+def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarray:
     """State row of the track with all modes: what is not integrated stands where its loads hold it."""
-    assert history.case.flexible is not None
     basis = stress_basis(history)
-    shoes = history.case.flexible.shoes
-    count, modes = len(shoes), basis.inside.shape[1]
-    size = build(history.case).contact.size
-    time, rest = state[:1], state[1 : 1 + 3 * size].reshape(3, size)
-    bent = np.array([whole_coordinates(history, basis, shoe)[0] for shoe in shoes])
-    rates = rest[1:, -count * modes :].reshape(2, count, modes) @ basis.inside.T
-    rigid = rest[:, : -count * modes]
-    parts = [np.concatenate((row, new.ravel())) for row, new in zip(rigid, (bent, *rates), strict=True)]
-    return np.concatenate((time, *parts))
+    few, all_modes = build(history.case).layout, build(whole).layout
+    names = ["time", "multipliers"] + [f"{part}{rate}" for part in ("shoes", "terrain") for rate in RATES]
+    parts = {name: few.part(state, name) for name in names}
+    parts["modes"] = np.array(
+        [whole_coordinates(history, basis, shoe)[0] for shoe in history.case.flexible_shoes().shoes]
+    )
+    for rate in RATES[1:]:
+        parts[f"modes{rate}"] = few.part(state, f"modes{rate}") @ basis.inside.T
+    return all_modes.pack(parts)
 
 
 def _peaks(history: History) -> dict[int, float]:
-    assert history.case.flexible is not None
     basis = stress_basis(history)
     peaks = {}
-    for shoe in history.case.flexible.shoes:
+    for shoe in history.case.flexible_shoes().shoes:
         found = recover_extremes(basis.whole.stress_modes, whole_coordinates(history, basis, shoe))
         peaks[shoe] = float(found.highest.max()) / 1e6
     return peaks

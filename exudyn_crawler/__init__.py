@@ -12,20 +12,22 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from exudyn_crawler.case import (
         Case,
-        ContactLaw,
+        CaseFile,
         Drive,
         FlexibleShoes,
-        GeneralContact,
         LoadCycle,
+        Outputs,
+        PairContact,
         Phase,
         Shoe,
         Solver,
+        SphereContact,
         StepProfile,
         Terrain,
         Track,
+        read_case,
+        write_case,
     )
-    from exudyn_crawler.case.files import CaseFile, read_case, write_case
-    from exudyn_crawler.case.outputs import Outputs
     from exudyn_crawler.case_run import CaseRun, run_case
     from exudyn_crawler.errors import CaseFileError, CrawlerError, EquilibriumError, SimulationStopped
     from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
@@ -38,17 +40,14 @@ if TYPE_CHECKING:
     from exudyn_crawler.views.report.page import write_report
 
 _HOMES = {
-    "CaseFile": "case.files",
     "CaseFileError": "errors",
     "CaseRun": "case_run",
     "CrawlerError": "errors",
     "EquilibriumError": "errors",
     "History": "results.history",
-    "Outputs": "case.outputs",
     "SimulationStopped": "errors",
     "StressResults": "results.stresses",
     "contacts_by_shoe": "results.contacts",
-    "read_case": "case.files",
     "recover_stresses": "results.stresses",
     "run_case": "case_run",
     "simulate": "run.simulation",
@@ -56,7 +55,6 @@ _HOMES = {
     "terrain_deformation": "results.contacts",
     "whole_coordinates": "results.modal_coordinates",
     "write_animation": "views.animation",
-    "write_case": "case.files",
     "write_paraview": "views.paraview",
     "write_report": "views.report.page",
 }
@@ -67,19 +65,19 @@ __all__ = [
     "CaseFile",
     "CaseFileError",
     "CaseRun",
-    "ContactLaw",
     "CrawlerError",
     "Drive",
     "EquilibriumError",
     "FlexibleShoes",
-    "GeneralContact",
     "History",
     "LoadCycle",
     "Outputs",
+    "PairContact",
     "Phase",
     "Shoe",
     "SimulationStopped",
     "Solver",
+    "SphereContact",
     "StepProfile",
     "StressResults",
     "Terrain",

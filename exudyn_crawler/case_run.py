@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from exudyn_crawler.case.files import CaseFile
+from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import whole_file, write_netcdf
@@ -51,6 +51,18 @@ class CaseRun:
     history: History
     stresses: StressResults | None
     folder: Path | None
+
+    def recovered(self) -> StressResults:
+        """Stresses of a run with flexible shoes.
+
+        Raises
+        ------
+        ValueError
+            If it has none.
+        """
+        if self.stresses is None:
+            raise ValueError(f"case {self.history.case.name!r} must have flexible shoes to have stresses")
+        return self.stresses
 
 
 def run_case(

@@ -2,10 +2,10 @@
 
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,18 +52,16 @@ def _not_written(path: Path, error: OSError) -> OSError:
     return type(error)(f"{path} could not be written: {error.strerror or error}")
 
 
-def write_netcdf(
-    dataset: "xr.Dataset", path: Path, overwrite: bool = False, encoding: Mapping[Any, Any] | None = None
-) -> Path:
-    """Write a dataset as NetCDF, whole or not at all; raises as `whole_file`.
+COMPRESSION = {"zlib": True, "complevel": 1, "shuffle": True}
+"""Of every variable of a NetCDF file; higher levels take longer and save little."""
+
+
+def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> Path:
+    """Write a dataset as compressed NetCDF, whole or not at all; raises as `whole_file`.
 
     The file is made in memory first: where a disk is full, HDF5 does not fail but ends the process.
-
-    Parameters
-    ----------
-    encoding : dict, optional
-        As of `xarray.Dataset.to_netcdf`.
     """
+    encoding = dict.fromkeys(dataset.data_vars, COMPRESSION)
     with whole_file(path, overwrite) as temporary:
         temporary.write_bytes(dataset.to_netcdf(None, engine="h5netcdf", encoding=encoding))
     return path

@@ -1,21 +1,18 @@
 """An elastic body: mesh and material with their matrices, rigid properties and loads."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array
-from skfem import ElementTriP1
-from skfem.quadrature import get_quadrature
 
-from .eigen import lowest_modes
-from .elasticity import Material, mass_matrix, stiffness_matrix
-from .mesh import Floats, Integers, Mesh
-from .solver import factorized
-from .stress import nodal_gradient_operator, nodal_stress
+from fem.eigen import lowest_modes
+from fem.elasticity import Material, mass_matrix, stiffness_matrix
+from fem.mesh import Floats, Integers, Mesh
+from fem.solver import factorized
+from fem.stress import nodal_gradient_operator, nodal_stress
+from fem.surfaces import surface_weights
 
 SHIFT_FREQUENCY_RATIO = 0.3
 """Frequency of the spectral shift over that of a rod as long as the body's greatest extent."""
@@ -98,8 +95,10 @@ class ElasticBody:
 
         Returns
         -------
-        eigenvalues : (count,) in 1/s2, ascending
-        modes : (3n, count), orthonormal in mass
+        eigenvalues : array (count,)
+            In 1/s2, ascending.
+        modes : array (3n, count)
+            Orthonormal in mass.
 
         Raises
         ------
@@ -122,7 +121,13 @@ class ElasticBody:
 
         Parameters
         ----------
-        surface : name of a surface, or its triangles (k, 3 or 6).
+        surface : str or int array (k, 3 or 6)
+            Name of a surface, or its triangles.
+
+        Raises
+        ------
+        KeyError
+            If there is no such surface.
         """
         faces = self.mesh.surface(surface) if isinstance(surface, str) else np.asarray(surface)
         return surface_weights(self.mesh, faces)
@@ -146,11 +151,13 @@ class ElasticBody:
 
         Parameters
         ----------
-        forces : (3n, m) in N.
+        forces : array (3n, m)
+            In N.
 
         Returns
         -------
-        (3n, m) in m.
+        array (3n, m)
+            In m.
         """
         rigid = self.rigid_modes
         moved = self.mass_matrix @ rigid
@@ -178,33 +185,3 @@ class ElasticBody:
         scale = np.array([1, 1, 1, *([1 / np.ptp(nodes, axis=0).max()] * 3)])
         *_, order = scipy.linalg.qr((rows * scale).T, mode="economic", pivoting=True)
         return np.sort(candidates[order[:6]])
-
-
-def surface_weights(mesh: Mesh, faces: Integers) -> Floats:
-    """Integrals of the shape functions over triangles of nodes (k, 3 or 6), (n,) in m2."""
-    barycentric, parts = _triangle_rule()
-    a, b, c = barycentric.T
-    if faces.shape[1] == 3:
-        values = barycentric
-        slopes = np.broadcast_to(np.array([[-1, -1], [1, 0], [0, 1]], dtype=float), (len(a), 3, 2))
-    else:
-        values = np.column_stack(
-            [a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a]
-        )
-        slopes = np.stack(
-            [
-                np.column_stack([1 - 4 * a, 4 * b - 1, 0 * c, 4 * (a - b), 4 * c, -4 * c]),
-                np.column_stack([1 - 4 * a, 0 * b, 4 * c - 1, -4 * b, 4 * b, 4 * (a - c)]),
-            ],
-            axis=2,
-        )
-    tangents = np.einsum("qas,kac->kqsc", slopes, mesh.nodes[faces])
-    area = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2) * parts
-    shares: Floats = (area @ values).ravel()
-    return np.asarray(np.bincount(faces.ravel(), shares, len(mesh.nodes)), dtype=np.float64)
-
-
-def _triangle_rule() -> tuple[Floats, Floats]:
-    """Barycentric points (q, 3) and weights (q,) of a rule of order 6 on the unit triangle."""
-    points, weights = get_quadrature(ElementTriP1, 6)
-    return np.column_stack([1 - points.sum(axis=0), points[0], points[1]]), weights

@@ -6,16 +6,14 @@ Gram-Schmidt (Golub and Van Loan, Matrix Computations, 10.3) and the answer is a
 projection, so that the modes are orthonormal to rounding.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array
 
-from .mesh import Floats
-from .solver import Backend, factorized
+from fem.mesh import Floats
+from fem.solver import Backend, factorized
 
 BLOCK = 12
 DENSE = 1000
@@ -52,25 +50,34 @@ def lowest_modes(
 
     Parameters
     ----------
-    stiffness, mass : (n, n) sparse; the stiffness positive semidefinite, the mass definite.
-    count : number of modes.
-    shift : positive number in 1/s2 that makes K + shift M definite; 0 if K is.
-    backend : of `solver.factorized`.
-    solve : solution of (K + shift M) x = b if it is factorized already.
+    stiffness, mass : sparse array (n, n)
+        The stiffness positive semidefinite, the mass definite.
+    count : int
+        Number of modes.
+    shift : float
+        Positive number in 1/s2 that makes K + shift M definite; 0 if K is.
+    backend : str, optional
+        Of `solver.factorized`.
+    solve : callable, optional
+        Solution of (K + shift M) x = b if it is factorized already.
 
     Returns
     -------
-    eigenvalues : (count,) in 1/s2, ascending.
-    modes : (n, count), orthonormal in mass.
+    eigenvalues : array (count,)
+        In 1/s2, ascending.
+    modes : array (n, count)
+        Orthonormal in mass.
 
     Raises
     ------
     ValueError
         If count is not between 1 and n.
+    RuntimeError
+        If the iteration does not converge.
     """
     n = stiffness.shape[0]
     if not 1 <= count <= n:
-        raise ValueError(f"count = {count} modes asked of a model with {n} degrees of freedom")
+        raise ValueError(f"count must be in 1..{n}, the degrees of freedom, got {count}")
     if n <= max(DENSE, 4 * count + 12 * BLOCK):
         values, vectors = scipy.linalg.eigh(
             stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1)

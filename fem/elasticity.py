@@ -3,8 +3,6 @@
 Stress and strain components are always in the order xx, yy, zz, xy, yz, xz.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -12,7 +10,7 @@ import numpy as np
 from scipy.sparse import bsr_array, csr_array
 from skfem import Basis, ElementTetP1, ElementTetP2, MeshTet1, MeshTet2
 
-from .mesh import Floats, Mesh
+from fem.mesh import Floats, Mesh
 
 STIFFNESS_ORDER = 2
 """Quadrature order of the stiffness: exact for straight edges (strains of tet10 are linear)."""
@@ -33,6 +31,11 @@ class Material:
         Inside (-1, 0.5).
     density : float
         In kg/m3.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of its range.
     """
 
     youngs_modulus: float
@@ -43,9 +46,9 @@ class Material:
         for name in ("youngs_modulus", "density"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} = {value} must be finite and positive")
+                raise ValueError(f"{name} must be finite and positive, got {value}")
         if not -1.0 < self.poissons_ratio < 0.5:
-            raise ValueError(f"poissons_ratio = {self.poissons_ratio} must lie inside (-1, 0.5)")
+            raise ValueError(f"poissons_ratio must lie inside (-1, 0.5), got {self.poissons_ratio}")
 
     @property
     def lame(self) -> tuple[float, float]:
@@ -62,8 +65,10 @@ def scalar_basis(mesh: Mesh, order: int | None = None, points: Floats | None = N
     Parameters
     ----------
     mesh : Mesh
-    order : quadrature order, or
-    points : (3, q) array of local coordinates to evaluate at instead.
+    order : int, optional
+        Quadrature order, or
+    points : array (3, q), optional
+        Local coordinates to evaluate at instead.
     """
     local = ElementTetP1() if mesh.order == 1 else ElementTetP2()
     corners, t = np.unique(mesh.elements[:, :4], return_inverse=True)

@@ -1,17 +1,15 @@
 """Export to other programs: VTU for ParaView, input decks for CalculiX."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import meshio
 import numpy as np
 
-from .body import ElasticBody
-from .mesh import Floats, Integers, Mesh
-from .reduced import ReducedBody
-from .stress import von_mises
+from fem.body import ElasticBody
+from fem.mesh import Floats, Integers, Mesh
+from fem.reduced import ReducedBody
+from fem.stress import von_mises
 
 
 def write_vtu(path: str | Path, mesh: Mesh, fields: Mapping[str, Floats]) -> None:
@@ -60,11 +58,15 @@ def write_calculix(
 
     Parameters
     ----------
-    path : file to write (`.inp`).
+    path : str or Path
+        File to write (`.inp`).
     body : ElasticBody
-    frequencies : number of free-free modes to ask for, the rigid ones included, or
-    forces : (n, 3) nodal forces in N of a static step, with
-    fixed : numbers of the degrees of freedom (3 node + axis) that hold the body.
+    frequencies : int, optional
+        Number of free-free modes to ask for, the rigid ones included, or
+    forces : array (n, 3), optional
+        Nodal forces in N of a static step, with
+    fixed : int array, optional
+        Numbers of the degrees of freedom (3 node + axis) that hold the body.
 
     Raises
     ------
@@ -72,7 +74,7 @@ def write_calculix(
         If neither or both of frequencies and a static step are given.
     """
     if (frequencies is None) == (forces is None or fixed is None):
-        raise ValueError("either frequencies, or forces and fixed must be given")
+        raise ValueError("frequencies, or both forces and fixed, must be given, got both or neither")
     mesh, material = body.mesh, body.material
     kind = "C3D4" if mesh.order == 1 else "C3D10"
     lines = ["*NODE, NSET=ALL"]

@@ -1,7 +1,5 @@
 """Reduced bodies to and from one HDF5 file, with digests that tell a stale one."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json
@@ -14,12 +12,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .body import ElasticBody
-from .elasticity import Material
-from .interfaces import Interface
-from .mesh import Floats, Mesh
-from .reduced import ReducedBody
-from .reduction import craig_bampton
+from fem.body import ElasticBody
+from fem.elasticity import Material
+from fem.interfaces import Interface
+from fem.mesh import Floats, Mesh
+from fem.reduced import ReducedBody
+from fem.reduction import craig_bampton
 
 FORMAT = "fem reduced body 1"
 _ARRAYS = ("frequencies", "modes", "stress_modes", "pilots", "center_of_mass", "inertia")
@@ -52,9 +50,11 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
 
     Parameters
     ----------
-    path : file to write, replaced only when complete.
+    path : str or Path
+        File to write, replaced only when complete.
     body : ReducedBody
-    digest : of `reduction_digest`, if the file is to serve as a cache.
+    digest : str
+        Of `reduction_digest`, if the file is to serve as a cache.
     """
     path = Path(path)
     # made in memory first: where a disk is full, HDF5 does not fail but ends the process
@@ -96,9 +96,12 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
 
     Parameters
     ----------
-    path : file of `save_reduced`.
-    mesh : the mesh it must belong to, if given.
-    digest : of `reduction_digest`, that it must have, if given.
+    path : str or Path
+        File of `save_reduced`.
+    mesh : Mesh, optional
+        The mesh it must belong to, if given.
+    digest : str, optional
+        Of `reduction_digest`, that it must have, if given.
 
     Raises
     ------
@@ -115,21 +118,23 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
     try:
         file = h5py.File(path, "r")
     except OSError as error:
-        raise ValueError(f"{path} is no HDF5 file: {error}") from error
+        raise ValueError(f"{path} must be an HDF5 file, got: {error}") from error
     try:
         with file:
             return _read(file, path, mesh, digest)
     except (OSError, KeyError, TypeError, RuntimeError) as error:
-        raise ValueError(f"{path} is broken: {error}") from error
+        raise ValueError(f"{path} must be whole, got a broken file: {error}") from error
 
 
 def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) -> ReducedBody:
     if file.attrs.get("format") != FORMAT:
-        raise ValueError(f"{path} is no {FORMAT!r} file, but {file.attrs.get('format')!r}")
+        raise ValueError(f"{path} must be a {FORMAT!r} file, got {file.attrs.get('format')!r}")
     if mesh is not None and file.attrs["mesh_digest"] != mesh.digest:
-        raise StaleCacheError(f"{path} belongs to another mesh than the one given")
+        raise StaleCacheError(f"{path} must belong to the mesh given, got that of another mesh")
     if digest is not None and file.attrs["digest"] != digest:
-        raise StaleCacheError(f"{path} was made with another mesh or other parameters")
+        raise StaleCacheError(
+            f"{path} must be made with the mesh and parameters given, got another mesh or other parameters"
+        )
     stored = file["mesh"]
     own = mesh or Mesh(
         stored["nodes"][()],

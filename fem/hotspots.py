@@ -1,8 +1,6 @@
 """Hot spots: the places of the greatest stresses, as tidy tables."""
 
-from __future__ import annotations
-
-from typing import Literal
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -10,12 +8,62 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from .mesh import Floats, Integers, Mesh
-from .recovery import Peaks, recover_peaks
-from .reduced import ReducedBody
-from .stress import Criterion, stress_jump
+from fem.mesh import Floats, Integers, Mesh
+from fem.recovery import Peaks, recover_peaks
+from fem.reduced import ReducedBody
+from fem.stress import Criterion, stress_jump
 
-Separation = Literal["none", "radius", "regions"]
+
+@dataclass(frozen=True)
+class Apart:
+    """Hot spots none of which lies within a radius of a more severe one.
+
+    Parameters
+    ----------
+    radius : float
+        In m, positive.
+
+    Raises
+    ------
+    ValueError
+        If the radius is not positive.
+    """
+
+    radius: float = 0.05
+
+    def __post_init__(self) -> None:
+        if not self.radius > 0.0:
+            raise ValueError(f"radius must be positive, got {self.radius}")
+
+    def choose(self, mesh: Mesh, peaks: Peaks, count: int) -> list[int]:
+        """Places in the peaks of `count` hot spots at most, the most severe first."""
+        return _separated(mesh.nodes[peaks.nodes], peaks.order, self.radius, count)
+
+
+@dataclass(frozen=True)
+class OneARegion:
+    """One hot spot a connected region whose stress is above a fraction of the greatest.
+
+    Parameters
+    ----------
+    fraction : float
+        Inside (0, 1).
+
+    Raises
+    ------
+    ValueError
+        If the fraction is out of its range.
+    """
+
+    fraction: float = 0.5
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.fraction < 1.0:
+            raise ValueError(f"fraction must lie inside (0, 1), got {self.fraction}")
+
+    def choose(self, mesh: Mesh, peaks: Peaks, count: int) -> list[int]:
+        """Places in the peaks of `count` hot spots at most, the most severe first."""
+        return _one_a_region(mesh, peaks, self.fraction, count)
 
 
 def _separated(positions: Floats, order: Integers, radius: float, count: int) -> list[int]:
@@ -64,13 +112,8 @@ def hot_spots(
     count: int = 5,
     *,
     criterion: Criterion = "von mises",
-    separation: Separation = "none",
-    radius: float = 0.05,
-    fraction: float = 0.5,
-    window: tuple[float, float] | None = None,
+    separation: Apart | OneARegion | None = None,
     nodes: Integers | None = None,
-    surface_only: bool = False,
-    with_spiders: bool = True,
     peaks: Peaks | None = None,
 ) -> pd.DataFrame:
     """Table of the most severe nodes of a history.
@@ -78,18 +121,22 @@ def hot_spots(
     Parameters
     ----------
     body : ReducedBody
-    times : (t,) in s.
-    q : (t, m) modal coordinates.
-    count : number of rows at most.
-    criterion : one of `stress.CRITERIA`.
-    separation : "none" lists the highest nodes as the papers do; "radius" leaves out nodes within
-        `radius` (m) of a more severe one; "regions" gives one node a connected region above
-        `fraction` of the greatest value.
-    window : first and last time in s to look at.
-    nodes : numbers of the nodes to look at.
-    surface_only : look at the boundary only.
-    with_spiders : include nodes inside and beside spiders.
-    peaks : of `recover_peaks` over all nodes and the whole history, if they are known.
+    times : array (t,)
+        In s.
+    q : array (t, m)
+        Modal coordinates.
+    count : int
+        Number of rows at most.
+    criterion : str
+        One of `stress.CRITERIA`.
+    separation : Apart or OneARegion, optional
+        What keeps hot spots from being neighbours; if left out, the highest nodes are listed, as the
+        papers do.
+    nodes : int array, optional
+        Numbers of the nodes to look at, such as `body.nodes_away_from_spiders` or
+        `body.mesh.surface_nodes`; all if left out.
+    peaks : Peaks, optional
+        Of `recover_peaks` over all nodes and the whole history, if they are known.
 
     Returns
     -------
@@ -106,55 +153,51 @@ def hot_spots(
     times = np.asarray(times, dtype=float)
     q = np.atleast_2d(q)
     if len(times) != len(q):
-        raise ValueError(f"{len(times)} times and {len(q)} rows of modal coordinates")
+        raise ValueError(f"times must be as many as the rows of q, got {len(times)} and {len(q)}")
     if count < 1:
-        raise ValueError(f"count = {count} must be at least 1")
-    if separation not in ("none", "radius", "regions"):
-        raise ValueError(f"separation = {separation!r} must be 'none', 'radius' or 'regions'")
-    if not radius > 0.0 or not 0.0 < fraction < 1.0:
-        raise ValueError(f"radius = {radius} must be positive, fraction = {fraction} in (0, 1)")
-    rows = np.arange(len(times))
-    if window is not None:
-        rows = np.flatnonzero((times >= window[0]) & (times <= window[1]))
+        raise ValueError(f"count must be at least 1, got {count}")
     chosen = np.arange(len(body.nodes)) if nodes is None else np.unique(nodes)
-    if surface_only:
-        chosen = np.intersect1d(chosen, body.mesh.surface_nodes)
-    inside, beside = body.spider_nodes, body.nodes_beside_spiders
-    if not with_spiders:
-        chosen = np.setdiff1d(chosen, np.concatenate([inside, beside]))
-    if len(rows) == 0 or len(chosen) == 0:
-        raise ValueError(f"nothing to look at: {len(rows)} times, {len(chosen)} nodes")
-
+    if len(times) == 0 or len(chosen) == 0:
+        raise ValueError(
+            f"times and nodes must be at least one each, got {len(times)} times and {len(chosen)} nodes"
+        )
     if peaks is None:
-        peaks = recover_peaks(body.stress_modes, q[rows], criterion, chosen)
-    elif window is not None or peaks.criterion != criterion or len(peaks.nodes) != len(body.nodes):
-        raise ValueError("peaks must be of all nodes, the same criterion and the whole history")
+        peaks = recover_peaks(body.stress_modes, q, criterion, chosen)
+    elif peaks.criterion != criterion or len(peaks.nodes) != len(body.nodes):
+        raise ValueError(
+            f"peaks must be of {criterion!r} at all {len(body.nodes)} nodes, "
+            f"got {peaks.criterion!r} at {len(peaks.nodes)}"
+        )
     else:
         peaks = Peaks(criterion, chosen, peaks.values[chosen], peaks.time_indices[chosen])
-    if separation == "none":
-        places = peaks.order[:count].tolist()
-    elif separation == "radius":
-        places = _separated(body.nodes[chosen], peaks.order, radius, count)
-    else:
-        places = _one_a_region(body.mesh, peaks, fraction, count)
-    found = peaks.nodes[places]
-    at = rows[peaks.time_indices[places]]
+    places = (
+        peaks.order[:count].tolist() if separation is None else separation.choose(body.mesh, peaks, count)
+    )
+    return _table(body, times, q, peaks, places)
+
+
+def _table(body: ReducedBody, times: Floats, q: Floats, peaks: Peaks, places: list[int]) -> pd.DataFrame:
+    """Table of `hot_spots` for chosen places in the peaks."""
+    found, rows = peaks.nodes[places], peaks.time_indices[places]
     jumps = {
-        int(row): stress_jump(body.mesh, body.material, body.displacement(q[row])[0]) for row in np.unique(at)
+        int(row): stress_jump(body.mesh, body.material, body.displacement(q[row])[0])
+        for row in np.unique(rows)
     }
     flags = np.where(
-        np.isin(found, inside), "in spider", np.where(np.isin(found, beside), "beside spider", "")
+        np.isin(found, body.spider_nodes),
+        "in spider",
+        np.where(np.isin(found, body.nodes_beside_spiders), "beside spider", ""),
     )
     return pd.DataFrame(
         {
             "rank": np.arange(1, len(places) + 1),
             "value": peaks.values[places],
             "node": found,
-            "time": times[at],
+            "time": times[rows],
             "x": body.nodes[found, 0],
             "y": body.nodes[found, 1],
             "z": body.nodes[found, 2],
             "flag": flags,
-            "jump": [jumps[int(row)][node] for row, node in zip(at, found, strict=True)],
+            "jump": [jumps[int(row)][node] for row, node in zip(rows, found, strict=True)],
         }
     )

@@ -8,18 +8,17 @@ the stress beside it. An averaging one (RBE3) makes the centre move as the weigh
 nodes and spreads a load over them without stiffening (NASTRAN's RBE3 with equal weights).
 """
 
-from __future__ import annotations
-
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import ArrayLike
 from scipy.sparse import coo_array, csr_array, hstack, identity
 
-from .body import rigid_modes
-from .mesh import Floats, Integers, Mesh
+from fem.body import rigid_modes
+from fem.mesh import Floats, Integers, Mesh
 
 Spider = Literal["rigid", "averaging"]
 COLLINEAR = 1e-6
@@ -33,9 +32,17 @@ class Interface:
     Parameters
     ----------
     name : str
-    center : (3,) place of the joint centre in body axes in m.
-    nodes : (k,) numbers of the nodes tied to it.
-    spider : "rigid" (RBE2) or "averaging" (RBE3).
+    center : array (3,)
+        Place of the joint centre in body axes in m.
+    nodes : int array (k,)
+        Numbers of the nodes tied to it.
+    spider : str
+        "rigid" (RBE2) or "averaging" (RBE3).
+
+    Raises
+    ------
+    ValueError
+        If the centre is not three finite numbers, there is no node or no such spider.
     """
 
     name: str
@@ -47,12 +54,14 @@ class Interface:
         center = np.asarray(self.center, dtype=np.float64)
         nodes = np.unique(np.asarray(self.nodes, dtype=np.int64))
         if center.shape != (3,) or not np.isfinite(center).all():
-            raise ValueError(f"interface {self.name!r}: center = {self.center} must be three finite numbers")
+            raise ValueError(
+                f"interface {self.name!r}: center must be three finite numbers, got {self.center}"
+            )
         if len(nodes) == 0:
-            raise ValueError(f"interface {self.name!r} has no nodes")
+            raise ValueError(f"interface {self.name!r}: nodes must be at least one, got none")
         if self.spider not in ("rigid", "averaging"):
             raise ValueError(
-                f"interface {self.name!r}: spider = {self.spider!r} must be 'rigid' or 'averaging'"
+                f"interface {self.name!r}: spider must be 'rigid' or 'averaging', got {self.spider!r}"
             )
         object.__setattr__(self, "center", center)
         object.__setattr__(self, "nodes", nodes)
@@ -68,26 +77,29 @@ def check_interfaces(mesh: Mesh, interfaces: Sequence[Interface]) -> None:
         interfaces.
     """
     if not interfaces:
-        raise ValueError("at least one interface is needed")
+        raise ValueError("interfaces must be at least one, got none")
     names = [interface.name for interface in interfaces]
     double = sorted({name for name in names if names.count(name) > 1})
     if double:
-        raise ValueError(f"interface names appear twice: {double}")
+        raise ValueError(f"names of interfaces must be different, got twice {double}")
     owner: dict[int, str] = {}
     for interface in interfaces:
         nodes, name = interface.nodes, interface.name
         if nodes[0] < 0 or nodes[-1] >= len(mesh.nodes):
             raise ValueError(
-                f"interface {name!r} has nodes outside 0..{len(mesh.nodes) - 1}: {nodes[0]}..{nodes[-1]}"
+                f"interface {name!r}: nodes must lie in 0..{len(mesh.nodes) - 1}, got {nodes[0]}..{nodes[-1]}"
             )
         spread = np.linalg.svd(mesh.nodes[nodes] - mesh.nodes[nodes].mean(axis=0), compute_uv=False)
         if len(nodes) < 3 or spread[1] <= COLLINEAR * spread[0]:
             raise ValueError(
-                f"interface {name!r}: its {len(nodes)} nodes lie on a line and cannot carry a moment about it"
+                f"interface {name!r}: nodes must not lie on a line, about which they carry no moment, "
+                f"got {len(nodes)} that do"
             )
         for node in nodes.tolist():
             if node in owner:
-                raise ValueError(f"interfaces {owner[node]!r} and {name!r} share node {node}")
+                raise ValueError(
+                    f"nodes must belong to one interface, got {node} in {owner[node]!r} and {name!r}"
+                )
             owner[node] = name
 
 
@@ -99,13 +111,45 @@ def averaging_rows(positions: Floats, weights: Floats, center: Floats) -> Floats
 
     Parameters
     ----------
-    positions : (k, 3) in m.
-    weights : (k,) not negative.
-    center : (3,) in m.
+    positions : array (k, 3)
+        In m.
+    weights : array (k,)
+        Not negative.
+    center : array (3,)
+        In m.
     """
     modes = rigid_modes(positions, center)
     weighted = modes * np.repeat(weights, 3)[:, None]
     return np.asarray(np.linalg.solve(modes.T @ weighted, weighted.T), dtype=np.float64)
+
+
+def center_loads(interfaces: Sequence[Interface], forces: Mapping[str, ArrayLike]) -> Floats:
+    """Forces on joint centres as `reduction.Partition.static_response` takes them.
+
+    Parameters
+    ----------
+    interfaces : sequence of Interface
+    forces : mapping of str to array (3,)
+        In N, body axes, by name of the interface; none on the others.
+
+    Returns
+    -------
+    array (6 i, 1)
+        Force and moment on each joint centre in N and N m; the moments are zero.
+
+    Raises
+    ------
+    KeyError
+        If there is no such interface.
+    """
+    names = [interface.name for interface in interfaces]
+    unknown = sorted(set(forces) - set(names))
+    if unknown:
+        raise KeyError(f"forces must be on interfaces of {names}, got {unknown}")
+    loads = np.zeros((len(names), 6))
+    for name, force in forces.items():
+        loads[names.index(name), :3] = force
+    return loads.reshape(-1, 1)
 
 
 def rigid_motion_of_centers(interfaces: Sequence[Interface], origin: Floats) -> Floats:
@@ -122,8 +166,10 @@ def spider_transformation(mesh: Mesh, interfaces: Sequence[Interface]) -> tuple[
 
     Returns
     -------
-    Tq : (3n, 6 i) sparse, of the joint centres' motions q.
-    Tr : (3n, r) sparse, of the remaining free displacements; Tr r leaves all q at zero.
+    Tq : sparse array (3n, 6 i)
+        Of the joint centres' motions q.
+    Tr : sparse array (3n, r)
+        Of the remaining free displacements; Tr r leaves all q at zero.
     """
     size = 3 * len(mesh.nodes)
     free = np.ones(size, dtype=bool)

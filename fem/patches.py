@@ -1,7 +1,7 @@
-"""Motion of a flexible underside, averaged over the part of it that lies on a terrain unit.
+"""Mean motion of a rectangular surface of a body over any rectangle of it.
 
-The mode shapes of the underside are integrated once over a fine grid, so that their mean over any rectangle
-costs four look-ups, however many nodes the mesh has.
+The mode shapes of the surface, an underside, are integrated once over a fine grid, so that their mean over a
+rectangle costs four look-ups, however many nodes the mesh has.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from scipy.interpolate import LinearNDInterpolator
 
-from fem.mesh import Floats as FloatArray
+from fem.mesh import Floats
 
 CELL = 0.03
 """m, greatest side of a cell of the grid; the underside's elements are several times as large."""
@@ -30,9 +30,9 @@ class Underside:
         Integral of the modes' displacements from the corner to every grid point, m2 times m per unit.
     """
 
-    corner: FloatArray
-    cell: FloatArray
-    integral: FloatArray
+    corner: Floats
+    cell: Floats
+    integral: Floats
 
     @property
     def mode_count(self) -> int:
@@ -40,7 +40,7 @@ class Underside:
         return self.integral.shape[3]
 
 
-def integrate_underside(positions: FloatArray, modes: FloatArray, footprint: FloatArray) -> Underside:
+def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> Underside:
     """Integrate mode shapes over a rectangular underside.
 
     Parameters
@@ -51,6 +51,11 @@ def integrate_underside(positions: FloatArray, modes: FloatArray, footprint: Flo
         Displacements of these nodes.
     footprint : array (5,)
         Least and greatest x, least and greatest y, z of the underside, m.
+
+    Raises
+    ------
+    ValueError
+        If the nodes leave a part of the rectangle out.
     """
     low, high = footprint[[0, 2]], footprint[[1, 3]]
     counts = np.maximum(np.ceil((high - low) / CELL).astype(int), 1)
@@ -58,15 +63,26 @@ def integrate_underside(positions: FloatArray, modes: FloatArray, footprint: Flo
     x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell[k] for k in range(2))
     shapes = LinearNDInterpolator(positions, modes.reshape(len(positions), -1))
     values = shapes(*np.meshgrid(x, y, indexing="ij")).reshape(*counts, *modes.shape[1:])
+    outside = int(np.isnan(values).any(axis=(2, 3)).sum())
+    if outside:
+        raise ValueError(
+            f"positions must surround the rectangle {footprint[:4].tolist()} m, "
+            f"got {outside} of its {counts.prod()} cells outside"
+        )
     integral = np.zeros((counts[0] + 1, counts[1] + 1, *modes.shape[1:]))
     integral[1:, 1:] = values.cumsum(axis=0).cumsum(axis=1) * cell[0] * cell[1]
     return Underside(corner=low, cell=cell, integral=integral)
 
 
-@njit(cache=True)
-def mean_rows(corner, cell, integral, x0, x1, y0, y1, out):
-    """Write the mean displacement rows (3, modes) over the rectangle x0..x1, y0..y1 into `out`."""
-    out[:] = 0.0
+@njit(cache=True, error_model="numpy")
+def mean_rows(corner, cell, integral, rectangle, out):
+    """Write the mean displacement rows (3, modes) over a rectangle into `out`.
+
+    `corner`, `cell` and `integral` as of `Underside`; `rectangle` is least and greatest x, least and
+    greatest y, m, body axes.
+    """
+    out.fill(0.0)
+    x0, x1, y0, y1 = rectangle
     columns, rows = integral.shape[0] - 1, integral.shape[1] - 1
     width_x, width_y = columns * cell[0], rows * cell[1]
     x0 = min(max(x0 - corner[0], 0.0), width_x)

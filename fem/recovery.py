@@ -1,10 +1,8 @@
-"""Stress peaks of long modal histories, in blocks: memory does not grow with their length.
+"""Stress peaks and extremes of long modal histories, as folds over blocks of their stresses.
 
 The von Mises stress is the Euclidean length of five linear combinations of the stress components,
 so that five products a node and time are enough where the tensor would take six.
 """
-
-from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,13 +10,11 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from .mesh import Floats, Integers
-from .stress import CRITERIA, Criterion, evaluate
+from fem.blocks import Fold, StressBlock, fold_stresses
+from fem.mesh import Floats, Integers
+from fem.stress import CRITERIA, Criterion, evaluate
 
-NODE_BLOCK, TIME_BLOCK = 512, 256
-"""Nodes and times of one product; its result stays in the processor's cache."""
-
-_DEVIATOR = np.array(
+DEVIATOR = np.array(
     [
         [np.sqrt(0.5), -np.sqrt(0.5), 0, 0, 0, 0],
         [np.sqrt(1 / 6), np.sqrt(1 / 6), -2 * np.sqrt(1 / 6), 0, 0, 0],
@@ -27,6 +23,7 @@ _DEVIATOR = np.array(
         [0, 0, 0, 0, 0, np.sqrt(2)],
     ]
 ) * np.sqrt(1.5)
+"""Combinations (5, 6) of the stress components whose Euclidean length is the von Mises stress."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +32,14 @@ class Peaks:
 
     Parameters
     ----------
-    criterion : its name.
-    nodes : (k,) node numbers.
-    values : (k,) in Pa; for "least principal" the least value.
-    time_indices : (k,) rows of the history where they occur; the first of equals.
+    criterion : str
+        Its name, one of `stress.CRITERIA`.
+    nodes : int array (k,)
+        Node numbers.
+    values : array (k,)
+        In Pa; for "least principal" the least value.
+    time_indices : int array (k,)
+        Rows of the history where they occur; the first of equals.
     """
 
     criterion: Criterion
@@ -53,40 +54,20 @@ class Peaks:
         return np.argsort(severity, kind="stable")
 
 
-@numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc"})
-def _keep_greatest_length(parts, values, indices, first, start):
-    """Update squared maxima from components (5 k, t) of the nodes from `first` on."""
-    for k in numba.prange(parts.shape[0] // 5):
-        best, at = values[first + k], indices[first + k]
-        a, b, c, d, e = (
-            parts[5 * k],
-            parts[5 * k + 1],
-            parts[5 * k + 2],
-            parts[5 * k + 3],
-            parts[5 * k + 4],
-        )
-        greatest = 0.0
-        for t in range(parts.shape[1]):
-            square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
-            greatest = max(greatest, square)
-        if greatest > best:
-            for t in range(parts.shape[1]):
-                square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
-                if square > best:
-                    best, at = square, start + t
-            values[first + k], indices[first + k] = best, at
-
-
 @dataclass(frozen=True)
 class Extremes:
     """Von Mises stress over a history: extremes of each node over time and the highest node at each time.
 
     Parameters
     ----------
-    greatest, least : (n,) in Pa.
-    greatest_at : (n,) rows of the history where the greatest occur; the first of equals.
-    highest : (t,) in Pa, over all nodes.
-    highest_nodes : (t,) their numbers; the first of equals.
+    greatest, least : array (n,)
+        In Pa.
+    greatest_at : int array (n,)
+        Rows of the history where the greatest occur; the first of equals.
+    highest : array (t,)
+        In Pa, over all nodes.
+    highest_nodes : int array (t,)
+        Their numbers; the first of equals.
     """
 
     greatest: Floats
@@ -102,105 +83,150 @@ class Extremes:
 
 
 @numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc"})
-def _keep_node_extremes(parts, squares, greatest, at, least, first, start):
-    """Square lengths of components (5 k, t) into (k, t), with the extremes of the nodes from `first` on."""
-    for k in numba.prange(squares.shape[0]):
-        a, b, c, d, e = (
-            parts[5 * k],
-            parts[5 * k + 1],
-            parts[5 * k + 2],
-            parts[5 * k + 3],
-            parts[5 * k + 4],
+def _keep_greatest_length(parts, values, indices, start):
+    """Update squared maxima (k,) and their rows from components (k, 5, t); rows count from `start`."""
+    for k in numba.prange(parts.shape[0]):
+        best, at = values[k], indices[k]
+        a, b, c, d, e = parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3], parts[k, 4]
+        greatest = 0.0
+        for t in range(parts.shape[2]):
+            square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
+            greatest = max(greatest, square)
+        if greatest > best:
+            for t in range(parts.shape[2]):
+                square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
+                if square > best:
+                    best, at = square, start + t
+            values[k], indices[k] = best, at
+
+
+class GreatestVonMises(Fold[Peaks]):
+    """Greatest von Mises stress of each node and the row where it occurs."""
+
+    components = DEVIATOR
+
+    def start(self, nodes: Integers, times: int) -> None:
+        """Begin with no stress at all."""
+        self._nodes = nodes
+        self._squares = np.full(len(nodes), -np.inf)
+        self._rows = np.zeros(len(nodes), dtype=np.int64)
+
+    def add(self, block: StressBlock) -> None:
+        """Keep what is greater than before."""
+        _keep_greatest_length(
+            block.stress, self._squares[block.nodes], self._rows[block.nodes], block.times.start
         )
+
+    def finish(self) -> Peaks:
+        """Peaks in Pa."""
+        return Peaks("von mises", self._nodes, np.sqrt(self._squares), self._rows)
+
+
+class GreatestOf(Fold[Peaks]):
+    """Greatest value of any criterion at each node and the row where it occurs.
+
+    Parameters
+    ----------
+    criterion : str
+        One of `stress.CRITERIA`; of "least principal" the least value is kept.
+    """
+
+    components = None
+
+    def __init__(self, criterion: Criterion) -> None:
+        self._criterion = criterion
+        self._sense = -1.0 if criterion == "least principal" else 1.0
+
+    def start(self, nodes: Integers, times: int) -> None:
+        """Begin with no stress at all."""
+        self._nodes = nodes
+        self._values = np.full(len(nodes), -np.inf)
+        self._rows = np.zeros(len(nodes), dtype=np.int64)
+
+    def add(self, block: StressBlock) -> None:
+        """Keep what is more severe than before."""
+        found = self._sense * evaluate(self._criterion, block.stress.transpose(0, 2, 1))
+        at = found.argmax(axis=1)
+        best = np.take_along_axis(found, at[:, None], axis=1)[:, 0]
+        values, rows = self._values[block.nodes], self._rows[block.nodes]
+        better = best > values
+        values[better] = best[better]
+        rows[better] = block.times.start + at[better]
+
+    def finish(self) -> Peaks:
+        """Peaks in Pa."""
+        return Peaks(self._criterion, self._nodes, self._sense * self._values, self._rows)
+
+
+@numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc"})
+def _keep_node_extremes(parts, squares, greatest, at, least, start):
+    """Square lengths of components (k, 5, t) into (k, t), with the extremes of each node over time."""
+    for k in numba.prange(squares.shape[0]):
+        a, b, c, d, e = parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3], parts[k, 4]
         low, high = np.inf, -np.inf
         for t in range(squares.shape[1]):
             square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
             squares[k, t] = square
             low = min(low, square)
             high = max(high, square)
-        least[first + k] = min(least[first + k], low)
-        if high > greatest[first + k]:
-            greatest[first + k] = high
+        least[k] = min(least[k], low)
+        if high > greatest[k]:
+            greatest[k] = high
             for t in range(squares.shape[1]):
                 if squares[k, t] == high:
-                    at[first + k] = start + t
+                    at[k] = start + t
                     break
 
 
 @numba.njit(cache=True)
-def _keep_highest(squares, top, nodes, first):
-    """Update the highest square of each time and its node; the nodes of `squares` count from `first`."""
+def _keep_highest(squares, top, places, first):
+    """Update the highest square of each time and its place; the rows of `squares` count from `first`."""
     for k in range(squares.shape[0]):
         for t in range(squares.shape[1]):
             if squares[k, t] > top[t]:
                 top[t] = squares[k, t]
-                nodes[t] = first + k
+                places[t] = first + k
+
+
+class VonMisesExtremes(Fold[Extremes]):
+    """Extremes of the von Mises stress of each node over time, and over the nodes at each time."""
+
+    components = DEVIATOR
+
+    def start(self, nodes: Integers, times: int) -> None:
+        """Begin with no stress at all."""
+        self._nodes = nodes
+        self._greatest, self._least = np.full(len(nodes), -np.inf), np.full(len(nodes), np.inf)
+        self._rows = np.zeros(len(nodes), dtype=np.int64)
+        self._highest = np.full(times, -np.inf)
+        self._places = np.zeros(times, dtype=np.int64)
+
+    def add(self, block: StressBlock) -> None:
+        """Keep what is beyond the extremes so far."""
+        of, at = block.nodes, block.times
+        squares = np.empty((block.stress.shape[0], block.stress.shape[2]))
+        _keep_node_extremes(
+            block.stress, squares, self._greatest[of], self._rows[of], self._least[of], at.start
+        )
+        _keep_highest(squares, self._highest[at], self._places[at], of.start)
+
+    def finish(self) -> Extremes:
+        """Extremes in Pa."""
+        return Extremes(
+            np.sqrt(self._greatest),
+            self._rows,
+            np.sqrt(self._least),
+            np.sqrt(self._highest),
+            self._nodes[self._places],
+        )
 
 
 def recover_extremes(stress_modes: Floats, q: Floats | Iterable[Floats]) -> Extremes:
     """Extremes of the von Mises stress at every node and at every time of a history.
 
-    Parameters
-    ----------
-    stress_modes : (n, 6, m) in Pa per unit of a modal coordinate.
-    q : (t, m) modal coordinates, or an iterable of such blocks in order of time.
-
-    Raises
-    ------
-    ValueError
-        If the history is empty or not finite, or has another number of modes.
+    Parameters and errors are those of `blocks.fold_stresses`.
     """
-    nodes = len(stress_modes)
-    shapes = _von_mises_shapes(stress_modes)
-    greatest, least = np.full(nodes, -np.inf), np.full(nodes, np.inf)
-    at = np.zeros(nodes, dtype=np.int64)
-    highest: list[Floats] = []
-    highest_nodes: list[Integers] = []
-    squares = np.empty((NODE_BLOCK, TIME_BLOCK))
-    start = 0
-    for columns in _checked_blocks(q, stress_modes.shape[2]):
-        count = columns.shape[1]
-        top, top_node = np.full(count, -np.inf), np.zeros(count, dtype=np.int64)
-        for first in range(0, nodes, NODE_BLOCK):
-            last = min(first + NODE_BLOCK, nodes)
-            square = squares[: last - first, :count]
-            product = shapes[5 * first : 5 * last] @ columns
-            _keep_node_extremes(product, square, greatest, at, least, first, start)
-            _keep_highest(square, top, top_node, first)
-        highest.append(top)
-        highest_nodes.append(top_node)
-        start += count
-    return Extremes(
-        np.sqrt(greatest), at, np.sqrt(least), np.sqrt(np.concatenate(highest)), np.concatenate(highest_nodes)
-    )
-
-
-def _von_mises_shapes(stress_modes: Floats) -> Floats:
-    """Five components (5 n, m) whose Euclidean length at a node is its von Mises stress."""
-    parts = np.einsum("ck,nkm->ncm", _DEVIATOR, stress_modes, optimize=True)
-    return np.ascontiguousarray(parts).reshape(-1, stress_modes.shape[2])
-
-
-def _checked_blocks(q: Floats | Iterable[Floats], modes: int) -> Iterable[Floats]:
-    """Blocks (m, t) of a history; refuses one that does not fit or is not finite, and a history of none."""
-    start = 0
-    for block in _blocks(q):
-        if block.shape[1] != modes:
-            raise ValueError(f"the history has {block.shape[1]} modal coordinates, the body {modes}")
-        if not np.isfinite(block).all():
-            raise ValueError(f"the history is not finite between rows {start} and {start + len(block) - 1}")
-        yield np.asfortranarray(block.T)
-        start += len(block)
-    if start == 0:
-        raise ValueError("the history holds no rows")
-
-
-def _blocks(q: Floats | Iterable[Floats]) -> Iterable[Floats]:
-    parts = [q] if isinstance(q, np.ndarray) else q
-    for part in parts:
-        part = np.atleast_2d(part)
-        for start in range(0, len(part), TIME_BLOCK):
-            yield part[start : start + TIME_BLOCK]
+    return fold_stresses(stress_modes, q, VonMisesExtremes())
 
 
 def recover_peaks(
@@ -211,12 +237,12 @@ def recover_peaks(
 ) -> Peaks:
     """Keep the greatest value of a stress criterion over a history, node by node.
 
+    Parameters and errors are those of `blocks.fold_stresses`, and:
+
     Parameters
     ----------
-    stress_modes : (n, 6, m) in Pa per unit of a modal coordinate.
-    q : (t, m) modal coordinates, or an iterable of such blocks in order of time.
-    criterion : one of `stress.CRITERIA`.
-    nodes : numbers of the nodes to look at, all if left out.
+    criterion : str
+        One of `stress.CRITERIA`.
 
     Returns
     -------
@@ -226,44 +252,13 @@ def recover_peaks(
     Raises
     ------
     ValueError
-        If the criterion is not known, the history is empty or not finite, or has another number of
-        modes.
+        If the criterion is not known.
     """
     if criterion not in CRITERIA:
-        raise ValueError(f"criterion = {criterion!r} must be one of {CRITERIA}")
-    nodes = np.arange(len(stress_modes)) if nodes is None else np.asarray(nodes, dtype=np.int64)
-    modes = stress_modes if len(nodes) == len(stress_modes) else stress_modes[nodes]
-    values = np.full(len(nodes), -np.inf)
-    indices = np.zeros(len(nodes), dtype=np.int64)
-    fast = criterion == "von mises"
-    if fast:
-        shapes = _von_mises_shapes(modes)
-        width = 5
-    else:
-        shapes = np.ascontiguousarray(modes).reshape(-1, modes.shape[2])
-        width = 6
-    start = 0
-    for columns in _checked_blocks(q, modes.shape[2]):
-        for first in range(0, len(nodes), NODE_BLOCK):
-            product = shapes[width * first : width * (first + NODE_BLOCK)] @ columns
-            if fast:
-                _keep_greatest_length(product, values, indices, first, start)
-                continue
-            stress = product.reshape(-1, 6, columns.shape[1]).transpose(0, 2, 1)
-            found = evaluate(criterion, stress)
-            found = -found if criterion == "least principal" else found
-            at = found.argmax(axis=1)
-            best = np.take_along_axis(found, at[:, None], axis=1)[:, 0]
-            place = slice(first, first + len(best))
-            better = best > values[place]
-            values[place] = np.where(better, best, values[place])
-            indices[place] = np.where(better, start + at, indices[place])
-        start += columns.shape[1]
-    if fast:
-        values = np.sqrt(values)
-    elif criterion == "least principal":
-        values = -values
-    return Peaks(criterion, nodes, values, indices)
+        raise ValueError(f"criterion must be one of {CRITERIA}, got {criterion!r}")
+    if criterion == "von mises":
+        return fold_stresses(stress_modes, q, GreatestVonMises(), nodes)
+    return fold_stresses(stress_modes, q, GreatestOf(criterion), nodes)
 
 
 def shares(stress_modes: Floats, q: Floats, node: int) -> Floats:
@@ -274,11 +269,14 @@ def shares(stress_modes: Floats, q: Floats, node: int) -> Floats:
 
     Parameters
     ----------
-    stress_modes : (n, 6, m) of modes, or of loads.
-    q : (m,) their coordinates at that time.
-    node : node number.
+    stress_modes : array (n, 6, m)
+        Of modes, or of loads.
+    q : array (m,)
+        Their coordinates at that time.
+    node : int
+        Node number.
     """
-    parts = (_DEVIATOR @ stress_modes[node]) * q
+    parts = (DEVIATOR @ stress_modes[node]) * q
     total = parts.sum(axis=1)
     length = np.linalg.norm(total)
     return np.zeros(len(q)) if length == 0.0 else total @ parts / length

@@ -1,18 +1,16 @@
 """A reduced elastic body: modes, stress modes, interfaces, loads and what recovers stresses."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
-from .body import ElasticBody
-from .elasticity import Material
-from .interfaces import Interface, averaging_rows
-from .mesh import Floats, Integers, Mesh
-from .stress import von_mises
+from fem.body import ElasticBody
+from fem.elasticity import Material
+from fem.interfaces import Interface, averaging_rows
+from fem.mesh import Floats, Integers, Mesh
+from fem.stress import von_mises
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,14 +24,26 @@ class ReducedBody:
     ----------
     mesh : Mesh
     material : Material
-    interfaces : (i) attachment points.
-    frequencies : (m,) in Hz, ascending.
-    modes : (n, 3, m) in m per unit of a modal coordinate (kg^-1/2).
-    stress_modes : (n, 6, m) nodal stress in Pa per unit, in the order xx, yy, zz, xy, yz, xz.
-    pilots : (i, 6, m) motion of each joint centre, in m and rad per unit.
-    mass, center_of_mass, inertia : kg, (3,) in m, (3, 3) in kg m2 about the centre of mass.
-    surface_weights : (n,) in m2 by surface name, integrals of the shape functions.
-    parameters : what the reduction was asked for.
+    interfaces : tuple of Interface
+        Attachment points.
+    frequencies : array (m,)
+        In Hz, ascending.
+    modes : array (n, 3, m)
+        In m per unit of a modal coordinate (kg^-1/2).
+    stress_modes : array (n, 6, m)
+        Nodal stress in Pa per unit, in the order xx, yy, zz, xy, yz, xz.
+    pilots : array (i, 6, m)
+        Motion of each joint centre, in m and rad per unit.
+    mass : float
+        In kg.
+    center_of_mass : array (3,)
+        In m.
+    inertia : array (3, 3)
+        In kg m2 about the centre of mass.
+    surface_weights : mapping of str to array (n,)
+        Integrals of the shape functions in m2 by name of a surface.
+    parameters : mapping
+        What the reduction was asked for.
     """
 
     mesh: Mesh
@@ -58,7 +68,7 @@ class ReducedBody:
         modes: Floats,
         pilots: Floats,
         parameters: Mapping[str, Any],
-    ) -> ReducedBody:
+    ) -> Self:
         """Take a body's properties and recover the stress of its modes."""
         return cls(
             body.mesh,
@@ -90,7 +100,7 @@ class ReducedBody:
         """Modal stiffness matrix (m, m) in 1/s2, diagonal."""
         return np.diag((2 * np.pi * self.frequencies) ** 2)
 
-    def with_modes(self, modes: Sequence[int]) -> ReducedBody:
+    def with_modes(self, modes: Sequence[int]) -> Self:
         """Keep some of the modes only, counted from 0.
 
         Raises
@@ -101,9 +111,9 @@ class ReducedBody:
         chosen = np.asarray(modes, dtype=np.int64)
         count = len(self.frequencies)
         if len(chosen) == 0 or len(np.unique(chosen)) < len(chosen):
-            raise ValueError(f"modes must be different numbers, not {list(modes)}")
+            raise ValueError(f"modes must be different numbers, at least one, got {list(modes)}")
         if chosen.min() < 0 or chosen.max() >= count:
-            raise ValueError(f"modes must lie in 0..{count - 1}, not {list(modes)}")
+            raise ValueError(f"modes must lie in 0..{count - 1}, got {list(modes)}")
         values = {name: getattr(self, name) for name in self.__dataclass_fields__}
         values |= {
             "frequencies": self.frequencies[chosen],
@@ -112,7 +122,7 @@ class ReducedBody:
             "pilots": self.pilots[:, :, chosen],
             "parameters": dict(self.parameters) | {"modes": chosen.tolist()},
         }
-        return ReducedBody(**values)
+        return type(self)(**values)
 
     def weights(self, where: str | Integers) -> Floats:
         """Weights (n,) of a load: area shares of a named surface, equal ones of a list of nodes.
@@ -126,13 +136,11 @@ class ReducedBody:
         """
         n = len(self.mesh.nodes)
         if isinstance(where, str):
-            if where not in self.surface_weights:
-                raise KeyError(f"no surface {where!r}; there are {sorted(self.surface_weights)}")
-            weights = self.surface_weights[where]
+            weights = self._weights_of(where)
             return weights / weights.sum()
         nodes = np.unique(np.asarray(where, dtype=np.int64))
         if len(nodes) == 0 or nodes[0] < 0 or nodes[-1] >= n:
-            raise ValueError(f"nodes must be a non-empty list of numbers in 0..{n - 1}")
+            raise ValueError(f"nodes must be at least one, all in 0..{n - 1}, got {nodes[:1]}..{nodes[-1:]}")
         weights = np.zeros(n)
         weights[nodes] = 1.0 / len(nodes)
         return weights
@@ -145,13 +153,18 @@ class ReducedBody:
         """Weighted-mean displacement rows (3, m) of nodal weights (n,), which need not sum to 1.
 
         Their transpose turns a force spread by the same weights into a modal load.
+
+        Raises
+        ------
+        ValueError
+            If the weights are not (n,) or have no positive sum.
         """
         weights = np.asarray(weights, dtype=float)
         total = weights.sum()
         if weights.shape != (len(self.mesh.nodes),) or not total > 0.0:
             raise ValueError(
                 f"weights must be ({len(self.mesh.nodes)},) with a positive sum, "
-                f"not {weights.shape} with sum {total}"
+                f"got {weights.shape} with sum {total}"
             )
         chosen = np.flatnonzero(weights)
         return np.tensordot(weights[chosen] / total, self.modes[chosen], axes=1)
@@ -169,7 +182,13 @@ class ReducedBody:
         return rows @ self.modes[chosen].reshape(3 * len(chosen), -1)
 
     def polygon_weights(self, surface: str, polygon: Floats) -> Floats:
-        """Area weights (n,) in m2 of a surface's nodes whose x, y lie inside a polygon (k, 2)."""
+        """Area weights (n,) in m2 of a surface's nodes whose x, y lie inside a polygon (k, 2).
+
+        Raises
+        ------
+        KeyError
+            If there is no such surface.
+        """
         x, y = self.mesh.nodes[:, 0], self.mesh.nodes[:, 1]
         inside = np.zeros(len(x), dtype=bool)
         corners = np.asarray(polygon, dtype=float)
@@ -178,9 +197,13 @@ class ReducedBody:
             with np.errstate(divide="ignore", invalid="ignore"):
                 at = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
             inside ^= crosses & (x < at)
+        return np.where(inside, self._weights_of(surface), 0.0)
+
+    def _weights_of(self, surface: str) -> Floats:
+        """Area weights (n,) in m2 of a named surface."""
         if surface not in self.surface_weights:
-            raise KeyError(f"no surface {surface!r}; there are {sorted(self.surface_weights)}")
-        return np.where(inside, self.surface_weights[surface], 0.0)
+            raise KeyError(f"surface must be one of {sorted(self.surface_weights)}, got {surface!r}")
+        return self.surface_weights[surface]
 
     def displacement(self, q: Floats) -> Floats:
         """Elastic displacements (t, n, 3) in m of modal coordinates (t, m) or (m,)."""
@@ -199,6 +222,12 @@ class ReducedBody:
     def spider_nodes(self) -> Integers:
         """Numbers of the nodes inside spiders, ascending."""
         return np.unique(np.concatenate([i.nodes for i in self.interfaces]))
+
+    @property
+    def nodes_away_from_spiders(self) -> Integers:
+        """Numbers of the nodes neither inside nor beside spiders, ascending."""
+        near = np.concatenate([self.spider_nodes, self.nodes_beside_spiders])
+        return np.setdiff1d(np.arange(len(self.nodes)), near)
 
     @property
     def nodes_beside_spiders(self) -> Integers:

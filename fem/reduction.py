@@ -5,8 +5,6 @@ R. R. Craig and M. C. C. Bampton, Coupling of substructures for dynamic analyses
 eigenvectors of the reduced pencil, their mass matrix is the identity, their stiffness diagonal.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
@@ -14,17 +12,17 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse import csr_array
 
-from .body import ElasticBody
-from .eigen import lowest_modes
-from .interfaces import (
+from fem.body import ElasticBody
+from fem.eigen import lowest_modes
+from fem.interfaces import (
     Interface,
     check_interfaces,
     rigid_motion_of_centers,
     spider_transformation,
 )
-from .mesh import Floats
-from .reduced import ReducedBody
-from .solver import Backend, factorized
+from fem.mesh import Floats
+from fem.reduced import ReducedBody
+from fem.solver import Backend, factorized
 
 RIGID_RESIDUAL = 1e-6
 """Greatest strain energy of a rigid-body mode over that of the first elastic mode."""
@@ -36,8 +34,10 @@ class Partition:
     Parameters
     ----------
     body : ElasticBody
-    interfaces : their nodes must not overlap.
-    backend : of `solver.factorized`.
+    interfaces : sequence of Interface
+        Their nodes must not overlap.
+    backend : str, optional
+        Of `solver.factorized`.
 
     Raises
     ------
@@ -105,12 +105,20 @@ class Partition:
 
         Parameters
         ----------
-        forces : (3n, k) nodal forces in N.
-        center_loads : (6 i, k) force and moment on each joint centre in N and N m.
+        forces : array (3n, k), optional
+            Nodal forces in N.
+        center_loads : array (6 i, k), optional
+            Force and moment on each joint centre in N and N m.
 
         Returns
         -------
-        (3n, k) in m.
+        array (3n, k)
+            In m.
+
+        Raises
+        ------
+        ValueError
+            If there are no loads of either kind.
         """
         rigid = self.body.rigid_modes
         moved = self.body.mass_matrix @ rigid
@@ -118,7 +126,7 @@ class Partition:
         at_centers = rigid_motion_of_centers(self.interfaces, self.body.center_of_mass)
         given = center_loads if forces is None else forces
         if given is None:
-            raise ValueError("forces or center_loads are needed")
+            raise ValueError("forces or center_loads must be given, got neither")
         columns = given.shape[1]
         loads = np.zeros((len(rigid), columns)) if forces is None else forces
         pulls = np.zeros((len(at_centers), columns)) if center_loads is None else center_loads
@@ -145,12 +153,17 @@ def craig_bampton(
     Parameters
     ----------
     body : ElasticBody
-    interfaces : attachment points; each gives six constraint modes.
-    n_fixed_modes : number of fixed-interface modes.
-    residual_loads : nodal forces (n, 3) in N by name; the static answer to each joins the basis, so
+    interfaces : sequence of Interface
+        Attachment points; each gives six constraint modes.
+    n_fixed_modes : int
+        Number of fixed-interface modes.
+    residual_loads : mapping of str to array, optional
+        Nodal forces (n, 3) in N by name; the static answer to each joins the basis, so
         that truncation does not lose its stress.
-    backend : of `solver.factorized`.
-    partition : the body with the same interfaces, if it has been factorized already.
+    backend : str, optional
+        Of `solver.factorized`.
+    partition : Partition, optional
+        The body with the same interfaces, if it has been factorized already.
 
     Returns
     -------
@@ -169,14 +182,17 @@ def craig_bampton(
     available = partition.of_rest.shape[1]
     if not 0 <= n_fixed_modes <= available:
         raise ValueError(
-            f"n_fixed_modes = {n_fixed_modes} must lie in 0..{available}, what the mesh leaves free"
+            f"n_fixed_modes must lie in 0..{available}, what the mesh leaves free, got {n_fixed_modes}"
         )
     loads = {
         name: np.asarray(force, dtype=float).reshape(-1) for name, force in (residual_loads or {}).items()
     }
     for name, load in loads.items():
         if load.shape != (3 * len(body.mesh.nodes),) or not np.isfinite(load).all():
-            raise ValueError(f"residual load {name!r} must be finite and ({len(body.mesh.nodes)}, 3)")
+            raise ValueError(
+                f"residual load {name!r} must be finite and ({len(body.mesh.nodes)}, 3), "
+                f"got {load.size} numbers, {np.isfinite(load).sum()} of them finite"
+            )
     columns = [partition.constraint_modes, partition.fixed_interface_modes(n_fixed_modes)]
     if loads:
         forces = np.column_stack(list(loads.values()))
@@ -210,8 +226,8 @@ def _elastic_combinations(
     weakest = np.linalg.eigvalsh(mass)[0]
     if weakest < 1e-13:
         raise ValueError(
-            f"the basis of {len(mass)} modes is linearly dependent (least eigenvalue of its scaled "
-            f"mass {weakest:.1e}); leave out repeated residual loads"
+            f"residual_loads must differ from each other and from the other modes, got a basis of "
+            f"{len(mass)} modes that is linearly dependent: least eigenvalue of its scaled mass {weakest:.1e}"
         )
     rigid = np.zeros((len(mass), 6))
     rigid[: 6 * len(interfaces)] = rigid_motion_of_centers(interfaces, body.center_of_mass)

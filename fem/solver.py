@@ -1,16 +1,14 @@
 """Sparse direct solution of symmetric positive definite systems: PARDISO or SuperLU."""
 
-from __future__ import annotations
-
 import weakref
 from collections.abc import Callable
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from scipy.sparse import csc_matrix, csr_array, csr_matrix, triu
 from scipy.sparse.linalg import splu
 
-from .mesh import Floats
+from fem.mesh import Floats
 
 try:
     import pypardiso
@@ -32,12 +30,14 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[F
 
     Parameters
     ----------
-    matrix : (n, n) sparse
-    backend : "pardiso" or "superlu"; `default_backend` if left out.
+    matrix : sparse array (n, n)
+    backend : str, optional
+        "pardiso" or "superlu"; `default_backend` if left out.
 
     Returns
     -------
-    Function that solves for right-hand sides (n,) or (n, k).
+    callable
+        Solution for right-hand sides (n,) or (n, k).
 
     Raises
     ------
@@ -54,7 +54,7 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[F
         )
         return lambda b: factors.solve(np.ascontiguousarray(b, dtype=np.float64))
     if backend != "pardiso" or pypardiso is None:
-        raise ValueError(f"backend = {backend!r} must be 'pardiso' (if installed) or 'superlu'")
+        raise ValueError(f"backend must be 'superlu' or, where installed, 'pardiso', got {backend!r}")
 
     upper = csr_matrix(triu(matrix, format="csr"))
     upper.sort_indices()
@@ -72,7 +72,7 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[F
     return solve
 
 
-def _release(solver: pypardiso.PyPardisoSolver, upper: csr_matrix, empty: Floats) -> None:
+def _release(solver: Any, upper: csr_matrix, empty: Floats) -> None:
     """Give back the memory of PARDISO's factors, which Python does not see."""
     solver.set_phase(RELEASE)
     solver._call_pardiso(upper, empty)

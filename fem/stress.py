@@ -7,8 +7,6 @@ is extended linearly to its corners; a mid-side node has the mean of its edge's 
 the mesh has the plain mean over its elements. CalculiX has the same rule.
 """
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np
@@ -16,8 +14,8 @@ from scipy.sparse import csr_array
 from skfem import ElementTetP1
 from skfem.quadrature import get_quadrature
 
-from .elasticity import STIFFNESS_ORDER, Material, shape_gradients
-from .mesh import TETRA_EDGES, Floats, Integers, Mesh
+from fem.elasticity import STIFFNESS_ORDER, Material, shape_gradients
+from fem.mesh import TETRA_EDGES, Floats, Integers, Mesh
 
 Criterion = Literal[
     "von mises",
@@ -53,7 +51,8 @@ def element_gradient_operator(mesh: Mesh) -> Floats:
 
     Returns
     -------
-    (e, node, 3, function) array in 1/m.
+    array (e, node, 3, function)
+        In 1/m.
     """
     points, extend = _extension(mesh.order)
     return np.einsum("pq,bieq->epib", extend, shape_gradients(mesh, points), optimize=True)
@@ -97,14 +96,18 @@ def nodal_stress(
 
     Parameters
     ----------
-    operator : (3n, n) matrix of `nodal_gradient_operator`.
+    operator : sparse array (3n, n)
+        Of `nodal_gradient_operator`.
     material : Material
-    displacements : (n, 3, m) in m.
-    nodes : node numbers to recover, all if left out.
+    displacements : array (n, 3, m)
+        In m.
+    nodes : int array, optional
+        Node numbers to recover, all if left out.
 
     Returns
     -------
-    (n or len(nodes), 6, m) in Pa.
+    array (n or len(nodes), 6, m)
+        In Pa.
     """
     n, _, m = displacements.shape
     if nodes is not None:
@@ -167,7 +170,7 @@ def evaluate(criterion: Criterion, stress: Floats) -> Floats:
     if criterion == "signed von mises":
         return np.where(stress[..., :3].sum(axis=-1) < 0.0, -1.0, 1.0) * von_mises(stress)
     if criterion not in CRITERIA:
-        raise ValueError(f"criterion = {criterion!r} must be one of {CRITERIA}")
+        raise ValueError(f"criterion must be one of {CRITERIA}, got {criterion!r}")
     values = principal(stress)
     if criterion == "greatest principal":
         return values[..., 2]

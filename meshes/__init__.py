@@ -1,12 +1,9 @@
 """The crawler shoe: its dimensions, the script that meshes it and the ready meshes."""
 
-from __future__ import annotations
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from pathlib import Path
-
-from fem.mesh import Mesh, read_mesh
-
-from .geometry import (
+from meshes.geometry import (
     COM_HEIGHT,
     FRONT_PIN_X,
     JOINT_CENTERS,
@@ -17,43 +14,35 @@ from .geometry import (
     ShoeDimensions,
 )
 
-SHOE_SIZES = ("coarse", "study", "fine")
+if TYPE_CHECKING:
+    from meshes.load_surfaces import LOAD_SURFACES, with_load_surfaces
+    from meshes.shoe import SHOE_SIZES, STEEL, joint_interfaces, mesh_named, shoe_mesh, shoe_path
 
-
-def shoe_path(size: str = "study") -> Path:
-    """Path of a ready mesh of the shoe: "coarse", "study" or "fine".
-
-    Raises
-    ------
-    ValueError
-        If there is no such size.
-    """
-    if size not in SHOE_SIZES:
-        raise ValueError(f"size = {size!r} must be one of {SHOE_SIZES}")
-    return Path(__file__).parent / f"shoe_{size}.msh.gz"
-
-
-def shoe_mesh(size: str = "study") -> Mesh:
-    """Ready mesh of the shoe in shoe axes, in m."""
-    return read_mesh(shoe_path(size))
-
-
-def mesh_named(name: str) -> Mesh:
-    """Ready mesh of the shoe by its size, or any mesh by its path; as `fem.read_mesh`."""
-    return shoe_mesh(name) if name in SHOE_SIZES else read_mesh(name)
-
+_HOMES = {"LOAD_SURFACES": "load_surfaces", "with_load_surfaces": "load_surfaces"}
+"""Modules of the names that need finite elements and do not stand in `shoe`."""
 
 __all__ = [
     "COM_HEIGHT",
     "FRONT_PIN_X",
     "JOINT_CENTERS",
+    "LOAD_SURFACES",
     "PIN_HEIGHT",
     "PIN_Y",
     "PITCH",
     "REAR_PIN_X",
     "SHOE_SIZES",
+    "STEEL",
     "ShoeDimensions",
+    "joint_interfaces",
     "mesh_named",
     "shoe_mesh",
     "shoe_path",
+    "with_load_surfaces",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import finite elements when a mesh is asked for: whoever wants dimensions only does not wait."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES.get(name, 'shoe')}"), name)

@@ -1,7 +1,5 @@
 """Build the shoe's meshes: `python -m meshes.build_shoe [size ...]`; needs gmsh (extra `mesh`)."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,21 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from fem.mesh import (
-    TETRA_EDGES,
-    Floats,
-    Integers,
-    Mesh,
-    jacobian_determinants,
-    write_mesh,
-)
-
-from .geometry import (
-    COM_HEIGHT,
-    JOINT_CENTERS,
-    ShoeDimensions,
-    build_solid,
-)
+from fem.mesh import TETRA_EDGES, Floats, Integers, Mesh, jacobian_determinants
+from fem.mesh_files import write_mesh
+from meshes.geometry import COM_HEIGHT, JOINT_CENTERS, ShoeDimensions
+from meshes.solid import build_solid
 
 FOLDER = Path(__file__).parent
 GMSH_TETRA10, GMSH_TRIANGLE6 = 11, 9
@@ -82,7 +69,9 @@ def _named_faces(model: Any, shoe: ShoeDimensions) -> dict[str, list[int]]:
             names[f"bore {joint}"].append(face)
     empty = [name for name, faces in names.items() if not faces]
     if empty:
-        raise ValueError(f"no faces found for {empty} with {shoe}")
+        raise ValueError(
+            f"dimensions must leave faces for all named surfaces, got none for {empty} with {shoe}"
+        )
     return names
 
 
@@ -118,13 +107,17 @@ def straighten_distorted(nodes: Floats, elements: Integers) -> tuple[Floats, int
 
     Parameters
     ----------
-    nodes : (n, 3) coordinates in m.
-    elements : (m, 10) node numbers.
+    nodes : array (n, 3)
+        Coordinates in m.
+    elements : int array (m, 10)
+        Node numbers.
 
     Returns
     -------
-    nodes : (n, 3) coordinates with the mid-side nodes moved.
-    count : number of elements that were straightened.
+    nodes : array (n, 3)
+        Coordinates with the mid-side nodes moved.
+    count : int
+        Number of elements that were straightened.
     """
     nodes = nodes.copy()
     straightened = 0
@@ -146,13 +139,19 @@ def mesh_shoe(size: Resolution, shoe: ShoeDimensions | None = None) -> Mesh:
     Parameters
     ----------
     size : Resolution
-    shoe : ShoeDimensions, the default ones if left out
+    shoe : ShoeDimensions, optional
+        The default ones if left out.
 
     Returns
     -------
     fem.Mesh
         In shoe axes, with the surfaces "underside", "top", "roller path" and
         "bore front right", "bore front left", "bore rear right", "bore rear left".
+
+    Raises
+    ------
+    ValueError
+        If the dimensions leave no faces for a surface or make several solids.
     """
     import gmsh  # wanted only here: it needs system libraries that no study shall need
 

@@ -1,8 +1,7 @@
-"""Draw the shoe's surface: `python -m meshes.draw_shoe [file.png]`."""
-
-from __future__ import annotations
+"""Draw the shoe's surface: `python -m meshes.draw_shoe [folder]`."""
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +10,9 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from fem.mesh import Floats, Mesh
+from meshes import LOAD_SURFACES, mesh_named, shoe_mesh
 
-from . import shoe_mesh
-
-COLORS = {"roller path": "#d98c3f", "top": "#e8c48a", "bore": "#b23a48"}
+COLORS = {"top": "#e8c48a", "roller path": "#d98c3f", "bore": "#b23a48"}
 STEEL_COLOR = "#9fb1bd"
 LIGHT = np.array([0.45, -0.35, 0.82])
 
@@ -24,10 +22,13 @@ def draw_surface(ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimu
 
     Parameters
     ----------
-    ax : 3-D axes.
+    ax : Axes3D
+        3-D axes.
     mesh : Mesh
-    colors : (k, 3) red, green, blue of each boundary triangle, 0 to 1.
-    elevation, azimuth : place of the viewer in degrees; faces turned away are left out.
+    colors : array (k, 3)
+        Red, green, blue of each boundary triangle, 0 to 1.
+    elevation, azimuth : float
+        Place of the viewer in degrees; faces turned away are left out.
     """
     corners = mesh.nodes[mesh.boundary[:, :3]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -53,32 +54,55 @@ def draw_surface(ax: Axes3D, mesh: Mesh, colors: Floats, elevation: float, azimu
     return ax
 
 
-def named_colors(mesh: Mesh) -> Floats:
-    """Colours (k, 3) of the boundary triangles by their named surface."""
+def named_colors(mesh: Mesh, colors: Mapping[str, str]) -> Floats:
+    """Colours (k, 3) of the boundary triangles by their named surface.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    colors : mapping of str to str
+        Colour "#rrggbb" by how the names of surfaces begin; a later one covers an earlier one.
+    """
 
     def rgb(code: str) -> list[float]:
         return [int(code[i : i + 2], 16) / 255 for i in (1, 3, 5)]
 
     order = {tuple(f): i for i, f in enumerate(np.sort(mesh.boundary[:, :3], axis=1).tolist())}
-    colors = np.tile(rgb(STEEL_COLOR), (len(order), 1))
-    for key in ("top", "roller path", "bore"):
+    painted = np.tile(rgb(STEEL_COLOR), (len(order), 1))
+    for key, color in colors.items():
         for name in (n for n in mesh.surfaces if n.startswith(key)):
             faces = np.sort(mesh.surface(name)[:, :3], axis=1).tolist()
-            colors[[order[tuple(f)] for f in faces]] = rgb(COLORS[key])
-    return colors
+            painted[[order[tuple(f)] for f in faces]] = rgb(color)
+    return painted
 
 
-def main(path: Path) -> None:
-    """Draw the study mesh from the front above and from the rear above."""
-    mesh = shoe_mesh("study")
+def draw_shoe(path: Path, mesh: Mesh) -> None:
+    """Draw a mesh of the shoe from the front above and from the rear above into a file."""
     figure = Figure(figsize=(11, 8))
     for place, azimuth, title in ((1, 35, "front pins (+x)"), (2, 215, "rear pins (-x)")):
         ax = figure.add_axes((-0.1, 0.98 - 0.5 * place, 1.2, 0.5), projection="3d")
-        draw_surface(ax, mesh, named_colors(mesh), 28, azimuth)
+        draw_surface(ax, mesh, named_colors(mesh, COLORS), 28, azimuth)
         figure.text(0.5, 0.97 - 0.5 * (place - 1), f"seen from the {title}", ha="center")
         ax.set(xticks=[-0.4, 0.0, 0.4], zticks=[-0.2, 0.0, 0.2])
     figure.savefig(path, dpi=110)
 
 
+def draw_load_surfaces(path: Path, mesh: Mesh) -> None:
+    """Draw the surfaces of the top that may carry the machine, one below the other, into a file."""
+    figure = Figure(figsize=(8, 9))
+    for place, name in enumerate(LOAD_SURFACES, start=1):
+        ax = figure.add_axes((-0.1, 0.99 - 0.33 * place, 1.2, 0.34), projection="3d")
+        draw_surface(ax, mesh, named_colors(mesh, {name: COLORS["roller path"]}), 40, 35)
+        figure.text(0.05, 0.97 - 0.33 * (place - 1), name)
+        ax.set(xticks=[-0.4, 0.0, 0.4], zticks=[-0.2, 0.0, 0.2])
+    figure.savefig(path, dpi=80)
+
+
+def main(folder: Path) -> None:
+    """Draw the study mesh as `shoe.png` and `load_surfaces.png`."""
+    draw_shoe(folder / "shoe.png", shoe_mesh("study"))
+    draw_load_surfaces(folder / "load_surfaces.png", mesh_named("study"))
+
+
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).with_name("shoe.png")))
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent))

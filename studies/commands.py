@@ -130,17 +130,15 @@ def stress(
         return
     case = Case.stress(mesh)
     if modes is not None:
-        assert case.flexible is not None
-        case = case.with_(flexible=case.flexible.with_modes(modes))
+        case = case.with_(flexible=case.flexible_shoes().with_modes(modes))
     if cycle is not None:
         case = case.with_(loads=LoadCycle.from_toml(cycle))
     print_table(case.loads.table(), "Loads on the shoes at the ends of the phases, kN")
     run, table = study(out, case, duration=duration, overwrite=overwrite, say=typer.echo)
-    if run.stresses is not None:
-        for shoe, hot_spots in run.stresses.hot_spots.items():
-            print_table(hot_spots, f"Shoe {shoe}: highest von Mises stresses (Pa; places in m at t = 0)")
-        summary = highest_in_propel_and_loading(run.history, run.stresses)
-        print_table(summary, "Highest von Mises stress, MPa")
+    for shoe, hot_spots in run.recovered().hot_spots.items():
+        print_table(hot_spots, f"Shoe {shoe}: highest von Mises stresses (Pa; places in m at t = 0)")
+    summary = highest_in_propel_and_loading(run.history, run.recovered())
+    print_table(summary, "Highest von Mises stress, MPa")
     print_table(table, "Stress: paper against computed")
     print_table(within_by_class(table), "Rows within their class")
     typer.echo(f"the run and comparison.csv are in {out}")

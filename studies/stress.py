@@ -68,14 +68,12 @@ def study(
         As of `run_case`.
     """
     case = Case.stress() if case is None else case
-    if case.flexible is None:
-        raise ValueError("the stress study needs flexible shoes: set the case's `flexible`")
+    flexible = case.flexible_shoes()
     case_file = CaseFile(case=case, duration=duration)
-    shoe_model(case.flexible, case.track)  # refuses a mesh that does not fit while nothing is written yet
+    shoe_model(flexible, case.track)  # refuses a mesh that does not fit while nothing is written yet
     with kept_run(out, overwrite=overwrite, tell=say) as keeper:
         run = run_case(case_file, out and out / RUN, overwrite=overwrite, progress=progress, say=keeper.say)
-        assert run.stresses is not None  # its shoes are flexible
-        table = compare_stresses(run.history, run.stresses)
+        table = compare_stresses(run.history, run.recovered())
         if out is not None:
             write_table(table, out / "comparison.csv", overwrite)
     return run, table
@@ -95,11 +93,10 @@ def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | N
         Columns case, quantity, statistic, unit, paper, then one a choice; rows that the run reaches.
     """
     case = Case.stress(mesh)
-    assert case.flexible is not None
-    contact = case.contact
+    flexible, contact = case.flexible_shoes(), case.pair_contact()
     choices = {
         "default": case,
-        "ADAMS' modal damping": case.with_(flexible=case.flexible.with_(damping=ADAMS_DAMPING)),
+        "ADAMS' modal damping": case.with_(flexible=flexible.with_(damping=ADAMS_DAMPING)),
         "one contact law a pair": case.with_(contact=contact.with_(sharing="pair")),
         "contact damping x 10": case.with_(contact=contact.with_(damping=10.0 * contact.damping)),
     }

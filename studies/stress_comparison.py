@@ -39,8 +39,7 @@ def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
     ValueError
         For words that name no such quantity.
     """
-    assert history.case.flexible is not None
-    shoes = list(history.case.flexible.shoes)
+    shoes = list(history.case.flexible_shoes().shoes)
     if quantity == "total terrain deformation from equilibrium":
         return terrain_deformation(history)
     if quantity == "revolute joint torque x and z":

@@ -14,9 +14,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import ContactLaw, Shoe, Terrain
+from exudyn_crawler.case import PairContact, Shoe, Terrain
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
-from exudyn_crawler.ground.pair_contact import TrackContact
+from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.system import add_contact
 from studies.comparison import comparison_table
@@ -77,7 +77,7 @@ BLOCK_MASS, BLOCK_INERTIA = _box(BLOCK)
 PLATE_MASS, PLATE_INERTIA = _box(PLATE)
 
 
-def block_penetration(law: ContactLaw) -> float:
+def block_penetration(law: PairContact) -> float:
     """Penetration (m) that gives the printed force at the given sinking rate.
 
     It is deeper than the damping depth, so that the whole damping acts.
@@ -85,7 +85,7 @@ def block_penetration(law: ContactLaw) -> float:
     return float(((NORMAL_FORCE - law.damping * SINKING) / law.stiffness) ** (1.0 / law.exponent))
 
 
-def hand_solution(law: ContactLaw) -> TwoBodySolution:
+def hand_solution(law: PairContact) -> TwoBodySolution:
     """Newton's and Euler's equations of the two bodies.
 
     The slip of 0.5 m/s is beyond the friction speed, so the friction is mu_d of the normal force. The
@@ -142,10 +142,10 @@ def plate_terrain() -> Terrain:
     )
 
 
-def engine_solution(law: ContactLaw) -> TwoBodySolution:
+def engine_solution(law: PairContact) -> TwoBodySolution:
     """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
     start, plate = np.array([BLOCK_START]), plate_terrain()
-    contact = TrackContact(start, block_shoe(), plate, law, ConstrainedCoordinates(1, plate.tilt_axis))
+    contact = PairGroundContact(start, block_shoe(), plate, law, ConstrainedCoordinates(1, plate.tilt_axis))
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     displacement = np.array([SPEED * TIME, 0.0, -block_penetration(law), *[0.0] * 9])
@@ -244,7 +244,7 @@ def _initial_state(mbs: "exu.MainSystem") -> tuple[NDArray, NDArray]:
 
 def study() -> tuple[pd.DataFrame, pd.DataFrame]:
     """Both solutions side by side, and the engine's beside the printed values."""
-    law = ContactLaw.oil_sand()
+    law = PairContact.oil_sand()
     engine = engine_solution(law)
     return compare_verification(hand_solution(law), engine), compare_with_paper(engine)
 

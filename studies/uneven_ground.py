@@ -7,7 +7,7 @@ heights, with the second contact model.
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from exudyn_crawler import Case, CaseFile, CaseRun, Terrain, run_case
+from exudyn_crawler import Case, CaseFile, CaseRun, SphereContact, Terrain, run_case
 from exudyn_crawler.run.folder import quiet
 from studies.defaults import DURATION
 
@@ -57,9 +57,8 @@ def uneven_case(ground: str) -> Case:
     """
     if ground not in GROUNDS:
         raise ValueError(f"ground must be of {list(GROUNDS)}, got {ground!r}")
-    case = Case.translation(contact="general")
-    spheres = case.general_contact.with_(faces="drawn_back")
-    return case.with_(name=ground, terrain=GROUNDS[ground](), general_contact=spheres)
+    spheres = SphereContact.oil_sand().with_(faces="drawn_back")
+    return Case.translation().with_(name=ground, terrain=GROUNDS[ground](), contact=spheres)
 
 
 def start() -> CaseFile:

@@ -6,11 +6,32 @@ import xarray as xr
 from hypothesis import settings
 
 from exudyn_crawler import Case, History, simulate
+from exudyn_crawler.model.engine import exu
 from tests.stress_results import short_run, stress_results
 
 # the same examples in every run
 settings.register_profile("reproducible", derandomize=True)
 settings.load_profile("reproducible")
+
+RUNS = {"translation", "turning", "constrained", "longer", "flexible_run"}
+"""Fixtures that simulate."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what simulates by its fixtures."""
+    for item in items:
+        if RUNS & set(getattr(item, "fixturenames", ())):
+            item.add_marker("simulation")
+
+
+@pytest.fixture(autouse=True)
+def _only_marked_tests_simulate(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep `make check` fast: a test that simulates in this process says so by its mark."""
+    if request.node.get_closest_marker("simulation") or request.node.get_closest_marker("slow"):
+        return
+    refused = "this test simulates: mark it with pytest.mark.simulation"
+    for name in ("SolveDynamic", "SolveStatic"):
+        monkeypatch.setattr(exu.MainSystem, name, lambda *_, **__: pytest.fail(refused))
 
 
 @pytest.fixture(scope="session")

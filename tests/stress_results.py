@@ -12,11 +12,10 @@ def short_run(
 ) -> History:
     """Track of the stress study with some flexible shoes, set going within half the run."""
     case = Case.stress(mesh)
-    assert case.flexible is not None
     case = case.with_(
         drive=Drive(speed=StepProfile(times=(0.0, 0.5 * duration), values=(0.0, top_speed))),
         loads=LoadCycle.propel(),
-        flexible=case.flexible.with_(shoes=shoes),
+        flexible=case.flexible_shoes().with_(shoes=shoes),
     )
     return simulate(case, duration)
 

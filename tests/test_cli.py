@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, History, cli
-from exudyn_crawler.case.files import CaseFile, read_case
+from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.cli.registered import COMMANDS as GROUP
 from exudyn_crawler.cli.registered import registered
 
@@ -189,7 +189,7 @@ def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
 
     code, out, err = call("info", "results/soft/case.toml")
     assert (code, err) == (0, "")
-    for words in ("terrain.spring_stiffness", "1e+07", "N/m", "stiffness of each spring", "simulated time"):
+    for words in ("terrain.spring_stiffness", "10e6", "N/m", "stiffness of each spring", "simulated time"):
         assert words in out
 
 

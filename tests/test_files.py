@@ -1,11 +1,15 @@
 """Files appear whole or not at all, and nothing is overwritten unasked."""
 
+import errno
 import os
 import tempfile
+from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 
-from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
 
 
 def fail_halfway(path, overwrite=False):
@@ -99,3 +103,25 @@ def test_a_folder_without_rights_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "TemporaryFile", refused)
     with pytest.raises(PermissionError, match=f"output folder {tmp_path} cannot be written to: .*denied"):
         writable_folder(tmp_path)
+
+
+def test_netcdf_is_compressed_and_comes_back(tmp_path):
+    dataset = xr.Dataset(
+        {"stress": ("time", np.zeros(100_000), {"units": "Pa"}), "held": ("node", [True, False])},
+        coords={"time": np.arange(100_000.0)},
+    )
+    path = write_netcdf(dataset, tmp_path / "stress.nc")
+    assert path.stat().st_size < dataset.time.nbytes + 0.1 * dataset.stress.nbytes
+    xr.testing.assert_identical(xr.load_dataset(path, engine="h5netcdf"), dataset)
+    with pytest.raises(FileExistsError, match=r"stress\.nc exists"):
+        write_netcdf(dataset, path)
+
+
+def test_netcdf_that_finds_no_room_is_named_and_leaves_nothing(tmp_path, monkeypatch):
+    def full(_path, _content):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OSError, match=r"stress\.nc could not be written: No space left"):
+        write_netcdf(xr.Dataset({"stress": ("time", np.zeros(3))}), tmp_path / "stress.nc")
+    assert list(tmp_path.iterdir()) == []

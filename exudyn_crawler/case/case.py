@@ -4,22 +4,18 @@ from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
+from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, quantity
-from exudyn_crawler.case.contact import ContactLaw
+from exudyn_crawler.case.contact import Contact, PairContact, SphereContact
 from exudyn_crawler.case.drive import Drive
 from exudyn_crawler.case.flexible import FlexibleShoes
 from exudyn_crawler.case.loads import LoadCycle
-from exudyn_crawler.case.profile import StepProfile
 from exudyn_crawler.case.shoe import Shoe
 from exudyn_crawler.case.solver import Solver
-from exudyn_crawler.case.spheres import GeneralContact
 from exudyn_crawler.case.terrain import Terrain
 from exudyn_crawler.case.track import Track
-
-ContactModel = Literal["pair", "general"]
-"""How shoes and terrain touch: by the pair law, or by spheres in Exudyn's `GeneralContact`."""
 
 
 class Case(Parameters):
@@ -36,32 +32,16 @@ class Case(Parameters):
     shoe: Shoe
     track: Track
     terrain: Terrain
-    contact: ContactLaw
+    contact: Contact = Field(description="how shoes and terrain touch: model pair or spheres")
     drive: Drive
     loads: LoadCycle
-    contact_model: ContactModel = Field(
-        default="pair",
-        description="pair: one contact a pair of shoe and unit, by `contact`; general: spheres, by "
-        "`general_contact`, for uneven ground",
-    )
-    general_contact: GeneralContact = GeneralContact.oil_sand()
     flexible: FlexibleShoes | None = None
     solver: Solver = Solver()
     terrain_formulation: Literal["reduced", "constrained"] = Field(
         default="reduced",
         description="independent coordinates of the terrain, or all of them with its joints",
     )
-    gravity: float = quantity("m/s2", "acceleration of gravity, along -z", ge=0, default=9.81)
-
-    @field_validator("contact", mode="before")
-    @classmethod
-    def _check_contact(cls, value: object) -> object:
-        if isinstance(value, str):
-            raise ValueError(
-                "contact must be the parameters of the pair law (ContactLaw); the model is chosen with "
-                f"contact_model, 'pair' or 'general', got {value!r}"
-            )
-        return value
+    gravity: float = quantity("m/s2", "acceleration of gravity, along -z", ge=0, default=ph4100c.GRAVITY)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -72,52 +52,82 @@ class Case(Parameters):
                 f"loads must name every shoe of the track ({self.track.shoe_count}), "
                 f"got loads for {self.loads.shoe_count}"
             )
-        for start, _ in self.loads.drive_on or ():
-            if abs(float(self.drive.speed.value(start))) > 1e-9:
-                raise ValueError(
-                    f"drive.speed must be zero where loads.drive_on switches the drive on, at {start:g} s, "
-                    f"got {float(self.drive.speed.value(start)):g} m/s: the front shoe is at rest there"
-                )
         if self.track.pitch + 1e-9 < self.shoe.length:
             raise ValueError(
                 f"shoe.length must not exceed the track's pitch {self.track.pitch}, "
                 f"got {self.shoe.length}: neighbours would share ground"
             )
         if self.flexible is not None:
-            if self.flexible.shoes[0] < 1 or self.flexible.shoes[-1] > self.track.shoe_count:
-                raise ValueError(
-                    f"flexible.shoes must be in 1..{self.track.shoe_count}, got {self.flexible.shoes}"
-                )
-            if self.terrain_formulation != "reduced":
-                raise ValueError("flexible shoes need terrain_formulation 'reduced'")
-        if self.contact_model == "general":
-            self._check_spheres()
+            self._check_flexible(self.flexible)
+        if isinstance(self.contact, SphereContact):
+            self._check_spheres(self.contact.radius)
         elif self.terrain.heights is not None:
             raise ValueError(
-                "terrain.heights must be None with contact_model 'pair', whose law presumes one height; "
-                "contact_model 'general' takes uneven ground"
+                "terrain.heights must be None with contact.model 'pair', whose law presumes one height; "
+                "contact.model 'spheres' takes uneven ground"
             )
         self.check_support(0.0)
         return self
 
-    def _check_spheres(self) -> None:
+    def _check_flexible(self, flexible: FlexibleShoes) -> None:
+        if flexible.shoes[0] < 1 or flexible.shoes[-1] > self.track.shoe_count:
+            raise ValueError(f"flexible.shoes must be in 1..{self.track.shoe_count}, got {flexible.shoes}")
+        if self.terrain_formulation != "reduced":
+            raise ValueError("flexible shoes need terrain_formulation 'reduced'")
+        if isinstance(self.contact, SphereContact):
+            raise ValueError("flexible must be None with contact.model 'spheres', whose shoes are rigid")
+
+    def _check_spheres(self, radius: float) -> None:
         """Refuse spheres that cannot carry the shoes."""
-        if self.flexible is not None:
-            raise ValueError("flexible must be None with contact_model 'general', whose shoes are rigid")
-        radius, depth = self.general_contact.radius, self._greatest_depth
         if not self.mean_load > 0.0:
             raise ValueError(f"loads must press the shoes down on the whole, got {self.mean_load:g} N a shoe")
+        depth = self._greatest_depth
         if radius <= depth:
             raise ValueError(
-                f"general_contact.radius must exceed the settled penetration of the most loaded shoe, "
+                f"contact.radius must exceed the settled penetration of the most loaded shoe, "
                 f"{depth:.4g} m, got {radius}: its spheres would sink through the ground"
             )
         side = min(self.terrain.unit_length, self.terrain.unit_width)
         if 4.0 * radius > side:
             raise ValueError(
-                f"general_contact.radius must not exceed a quarter of a unit's side, {0.25 * side:g} m, "
-                f"got {radius}"
+                f"contact.radius must not exceed a quarter of a unit's side, {0.25 * side:g} m, got {radius}"
             )
+
+    def flexible_shoes(self) -> FlexibleShoes:
+        """Flexible shoes of a case that has some.
+
+        Raises
+        ------
+        ValueError
+            If it has none.
+        """
+        if self.flexible is None:
+            raise ValueError(f"flexible must be given, got a case of rigid shoes only, {self.name!r}")
+        return self.flexible
+
+    def pair_contact(self) -> PairContact:
+        """Pair law of a case whose contact is one.
+
+        Raises
+        ------
+        ValueError
+            If its contact is another.
+        """
+        if not isinstance(self.contact, PairContact):
+            raise ValueError(f"contact.model must be 'pair', got {self.contact.model!r}")
+        return self.contact
+
+    def sphere_contact(self) -> SphereContact:
+        """Spheres of a case whose contact they are.
+
+        Raises
+        ------
+        ValueError
+            If its contact is another.
+        """
+        if not isinstance(self.contact, SphereContact):
+            raise ValueError(f"contact.model must be 'spheres', got {self.contact.model!r}")
+        return self.contact
 
     @property
     def mean_load(self) -> float:
@@ -126,14 +136,13 @@ class Case(Parameters):
 
     @property
     def settled_penetration(self) -> float:
-        """Penetration of an evenly carried shoe under the mean load by the pair law, m."""
-        return (self.mean_load / self.contact.stiffness) ** (1.0 / self.contact.exponent)
+        """Penetration of an evenly carried shoe under the mean load, m."""
+        return float(self.contact.settled_depth(self.mean_load))
 
     @property
     def sphere_stiffness(self) -> float:
         """Stiffness of one sphere, N/m: all of a shoe carry the mean load at the settled penetration."""
-        spheres = self.general_contact.spheres_x * self.general_contact.spheres_y
-        return self.mean_load / self.settled_penetration / spheres
+        return self.mean_load / self.settled_penetration / self.sphere_contact().count
 
     @property
     def _greatest_depth(self) -> float:
@@ -143,23 +152,22 @@ class Case(Parameters):
         return self.settled_penetration * load / self.mean_load
 
     @classmethod
-    def translation(cls, contact: ContactModel = "pair") -> Self:
-        """Straight propel of the K-chapter, the K-paper and the F-paper, with a model of contact."""
+    def translation(cls) -> Self:
+        """Straight propel of the K-chapter, the K-paper and the F-paper."""
         return cls(
             name="translation",
             shoe=Shoe.ph4100c(),
             track=Track.ph4100c(),
             terrain=Terrain.kinematics(),
-            contact=ContactLaw.oil_sand(),
+            contact=PairContact.oil_sand(),
             drive=Drive.translation(),
             loads=LoadCycle.propel(),
-            contact_model=contact,
         )
 
     @classmethod
-    def turning(cls, contact: ContactModel = "pair") -> Self:
-        """Propel with a turn of the K-chapter, the K-paper and the F-paper, with a model of contact."""
-        return cls.translation(contact).with_(name="turning", drive=Drive.turning())
+    def turning(cls) -> Self:
+        """Propel with a turn of the K-chapter, the K-paper and the F-paper."""
+        return cls.translation().with_(name="turning", drive=Drive.turning())
 
     @classmethod
     def stress(cls, mesh: str = "study") -> Self:
@@ -179,7 +187,7 @@ class Case(Parameters):
             shoe=Shoe.ph4100c(),
             track=Track.ph4100c(),
             terrain=Terrain.stress(),
-            contact=ContactLaw.oil_sand(sharing="area"),
+            contact=PairContact.oil_sand(sharing="area"),
             drive=Drive.to_rest(),
             loads=LoadCycle.shovel_cycle(),
             flexible=FlexibleShoes.ph4100c(mesh),
@@ -197,19 +205,10 @@ class Case(Parameters):
         y = coms[0, 1] + footprint[2:4]
         corners = np.array([[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]])
         middle = corners.mean(axis=0)
-        rate = self.drive.turn_rate
-        angle = 0.0 if rate is None else self._driven(rate, time)
+        angle = self.drive.turn(time)
         c, s = np.cos(angle), np.sin(angle)
-        travel = np.array([self._driven(self.drive.speed, time), 0.0])
+        travel = np.array([self.drive.travel(time), 0.0])
         return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + travel
-
-    def _driven(self, rate: StepProfile, time: float) -> float:
-        """Integral of a rate over the times up to `time` at which the drive is on."""
-        windows = self.loads.drive_on
-        if windows is None:
-            return float(rate.integral(time))
-        parts = [(start, min(end, time)) for start, end in windows if start < time]
-        return sum(float(rate.integral(end) - rate.integral(start)) for start, end in parts)
 
     def check_support(self, duration: float) -> None:
         """Refuse a drive that takes the track off the terrain within `duration` (s).
@@ -230,10 +229,10 @@ class Case(Parameters):
                         f"track reaches {name} = {low:.3f}..{high:.3f} m, "
                         f"the terrain {least:g}..{greatest:g} m"
                     )
-            if self.terrain.heights is not None:
-                self._check_steps(time, corners)
+            if self.terrain.heights is not None and isinstance(self.contact, SphereContact):
+                self._check_steps(time, corners, self.contact.radius)
 
-    def _check_steps(self, time: float, corners: NDArray) -> None:
+    def _check_steps(self, time: float, corners: NDArray, radius: float) -> None:
         """Refuse a step between neighbouring units under the track that its spheres cannot stand on.
 
         A sphere settled on a unit has its centre at its radius less its depth above that unit. A neighbour
@@ -246,7 +245,7 @@ class Case(Parameters):
         last = np.array([terrain.columns, terrain.rows]) - 1
         (i0, j0), (i1, j1) = np.clip(cells.min(axis=0), 0, last), np.clip(cells.max(axis=0), 0, last)
         heights = terrain.top_heights.reshape(terrain.columns, terrain.rows)[i0 : i1 + 1, j0 : j1 + 1]
-        allowed = self.general_contact.radius - self.settled_penetration
+        allowed = radius - self.settled_penetration
         for axis, stride in enumerate((terrain.rows, 1)):
             steps = np.abs(np.diff(heights, axis=axis))
             if steps.size and steps.max() >= allowed:
@@ -255,6 +254,6 @@ class Case(Parameters):
                 raise ValueError(
                     f"terrain.heights leave the track unsupported: at t = {time:.3g} s units {unit} and "
                     f"{unit + stride} below it differ by {steps.max():.4g} m, allowed is less than "
-                    f"{allowed:.4g} m: general_contact.radius = {self.general_contact.radius} m less the "
+                    f"{allowed:.4g} m: contact.radius = {radius} m less the "
                     f"settled penetration of {self.settled_penetration:.4g} m"
                 )

@@ -1,17 +1,24 @@
-"""Contact of a shoe with a terrain unit."""
+"""Contact of a shoe with a terrain unit: by the pair law, or by spheres under the shoes."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
+from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, quantity
 
 
-class ContactLaw(Parameters):
-    """ADAMS IMPACT normal law with Coulomb friction; formulas in `exudyn_crawler.ground.laws`."""
+class PairContact(Parameters):
+    """One contact a pair of shoe and unit: ADAMS IMPACT law with Coulomb friction.
 
+    Formulas in `exudyn_crawler.ground.laws`.
+    """
+
+    model: Literal["pair"] = Field(
+        default="pair", description="pair: one contact a pair of shoe and unit; spheres: for uneven ground"
+    )
     stiffness: float = quantity("N/m^exponent", "contact stiffness k", gt=0)
     exponent: float = quantity("1", "exponent e of the penetration", ge=1)
     damping: float = quantity("N s/m", "greatest damping coefficient c_max", ge=0)
@@ -49,17 +56,21 @@ class ContactLaw(Parameters):
     def oil_sand(cls, sharing: Literal["pair", "area"] = "pair") -> Self:
         """Steel shoe on oil sand (all papers, contact table); sharing and edge width are chosen here."""
         return cls(
-            stiffness=1.0e8,
-            exponent=2.0,
-            damping=1.0e4,
-            damping_depth=1.0e-4,
-            static_friction=0.4,
-            dynamic_friction=0.3,
-            stiction_speed=0.01,
-            friction_speed=0.1,
+            stiffness=ph4100c.CONTACT_STIFFNESS,
+            exponent=ph4100c.CONTACT_EXPONENT,
+            damping=ph4100c.CONTACT_DAMPING,
+            damping_depth=ph4100c.DAMPING_DEPTH,
+            static_friction=ph4100c.STATIC_FRICTION,
+            dynamic_friction=ph4100c.DYNAMIC_FRICTION,
+            stiction_speed=ph4100c.STICTION_SPEED,
+            friction_speed=ph4100c.FRICTION_SPEED,
             sharing=sharing,
-            edge_width=0.01,
+            edge_width=ph4100c.EDGE_WIDTH,
         )
+
+    def settled_depth(self, load: ArrayLike) -> NDArray:
+        """Penetration (m) of an evenly carried shoe under each load (N); none where a load lifts."""
+        return _impact_depth(load, self.stiffness, self.exponent)
 
     def as_array(self, underside_area: float) -> NDArray:
         """Values in the order that `exudyn_crawler.ground.pairs` takes them: array (10,).
@@ -83,3 +94,72 @@ class ContactLaw(Parameters):
                 underside_area if self.sharing == "area" else 0.0,
             ]
         )
+
+
+class SphereContact(Parameters):
+    """Spheres under each shoe in Exudyn's `GeneralContact`, at the middle of equal parts of the underside.
+
+    They touch the underside from within. Their stiffness is no parameter: `Case.sphere_stiffness` makes a
+    shoe under its mean load settle as deep, with the same force, as by the IMPACT law of the reference
+    values. The force is linear in the depth, so that about this state the stiffness against bouncing is that
+    law's over its exponent; friction has one coefficient, without the hump of static friction.
+    """
+
+    model: Literal["spheres"] = Field(
+        default="spheres", description="spheres: for uneven ground; pair: one contact a pair of shoe and unit"
+    )
+    spheres_x: int = quantity("1", "spheres along a shoe; two are needed to balance it", ge=2)
+    spheres_y: int = quantity("1", "spheres across a shoe; two are needed to balance it", ge=2)
+    radius: float = quantity("m", "radius of the spheres", gt=0)
+    reference_stiffness: float = quantity(
+        "N/m^exponent",
+        "k of the IMPACT law by which a shoe settles as deep under the mean load",
+        gt=0,
+    )
+    reference_exponent: float = quantity("1", "exponent e of that law", ge=1)
+    damping: float = quantity("N s/m", "damping along the normal of all spheres of a shoe together", ge=0)
+    friction: float = quantity("1", "coefficient of friction", ge=0)
+    friction_speed: float = quantity("m/s", "slip speed at which friction is full", gt=0)
+    faces: Literal["whole", "drawn_back"] = quantity(
+        "",
+        "whole: as large as the units, each of which pushes a sphere over their seam by its own law, as in "
+        "the pair law; drawn_back: short of the seams, so that both push it about as hard as one would",
+        default="whole",
+    )
+
+    @classmethod
+    def oil_sand(cls) -> Self:
+        """Shoe on oil sand.
+
+        Damping and the slip speed of full friction are the papers' c_max and V_st. The papers' friction
+        falls from mu_s = 0.4 at 0.01 m/s to mu_d = 0.3 at 0.1 m/s; a track at full propel slips at 0.1 m/s,
+        hence mu_d. Number and radius of the spheres are chosen here.
+        """
+        spheres_x, spheres_y = ph4100c.SPHERES
+        return cls(
+            spheres_x=spheres_x,
+            spheres_y=spheres_y,
+            radius=ph4100c.SPHERE_RADIUS,
+            reference_stiffness=ph4100c.CONTACT_STIFFNESS,
+            reference_exponent=ph4100c.CONTACT_EXPONENT,
+            damping=ph4100c.CONTACT_DAMPING,
+            friction=ph4100c.DYNAMIC_FRICTION,
+            friction_speed=ph4100c.STICTION_SPEED,
+        )
+
+    @property
+    def count(self) -> int:
+        """Spheres under one shoe."""
+        return self.spheres_x * self.spheres_y
+
+    def settled_depth(self, load: ArrayLike) -> NDArray:
+        """Penetration (m) of an evenly carried shoe by the reference law under each load (N)."""
+        return _impact_depth(load, self.reference_stiffness, self.reference_exponent)
+
+
+Contact = Annotated[PairContact | SphereContact, Field(discriminator="model")]
+"""How shoes and terrain touch."""
+
+
+def _impact_depth(load: ArrayLike, stiffness: float, exponent: float) -> NDArray:
+    return (np.maximum(load, 0.0) / stiffness) ** (1.0 / exponent)

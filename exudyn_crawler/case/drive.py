@@ -1,23 +1,29 @@
 """Prescribed motion of the front shoe."""
 
-import math
 from typing import Self
 
+import numpy as np
 from pydantic import model_validator
 
+from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, quantity
 from exudyn_crawler.case.profile import StepProfile
 
+SAME_TIME = 1e-9
+"""Relative difference below which two times are the same."""
+
 
 class Drive(Parameters):
-    """Velocity of the front shoe's COM along x and, in a turn, its rate about its own z axis.
-
-    `LoadCycle.drive_on` tells when it acts.
-    """
+    """Velocity of the front shoe's COM along x, in a turn its rate about its own z axis, and when it acts."""
 
     speed: StepProfile = quantity("m/s", "velocity along global x")
     turn_rate: StepProfile | None = quantity(
         "rad/s", "angular velocity about the shoe's z axis; None leaves it free", default=None
+    )
+    on: tuple[tuple[float, float], ...] | None = quantity(
+        "s",
+        "times from and to which the drive moves the front shoe, free otherwise; None: always",
+        default=None,
     )
 
     @model_validator(mode="after")
@@ -31,22 +37,70 @@ class Drive(Parameters):
                 f"turn_rate must start from zero at t = 0, got {self.turn_rate.values[0]} at "
                 f"{self.turn_rate.times[0]} s"
             )
+        times = [time for window in self.on or () for time in window]
+        if times and (times[0] < 0.0 or np.any(np.diff(times) <= 0.0)):
+            raise ValueError(f"on must be times from 0 s that increase, got {self.on}")
+        for start, _ in self.on or ():
+            if abs(float(self.speed.value(start))) > 1e-9:
+                raise ValueError(
+                    f"speed must be zero where the drive goes on, at {start:g} s, "
+                    f"got {float(self.speed.value(start)):g} m/s: the front shoe is at rest there"
+                )
         return self
 
     @classmethod
     def translation(cls) -> Self:
         """Straight propel (K-chapter eq. 27 to 29): 0.012 t2 - 0.0016 t3 up to 0.1 m/s at 5 s."""
-        return cls(speed=StepProfile(times=(0.0, 5.0), values=(0.0, 0.1)))
+        return cls(speed=_risen(ph4100c.PROPEL_SPEED))
 
     @classmethod
     def turning(cls) -> Self:
         """Propel and turn (K-chapter): the rate rises as 0.12 t2 - 0.016 t3 deg/s to 1 deg/s at 5 s."""
-        return cls(
-            speed=StepProfile(times=(0.0, 5.0), values=(0.0, 0.1)),
-            turn_rate=StepProfile(times=(0.0, 5.0), values=(0.0, math.radians(1.0))),
-        )
+        return cls(speed=_risen(ph4100c.PROPEL_SPEED), turn_rate=_risen(ph4100c.TURN_RATE))
 
     @classmethod
     def to_rest(cls) -> Self:
-        """Propel of the S-paper: as in translation up to 10 s, then to rest at 15 s."""
-        return cls(speed=StepProfile(times=(0.0, 5.0, 10.0, 15.0), values=(0.0, 0.1, 0.1, 0.0)))
+        """Propel of the S-paper: as in translation up to 10 s, then to rest at 15 s, and off."""
+        speed, rest = ph4100c.PROPEL_SPEED, ph4100c.REST_START
+        return cls(
+            speed=StepProfile(
+                times=(0.0, ph4100c.PROPEL_RISE, ph4100c.BRAKE_START, rest), values=(0.0, speed, speed, 0.0)
+            ),
+            on=((0.0, rest),),
+        )
+
+    @property
+    def switch_times(self) -> tuple[float, ...]:
+        """Times after 0 at which the drive goes on or off, s."""
+        return tuple(time for window in self.on or () for time in window if time > 0.0)
+
+    def off_since(self, time: float) -> float:
+        """How long the drive has been off just after a time, s; zero while it is on."""
+        if self.drives_after(time):
+            return 0.0
+        return time - max((end for _, end in self.on or () if end <= time * (1.0 + SAME_TIME)), default=0.0)
+
+    def drives_after(self, time: float) -> bool:
+        """Whether the drive is on just after a time (s)."""
+        if self.on is None:
+            return True
+        return any(start <= time * (1.0 + SAME_TIME) < end for start, end in self.on)
+
+    def travel(self, time: float) -> float:
+        """Way that the drive has moved the front shoe by a time (s), m."""
+        return self._driven(self.speed, time)
+
+    def turn(self, time: float) -> float:
+        """Angle that the drive has turned the front shoe by a time (s), rad."""
+        return 0.0 if self.turn_rate is None else self._driven(self.turn_rate, time)
+
+    def _driven(self, rate: StepProfile, time: float) -> float:
+        """Integral of a rate over the times up to `time` at which the drive is on."""
+        if self.on is None:
+            return float(rate.integral(time))
+        parts = [(start, min(end, time)) for start, end in self.on if start < time]
+        return sum(float(rate.integral(end) - rate.integral(start)) for start, end in parts)
+
+
+def _risen(value: float) -> StepProfile:
+    return StepProfile(times=(0.0, ph4100c.PROPEL_RISE), values=(0.0, value))

@@ -5,10 +5,11 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, quantity
 from exudyn_crawler.case.profile import StepProfile
 
-PAPER_DAMPING = StepProfile(times=(1000.0, 10000.0), values=(0.005, 1.0))
+PAPER_DAMPING = StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph4100c.DAMPING_RATIOS)
 """Modal damping ratio over frequency of the S-paper: 0.005 up to 1000 Hz, a STEP to 1 at 10 kHz."""
 ADAMS_DAMPING = StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.1, 0.1, 1.0))
 """ADAMS' own default: 1 % below 100 Hz, 10 % up to 1000 Hz, critical above; its jumps are 2 % wide here."""
@@ -102,12 +103,12 @@ class FlexibleShoes(Parameters):
     def ph4100c(cls, mesh: str = "study") -> Self:
         """Middle and front shoes of the S-paper: steel, with its modal damping."""
         return cls(
-            shoes=(6, 7, 8, 11, 12, 13),
+            shoes=ph4100c.FLEXIBLE_SHOES,
             mesh=mesh,
-            youngs_modulus=200e9,
-            poissons_ratio=0.3,
-            density=7847.25,
-            fixed_modes=10,
-            recovered_modes=76,
+            youngs_modulus=ph4100c.YOUNGS_MODULUS,
+            poissons_ratio=ph4100c.POISSONS_RATIO,
+            density=ph4100c.STEEL_DENSITY,
+            fixed_modes=ph4100c.INTEGRATED_MODES,
+            recovered_modes=ph4100c.RECOVERED_MODES,
             damping=PAPER_DAMPING,
         )

@@ -11,17 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 from scipy.optimize import brentq
 
+from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, quantity
 from exudyn_crawler.case.profile import StepProfile
-
-SHOVEL_SHOES = 13
-MIDDLE_SHOE = 7
-PROPEL_LOAD = 386.4e3
-"""N on every shoe during propel (F-paper): the weight of the machine less the shoes, evenly spread."""
-DIPPER_LOAD = 445e3
-"""N of dipper load per track (S-paper)."""
-DIG_LOAD, SWING_LOAD, DUMP_LOAD = 384e3, 732e3, 541e3
-"""N on shoe 7 at the ends of dig, swing and dump (S-paper)."""
 
 
 class Phase(Parameters):
@@ -35,17 +27,12 @@ class Phase(Parameters):
 
 
 class LoadCycle(Parameters):
-    """Downward loads on the shoes, in phases whose ends are joined by cubic STEPs, and the drive's times.
+    """Downward loads on the shoes, in phases whose ends are joined by cubic STEPs.
 
     Before the end of the first phase the loads are constant at its values, after the last one at the last.
     """
 
     phases: Annotated[tuple[Phase, ...], Field(min_length=1)]
-    drive_on: tuple[tuple[float, float], ...] | None = quantity(
-        "s",
-        "times from and to which the drive moves the front shoe, free otherwise; None: always",
-        default=None,
-    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -57,28 +44,7 @@ class LoadCycle(Parameters):
             raise ValueError(f"the phases' names must differ, got {[p.name for p in self.phases]}")
         if len(set(counts.values())) != 1:
             raise ValueError(f"every phase needs a load for every shoe, got counts {counts}")
-        if self.drive_on is not None:
-            times = [time for window in self.drive_on for time in window]
-            if times and (times[0] < 0.0 or np.any(np.diff(times) <= 0.0)):
-                raise ValueError(f"drive_on must be times from 0 s that increase, got {self.drive_on}")
         return self
-
-    @property
-    def switch_times(self) -> tuple[float, ...]:
-        """Times after 0 at which the drive goes on or off, s."""
-        return tuple(time for window in self.drive_on or () for time in window if time > 0.0)
-
-    def off_since(self, time: float) -> float:
-        """How long the drive has been off just after a time, s; zero while it is on."""
-        if self.drives_after(time):
-            return 0.0
-        return time - max((end for _, end in self.drive_on or () if end <= time * (1.0 + 1e-9)), default=0.0)
-
-    def drives_after(self, time: float) -> bool:
-        """Whether the drive is on just after a time (s)."""
-        if self.drive_on is None:
-            return True
-        return any(start <= time * (1.0 + 1e-9) < end for start, end in self.drive_on)
 
     @classmethod
     def constant(cls, loads: Sequence[float]) -> Self:
@@ -86,9 +52,9 @@ class LoadCycle(Parameters):
         return cls(phases=(Phase(name="constant", end=0.0, loads=tuple(loads)),))
 
     @classmethod
-    def propel(cls, shoe_count: int = 13) -> Self:
+    def propel(cls, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
         """Machine weight spread evenly (F-paper): 386.4 kN on each shoe."""
-        return cls.constant([386.4e3] * shoe_count)
+        return cls.constant([ph4100c.PROPEL_LOAD] * shoe_count)
 
     @classmethod
     def shovel_cycle(cls) -> Self:
@@ -104,40 +70,39 @@ class LoadCycle(Parameters):
         - dump: the machine's share of the swing alone;
         - return: even again.
         """
-        from_middle = np.abs(np.arange(1, SHOVEL_SHOES + 1) - MIDDLE_SHOE)
-        machine = SHOVEL_SHOES * PROPEL_LOAD
+        count, middle = ph4100c.SHOE_COUNT, ph4100c.MIDDLE_SHOE
+        from_middle = np.abs(np.arange(1, count + 1) - middle)
+        machine = count * ph4100c.PROPEL_LOAD
 
-        dipper = np.clip(np.arange(1, SHOVEL_SHOES + 1) - (MIDDLE_SHOE - 1), 0, None)
-        dipper = DIPPER_LOAD * dipper / dipper.sum()
-        least = DIG_LOAD - dipper[MIDDLE_SHOE - 1]
-        bowl = (machine - SHOVEL_SHOES * least) / np.sum(from_middle**2)
+        dipper = np.clip(np.arange(1, count + 1) - (middle - 1), 0, None)
+        dipper = ph4100c.DIPPER_LOAD * dipper / dipper.sum()
+        least = ph4100c.DIG_LOAD - dipper[middle - 1]
+        bowl = (machine - count * least) / np.sum(from_middle**2)
         dig = least + bowl * from_middle**2 + dipper
 
-        slope = (SHOVEL_SHOES * DUMP_LOAD - machine) / from_middle.sum()
-        dump = DUMP_LOAD - slope * from_middle
-        swing = dump + _falling(SWING_LOAD - DUMP_LOAD, DIPPER_LOAD, from_middle)
+        slope = (count * ph4100c.DUMP_LOAD - machine) / from_middle.sum()
+        dump = ph4100c.DUMP_LOAD - slope * from_middle
+        swing = dump + _falling(ph4100c.SWING_LOAD - ph4100c.DUMP_LOAD, ph4100c.DIPPER_LOAD, from_middle)
 
-        even = np.full(SHOVEL_SHOES, PROPEL_LOAD)
+        even = np.full(count, ph4100c.PROPEL_LOAD)
         ends = {
-            "propel": (15.0, even),
-            "dig": (22.5, dig),
-            "hoist and swing": (30.0, swing),
-            "dump": (33.5, dump),
-            "return": (40.0, even),
+            "propel": (ph4100c.PROPEL_END, even),
+            "dig": (ph4100c.DIG_END, dig),
+            "hoist and swing": (ph4100c.SWING_END, swing),
+            "dump": (ph4100c.DUMP_END, dump),
+            "return": (ph4100c.RETURN_END, even),
         }
         return cls(
             phases=tuple(
                 Phase(name=name, end=end, loads=tuple(loads.tolist())) for name, (end, loads) in ends.items()
-            ),
-            drive_on=((0.0, 15.0),),
+            )
         )
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
         """Read a cycle from a TOML file.
 
-        It holds a list of tables ``[[phases]]`` with name, end and loads and, if the drive is not always on,
-        ``drive_on`` as a list of pairs of times.
+        It holds a list of tables ``[[phases]]`` with name, end and loads.
 
         Raises
         ------
@@ -153,6 +118,11 @@ class LoadCycle(Parameters):
             content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
         except (ValueError, RecursionError) as error:
             raise ValueError(f"{path} is not TOML: {error}") from error
+        if "drive_on" in content:
+            raise ValueError(
+                f"{path}: drive_on must not be in a load cycle, since the drive says when it is on: "
+                f"Drive.on, or on = {content['drive_on']} in [drive] of a case file"
+            )
         return cls.model_validate(content)
 
     def table(self) -> pd.DataFrame:

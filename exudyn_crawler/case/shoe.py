@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
+from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, quantity
 
 
@@ -43,19 +44,17 @@ class Shoe(Parameters):
     def ph4100c(cls) -> Self:
         """Shoe of the P&H 4100C BOSS in the rigid studies.
 
-        Mass and COM height are the papers' (K-chapter, tables of shoe properties and COMs). The papers
-        print no inertia and no outline of the underside (CAD): both are those of the shoe in `meshes/`,
-        the inertia scaled from the mesh's mass to this one, products of inertia (0.1 %) left out so that
-        the shoe is even about its middle plane.
+        Mass and COM height are the papers'. They print no inertia and no outline of the underside (CAD): both
+        are those of the shoe in `meshes/`.
         """
         return cls(
-            mass=4681.67,  # 0.5966 m3 at 7847.25 kg/m3
-            inertia=(3995.7, 176.0, 4026.4, 0.0, 0.0, 0.0),
-            com_height=0.2025,  # z of the COMs, with the undersides at z = 0
-            length=0.63,
-            width=3.505,
+            mass=ph4100c.SHOE_MASS,
+            inertia=ph4100c.SHOE_INERTIA,
+            com_height=ph4100c.SHOE_COM_HEIGHT,
+            length=ph4100c.SHOE_LENGTH,
+            width=ph4100c.SHOE_WIDTH,
             underside_center=(0.0, 0.0),
-            load_point=(0.0, 0.0, 0.2014),  # height of the mesh's top face at its centroid
+            load_point=(0.0, 0.0, ph4100c.SHOE_LOAD_HEIGHT),
         )
 
     @property

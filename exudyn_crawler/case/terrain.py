@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
+from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, quantity
 
 
@@ -55,18 +56,18 @@ class Terrain(Parameters):
         stand at the Gauss points of the unit's length, +-L / (2 sqrt 3), where they resist heave and
         pitch exactly as an evenly spread support of the same stiffness does.
         """
-        length = 7.0
+        length, width, height = ph4100c.COARSE_UNIT
         return cls(
-            columns=10,
-            rows=5,
+            columns=ph4100c.COARSE_COLUMNS,
+            rows=ph4100c.COARSE_ROWS,
             unit_length=length,
-            unit_width=7.0,
-            unit_height=2.0,
-            density=1600.0,
-            springs_per_unit=2,
-            spring_stiffness=20e6,
-            spring_damping=120e3,
-            spring_offset=length / (2.0 * math.sqrt(3.0)),
+            unit_width=width,
+            unit_height=height,
+            density=ph4100c.SOIL_DENSITY,
+            springs_per_unit=ph4100c.COARSE_SPRINGS,
+            spring_stiffness=ph4100c.SPRING_STIFFNESS,
+            spring_damping=ph4100c.SPRING_DAMPING,
+            spring_offset=ph4100c.COARSE_SPRING_OFFSET,
             column_tilt=False,
             tilt="pitch",
         )
@@ -77,21 +78,20 @@ class Terrain(Parameters):
 
         Open in the paper and chosen here: the spring stands at the unit's centre and, being a column of
         oil sand as wide as the unit (E = 20 MPa), resists tilting with E I / L; without it a row of
-        units could fold without resistance. The terrain's place is open too; here it has the same margin
-        on both sides of the track and, halfway through the drive, before and behind it (4.7 m and 4.7 m,
-        "4 to 5 m" in the paper).
+        units could fold without resistance. The terrain's place is open too.
         """
+        length, width, height = ph4100c.FINE_UNIT
         return cls(
-            origin=(5.044, 2.7901),
-            columns=19,
-            rows=13,
-            unit_length=1.0,
-            unit_width=1.0,
-            unit_height=1.0,
-            density=1600.0,
-            springs_per_unit=1,
-            spring_stiffness=20e6,
-            spring_damping=120e3,
+            origin=ph4100c.FINE_ORIGIN,
+            columns=ph4100c.FINE_COLUMNS,
+            rows=ph4100c.FINE_ROWS,
+            unit_length=length,
+            unit_width=width,
+            unit_height=height,
+            density=ph4100c.SOIL_DENSITY,
+            springs_per_unit=ph4100c.FINE_SPRINGS,
+            spring_stiffness=ph4100c.SPRING_STIFFNESS,
+            spring_damping=ph4100c.SPRING_DAMPING,
             spring_offset=0.0,
             column_tilt=True,
             tilt="pitch",

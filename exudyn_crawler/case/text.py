@@ -1,100 +1,50 @@
 """Case files as text: every value with its unit and meaning; and the same as a table."""
 
-import inspect
 from collections.abc import Iterator
 
 import pandas as pd
 import tomlkit
 from pydantic import BaseModel
-from pydantic.fields import FieldInfo
-from tomlkit.items import AoT, Array, Float, InlineTable, Item, Table, Trivia
+from tomlkit.items import Array, Float, InlineTable, Item, Trivia
 
-from exudyn_crawler.case import Case, StepProfile
-from exudyn_crawler.case.files import BASE, NONE, CaseFile, model_of, named_values
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.case_file import CaseFile
+from exudyn_crawler.case.fields import BASE, NONE, Entry, first_line, is_table, models_of, named_values, walk
+from exudyn_crawler.case.profile import StepProfile
 
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
 
 
 def case_text(case_file: CaseFile) -> str:
     """Case file as TOML with a comment for every value."""
-    document = tomlkit.document()
-    for line in (HEAD, *_bases(Case)):
-        document.add(tomlkit.comment(line))
-    document.add(tomlkit.nl())
-    fields = list(_fields(case_file.case)) + [one for one in _fields(case_file) if one[0] != "case"]
-    values = [one for one in fields if not _is_table(one[2])]
-    for name, field, value in values:
-        document.add(name, _commented(_plain(value), field))
-    for name, field, value in fields:
-        if isinstance(value, BaseModel) and _is_table(value):
-            document.add(name, _table(value, field))
-    return tomlkit.dumps(document)
+    lines = [f"# {line}" for line in (HEAD, *_bases((Case,)))] + [""]
+    for entry in walk(case_file):
+        if isinstance(entry.value, BaseModel) and is_table(entry.value):
+            lines += _head(entry, entry.value)
+        else:
+            words = ", ".join(part for part in (entry.unit, entry.meaning) if part)
+            name = entry.place[-1]
+            lines.append(f"{name} = {_plain(entry.value).as_string()}" + (f" # {words}" if words else ""))
+    return "\n".join(lines) + "\n"
 
 
-def _fields(model: BaseModel) -> Iterator[tuple[str, FieldInfo, object]]:
-    for name, field in type(model).model_fields.items():
-        yield name, field, getattr(model, name)
+def _head(entry: Entry, table: BaseModel) -> Iterator[str]:
+    """Lines that begin a table: its name, what it is, and the named values that its `base` may take."""
+    name = ".".join(part for part in entry.place if isinstance(part, str))
+    yield ""
+    if isinstance(entry.place[-1], int):
+        yield f"[[{name}]]"
+        return
+    yield f"[{name}]"
+    yield f"# {entry.field.description or first_line(type(table))}"
+    for line in _bases(models_of(entry.field.annotation)):
+        yield f"# {line}"
 
 
-def _is_table(value: object) -> bool:
-    """Whether a value has a table of its own; a quantity over time stands on one line."""
-    return isinstance(value, BaseModel) and not isinstance(value, StepProfile)
-
-
-def _are_tables(value: object) -> bool:
-    return isinstance(value, tuple) and bool(value) and all(map(_is_table, value))
-
-
-def _heading(model: BaseModel, field: FieldInfo | None) -> Iterator[str]:
-    """What a table is, and the named values that its `base` may take."""
-    yield (field and field.description) or _first_line(type(model))
-    yield from _bases(type(model))
-
-
-def _bases(kind: type[BaseModel]) -> Iterator[str]:
-    if names := named_values(kind):
+def _bases(kinds: tuple[type[BaseModel], ...]) -> Iterator[str]:
+    names = dict.fromkeys(name for kind in kinds for name in named_values(kind))
+    if names:
         yield f"{BASE} = " + " or ".join(f'"{name}"' for name in names) + " gives all that is left out"
-
-
-def _table(model: BaseModel, field: FieldInfo | None = None, heading: bool = True) -> Table:
-    table = tomlkit.table(is_super_table=False)
-    for line in _heading(model, field) if heading else ():
-        table.add(tomlkit.comment(line))
-    for name, own, value in _fields(model):
-        if not _is_table(value) and not _are_tables(value):
-            table.add(name, _commented(_plain(value), own))
-    for name, own, value in _fields(model):
-        if _are_tables(value):
-            array = AoT([])
-            for one in value:  # type: ignore[attr-defined]
-                array.append(_table(one, heading=False))
-            table.add(name, array)
-        elif isinstance(value, BaseModel) and _is_table(value):
-            table.add(name, _table(value, own))
-    return table
-
-
-def _commented(item: Item, field: FieldInfo) -> Item:
-    """Item with its unit and meaning behind it."""
-    words = ", ".join(part for part in (unit_of(field), meaning_of(field)) if part)
-    return item.comment(words) if words else item
-
-
-def unit_of(field: FieldInfo) -> str:
-    """Unit of a field; empty for what has none."""
-    extra = field.json_schema_extra
-    unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
-    return "" if unit == "1" else unit
-
-
-def meaning_of(field: FieldInfo) -> str:
-    """Description of a field, or that of the parameter class which it holds."""
-    kind = model_of(field.annotation)
-    return field.description or (_first_line(kind) if kind else "")
-
-
-def _first_line(kind: type[BaseModel]) -> str:
-    return (inspect.getdoc(kind) or "").split("\n\n")[0].replace("\n", " ")
 
 
 def _plain(value: object) -> Item:
@@ -105,10 +55,10 @@ def _plain(value: object) -> Item:
         return tomlkit.item(value)
     if isinstance(value, float):
         return Float(value, Trivia(), number_text(value))
-    if isinstance(value, BaseModel):
+    if isinstance(value, StepProfile):
         inline: InlineTable = tomlkit.inline_table()
-        for name, _, one in _fields(value):
-            inline.append(name, _plain(one))
+        for name in StepProfile.model_fields:
+            inline.append(name, _plain(getattr(value, name)))
         return inline
     if isinstance(value, tuple):
         array: Array = tomlkit.array()
@@ -128,36 +78,26 @@ def number_text(value: float) -> str:
     return repr(value)
 
 
-def case_table(case_file: CaseFile) -> pd.DataFrame:
-    """Every value of a case file: columns key, value, unit, meaning."""
+def case_table(case: BaseModel) -> pd.DataFrame:
+    """Every value of a case or a case file: columns key, value, unit, meaning."""
     rows = [
-        (path, _shown(value), unit_of(field), meaning_of(field))
-        for path, field, value in (*_rows(case_file.case, ""), *_rows(case_file, ""))
+        (entry.path, value_text(entry.value), entry.unit, entry.meaning)
+        for entry in walk(case)
+        if not is_table(entry.value)
     ]
     return pd.DataFrame(rows, columns=["key", "value", "unit", "meaning"])
 
 
-def _rows(model: BaseModel, start: str) -> Iterator[tuple[str, FieldInfo, object]]:
-    for name, field, value in _fields(model):
-        if isinstance(value, Case):
-            continue
-        if isinstance(value, BaseModel) and _is_table(value):
-            yield from _rows(value, f"{start}{name}.")
-        elif _are_tables(value):
-            for number, one in enumerate(value):  # type: ignore[arg-type, var-annotated]
-                yield from _rows(one, f"{start}{name}[{number}].")
-        else:
-            yield f"{start}{name}", field, value
-
-
-def _shown(value: object) -> str:
-    """Value of a table of values; equal numbers once."""
+def value_text(value: object) -> str:
+    """Value for reading; equal numbers once."""
     if isinstance(value, StepProfile):
-        return ", ".join(f"{v:g} at {t:g}" for t, v in zip(value.times, value.values, strict=True))
+        return ", ".join(f"{v:.8g} at {t:g}" for t, v in zip(value.times, value.values, strict=True))
     if isinstance(value, tuple):
         if len(value) > 3 and len(set(value)) == 1:
-            return f"{len(value)} x {_shown(value[0])}"
-        return ", ".join(_shown(one) for one in value)
+            return f"{len(value)} x {value_text(value[0])}"
+        return ", ".join(value_text(one) for one in value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
     if isinstance(value, float):
-        return f"{value:.6g}"
+        return number_text(value) if abs(value) >= 1e6 else f"{value:.8g}"
     return NONE if value is None else str(value)

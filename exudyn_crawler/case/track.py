@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
+from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, quantity
 
 SIDES = ("right", "left")
-"""Pins of a link: at y = 8.68 m (right) and y = 10.03 m (left)."""
+"""Pins of a link: the spherical joint (right) and the parallel-axes joint (left)."""
 
 
 class Track(Parameters):
@@ -37,13 +38,13 @@ class Track(Parameters):
     def ph4100c(cls) -> Self:
         """Track of the P&H 4100C BOSS (K-chapter and K-paper, tables of COMs and joints)."""
         return cls(
-            shoe_count=13,  # shoes 1..13 = Parts 2..14
-            first_com=(10.1291, 9.2901),  # COM of shoe 1
-            pitch=0.655742,  # spacing of the COMs: (17.9980 - 10.1291) / 12
-            pin_ahead=0.3088,  # link 1 at x = 10.4379, shoe 1 at 10.1291
-            pin_height=0.0475,  # pins at z = 0.25, COMs at 0.2025
-            spherical_y=8.68,
-            parallel_y=10.03,
+            shoe_count=ph4100c.SHOE_COUNT,
+            first_com=ph4100c.FIRST_COM,
+            pitch=ph4100c.TRACK_PITCH,
+            pin_ahead=ph4100c.PIN_AHEAD,
+            pin_height=ph4100c.PIN_ABOVE_COM,
+            spherical_y=ph4100c.SPHERICAL_Y,
+            parallel_y=ph4100c.PARALLEL_Y,
         )
 
     @property

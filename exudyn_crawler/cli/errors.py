@@ -69,7 +69,7 @@ def _told(error: BaseException) -> tuple[list[str], int]:
     if isinstance(error, EquilibriumError):
         return [str(error)], STOPPED
     if isinstance(error, ValidationError):
-        from exudyn_crawler.case.files import faults, validated_model
+        from exudyn_crawler.case.faults import faults, validated_model
 
         return list(faults(error, validated_model(error))), BAD_INPUT
     if isinstance(error, BAD_INPUT_ERRORS):

@@ -26,7 +26,7 @@ from exudyn_crawler.cli.errors import BAD_INPUT, readable
 from exudyn_crawler.cli.options import Debug
 
 if TYPE_CHECKING:
-    from exudyn_crawler.case.files import CaseFile
+    from exudyn_crawler.case import CaseFile
 
 COMMANDS = "exudyn_crawler.commands"
 CASES = "exudyn_crawler.cases"

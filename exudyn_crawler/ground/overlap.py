@@ -4,20 +4,51 @@ The overlap is the prism between the part of the underside that lies within the 
 below its top face, and that face. It is clipped exactly, for any position and tilt of the two.
 """
 
-import numpy as np
-from numba import njit
+from typing import NamedTuple
 
+import numpy as np
+
+from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.rotations import FloatArray
 
 VERTICES = 12
 """Room for the corners of a clipped rectangle: each of five cuts adds one at most."""
 
-NO_OVERLAP = (0.0, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0))
+
+class Overlap(NamedTuple):
+    """Overlap of an underside with a unit, in the unit's axes from its centre.
+
+    Attributes
+    ----------
+    area : float
+        m2, seen along the unit's normal; zero where there is none.
+    xi, eta : float
+        m, centroid of the overlap's volume.
+    depth : float
+        m, depth of the underside below the top face at the centroid.
+    low_xi, high_xi, low_eta, high_eta : float
+        m, bounds.
+    """
+
+    area: float
+    xi: float
+    eta: float
+    depth: float
+    low_xi: float
+    high_xi: float
+    low_eta: float
+    high_eta: float
 
 
-@njit(cache=True)
+NO_OVERLAP = Overlap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@compiled
 def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: float, limit: float) -> int:
-    """Keep the part of a polygon with ``sign * coordinate <= limit``; rows are (xi, eta, depth)."""
+    """Keep the part of a polygon with ``sign * coordinate <= limit``; rows are (xi, eta, depth).
+
+    Gives the number of its corners, zero where fewer than three are left.
+    """
     kept = 0
     previous = count - 1
     distance_previous = limit - sign * source[previous, axis]
@@ -34,62 +65,22 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
             kept += 1
         previous = current
         distance_previous = distance
-    return kept
+    return kept if kept > 2 else 0
 
 
-@njit(cache=True)
-def overlap(
-    corners: FloatArray, half_x: float, half_y: float, work: FloatArray
-) -> tuple[float, float, float, float, tuple[float, float, float, float]]:
-    """Clip the underside to a unit's top face and integrate the depth over what is left.
+@compiled
+def _clipped(points: FloatArray, other: FloatArray, half_x: float, half_y: float) -> int:
+    """Cut a rectangle at a unit's sides and top face; gives how many corners there are in `other` then."""
+    count = _clip(points, 4, other, 0, 1.0, half_x)
+    count = _clip(other, count, points, 0, -1.0, half_x)
+    count = _clip(points, count, other, 1, 1.0, half_y)
+    count = _clip(other, count, points, 1, -1.0, half_y)
+    return _clip(points, count, other, 2, -1.0, 0.0)
 
-    Parameters
-    ----------
-    corners : array (4, 3)
-        Corners of the underside in the unit's frame, in order round the rectangle: xi, eta
-        measured from the unit's centre and depth below its top face (negative above it), m.
-    half_x, half_y : float
-        Half the unit's side lengths, m.
-    work : array (2, VERTICES, 3)
-        Scratch memory.
 
-    Returns
-    -------
-    area : float
-        m2, of the overlap seen along the unit's normal; zero where there is none.
-    xi, eta : float
-        m, centroid of the overlap volume in the unit's frame.
-    depth : float
-        m, depth of the underside at the centroid.
-    bounds : tuple of float
-        m, least and greatest xi, least and greatest eta of the overlap.
-
-    Notes
-    -----
-    With the depth d linear over the polygon its value at the centroid of the volume is
-    ``integral(d**2) / integral(d)``.
-    """
-    points, other = work[0], work[1]
-    inside = True
-    for k in range(4):
-        for c in range(3):
-            points[k, c] = corners[k, c]
-        if abs(corners[k, 0]) > half_x or abs(corners[k, 1]) > half_y or corners[k, 2] <= 0.0:
-            inside = False
-    count = 4
-    if not inside:
-        for axis, sign, limit in (
-            (0, 1.0, half_x),
-            (0, -1.0, half_x),
-            (1, 1.0, half_y),
-            (1, -1.0, half_y),
-            (2, -1.0, 0.0),
-        ):
-            count = _clip(points, count, other, axis, sign, limit)
-            if count < 3:
-                return NO_OVERLAP
-            points, other = other, points
-
+@compiled
+def _integrated(points: FloatArray, count: int) -> Overlap:
+    """Integrals of the depth over a polygon of (xi, eta, depth), a fan of triangles."""
     area = 0.0
     volume = 0.0
     moment_xi = 0.0
@@ -108,18 +99,52 @@ def overlap(
         moment_depth += triangle * (total * total + d0 * d0 + d1 * d1 + d2 * d2) / 12.0
     if area <= 0.0 or volume <= 0.0:
         return NO_OVERLAP
-
-    low_xi = high_xi = points[0, 0]
-    low_eta = high_eta = points[0, 1]
+    low_xi = high_xi = xi0
+    low_eta = high_eta = eta0
     for k in range(1, count):
-        low_xi = min(low_xi, points[k, 0])
-        high_xi = max(high_xi, points[k, 0])
-        low_eta = min(low_eta, points[k, 1])
-        high_eta = max(high_eta, points[k, 1])
-    bounds = (low_xi, high_xi, low_eta, high_eta)
-    return area, moment_xi / volume, moment_eta / volume, moment_depth / volume, bounds
+        low_xi, high_xi = min(low_xi, points[k, 0]), max(high_xi, points[k, 0])
+        low_eta, high_eta = min(low_eta, points[k, 1]), max(high_eta, points[k, 1])
+    return Overlap(
+        area,
+        moment_xi / volume,
+        moment_eta / volume,
+        moment_depth / volume,
+        low_xi,
+        high_xi,
+        low_eta,
+        high_eta,
+    )
+
+
+@compiled
+def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
+    """Clip the underside to a unit's top face and integrate the depth over what is left.
+
+    Parameters
+    ----------
+    work : array (2, VERTICES, 3)
+        The first four rows of ``work[0]`` are the corners of the underside in order round the rectangle,
+        clockwise from outside: xi, eta in the unit's axes from its centre and depth below its top face
+        (negative above it), m. Overwritten.
+    half_x, half_y : float
+        Half the unit's side lengths, m.
+
+    Notes
+    -----
+    With the depth d linear over the polygon its value at the centroid of the volume is
+    ``integral(d**2) / integral(d)``. An underside that looks up overlaps with nothing.
+    """
+    points, other = work[0], work[1]
+    inside = True
+    for k in range(4):
+        if abs(points[k, 0]) > half_x or abs(points[k, 1]) > half_y or points[k, 2] <= 0.0:
+            inside = False
+    if inside:
+        return _integrated(points, 4)
+    count = _clipped(points, other, half_x, half_y)
+    return _integrated(other, count) if count > 0 else NO_OVERLAP
 
 
 def overlap_workspace() -> FloatArray:
     """Scratch memory for `overlap`."""
-    return np.empty((2, VERTICES, 3))
+    return np.zeros((2, VERTICES, 3))

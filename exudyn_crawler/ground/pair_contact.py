@@ -5,20 +5,46 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import ContactLaw, Shoe, Terrain
-from exudyn_crawler.ground.coordinates import ReducedCoordinates, TerrainCoordinates, flexible_triplets
+from exudyn_crawler.case import PairContact, Shoe, Terrain
+from exudyn_crawler.ground.coordinates import TerrainCoordinates
+from exudyn_crawler.ground.frames import plain
+from exudyn_crawler.ground.grid import grid_of, units_below
+from exudyn_crawler.ground.laws import COULOMB, IMPACT, Law
+from exudyn_crawler.ground.laws.coulomb import Coulomb
+from exudyn_crawler.ground.laws.impact import Impact
 from exudyn_crawler.ground.overlap import overlap_workspace
-from exudyn_crawler.ground.pairs import (
+from exudyn_crawler.ground.pair_sums import (
     PAIR_COORDINATES,
-    RESULTS,
-    contact_derivatives,
-    contact_forces,
+    Bodies,
+    Flexible,
+    Sums,
+    Track,
+    pair_derivatives,
+    pair_forces,
 )
+from exudyn_crawler.ground.pairs import RESULTS, Footprint, PairLaw
+from exudyn_crawler.ground.triplets import PairBlocks, Weights, modal_triplets
 from fem.patches import Underside
 
 
-class TrackContact:
-    """Contact forces between shoes and terrain as functions of the generalized coordinates.
+def pair_law(law: PairContact, underside_area: float) -> PairLaw:
+    """Law of a pair; `underside_area` (m2) is that of a shoe."""
+    return PairLaw(
+        Law(
+            normal=IMPACT,
+            friction=COULOMB,
+            impact=Impact(law.stiffness, law.exponent, law.damping, law.damping_depth),
+            coulomb=Coulomb(
+                law.static_friction, law.dynamic_friction, law.stiction_speed, law.friction_speed
+            ),
+        ),
+        edge_width=law.edge_width,
+        whole_area=underside_area if law.sharing == "area" else 0.0,
+    )
+
+
+class PairGroundContact:
+    """Contact by one contact for every pair of a shoe and a unit; a `contact.GroundContact`.
 
     Parameters
     ----------
@@ -28,51 +54,57 @@ class TrackContact:
         What all of them are.
     terrain : Terrain
         Grid of units.
-    law : ContactLaw
+    law : PairContact
         Contact law of every pair.
     coordinates : TerrainCoordinates
-        Formulation of the terrain.
+        Formulation of the terrain; flexible shoes need one with shapes.
     underside : Underside, optional
         Integrated modes of the flexible shoes' underside.
     flexible_shoes : sequence of int
         Indices (from 0) of the flexible shoes.
+
+    Raises
+    ------
+    ValueError
+        If there are flexible shoes and the units have coordinates of their own.
     """
+
+    spheres = None
 
     def __init__(
         self,
         com_positions: NDArray,
         shoe: Shoe,
         terrain: Terrain,
-        law: ContactLaw,
+        law: PairContact,
         coordinates: TerrainCoordinates,
         underside: Underside | None = None,
         flexible_shoes: Sequence[int] = (),
     ) -> None:
+        if flexible_shoes and coordinates.shapes is None:
+            raise ValueError(
+                "coordinates must be the terrain's independent ones where shoes are flexible, "
+                "got the units' own"
+            )
         shoes, units = len(com_positions), terrain.unit_count
         if underside is None:
             underside = Underside(np.zeros(2), np.ones(2), np.zeros((2, 2, 3, 0)))
         modes = underside.mode_count
-        self._flexible_row = np.full(shoes, -1)
-        self._flexible_row[list(flexible_shoes)] = np.arange(len(flexible_shoes))
-        self._flexible = (underside.corner, underside.cell, underside.integral, self._flexible_row)
-        self._modal_shape = (len(flexible_shoes), modes)
-        self._modal_forces = np.zeros(self._modal_shape)
+        row = np.full(shoes, -1)
+        row[list(flexible_shoes)] = np.arange(len(flexible_shoes))
         self.coordinates = coordinates
         self.shoe_reference = np.hstack((com_positions, np.zeros((shoes, 3))))
         self.unit_reference = np.hstack((terrain.centers, np.zeros((units, 1))))
-        self._tilt_axis = terrain.tilt_axis
-        self._grid = np.array(
-            [
-                terrain.columns,
-                terrain.rows,
-                terrain.unit_length,
-                terrain.unit_width,
-                terrain.unit_height,
-                *terrain.origin,
-            ]
+        self._law = law
+        self._row = row
+        self._grid = grid_of(terrain)
+        track = Track(
+            self._grid,
+            Footprint(*shoe.footprint.tolist()),
+            Flexible(underside.corner, underside.cell, underside.integral, row),
+            pair_law(law, shoe.length * shoe.width),
         )
-        self._footprint = shoe.footprint
-        self._law = law.as_array(shoe.length * shoe.width)
+        self._track = plain(track)
         # units that a shoe's outline can meet at once, at any yaw
         diagonal = float(np.hypot(shoe.length, shoe.width))
         reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)
@@ -80,59 +112,51 @@ class TrackContact:
         # every evaluation reuses this memory
         self._displacements = np.zeros((units, 4))
         self._unit_rates = np.zeros((units, 4))
-        self._shoe_forces = np.zeros((shoes, 6))
-        self._unit_forces = np.zeros((units, 6))
-        self._results = np.zeros((contacts, RESULTS))
-        self._pairs = np.zeros((contacts, 2), dtype=np.int64)
-        self._patch_rows = np.zeros((contacts, 3, modes))
-        self._blocks = np.zeros((contacts, PAIR_COORDINATES, PAIR_COORDINATES))
+        self._sums = Sums(
+            np.zeros((shoes, 6)),
+            np.zeros((units, 6)),
+            np.zeros((len(flexible_shoes), modes)),
+            np.zeros((contacts, RESULTS)),
+        )
+        self._blocks = PairBlocks(
+            np.zeros((contacts, 2), dtype=np.int64),
+            np.zeros((contacts, PAIR_COORDINATES, PAIR_COORDINATES)),
+            np.zeros((contacts, 3, modes)),
+        )
         self._work = overlap_workspace()
 
     @property
     def size(self) -> int:
         """Number of generalized coordinates: six a shoe, the terrain's, the flexible shoes' modes."""
-        return self._first_modal + self._modal_forces.size
+        return self._first_modal + self._sums.modal.size
 
     @property
     def _first_modal(self) -> int:
         return self.shoe_reference.size + self.coordinates.size
 
-    def _places(self, q: NDArray, q_t: NDArray) -> tuple[NDArray, ...]:
-        """Places and rates of shoes and units, modal coordinates and their rates."""
+    def _bodies(self, q: NDArray, q_t: NDArray) -> Bodies:
+        """Places of all bodies, as the coordinates have them."""
         split, modal = self.shoe_reference.size, self._first_modal
-        shoes = self.shoe_reference + q[:split].reshape(-1, 6)
-        shoe_rates = q_t[:split].reshape(-1, 6)
         self.coordinates.motion(q[split:modal], self._displacements)
         self.coordinates.motion(q_t[split:modal], self._unit_rates)
-        units = self.unit_reference + self._displacements
-        bent, bending = (x[modal:].reshape(self._modal_shape) for x in (q, q_t))
-        return shoes, shoe_rates, units, self._unit_rates, bent, bending
-
-    def _evaluate(self, q: NDArray, q_t: NDArray) -> tuple[int, NDArray]:
-        places = self._places(q, q_t)
-        count = contact_forces(
-            *places,
-            self._flexible,
-            self._tilt_axis,
-            self._grid,
-            self._footprint,
-            self._law,
-            self._shoe_forces,
-            self._unit_forces,
-            self._modal_forces,
-            self._results,
-            self._work,
+        return Bodies(
+            self.shoe_reference + q[:split].reshape(-1, 6),
+            q_t[:split].reshape(-1, 6),
+            self.unit_reference + self._displacements,
+            self._unit_rates,
+            q[modal:].reshape(self._sums.modal.shape),
+            q_t[modal:].reshape(self._sums.modal.shape),
         )
-        return count, places[2]
 
     def forces(self, q: NDArray, q_t: NDArray) -> NDArray:
         """Generalized contact forces: array (size,)."""
-        _, units = self._evaluate(q, q_t)
+        bodies = self._bodies(q, q_t)
+        pair_forces(plain(bodies), self._track, plain(self._sums), self._work)
         generalized = np.empty(self.size)
         split, modal = self.shoe_reference.size, self._first_modal
-        generalized[:split] = self._shoe_forces.ravel()
-        self.coordinates.project(self._unit_forces, units, generalized[split:modal])
-        generalized[modal:] = self._modal_forces.ravel()
+        generalized[:split] = self._sums.shoes.ravel()
+        self.coordinates.project(self._sums.units, bodies.units, generalized[split:modal])
+        generalized[modal:] = self._sums.modal.ravel()
         return generalized
 
     def derivatives(
@@ -146,47 +170,43 @@ class TrackContact:
         """Triplets (row, column, value) of the weighted sum of both derivatives of the forces.
 
         ``position_factor * d(forces)/dq + velocity_factor * d(forces)/dq_t``, array (entries, 3);
-        `secant` as for `contact.contact_derivatives`.
+        `secant` as for `triplets.Weights`.
         """
-        count = contact_derivatives(
-            *self._places(q, q_t),
-            self._flexible,
-            self._tilt_axis,
-            self._grid,
-            self._footprint,
-            self._law,
-            position_factor,
-            velocity_factor,
-            secant,
-            self._pairs,
-            self._blocks,
-            self._patch_rows,
-            self._work,
-        )
-        pairs, blocks = self._pairs[:count], self._blocks[:count]
-        triplets = self.coordinates.derivative(pairs, blocks, len(self.shoe_reference))
-        if not self._modal_forces.size:
+        bodies = plain(self._bodies(q, q_t))
+        weights = plain(Weights(float(position_factor), float(velocity_factor), bool(secant)))
+        count = pair_derivatives(bodies, self._track, weights, plain(self._blocks), self._work)
+        pairs, values, rows = self._blocks
+        found = PairBlocks(pairs[:count], values[:count], rows[:count])
+        triplets = self.coordinates.derivative(found, len(self.shoe_reference))
+        shapes = self.coordinates.shapes
+        if not self._sums.modal.size or shapes is None:
             return triplets
-        assert isinstance(self.coordinates, ReducedCoordinates)
-        flexible = flexible_triplets(
-            self.coordinates.modes.heave,
-            self.coordinates.modes.tilt,
-            self.coordinates.reached,
-            pairs,
-            blocks,
-            self._patch_rows[:count],
-            self._flexible_row,
-            self._first_modal,
-        )
-        return np.concatenate((triplets, flexible))
+        modal = modal_triplets(plain(shapes), plain(found), self._row, self._first_modal)
+        return np.concatenate((triplets, modal))
 
-    def results(self, q: NDArray, q_t: NDArray) -> NDArray:
-        """Contacts at a state: array (contacts, RESULTS), columns as in `contact.RESULT`."""
-        count, _ = self._evaluate(q, q_t)
-        return self._results[:count].copy()
+    def results(self, q: NDArray, q_t: NDArray, shoe_forces: NDArray | None = None) -> NDArray:
+        """Contacts at a state: array (contacts, RESULTS), columns as in `pairs.RESULT`.
+
+        `shoe_forces` are not needed: the forces in motion are these.
+        """
+        count = pair_forces(plain(self._bodies(q, q_t)), self._track, plain(self._sums), self._work)
+        return self._sums.results[:count].copy()
 
     def unit_motion(self, q: NDArray) -> NDArray:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
         out = np.zeros_like(self.unit_reference)
         self.coordinates.motion(q[self.shoe_reference.size : self._first_modal], out)
         return out
+
+    def settled_depth(self, loads: NDArray) -> NDArray:
+        """Penetration (m) of shoes that each stand on one unit under these loads (N)."""
+        return (np.maximum(loads, 0.0) / self._law.stiffness) ** (1.0 / self._law.exponent)
+
+    def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
+        """Height (m) of the ground below each shoe's COM, of the units' heights: array (shoes,)."""
+        shoes = self.shoe_reference[:, :2] + q[: self.shoe_reference.size].reshape(-1, 6)[:, :2]
+        return heights[units_below(self._grid, shoes)]
+
+    def sunken(self, q: NDArray) -> list[int]:
+        """None: the law pushes a shoe up from any depth."""
+        return []

@@ -1,47 +1,102 @@
-"""Rotations by the successive angles about x, y, z that the shoes' coordinates hold.
+"""From the bodies' coordinates to frames, and from wrenches back to generalized forces.
 
+The coordinates of a body are its position and the successive angles about x, y, z:
 ``R = Rx(a) Ry(b) Rz(c)`` turns body components into global ones (Exudyn's `NodeRigidBodyRxyz`,
-Tait-Bryan angles). The angles are singular at b = 90 degrees, which a shoe on the ground never nears.
+Tait-Bryan angles). They are singular at b = 90 degrees, which a shoe on the ground never nears. This is the
+only place that knows the angles: other coordinates, without that limit, would change this file alone.
 """
 
+import math
+from typing import NamedTuple
+
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, dot, turned
 
 FloatArray = NDArray[np.float64]
 
 
-@njit(cache=True)
-def rotation_matrix(angles: FloatArray, out: FloatArray) -> None:
-    """Write ``Rx(a) Ry(b) Rz(c)`` into `out` (3, 3)."""
-    ca, sa = np.cos(angles[0]), np.sin(angles[0])
-    cb, sb = np.cos(angles[1]), np.sin(angles[1])
-    cc, sc = np.cos(angles[2]), np.sin(angles[2])
-    out[0, 0] = cb * cc
-    out[0, 1] = -cb * sc
-    out[0, 2] = sb
-    out[1, 0] = ca * sc + sa * sb * cc
-    out[1, 1] = ca * cc - sa * sb * sc
-    out[1, 2] = -sa * cb
-    out[2, 0] = sa * sc - ca * sb * cc
-    out[2, 1] = sa * cc + ca * sb * sc
-    out[2, 2] = ca * cb
+class Attitude(NamedTuple):
+    """Rotation matrix of a body and the global axes that its three angles turn about."""
+
+    R: Matrix
+    axes: Matrix
 
 
-@njit(cache=True)
-def rate_matrix(angles: FloatArray, out: FloatArray) -> None:
-    """Write G (3, 3) with ``omega = G @ angle_rates`` in global components into `out`."""
-    ca, sa = np.cos(angles[0]), np.sin(angles[0])
-    cb, sb = np.cos(angles[1]), np.sin(angles[1])
-    out[0, 0] = 1.0
-    out[0, 1] = 0.0
-    out[0, 2] = sb
-    out[1, 0] = 0.0
-    out[1, 1] = ca
-    out[1, 2] = -sa * cb
-    out[2, 0] = 0.0
-    out[2, 1] = sa
-    out[2, 2] = ca * cb
+@compiled
+def attitude(a: float, b: float, c: float) -> Attitude:
+    """Attitude at the angles a, b, c about x, y, z (rad).
+
+    The first angle turns about the global x, the last about the body's own z.
+    """
+    ca, sa = math.cos(a), math.sin(a)
+    cb, sb = math.cos(b), math.sin(b)
+    cc, sc = math.cos(c), math.sin(c)
+    R = (
+        (cb * cc, -cb * sc, sb),
+        (ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb),
+        (sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb),
+    )
+    return Attitude(R, ((1.0, 0.0, 0.0), (0.0, ca, sa), (sb, -sa * cb, ca * cb)))
+
+
+@compiled
+def tilted(angle: float, axis: int) -> Attitude:
+    """Attitude of a unit at its one angle (rad), about x (axis 0) or y (axis 1)."""
+    c, s = math.cos(angle), math.sin(angle)
+    if axis == 1:
+        R = ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c))
+        return Attitude(R, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (s, 0.0, c)))
+    R = ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))
+    return Attitude(R, ((1.0, 0.0, 0.0), (0.0, c, s), (0.0, -s, c)))
+
+
+@compiled
+def shoe_frame(q: FloatArray, q_t: FloatArray, at: Attitude) -> Frame:
+    """Frame of a shoe at its six coordinates (position first) and their rates."""
+    spin = along((q_t[3], 0.0, 0.0), q_t[4], at.axes[1])
+    return Frame((q[0], q[1], q[2]), at.R, (q_t[0], q_t[1], q_t[2]), along(spin, q_t[5], at.axes[2]))
+
+
+@compiled
+def unit_frame(q: FloatArray, q_t: FloatArray, axis: int, at: Attitude) -> Frame:
+    """Frame of a unit at its position and tilt (4) and their rates; `axis` is what it tilts about."""
+    omega = (0.0, q_t[3], 0.0) if axis == 1 else (q_t[3], 0.0, 0.0)
+    return Frame((q[0], q[1], q[2]), at.R, (q_t[0], q_t[1], q_t[2]), omega)
+
+
+@compiled
+def generalized_moment(moment: Vector, at: Attitude) -> Vector:
+    """Generalized forces on a body's angles of a moment (N m): its parts along their axes."""
+    return turned(at.axes, moment)
+
+
+@compiled
+def to_angles(block: FloatArray, moment: Vector, factor: float, at: Attitude) -> None:
+    """Turn a derivative by rotations about global x, y, z into one by the angles, in place.
+
+    Parameters
+    ----------
+    block : array (>= 6, >= 6)
+        Derivatives of force and moment (first rows) and what follows them by displacement and rotation
+        (first columns) and what follows them.
+    moment : Vector
+        Moment about the body's centre, N m: its parts along the axes change as these turn.
+    factor : float
+        Of the derivative by places.
+    """
+    for r in range(block.shape[0]):
+        row = (block[r, 3], block[r, 4], block[r, 5])
+        block[r, 3], block[r, 4], block[r, 5] = turned(at.axes, row)
+    for c in range(block.shape[1]):
+        change = (block[3, c], block[4, c], block[5, c])
+        block[3, c], block[4, c], block[5, c] = turned(at.axes, change)
+    (_, _, _), (_, ca, sa), (sb, across, up) = at.axes
+    cb = -sa * across + ca * up
+    block[4, 3] += factor * (ca * moment[2] - sa * moment[1])
+    block[5, 3] += -factor * (up * moment[1] - across * moment[2])
+    block[5, 4] += factor * dot((cb, sa * sb, -ca * sb), moment)
 
 
 def angular_velocity(angles: FloatArray, rates: FloatArray) -> FloatArray:
@@ -71,10 +126,25 @@ def angular_acceleration(angles: FloatArray, rates: FloatArray, accelerations: F
     return angular_velocity(angles, accelerations) + convective
 
 
+def moments_of(angles: FloatArray, generalized: FloatArray) -> FloatArray:
+    """Moments (N m, global) that have these generalized forces on the angles: array (bodies, 3)."""
+    unit_rates = np.broadcast_to(np.eye(3)[:, None], (3, *angles.shape))
+    axes = np.stack([angular_velocity(angles, rates) for rates in unit_rates], axis=-2)
+    return np.asarray(np.linalg.solve(axes, generalized[..., None])[..., 0], dtype=np.float64)
+
+
 def rotation_matrices(angles: FloatArray) -> FloatArray:
     """``Rx(a) Ry(b) Rz(c)`` of many angles (..., 3): array (..., 3, 3)."""
     flat = np.ascontiguousarray(angles).reshape(-1, 3)
     out = np.empty((len(flat), 3, 3))
-    for one, matrix in zip(flat, out, strict=True):
-        rotation_matrix(one, matrix)
+    _rotation_matrices(flat, out)
     return out.reshape(*angles.shape[:-1], 3, 3)
+
+
+@compiled
+def _rotation_matrices(angles, out):
+    for n in range(angles.shape[0]):
+        R = attitude(angles[n, 0], angles[n, 1], angles[n, 2]).R
+        for r in range(3):
+            for c in range(3):
+                out[n, r, c] = R[r][c]

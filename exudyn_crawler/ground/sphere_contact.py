@@ -1,97 +1,142 @@
 """Sphere contact of the whole track as functions of the generalized coordinates, by the engine's law."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
-from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
+from exudyn_crawler.case import Case, Terrain
+from exudyn_crawler.ground.coordinates import TerrainCoordinates
+from exudyn_crawler.ground.frames import plain
+from exudyn_crawler.ground.grid import grid_of, units_below
+from exudyn_crawler.ground.laws import LINEAR, PROPORTIONAL, Law
+from exudyn_crawler.ground.laws.linear import Linear
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
-from exudyn_crawler.ground.rotations import angular_velocity, rotation_matrices
-from exudyn_crawler.ground.spheres import COLUMN, COLUMNS, sphere_contacts, sphere_derivatives, sphere_forces
+from exudyn_crawler.ground.rotations import moments_of, rotation_matrices
+from exudyn_crawler.ground.sphere_derivatives import COORDINATES, sphere_derivatives
+from exudyn_crawler.ground.spheres import (
+    COLUMN,
+    COLUMNS,
+    SphereBodies,
+    SphereTrack,
+    sphere_contacts,
+    sphere_forces,
+)
+from exudyn_crawler.ground.triplets import PairBlocks, Weights
 
 
-def sphere_places(case: Case) -> NDArray:
-    """Centres of the spheres in the shoe's frame: array (spheres, 3), m."""
-    spheres = case.general_contact
-    low_x, high_x, low_y, high_y, z = case.shoe.footprint
+@dataclass(frozen=True)
+class SphereField:
+    """Spheres under every shoe.
+
+    Attributes
+    ----------
+    places : array (spheres, 3)
+        Centres in the shoe's frame, m.
+    radius : float
+        m.
+    law : Linear
+        Of one sphere.
+    inset : tuple of float
+        How far the units' faces are drawn back from the edges between units, along x and along y, m.
+    area : float
+        Part of the underside that a sphere stands for, m2.
+    """
+
+    places: NDArray
+    radius: float
+    law: Linear
+    inset: tuple[float, float]
+    area: float
+
+
+def sphere_field(case: Case) -> SphereField:
+    """Spheres of a case, at the middle of equal parts of the underside, touching it from within."""
+    spheres, shoe = case.sphere_contact(), case.shoe
+    low_x, high_x, low_y, high_y, z = shoe.footprint
     x = low_x + (high_x - low_x) * (np.arange(spheres.spheres_x) + 0.5) / spheres.spheres_x
     y = low_y + (high_y - low_y) * (np.arange(spheres.spheres_y) + 0.5) / spheres.spheres_y
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-    return np.column_stack((grid, np.full(len(grid), z + spheres.radius)))
+    count = len(grid)
+    inset = (0.0, 0.0)
+    if spheres.faces == "drawn_back":
+        inset = _seam(case.terrain, spheres.radius, case.settled_penetration)
+    return SphereField(
+        places=np.column_stack((grid, np.full(count, z + spheres.radius))),
+        radius=spheres.radius,
+        law=Linear(case.sphere_stiffness, spheres.damping / count, spheres.friction, spheres.friction_speed),
+        inset=inset,
+        area=shoe.length * shoe.width / count,
+    )
 
 
-def seam(case: Case) -> tuple[float, float]:
-    """How far the faces are drawn back from the edges between units, along x and along y, m.
+def _seam(terrain: Terrain, radius: float, depth: float) -> tuple[float, float]:
+    """How far faces are drawn back so that both push a sphere over the middle of a seam as one does, m.
 
-    Nothing where they are whole: a sphere over the seam of two units touches the edges of both faces and is
-    pushed twice as hard. Drawn back by this much, both together push a sphere at the settled depth that
-    stands over the middle of the seam up as hard as one face does.
+    A sphere over the seam of two whole faces touches the edges of both and is pushed twice as hard. Drawn
+    back by this much, both together push a sphere at the settled depth there as hard as one face does.
     """
-    if case.general_contact.faces == "whole":
-        return 0.0, 0.0
-    radius, depth = case.general_contact.radius, case.settled_penetration
     height = radius - depth
     slant = radius / (1.0 + 0.5 * depth / height)  # from 2 (radius - slant) height / slant = depth
     inset = math.sqrt(slant**2 - height**2)
-    terrain = case.terrain
     return (inset if terrain.columns > 1 else 0.0), (inset if terrain.rows > 1 else 0.0)
 
 
-class SphereContact:
-    """Contact of all spheres as functions of the generalized coordinates, by the engine's law.
-
-    Takes the place of `assembly.TrackContact`, with the units as bodies.
+class SphereGroundContact:
+    """Contact of all spheres by the engine's law; a `contact.GroundContact`.
 
     Parameters
     ----------
-    case : Case
-        With contact model "general".
+    com_positions : array (shoes, 3)
+        COMs of the shoes where their coordinates are zero, m, global.
+    terrain : Terrain
+        Grid of units.
+    coordinates : TerrainCoordinates
+        Formulation of the terrain; the engine's contact needs the units as bodies.
+    spheres : SphereField
+        Spheres under every shoe.
     """
 
-    def __init__(self, case: Case) -> None:
-        shoes, terrain, spheres = case.track.shoe_count, case.terrain, case.general_contact
-        units = terrain.unit_count
-        self.coordinates = ConstrainedCoordinates(units, terrain.tilt_axis)
-        com_positions = case.track.com_positions(case.shoe.com_height)
+    def __init__(
+        self, com_positions: NDArray, terrain: Terrain, coordinates: TerrainCoordinates, spheres: SphereField
+    ) -> None:
+        shoes, units, count = len(com_positions), terrain.unit_count, len(spheres.places)
+        self.coordinates = coordinates
+        self.spheres = spheres
         self.shoe_reference = np.hstack((com_positions, np.zeros((shoes, 3))))
         self.unit_reference = np.hstack((terrain.centers, np.zeros((units, 1))))
-        self._tilt_axis = terrain.tilt_axis
-        self._grid = np.array(
-            [
-                terrain.columns,
-                terrain.rows,
-                terrain.unit_length,
-                terrain.unit_width,
-                *terrain.origin,
-                *seam(case),
-            ]
-        )
+        self._grid = grid_of(terrain)
         self._tops = 0.5 * terrain.unit_height + terrain.top_heights
-        self._places = sphere_places(case)
-        count = len(self._places)
-        self._law = np.array(
-            [
-                case.sphere_stiffness,
-                spheres.damping / count,
-                spheres.radius,
-                spheres.friction,
-                spheres.friction_speed,
-            ]
+        track = SphereTrack(
+            grid=self._grid,
+            tops=self._tops,
+            half_x=0.5 * terrain.unit_length - spheres.inset[0],
+            half_y=0.5 * terrain.unit_width - spheres.inset[1],
+            places=spheres.places,
+            radius=spheres.radius,
+            law=Law(normal=LINEAR, friction=PROPORTIONAL, linear=spheres.law),
         )
-        self._area = case.shoe.length * case.shoe.width / count
+        self._track = plain(track)
         # a sphere reaches four units at most, with both triangles of each
-        self._table = np.zeros((8 * shoes * count, COLUMNS))
-        self._pairs = np.zeros((4 * shoes * count, 2), dtype=np.int64)
-        self._blocks = np.zeros((4 * shoes * count, 8, 8))
+        pairs = 4 * shoes * count
+        self._table = np.zeros((2 * pairs, COLUMNS))
+        self._blocks = PairBlocks(
+            np.zeros((pairs, 2), dtype=np.int64),
+            np.zeros((pairs, COORDINATES, COORDINATES)),
+            np.zeros((pairs, 3, 0)),
+        )
+        self._moments = np.zeros((pairs, 3))
         self._shoe_forces = np.zeros((shoes, 6))
         self._unit_forces = np.zeros((units, 6))
 
     @property
     def size(self) -> int:
-        """Number of generalized coordinates: six a shoe, then six a unit."""
+        """Number of generalized coordinates: six a shoe, then the terrain's."""
         return self.shoe_reference.size + self.coordinates.size
+
+    def _shoes(self, q: NDArray) -> NDArray:
+        return self.shoe_reference + q[: self.shoe_reference.size].reshape(-1, 6)
 
     def touching(self, q: NDArray, q_t: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         """Touching spheres at a state, and the places of shoes and units.
@@ -103,22 +148,14 @@ class SphereContact:
         shoes, units : array (shoes, 6), array (units, 4)
             Places and angles.
         """
-        split = self.shoe_reference.size
-        shoes = self.shoe_reference + q[:split].reshape(-1, 6)
-        units = self.unit_reference + self.unit_motion(q)
-        count = sphere_contacts(
-            shoes,
-            q_t[:split].reshape(-1, 6),
-            units,
+        bodies = SphereBodies(
+            self._shoes(q),
+            q_t[: self.shoe_reference.size].reshape(-1, 6),
+            self.unit_reference + self.unit_motion(q),
             self.unit_motion(q_t),
-            self._tilt_axis,
-            self._grid,
-            self._tops,
-            self._places,
-            self._law,
-            self._table,
         )
-        return self._table[:count], shoes, units
+        count = sphere_contacts(plain(bodies), self._track, self._table)
+        return self._table[:count], bodies.shoes, bodies.units
 
     def unit_motion(self, q: NDArray) -> NDArray:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
@@ -126,27 +163,25 @@ class SphereContact:
         self.coordinates.motion(q[self.shoe_reference.size :], out)
         return out
 
-    def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
-        """Heights (units,) of the units below every sphere: array (shoes, spheres), m."""
-        shoes = self.shoe_reference + q[: self.shoe_reference.size].reshape(-1, 6)
-        return heights[self._units_below(shoes[:, None, :2] + self._places[:, :2])]
+    def settled_depth(self, loads: NDArray) -> NDArray:
+        """Depth (m) of the spheres of shoes that each carry such a load (N) evenly."""
+        return np.maximum(loads, 0.0) / (self.spheres.law.stiffness * len(self.spheres.places))
 
-    def _units_below(self, centers: NDArray) -> NDArray:
-        """Index of the unit below each sphere, of which x and y come last: array (shoes, spheres)."""
-        columns, rows = self._grid[:2].astype(int)
-        cells = np.floor((centers - self._grid[4:6]) / self._grid[2:4]).astype(int)
-        cells = np.clip(cells, 0, [columns - 1, rows - 1])
-        return cells[..., 0] * rows + cells[..., 1]
+    def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
+        """Mean height (m) of the units below each shoe's spheres, of the units' heights: array (shoes,)."""
+        centers = self._shoes(q)[:, None, :2] + self.spheres.places[:, :2]
+        return heights[units_below(self._grid, centers)].mean(axis=1)
 
     def sunken(self, q: NDArray) -> list[int]:
         """Numbers of the shoes with a sphere whose centre is below its unit's face: nothing holds that up."""
-        shoes = self.shoe_reference + q[: self.shoe_reference.size].reshape(-1, 6)
-        centers = shoes[:, None, :3] + self._places @ rotation_matrices(shoes[:, 3:]).transpose(0, 2, 1)
-        below = self._units_below(centers[..., :2])
+        shoes = self._shoes(q)
+        turned = self.spheres.places @ rotation_matrices(shoes[:, 3:]).transpose(0, 2, 1)
+        centers = shoes[:, None, :3] + turned
+        below = units_below(self._grid, centers[..., :2])
         units = (self.unit_reference + self.unit_motion(q))[below]
         apart = centers - units[..., :3]
         sine, cosine = np.sin(units[..., 3]), np.cos(units[..., 3])
-        across = -apart[..., 1] if self._tilt_axis == 0 else apart[..., 0]
+        across = -apart[..., 1] if self._grid.tilt_axis == 0 else apart[..., 0]
         above = sine * across + cosine * apart[..., 2] - self._tops[below]
         return (np.flatnonzero((above <= 0.0).any(axis=1)) + 1).tolist()
 
@@ -168,23 +203,19 @@ class SphereContact:
         velocity_factor: float,
         secant: bool = False,
     ) -> NDArray:
-        """Triplets (row, column, value) of both derivatives of the forces, as of `TrackContact`."""
+        """Triplets (row, column, value) of both derivatives of the forces, as of `GroundContact`."""
         table, shoes, units = self.touching(q, q_t)
+        pairs, values, rows = self._blocks
         count = sphere_derivatives(
-            shoes,
-            units,
-            self._tilt_axis,
-            self._law,
+            (shoes, units),
+            self._grid.tilt_axis,
+            plain(self.spheres.law),
             table,
-            position_factor,
-            velocity_factor,
-            secant,
-            self._pairs,
-            self._blocks,
+            plain(Weights(float(position_factor), float(velocity_factor), bool(secant))),
+            (pairs, values, self._moments),
         )
-        return self.coordinates.derivative(
-            self._pairs[:count], self._blocks[:count], len(self.shoe_reference)
-        )
+        found = PairBlocks(pairs[:count], values[:count], rows[:count])
+        return self.coordinates.derivative(found, len(self.shoe_reference))
 
     def results(self, q: NDArray, q_t: NDArray, shoe_forces: NDArray | None = None) -> NDArray:
         """Contacts at a state, summed over the spheres of each pair: array (contacts, RESULTS).
@@ -200,13 +231,13 @@ class SphereContact:
         Returns
         -------
         array (contacts, RESULTS)
-            Columns as in `contact.RESULT`. The point is the centre of pressure; penetration, its rate and
+            Columns as in `pairs.RESULT`. The point is the centre of pressure; penetration, its rate and
             slip velocity are means over the spheres, weighted by their normal forces; the area is that of
             their parts of the underside. The friction torque is all that the spheres' forces do about the
             point, so that it has components along the face, too.
         """
         table, shoes, _ = self.touching(q, q_t)
-        found = _by_pair(table, self._area)
+        found = _by_pair(table, self.spheres.area)
         if shoe_forces is not None and len(found):
             self._share_rest(found, shoes, shoe_forces.reshape(-1, 6))
         return found
@@ -217,12 +248,7 @@ class SphereContact:
         force = found[:, RESULT["normal_force"]] + found[:, RESULT["friction_force"]]
         arm = found[:, RESULT["point"]] - shoes[index, :3]
         moment = np.cross(arm, force) + found[:, RESULT["friction_torque"]]
-        # generalized moments are the moment's parts along the axes that the angles turn about
-        axes = np.stack(
-            [angular_velocity(shoes[:, 3:], np.broadcast_to(e, (len(shoes), 3))) for e in np.eye(3)], 1
-        )
-        wanted = np.linalg.solve(axes, generalized[:, 3:, None])
-        rest_force, rest_moment = generalized[:, :3].copy(), wanted[..., 0]
+        rest_force, rest_moment = generalized[:, :3].copy(), moments_of(shoes[:, 3:], generalized[:, 3:])
         np.subtract.at(rest_force, index, force)
         np.subtract.at(rest_moment, index, moment)
         weight = np.maximum(found[:, RESULT["normal_force"]][:, 2], 0.0)

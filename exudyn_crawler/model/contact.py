@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from exudyn_crawler.case import Case
-from exudyn_crawler.ground.pair_contact import TrackContact
-from exudyn_crawler.ground.sphere_contact import SphereContact, seam, sphere_places
+from exudyn_crawler.case import Terrain
+from exudyn_crawler.ground.contact import GroundContact
+from exudyn_crawler.ground.sphere_contact import SphereField
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.shoes import ShoeBody
 
@@ -19,13 +19,17 @@ NO_FRICTION = 1e-12
 
 
 def add_general_contact(
-    mbs: "exu.MainSystem", case: Case, shoes: Sequence[ShoeBody], unit_nodes: Sequence[int]
+    mbs: "exu.MainSystem",
+    terrain: Terrain,
+    spheres: SphereField,
+    shoes: Sequence[ShoeBody],
+    unit_nodes: Sequence[int],
 ) -> "exu.GeneralContact":
     """Spheres on the shoes and triangles on the units' top faces, in the engine's own contact."""
-    spheres, terrain = case.general_contact, case.terrain
+    law = spheres.law
     contact = mbs.AddGeneralContact()
-    contact.frictionProportionalZone = spheres.friction_speed
-    contact.SetFrictionPairings(np.array([[max(spheres.friction, NO_FRICTION)]]))
+    contact.frictionProportionalZone = law.friction_speed
+    contact.SetFrictionPairings(np.array([[max(law.friction, NO_FRICTION)]]))
     contact.computeContactForces = True
     # spheres do not touch each other; this also takes the engine's derivatives of spheres on triangles away
     contact.sphereSphereContact = False
@@ -37,11 +41,10 @@ def add_general_contact(
         [max(1, math.ceil((x1 - x0) / CELL)), max(1, math.ceil((y1 - y0) / CELL)), 1]
     )
     contact.SetSearchTreeBox([x0, y0, tops.min() - 1.0], [x1, y1, tops.max() + 1.0])
-    places = sphere_places(case)
     # the stiffnesses of both partners act in series, their dampings add
-    stiffness = 2.0 * case.sphere_stiffness
-    damping = 0.5 * spheres.damping / len(places)
-    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width]) - seam(case)
+    stiffness = 2.0 * law.stiffness
+    damping = 0.5 * law.damping
+    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width]) - spheres.inset
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
     for node, top in zip(unit_nodes, tops, strict=True):
         contact.AddTrianglesRigidBodyBased(
@@ -53,7 +56,7 @@ def add_general_contact(
             triangleList=[[0, 1, 2], [0, 2, 3]],
         )
     for shoe in shoes:
-        for place in places:
+        for place in spheres.places:
             marker = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=shoe.body, localPosition=place.tolist()))
             contact.AddSphereWithMarker(
                 markerIndex=marker,
@@ -70,7 +73,7 @@ TANGENTS_A_STEP = 2
 
 
 def add_contact(
-    mbs: "exu.MainSystem", contact: TrackContact | SphereContact, nodes: Sequence[int], forces: bool = True
+    mbs: "exu.MainSystem", contact: GroundContact, nodes: Sequence[int], forces: bool = True
 ) -> None:
     """All contacts as one item over the shoes' and the terrain's nodes.
 

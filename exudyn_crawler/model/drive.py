@@ -2,12 +2,19 @@
 
 import numpy as np
 
-from exudyn_crawler.case import Drive
+from exudyn_crawler.case import Drive, StepProfile
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.items import at_time, coordinate_marker
 
 
-def add_drive(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> int:
+def add_drives(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> tuple[int, ...]:
+    """All that moves the front shoe: the drive and, where the case has one, the turn."""
+    if drive.turn_rate is None:
+        return (_add_drive(mbs, drive, fixed, node),)
+    return _add_drive(mbs, drive, fixed, node), _add_turn(mbs, drive.turn_rate, node)
+
+
+def _add_drive(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> int:
     """Prescribed travel of the front shoe's COM along x, as a constraint."""
     distance = at_time(drive.speed.integral)
     speed = at_time(drive.speed.value)
@@ -31,13 +38,12 @@ def add_drive(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> int
     )
 
 
-def add_turn(mbs: "exu.MainSystem", drive: Drive, node: int) -> int:
+def _add_turn(mbs: "exu.MainSystem", turn_rate: StepProfile, node: int) -> int:
     """Prescribed angular velocity of the front shoe about its own z axis: a non-holonomic constraint.
 
     With the angles (a, b, c) about x, y, z it reads ``a' sin b + c' = rate(t)``.
     """
-    assert drive.turn_rate is not None
-    rate = at_time(drive.turn_rate.value)
+    rate = at_time(turn_rate.value)
     empty = mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=mbs.AddNode(items.NodePointGround())))
     marker = mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=node))
 

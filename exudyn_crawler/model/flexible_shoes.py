@@ -132,10 +132,9 @@ def floating_shoe(case: Case) -> FloatingShoe:
     Raises
     ------
     ValueError
-        If the mesh does not meet the track's pins or no mode remains.
+        If the case has no flexible shoes, their mesh does not meet the track's pins or no mode remains.
     """
-    assert case.flexible is not None
-    return _floating_shoe(case.flexible, case.track, tuple(case.shoe.footprint.tolist()))
+    return _floating_shoe(case.flexible_shoes(), case.track, tuple(case.shoe.footprint.tolist()))
 
 
 @lru_cache(maxsize=4)

@@ -6,6 +6,7 @@ from functools import lru_cache
 from numpy.typing import NDArray
 
 from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.state import BODY_COORDINATES
 
 
 def coordinate_marker(mbs: "exu.MainSystem", node: int, coordinate: int) -> int:
@@ -13,10 +14,13 @@ def coordinate_marker(mbs: "exu.MainSystem", node: int, coordinate: int) -> int:
     return mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
 
 
-def hold(mbs: "exu.MainSystem", fixed: int, node: int, coordinate: int) -> int:
-    """Keep one coordinate of a node where it is."""
+def hold(mbs: "exu.MainSystem", fixed: int, node: int, coordinate: int, name: str) -> int:
+    """Keep one coordinate of a node where it is; messages say along which axis or about which."""
     return mbs.AddObject(
-        items.ObjectConnectorCoordinate(markerNumbers=[fixed, coordinate_marker(mbs, node, coordinate)])
+        items.ObjectConnectorCoordinate(
+            name=f"{name} ({BODY_COORDINATES[coordinate]})",
+            markerNumbers=[fixed, coordinate_marker(mbs, node, coordinate)],
+        )
     )
 
 

@@ -45,11 +45,10 @@ def add_shoe_bodies(
     mbs: "exu.MainSystem", case: Case, nodes: Sequence[int], floating: FloatingShoe | None
 ) -> list[ShoeBody]:
     """Bodies of all shoes with their weights; the flexible ones share one reduction."""
-    chosen = () if case.flexible is None else case.flexible.shoes
+    chosen = () if floating is None else case.flexible_shoes().shoes
     bodies = []
     for number, node in enumerate(nodes, start=1):
-        if number in chosen:
-            assert floating is not None
+        if floating is not None and number in chosen:
             bodies.append(add_flexible(mbs, case, number, node, floating))
         else:
             bodies.append(_add_rigid(mbs, case, number, node))
@@ -77,7 +76,6 @@ def add_flexible(
     mbs: "exu.MainSystem", case: Case, number: int, node: int, floating: FloatingShoe
 ) -> ShoeBody:
     """One flexible shoe on its rigid-body node, with its own modal node."""
-    assert case.flexible is not None
     count = floating.mode_count
     modal = mbs.AddNode(
         items.NodeGenericODE2(
@@ -90,7 +88,7 @@ def add_flexible(
     )
     frequencies = floating.reduced.frequencies
     omega = 2.0 * np.pi * frequencies
-    ratio = case.flexible.damping.value(frequencies)
+    ratio = case.flexible_shoes().damping.value(frequencies)
     body = mbs.AddObject(
         items.ObjectFFRFreducedOrder(
             name=f"shoe {number}",

@@ -1,26 +1,22 @@
-"""Builds the multibody system of a case.
-
-Coordinates: six a shoe (COM displacement from t = 0 and the angles about x, y, z), then the terrain's,
-then the flexible shoes' modes.
-"""
+"""Builds the multibody system of a case; its coordinates are those of `state.StateLayout`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground.pair_contact import TrackContact
-from exudyn_crawler.ground.sphere_contact import SphereContact
+from exudyn_crawler.ground.contact import GroundContact, ground_contact
 from exudyn_crawler.model.contact import add_contact, add_general_contact
-from exudyn_crawler.model.drive import add_drive, add_turn
+from exudyn_crawler.model.drive import add_drives
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
 from exudyn_crawler.model.items import coordinate_marker, hold
 from exudyn_crawler.model.links import add_links
 from exudyn_crawler.model.loads import add_loads
 from exudyn_crawler.model.shoes import add_shoe_bodies, add_shoe_nodes
+from exudyn_crawler.model.state import RATES, StateLayout
 from exudyn_crawler.model.terrain import add_terrain
 
 
@@ -32,33 +28,34 @@ class System:
     ----------
     mbs : exudyn.MainSystem
         The assembled system.
-    contact : TrackContact or SphereContact
+    contact : GroundContact
         Contact forces as functions of the system's coordinates.
     general : exudyn.GeneralContact, optional
         The engine's own contact, where it makes the forces.
     floating : FloatingShoe, optional
         What the flexible shoes share.
-    link_rows, drive_row, turn_row :
-        Indices of the Lagrange multipliers: six for each pin's joint of each link; of the drive; of the turn
-        (None without one).
+    layout : StateLayout
+        What the numbers of a state are.
+    drives : tuple of int
+        Items that move the front shoe: drive and, where there is one, turn.
     """
 
     container: "exu.SystemContainer"
     mbs: "exu.MainSystem"
     case: Case
-    contact: TrackContact | SphereContact
+    contact: GroundContact
     general: "exu.GeneralContact | None"
     floating: FloatingShoe | None
-    link_rows: list[list[list[int]]]
-    drive: int
-    drive_row: int
-    turn: int | None
-    turn_row: int | None
+    layout: StateLayout
+    drives: tuple[int, ...]
+
+    @property
+    def frequencies(self) -> NDArray | None:
+        """Of the flexible shoes' modes, Hz: array (modes,); None without flexible shoes."""
+        return None if self.floating is None else self.floating.reduced.frequencies
 
     def sunken(self) -> list[int]:
-        """Numbers of the shoes with spheres below the ground in the current state; see `SphereContact`."""
-        if self.general is None or not isinstance(self.contact, SphereContact):
-            return []
+        """Numbers of the shoes that have sunk through the ground in the current state."""
         return self.contact.sunken(np.array(self.mbs.systemData.GetODE2Coordinates()))
 
     def set_initial(self, q: NDArray) -> None:
@@ -75,7 +72,7 @@ class System:
 
     def set_state(self, row: NDArray) -> None:
         """Start from a row as of `state`; its time goes into the solver's settings."""
-        q, q_t, q_tt = np.split(row[1 : 1 + 3 * self.contact.size], 3)
+        q, q_t, q_tt = (self.layout.part(row, f"coordinates{rate}") for rate in RATES)
         data = self.mbs.systemData
         data.SetODE2Coordinates(q.tolist(), exu.ConfigurationType.Initial)
         data.SetODE2Coordinates_t(q_t.tolist(), exu.ConfigurationType.Initial)
@@ -84,27 +81,21 @@ class System:
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free."""
-        for item in (self.drive, self.turn):
-            if item is not None:
-                self.mbs.SetObjectParameter(item, "activeConnector", on)
+        for item in self.drives:
+            self.mbs.SetObjectParameter(item, "activeConnector", on)
 
     def state(self) -> NDArray:
-        """Time, coordinates, their first and second rates and the multipliers, in one row.
-
-        After them, with contact model "general", the shoes' generalized contact forces.
-        """
+        """Current state in one row, laid out as `layout` says."""
         data = self.mbs.systemData
-        parts = [
-            [data.GetTime()],
-            data.GetODE2Coordinates(),
-            data.GetODE2Coordinates_t(),
-            data.GetODE2Coordinates_tt(),
-            data.GetAECoordinates(),
-        ]
+        rates = (data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt())
+        parts: dict[str, ArrayLike] = {
+            f"coordinates{rate}": values for rate, values in zip(RATES, rates, strict=True)
+        }
+        parts |= {"time": data.GetTime(), "multipliers": data.GetAECoordinates()}
         if self.general is not None:
             forces = self.general.GetSystemODE2RhsContactForces(copy=True)
-            parts.append(forces[: self.contact.shoe_reference.size])
-        return np.concatenate(parts)
+            parts["contact forces"] = np.reshape(forces[: self.contact.shoe_reference.size], (-1, 6))
+        return self.layout.pack(parts)
 
 
 def build(case: Case, static: bool = False) -> System:
@@ -126,52 +117,62 @@ def build(case: Case, static: bool = False) -> System:
     terrain_nodes, coordinates = add_terrain(mbs, case, ground)
     shoes = add_shoe_bodies(mbs, case, shoe_nodes, floating)
     add_loads(mbs, case, shoes)
-    links = add_links(mbs, shoes)
-    contact: TrackContact | SphereContact
+    add_links(mbs, shoes)
+    contact = ground_contact(
+        case,
+        coordinates,
+        None if floating is None else floating.underside,
+        [index for index, shoe in enumerate(shoes) if shoe.is_flexible],
+    )
     general = None
-    if case.contact_model == "general":
-        contact = SphereContact(case)
-        if not static:
-            general = add_general_contact(mbs, case, shoes, terrain_nodes)
-    else:
-        contact = TrackContact(
-            case.track.com_positions(case.shoe.com_height),
-            case.shoe,
-            case.terrain,
-            case.contact,
-            coordinates,
-            None if floating is None else floating.underside,
-            [index for index, shoe in enumerate(shoes) if shoe.is_flexible],
-        )
+    if contact.spheres is not None and not static:
+        general = add_general_contact(mbs, case.terrain, contact.spheres, shoes, terrain_nodes)
     modal_nodes = [shoe.modal_node for shoe in shoes if shoe.modal_node is not None]
     add_contact(mbs, contact, shoe_nodes + terrain_nodes + modal_nodes, forces=general is None)
 
     fixed = mbs.AddMarker(
         items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
     )
-    turn = None
     if static:
-        drive, _, _ = (hold(mbs, fixed, shoe_nodes[-1], axis) for axis in (0, 1, 5))
+        drives = tuple(hold(mbs, fixed, shoe_nodes[-1], axis, "hold of the front shoe") for axis in (0, 1, 5))
         if case.terrain.heights is not None:
             _add_dashpots(mbs, case, fixed, shoe_nodes)
     else:
-        drive = add_drive(mbs, case.drive, fixed, shoe_nodes[-1])
-        if case.drive.turn_rate is not None:
-            turn = add_turn(mbs, case.drive, shoe_nodes[-1])
+        drives = add_drives(mbs, case.drive, fixed, shoe_nodes[-1])
     mbs.Assemble()
-    rows = mbs.systemData.GetObjectLTGAE
     return System(
         container=container,
         mbs=mbs,
         case=case,
         contact=contact,
         general=general,
-        link_rows=[[rows(pin) for pin in link] for link in links],
         floating=floating,
-        drive=drive,
-        drive_row=rows(drive)[0],
-        turn=turn,
-        turn_row=None if turn is None else rows(turn)[0],
+        layout=_layout(mbs, case, contact, floating, general is not None),
+        drives=drives,
+    )
+
+
+def _layout(
+    mbs: "exu.MainSystem",
+    case: Case,
+    contact: GroundContact,
+    floating: FloatingShoe | None,
+    contact_forces: bool,
+) -> StateLayout:
+    """Layout of the states of an assembled system."""
+    held = [
+        (rows[0], mbs.GetObject(number)["name"], len(rows))
+        for number in range(mbs.systemData.NumberOfObjects())
+        if (rows := mbs.systemData.GetObjectLTGAE(number))
+    ]
+    return StateLayout(
+        shoes=case.track.shoe_count,
+        terrain=contact.coordinates.size,
+        terrain_bodies=contact.coordinates.shapes is None,
+        flexible_shoes=() if case.flexible is None else tuple(case.flexible.shoes),
+        modes=0 if floating is None else floating.mode_count,
+        multipliers=tuple((name, size) for _, name, size in sorted(held)),
+        contact_forces=contact_forces,
     )
 
 

@@ -16,7 +16,7 @@ REACH = 1.0
 def add_terrain(mbs: "exu.MainSystem", case: Case, ground: int) -> tuple[list[int], TerrainCoordinates]:
     """Add the terrain in the case's formulation: its nodes and how they carry the units' motion."""
     # the engine's own contact needs the units as bodies
-    if case.terrain_formulation == "constrained" or case.contact_model == "general":
+    if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
         return _add_constrained_terrain(mbs, case, ground)
     return _add_reduced_terrain(mbs, case)
 
@@ -132,5 +132,5 @@ def _add_constrained_terrain(
             )
         )
     for axis in (0, 1):
-        hold(mbs, fixed, nodes[-1], axis)
+        hold(mbs, fixed, nodes[-1], axis, f"hold of unit {terrain.unit_count}")
     return nodes, ConstrainedCoordinates(terrain.unit_count, terrain.tilt_axis)

@@ -9,65 +9,38 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.results.actions import actions, shoe_mass
 from exudyn_crawler.results.history import History
 
 FORCE = {"units": "N"}
 MOMENT = {"units": "N m"}
 
 
+KINDS = ("weight", "load", "contact", "drive", "joint")
+"""Kinds of actions on shoes, in the order in which they are added."""
+
+
 def shoe_actions(history: History) -> xr.Dataset:
-    """What acts on every shoe, by its source.
+    """What acts on every shoe, by its kind.
 
     Returns
     -------
     xarray.Dataset
-        `force` (N) and `moment` about the shoe's COM (N m), both (source, time, shoe, axis); sources are
-        weight, load, contact, drive and joint (those of both links of a shoe together).
+        `force` (N) and `moment` about the origin of the shoe's frame (N m), both (source, time, shoe, axis);
+        sources are weight, load, contact, drive and joint (those of both links of a shoe together).
     """
-    case, shoes = history.case, history.case.track.shoe_count
-    frames = rotation_matrices(history.angles.values)
     position = history.position.values
-    zero = np.zeros_like(position)
-
-    weight = zero.copy()
-    weight[..., 2] = -case.shoe.mass * case.gravity
-    load = zero.copy()
-    load[..., 2] = -history.shoe_load.values
-    load_moment = np.cross(frames @ np.array(case.shoe.load_point), load)
-
-    contact, contact_moment = zero.copy(), zero.copy()
-    touched = history.contact_shoe.values - 1
-    forces = history.normal_force.values + history.friction_force.values
-    moments = np.cross(history.point.values - position[:, touched], forces) + history.friction_torque.values
-    for column, shoe in enumerate(touched):
-        contact[:, shoe] += forces[:, column]
-        contact_moment[:, shoe] += moments[:, column]
-
-    drive, drive_moment = zero.copy(), zero.copy()
-    drive[:, -1, 0] = history.drive_force.values
-    drive_moment[:, -1] = history.drive_torque.values[:, None] * frames[:, -1, :, 2]
-
-    joint, joint_moment = zero.copy(), zero.copy()
-    reaction, torque = history.joint_force.values, history.joint_torque.values
-    front = frames[:, : shoes - 1] @ case.track.front_pin
-    rear = frames[:, 1:] @ case.track.rear_pin
-    joint[:, :-1] += reaction
-    joint[:, 1:] -= reaction
-    joint_moment[:, :-1] += np.cross(front, reaction) + torque
-    joint_moment[:, 1:] -= np.cross(rear, reaction) + torque
-
+    forces = np.zeros((len(KINDS), *position.shape))
+    moments = np.zeros_like(forces)
+    for action in actions(history):
+        source, shoe = KINDS.index(action.kind), action.shoe - 1
+        forces[source, :, shoe] += action.force
+        moments[source, :, shoe] += action.moment_about(position[:, shoe])
     dims = ("source", "time", "shoe", "axis")
     return xr.Dataset(
-        {
-            "force": (dims, np.stack((weight, load, contact, drive, joint)), FORCE),
-            "moment": (
-                dims,
-                np.stack((zero, load_moment, contact_moment, drive_moment, joint_moment)),
-                MOMENT,
-            ),
-        },
+        {"force": (dims, forces, FORCE), "moment": (dims, moments, MOMENT)},
         coords={
-            "source": ["weight", "load", "contact", "drive", "joint"],
+            "source": list(KINDS),
             "time": history.time,
             "shoe": history.shoe,
             "axis": history.axis,
@@ -76,15 +49,25 @@ def shoe_actions(history: History) -> xr.Dataset:
 
 
 def shoe_momentum_rates(history: History) -> xr.Dataset:
-    """Rates of every shoe's momentum: `force` (N) and, about its COM, `moment` (N m), (time, shoe, axis)."""
-    shoe = history.case.shoe
+    """Rates of every shoe's momentum: `force` (N) and, about its frame, `moment` (N m), (time, shoe, axis).
+
+    The elastic modes of a flexible shoe carry no momentum. They do carry angular momentum, whose rate takes
+    accelerations of modes that a history does not keep: its moments are NaN.
+    """
+    case = history.case
+    masses = [shoe_mass(case, shoe) for shoe in case.track.shoes.tolist()]
     frames = rotation_matrices(history.angles.values)
-    inertia = frames @ shoe.inertia_tensor @ np.swapaxes(frames, -1, -2)
+    inertia = frames @ case.shoe.inertia_tensor @ np.swapaxes(frames, -1, -2)
     omega, alpha = history.angular_velocity.values, history.angular_acceleration.values
     spin = _times(inertia, alpha) + np.cross(omega, _times(inertia, omega))
+    if case.flexible is not None:
+        spin[:, [shoe - 1 for shoe in case.flexible.shoes]] = np.nan
+    center = _times(frames, np.array([one.center for one in masses]))
+    rate = history.acceleration.values + np.cross(alpha, center) + np.cross(omega, np.cross(omega, center))
+    rate *= np.array([one.mass for one in masses])[:, None]
     dims = ("time", "shoe", "axis")
     return xr.Dataset(
-        {"force": (dims, shoe.mass * history.acceleration.values, FORCE), "moment": (dims, spin, MOMENT)},
+        {"force": (dims, rate, FORCE), "moment": (dims, spin, MOMENT)},
         coords={"time": history.time, "shoe": history.shoe, "axis": history.axis},
     )
 
@@ -95,7 +78,8 @@ def shoe_imbalance(history: History) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        `force` (N) and `moment` about the shoe's COM (N m), both (time, shoe, axis).
+        `force` (N) and `moment` about the shoe's frame (N m), both (time, shoe, axis); moments of flexible
+        shoes are NaN, see `shoe_momentum_rates`.
     """
     difference = shoe_momentum_rates(history) - shoe_actions(history).sum("source")
     return _with_units(difference)
@@ -114,20 +98,27 @@ def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.
     Returns
     -------
     xarray.Dataset
-        `force` (N) and `moment` about the point (N m), both (time, axis).
+        `force` (N) and `moment` about the point (N m), both (time, axis); with flexible shoes the moment is
+        NaN, see `shoe_momentum_rates`.
     """
     outside = shoe_actions(history).drop_sel(source="joint").sum("source")
     one_by_one = shoe_momentum_rates(history) - outside
     arm = history.position.values - np.asarray(about, dtype=float)
     moment = one_by_one["moment"] + np.cross(arm, one_by_one["force"].values)
-    return _with_units(xr.Dataset({"force": one_by_one["force"], "moment": moment}).sum("shoe"))
+    return _with_units(xr.Dataset({"force": one_by_one["force"], "moment": moment}).sum("shoe", skipna=False))
 
 
 def energies(history: History) -> xr.Dataset:
     """Stored energy of track and terrain over time, J: kinetic, gravitational and of the springs.
 
     Each (time,). Heights count from z = 0 of the COMs of shoes and from free springs of the units.
+
+    Raises
+    ------
+    ValueError
+        For a history with flexible shoes.
     """
+    _only_rigid(history)
     case, terrain = history.case, history.case.terrain
     shoe = case.shoe
     frames = rotation_matrices(history.angles.values)
@@ -155,11 +146,13 @@ def powers(history: History) -> xr.Dataset:
     Raises
     ------
     ValueError
-        For a history of contact model "general": one row a pair does not tell what its spheres take.
+        For a history of contact by spheres: one row a pair does not tell what its spheres take; or one with
+        flexible shoes.
     """
-    if history.case.contact_model != "pair":
-        raise ValueError("powers need a history of contact_model 'pair', whose law they divide")
+    _only_rigid(history)
     case, terrain, law = history.case, history.case.terrain, history.case.contact
+    if law.model != "pair":
+        raise ValueError("powers need a history of contact.model 'pair', whose law they divide")
     frames = rotation_matrices(history.angles.values)
     omega, velocity = history.angular_velocity.values, history.velocity.values
     driven = history.drive_force.values * velocity[:, -1, 0]
@@ -216,6 +209,11 @@ def energy_balance(history: History) -> xr.Dataset:
     for values in balance.data_vars.values():
         values.attrs = {"units": "J"}
     return balance
+
+
+def _only_rigid(history: History) -> None:
+    if history.case.flexible is not None:
+        raise ValueError("the energy balance needs a history of rigid shoes: it leaves out elastic energy")
 
 
 def _times(matrices: NDArray, vectors: NDArray) -> NDArray:

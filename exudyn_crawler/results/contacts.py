@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.quantities import QUANTITIES
 
 PER_CONTACT = ("normal_force", "friction_force", "friction_torque")
 LEADING = ("penetration", "penetration_rate", "slip_velocity")
@@ -12,7 +13,7 @@ LEADING = ("penetration", "penetration_rate", "slip_velocity")
 def contact_force(history: History) -> xr.DataArray:
     """Normal and friction force on the shoe of every contact: dimensions (time, contact, axis), N."""
     force = history.normal_force + history.friction_force
-    return force.assign_attrs(units="N", long_name="contact force on the shoe")
+    return force.assign_attrs(QUANTITIES["contact_force"].attributes)
 
 
 def pair(history: History, shoe: int, unit: int) -> int:
@@ -65,7 +66,7 @@ def contacts_of(dataset: xr.Dataset) -> xr.Dataset:
     ).assign_coords(shoe=shoes)
     result = result.drop_vars(["contact_shoe", "contact_unit"], errors="ignore")
     force = result.normal_force + result.friction_force
-    return result.assign(contact_force=force.assign_attrs(units="N", long_name="contact force on the shoe"))
+    return result.assign(contact_force=force.assign_attrs(QUANTITIES["contact_force"].attributes))
 
 
 def terrain_deformation(history: History) -> xr.DataArray:
@@ -76,4 +77,4 @@ def terrain_deformation(history: History) -> xr.DataArray:
     springs = history.case.terrain.springs_per_unit
     total = springs * history.unit_heave.sum("unit")
     change = total - total.isel(time=0)
-    return change.assign_attrs(units="m", long_name="total terrain deformation from equilibrium")
+    return change.assign_attrs(QUANTITIES["terrain_deformation"].attributes)

@@ -5,10 +5,16 @@ from pathlib import Path
 from typing import Self
 
 import h5py
+import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.files import write_netcdf
+from exudyn_crawler.model.state import VERSION
+
+LAYOUT_VERSION = "layout_version"
+"""Attribute of the version of the states that a history was made of; the first histories have none."""
 
 
 @dataclass(frozen=True)
@@ -16,7 +22,7 @@ class History:
     """Results of a run.
 
     Every variable of the dataset is an attribute too: ``history.position.sel(shoe=13, axis="x")``.
-    `exudyn_crawler.results.states` lists the variables, each with its unit and meaning in its attributes.
+    `exudyn_crawler.results.quantities` lists the variables; each has its unit and meaning in its attributes.
 
     Attributes
     ----------
@@ -51,11 +57,8 @@ class History:
             If the file exists and `overwrite` is false.
         """
         path = Path(path)
-        compressed = {
-            name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.dataset.data_vars
-        }
         whole = self.dataset.assign_attrs(case=self.case.model_dump_json())
-        return write_netcdf(whole, path, overwrite, compressed)
+        return write_netcdf(whole, path, overwrite)
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
@@ -66,7 +69,7 @@ class History:
         FileNotFoundError
             If there is no such file.
         ValueError
-            If the file does not hold a history.
+            If the file does not hold a history, or one of states laid out in another version.
         """
         path = Path(path)
         if not path.is_file():
@@ -74,7 +77,10 @@ class History:
         try:
             # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
             with h5py.File(path, "r") as file:
-                case = Case.model_validate_json(file.attrs["case"])
+                found = np.asarray(file.attrs.get(LAYOUT_VERSION, VERSION)).item()
+                if found != VERSION:
+                    raise ValueError(f"its states have layout version {found}, this program reads {VERSION}")
+                case = saved_case(file.attrs["case"], path)
             dataset = xr.load_dataset(path, engine="h5netcdf")
             del dataset.attrs["case"]
         except (OSError, KeyError, ValueError, RuntimeError) as error:

@@ -9,13 +9,26 @@ was integrated is a subspace of the whole, and the mode-acceleration method (R. 
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, whole_basis
+from exudyn_crawler.results.actions import (
+    Action,
+    AtInterface,
+    OnFrame,
+    OverMass,
+    OverRectangle,
+    OverSurface,
+    actions,
+)
 from exudyn_crawler.results.history import History
 from fem import ReducedBody
 from fem.patches import Underside, integrate_underside, mean_rows
+
+TIMES_AT_ONCE = 1000
+"""Times whose modal rows are held in memory together: 2 MB for 94 modes."""
 
 
 @dataclass(frozen=True)
@@ -66,47 +79,42 @@ def stress_basis(history: History) -> StressBasis:
 
 
 def modal_loads(history: History, basis: StressBasis, shoe: int) -> NDArray:
-    """Loads of all modes of a flexible shoe: pins, contact and machine load; array (times, M)."""
-    case = history.case
-    whole = basis.whole
+    """Loads of all modes of a flexible shoe by all that acts on it: array (times, M), N kg^-0.5."""
     frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
-    loads = np.zeros((len(frames), len(whole.frequencies)))
-    sides = [str(side) for side in history.pin.values]
-    pilots = {interface.name: rows for interface, rows in zip(whole.interfaces, whole.pilots, strict=True)}
-    # the link ahead acts on its rear shoe as stored, the link behind with the opposite
-    for end, joint, sign in (("front", shoe, 1.0), ("rear", shoe - 1, -1.0)):
-        if not 1 <= joint < case.track.shoe_count:
-            continue
-        for side in sides:
-            chosen = {"joint": joint, "pin": side}
-            force = np.nan_to_num(history.pin_force.sel(chosen).values)
-            torque = np.nan_to_num(history.pin_torque.sel(chosen).values)
-            wrench = np.hstack((_in_body(frames, force), _in_body(frames, torque)))
-            loads += sign * wrench @ pilots[f"{end} {side}"]
-
-    machine = np.zeros((len(frames), 3))
-    machine[:, 2] = -history.shoe_load.sel(shoe=shoe).values
-    loads += _in_body(frames, machine) @ whole.mean_rows(whole.weights("top"))
-
-    rows = np.zeros((3, loads.shape[1]))
-    terrain = case.terrain
-    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width])
-    footprint = case.shoe.footprint
-    under = basis.underside
-    # where the underside's own x = y = 0 lies, and how much its axes are foreshortened from above
-    origin = history.position.sel(shoe=shoe).values[:, :2] + footprint[4] * frames[:, :2, 2]
-    shortened = np.stack((frames[:, 0, 0], frames[:, 1, 1]), axis=-1)
-    for index in np.flatnonzero(history.contact_shoe.values == shoe):
-        center = terrain.centers[int(history.contact_unit[index]) - 1, :2]
-        force = (history.normal_force + history.friction_force).isel(contact=index).values
-        body_force = _in_body(frames, force)
-        low = np.maximum((center - half - origin) / shortened, footprint[[0, 2]])
-        high = np.minimum((center + half - origin) / shortened, footprint[[1, 3]])
-        for time in np.flatnonzero(history.area.isel(contact=index).values > 0.0):
-            (x0, y0), (x1, y1) = low[time], high[time]
-            mean_rows(under.corner, under.cell, under.integral, x0, x1, y0, y1, rows)
-            loads[time] += body_force[time] @ rows
+    loads = np.zeros((len(frames), len(basis.whole.frequencies)))
+    for action in actions(history, shoe):
+        _add_modal_loads(loads, action, frames, basis)
     return loads
+
+
+def _add_modal_loads(loads: NDArray, action: Action, frames: NDArray, basis: StressBasis) -> None:
+    """Add the modal loads of one action to `loads` (times, M)."""
+    whole = basis.whole
+    force = _in_body(frames, action.force)
+    match action.entry:
+        case AtInterface(name):
+            number = [interface.name for interface in whole.interfaces].index(name)
+            loads += np.hstack((force, _in_body(frames, action.moment))) @ whole.pilots[number]
+        case OverSurface(name):
+            loads += force @ whole.mean_rows(whole.weights(name))
+        case OverRectangle(low, high, pressed):
+            under = basis.underside
+            for times in np.array_split(np.flatnonzero(pressed), 1 + len(loads) // TIMES_AT_ONCE):
+                rows = _rectangle_rows(under.corner, under.cell, under.integral, low[times], high[times])
+                loads[times] += (force[times, None] @ rows)[:, 0]
+        case OnFrame() | OverMass():
+            pass
+
+
+@njit(cache=True)
+def _rectangle_rows(corner, cell, integral, low, high):
+    """Mean displacement rows over the rectangles of all times: (times, 3, modes)."""
+    rows = np.empty((len(low), *integral.shape[2:]))
+    for time in range(len(low)):
+        mean_rows(
+            corner, cell, integral, low[time, 0], high[time, 0], low[time, 1], high[time, 1], rows[time]
+        )
+    return rows
 
 
 def _in_body(frames: NDArray, vectors: NDArray) -> NDArray:

@@ -19,7 +19,7 @@ def in_phase(values: xr.DataArray, history: History, phase: str) -> xr.DataArray
     ValueError
         For any other phase.
     """
-    end = min(history.case.loads.switch_times, default=math.inf)
+    end = min(history.case.drive.switch_times, default=math.inf)
     if phase == "propel":
         return values.where(values.time <= end, drop=True)
     if phase == "loading":

@@ -9,9 +9,10 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.files import whole_file
+from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import StressBasis, stress_basis, whole_coordinates
+from exudyn_crawler.results.quantities import variable
 from fem import Extremes, ReducedBody, hot_spots, recover_extremes
 
 PICTURE_TIMES = (0.0, 5.0, 10.0, 15.0, 22.5, 30.0, 33.5, 40.0)
@@ -54,12 +55,7 @@ class StressResults:
         FileExistsError
             If the file exists and `overwrite` is false.
         """
-        compressed = {
-            name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.dataset.data_vars
-        }
-        with whole_file(path, overwrite) as temporary:
-            self.dataset.to_netcdf(temporary, engine="h5netcdf", encoding=compressed)
-        return path
+        return write_netcdf(self.dataset, path, overwrite)
 
 
 def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -> StressResults:
@@ -76,8 +72,7 @@ def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -
         If the run has no flexible shoes, or none of the times lies within it.
     """
     basis = stress_basis(history)
-    assert history.case.flexible is not None
-    shoes = list(history.case.flexible.shoes)
+    shoes = list(history.case.flexible_shoes().shoes)
     frames = _frames(history, times)
     found, tables = [], {}
     for shoe in shoes:
@@ -91,13 +86,9 @@ def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -
     spider = np.zeros(len(whole.nodes), dtype=bool)
     spider[whole.spider_nodes] = True
     dataset = dataset.assign(
-        node_position=(
-            ("node", "axis"),
-            whole.nodes,
-            {"units": "m", "long_name": "place in the shoe's frame"},
-        ),
-        triangle=(("face", "corner"), whole.mesh.boundary[:, :3], {"long_name": "nodes of the surface"}),
-        in_spider=("node", spider, {"long_name": "whether a joint's rigid spider holds the node"}),
+        node_position=variable("node_position", whole.nodes),
+        triangle=variable("triangle", whole.mesh.boundary[:, :3]),
+        in_spider=variable("in_spider", spider),
     ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
     return StressResults(dataset, tables, whole)
 
@@ -117,25 +108,17 @@ def _of_shoe(
     """Stress of one shoe with modal coordinates q (times, M)."""
     whole = basis.whole
     time = history.time.values
-    pascal = {"units": "Pa"}
+    named = {
+        "highest_von_mises": found.highest,
+        "highest_node": found.highest_nodes,
+        "peak_von_mises": found.greatest,
+        "peak_time": time[found.greatest_at],
+        "least_von_mises": found.least,
+        "frame_von_mises": whole.von_mises(q[frames]).astype(np.float32),
+        "frame_displacement": whole.displacement(q[frames]).astype(np.float32),
+    }
     return xr.Dataset(
-        {
-            "highest_von_mises": ("time", found.highest, pascal | {"long_name": "highest von Mises stress"}),
-            "highest_node": ("time", found.highest_nodes, {"long_name": "node of the highest stress"}),
-            "peak_von_mises": ("node", found.greatest, pascal | {"long_name": "greatest von Mises stress"}),
-            "peak_time": ("node", time[found.greatest_at], {"units": "s", "long_name": "when it occurs"}),
-            "least_von_mises": ("node", found.least, pascal | {"long_name": "least von Mises stress"}),
-            "frame_von_mises": (
-                ("frame", "node"),
-                whole.von_mises(q[frames]).astype(np.float32),
-                pascal | {"long_name": "von Mises stress"},
-            ),
-            "frame_displacement": (
-                ("frame", "node", "axis"),
-                whole.displacement(q[frames]).astype(np.float32),
-                {"units": "m", "long_name": "elastic displacement in the shoe's frame"},
-            ),
-        },
+        {name: variable(name, values, without=("shoe",)) for name, values in named.items()},
         coords={
             "time": ("time", time, {"units": "s"}),
             "frame": ("frame", time[frames], {"units": "s", "long_name": "chosen instants"}),

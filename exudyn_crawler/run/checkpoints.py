@@ -8,28 +8,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.model.state import StateLayout
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """End of a stage; rows as of `engine.System.state`.
+    """End of a stage.
 
     Attributes
     ----------
-    state : array (1 + 3 coordinates + multipliers,)
+    layout : StateLayout
+        What the numbers of a state are.
+    state : array (layout.size,)
         From which the run goes on.
-    rows : array (times, 1 + 3 coordinates + multipliers)
+    rows : array (times, layout.size)
         States that the stage stored.
     """
 
+    layout: StateLayout
     state: NDArray
     rows: NDArray
 
     @property
     def time(self) -> float:
         """End of the stage, s."""
-        return float(self.state[0])
+        return float(self.layout.part(self.state, "time"))
 
 
 class Checkpoints:
@@ -57,30 +62,38 @@ class Checkpoints:
             np.savez(
                 temporary,
                 case=np.array(case.model_dump_json()),
+                layout=np.array(checkpoint.layout.to_json()),
                 state=checkpoint.state,
                 rows=checkpoint.rows,
             )
 
-    def load(self, case: Case) -> list[Checkpoint]:
+    def load(self, case: Case, layout: StateLayout | None = None) -> list[Checkpoint]:
         """Checkpoints of a case from the first stage on, as far as there are any.
 
         Raises
         ------
         ValueError
-            If one comes from other parameters or cannot be read, naming its file.
+            If one comes from other parameters, cannot be read, has states of another version or, where
+            `layout` is given, of another layout, naming its file and what differs.
         """
         found: list[Checkpoint] = []
         while (path := self._file(len(found))).is_file():
             try:
                 with path.open("rb") as file, np.load(file) as content:
-                    saved = str(content["case"])
-                    found.append(Checkpoint(content["state"], content["rows"]))
+                    saved = saved_case(str(content["case"]), path)
+                    own = StateLayout.from_json(str(content["layout"]))
+                    found.append(Checkpoint(own, content["state"], content["rows"]))
             except (OSError, KeyError, ValueError, BadZipFile, EOFError) as error:
                 raise ValueError(f"checkpoint {path} cannot be read: {error}; delete it to go on") from error
-            if saved != case.model_dump_json():
+            if saved != case:
                 raise ValueError(
                     f"checkpoint {path} comes from other parameters: choose another folder "
                     f"or ask for overwriting"
+                )
+            if layout is not None and (differences := layout.differences(own)):
+                raise ValueError(
+                    f"checkpoint {path} has states of another layout: {'; '.join(differences)}; "
+                    f"delete it to go on"
                 )
         return found
 

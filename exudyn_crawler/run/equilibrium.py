@@ -5,10 +5,9 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
-from exudyn_crawler.ground.sphere_contact import SphereContact
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.system import System, build
+from exudyn_crawler.run.faults import at_fault
 
 RESIDUAL = 1e-3
 """N, root mean square of the residual that ends the iteration: 1e-9 of a shoe's load."""
@@ -26,7 +25,7 @@ def static_equilibrium(case: Case) -> NDArray:
     Returns
     -------
     array (coordinates,)
-        As in `engine`: m and rad, from the places at t = 0 before settling.
+        Laid out as `model.state` says: m and rad, from the places at t = 0 before settling.
 
     Raises
     ------
@@ -34,24 +33,25 @@ def static_equilibrium(case: Case) -> NDArray:
         Where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
         shoes that the ground carries least.
     """
+    system = build(case, static=True)
+    spheres = system.contact.spheres
     if case.terrain.heights is not None:
-        q = _on_uneven_ground(case)
+        q = _on_uneven_ground(system)
     else:
-        system = build(case, static=True)
         try:
             q = _rest(system, _first_guess(system))
         except EquilibriumError as error:
-            if case.contact_model != "general":
+            if spheres is None:
                 raise
             raise EquilibriumError(
-                f"{error}. The spheres' radius of {case.general_contact.radius} m may "
+                f"{error}. The spheres' radius of {spheres.radius} m may "
                 f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
             ) from error
-    if case.contact_model == "general" and (sunken := SphereContact(case).sunken(q)):
+    if spheres is not None and (sunken := system.contact.sunken(q)):
         raise EquilibriumError(
             f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
             f"the ground; they need a greater general_contact.radius than "
-            f"{case.general_contact.radius} m, or flatter ground"
+            f"{spheres.radius} m, or flatter ground"
         )
     return q
 
@@ -72,24 +72,25 @@ def _rest(system: System, guess: NDArray) -> NDArray:
     try:
         system.mbs.SolveStatic(settings)
     except exu.SolverError as error:
-        name = system.case.name
-        raise EquilibriumError(f"no static equilibrium of case {name!r} was found: {error}") from error
+        fault = at_fault(system, system.mbs.sys["staticSolver"])
+        raise EquilibriumError(
+            f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, {fault}"
+        ) from error
     return np.asarray(system.mbs.systemData.GetODE2Coordinates())
 
 
-def _on_uneven_ground(case: Case) -> NDArray:
+def _on_uneven_ground(system: System) -> NDArray:
     """Rest on uneven ground: by Newton's method from even ground, or else by damped motion.
 
     Exudyn's derivatives leave out how the links' forces turn with the shoes, so that Newton's method alone
     creeps away from some states where shoes stand on edges.
     """
+    case = system.case
     even = build(case.with_(terrain=case.terrain.with_(heights=None)), static=True)
     q = _rest(even, _first_guess(even))
-    system = build(case, static=True)
-    assert isinstance(system.contact, SphereContact)
     ground = system.contact.ground_below(q, case.terrain.top_heights)
     guess = q.copy()
-    guess[2 : 6 * len(ground) : 6] += ground.mean(axis=1)
+    guess[2 : 6 * len(ground) : 6] += ground
     try:
         return _rest(system, guess)
     except EquilibriumError:
@@ -119,8 +120,8 @@ def _relaxed(system: System, q: NDArray) -> NDArray:
             system.mbs.SolveDynamic(settings)
         except exu.SolverError as error:
             raise EquilibriumError(
-                f"no static equilibrium of case {name!r} was found on its uneven ground. "
-                f"{_unsupported(system)}"
+                f"no static equilibrium of case {name!r} was found on its uneven ground: damped motion "
+                f"failed, {at_fault(system, system.mbs.sys['dynamicSolver'])}. {_unsupported(system)}"
             ) from error
         q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
         speed = np.abs(system.mbs.systemData.GetODE2Coordinates_t()).max()
@@ -155,18 +156,8 @@ def _first_guess(system: System) -> NDArray:
     q = np.zeros(system.contact.size)
     shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
     loads = case.loads.loads(0.0)[0] + case.shoe.mass * case.gravity
-    law = case.contact
-    penetration = (np.maximum(loads, 0.0) / law.stiffness) ** (1.0 / law.exponent)
     sag = case.terrain.unit_mass * case.gravity / case.terrain.heave_stiffness
-    shoes[:, 2] = -sag - penetration
+    shoes[:, 2] = -sag - system.contact.settled_depth(loads)
     terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
-    if isinstance(system.contact.coordinates, ConstrainedCoordinates):
-        terrain.reshape(-1, 6)[:, 2] = -sag
-    else:
-        # heave of all units by the same amount is a combination of the modes
-        heave = system.contact.coordinates.modes.heave  # type: ignore[attr-defined]
-        tilt = system.contact.coordinates.modes.tilt  # type: ignore[attr-defined]
-        shapes = np.vstack((heave, tilt))
-        wanted = np.concatenate((np.full(len(heave), -sag), np.zeros(len(tilt))))
-        terrain[:] = np.linalg.lstsq(shapes, wanted, rcond=None)[0]
+    terrain[:] = system.contact.coordinates.sunk_evenly(-sag)
     return q

@@ -17,7 +17,7 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from exudyn_crawler.case.files import CaseFile, read_case, write_case
+from exudyn_crawler.case import CaseFile, read_case, write_case
 from exudyn_crawler.errors import CaseFileError, SimulationStopped
 from exudyn_crawler.files import writable_folder
 from exudyn_crawler.run.record import (

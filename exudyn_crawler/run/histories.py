@@ -3,7 +3,7 @@
 import tempfile
 from pathlib import Path
 
-from exudyn_crawler.case.files import CaseFile
+from exudyn_crawler.case import CaseFile
 from exudyn_crawler.results.history import History
 
 HISTORY = "history.nc"

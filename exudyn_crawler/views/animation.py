@@ -7,20 +7,26 @@ from pathlib import Path
 import imageio_ffmpeg
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 from PIL import Image
 
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.curves import STYLE
-from exudyn_crawler.views.track_views import LONGEST, PlanView, SideView, greatest_shoe_force, ground_scale
+from exudyn_crawler.views.placement import greatest_shoe_force, instant
+from exudyn_crawler.views.plan_view import PlanView
+from exudyn_crawler.views.scales import ground_scale, shoe_force_scale
+from exudyn_crawler.views.side_view import SideView
 
 DPI = 100
 GIF_DPI = 75
-COLOURS = 96
-"""Colours of a GIF."""
+GIF_COLOUR_COUNT = 96
+VIEW_WIDTH, SPEED_HEIGHT, WRITING_HEIGHT = 10.4, 1.55, 1.9
+"""Inches: width of both views, height of the speeds, and height of all writing above and below."""
 
 
 class TrackPicture:
@@ -32,7 +38,7 @@ class TrackPicture:
     scale : float
         Magnification of the ground's displacements in the side view.
     dpi : float
-        Resolution; the picture is 12 by 10 inches.
+        Resolution; the picture is 12 inches wide and as high as the track asks for, about 10.
 
     Attributes
     ----------
@@ -41,15 +47,16 @@ class TrackPicture:
 
     def __init__(self, history: History, scale: float, dpi: float = DPI) -> None:
         self._history = history
-        force = greatest_shoe_force(history)
         with mpl.rc_context(STYLE):
             self.figure = Figure(figsize=(12.0, 10.0), dpi=dpi)
-            above, side, speed = self.figure.subplots(3, 1, height_ratios=(4.9, 2.2, 1.6))
+            grid = self.figure.add_gridspec(3, 1)
+            above, side, speed = (self.figure.add_subplot(grid[row]) for row in range(3))
             plan = PlanView(above, history)
-            self._views = (plan, SideView(side, history, scale, LONGEST / force if force > 0.0 else 1.0))
+            self._views = (plan, SideView(side, history, scale, shoe_force_scale(history)))
             self.figure.colorbar(
                 plan.ground, ax=[above, side], label="heave of units in mm", fraction=0.02, pad=0.01
             )
+            force = greatest_shoe_force(history)
             side.set_title(
                 f"displacement of the ground drawn {scale:g} times larger, depth of the shoes in it at true "
                 f"scale; arrows: contact force on each shoe, the greatest of the run {force / 1e3:.3g} kN",
@@ -58,14 +65,13 @@ class TrackPicture:
             )
             for axes in (above, side):
                 axes.grid(False)
-            shoes = history.shoe.values
-            for shoe, name in ((shoes[0], "rear"), (shoes[-1], "front")):
-                values = history.velocity.sel(shoe=shoe, axis="x")
-                speed.plot(values.time, values, label=f"shoe {shoe} ({name})")
-            speed.set(xlabel="time in s", ylabel="x velocity in m/s", xlim=(0.0, history.duration))
-            speed.legend(loc="upper left", ncols=2)
-            self._cursor = speed.axvline(0.0, color="black", lw=0.8)
+            self._cursor = _draw_speeds(speed, history)
             self._title = self.figure.suptitle("", x=0.01, ha="left")
+            # both views become as wide as the picture has room for
+            metres = np.ptp(above.get_ylim()), np.ptp(side.get_ylim())
+            heights = [VIEW_WIDTH * m / np.ptp(side.get_xlim()) for m in metres]
+            self.figure.set_size_inches(12.0, round(sum(heights) + SPEED_HEIGHT + WRITING_HEIGHT, 1))
+            grid.set_height_ratios([*heights, SPEED_HEIGHT])
             self.show(0.0)
             # places are found once; finding them anew would take most of the time of a picture
             self.figure.draw_without_rendering()
@@ -73,7 +79,7 @@ class TrackPicture:
 
     def show(self, time: float) -> Figure:
         """Bring the picture to the stored time nearest to `time` (s)."""
-        now = self._history.dataset.sel(time=time, method="nearest")
+        now = instant(self._history, time)
         for view in self._views:
             view.show(now)
         self._cursor.set_xdata([float(now.time)] * 2)
@@ -83,8 +89,21 @@ class TrackPicture:
     def image(self, time: float) -> NDArray:
         """Picture at a time as red, green and blue: array (height, width, 3), uint8."""
         canvas = FigureCanvasAgg(self.show(time))
-        canvas.draw()
+        # ticks are chosen when drawn, by the style's size of writing
+        with mpl.rc_context(STYLE):
+            canvas.draw()
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def _draw_speeds(ax: Axes, history: History) -> Line2D:
+    """Draw the x velocity of both ends over time, and a cursor, which is returned."""
+    shoes = history.shoe.values
+    for shoe, name in ((shoes[0], "rear"), (shoes[-1], "front")):
+        values = history.velocity.sel(shoe=shoe, axis="x")
+        ax.plot(values.time, values, label=f"shoe {shoe} ({name})")
+    ax.set(xlabel="time in s", ylabel="x velocity in m/s", xlim=(0.0, history.duration))
+    ax.legend(loc="upper left", ncols=2)
+    return ax.axvline(0.0, color="black", lw=0.8)
 
 
 def write_animation(
@@ -162,6 +181,8 @@ def _write_mp4(images: Iterator[NDArray], rate: int, path: Path) -> None:
 
 def _write_gif(images: Iterator[NDArray], rate: int, path: Path) -> None:
     """GIF by pillow, picture for picture, since all of them at once would fill the memory."""
-    pictures = (Image.fromarray(image).quantize(COLOURS, dither=Image.Dither.NONE) for image in images)
+    pictures = (
+        Image.fromarray(image).quantize(GIF_COLOUR_COUNT, dither=Image.Dither.NONE) for image in images
+    )
     first = next(pictures)
     first.save(path, save_all=True, append_images=pictures, duration=1e3 / rate, loop=0)

@@ -104,23 +104,24 @@ def axis_panels(
     ]
 
 
-def kinematic_series(history: History, quantity: str, shoe: int) -> xr.DataArray:
-    """Kinematic quantity of a shoe in the figures' unit; displacements count from equilibrium."""
+def kinematic_series(dataset: xr.Dataset, quantity: str) -> xr.DataArray:
+    """Kinematic quantity of all shoes in the figures' unit; displacements count from equilibrium."""
     name, _, factor = KINEMATICS[quantity]
-    values = history.dataset[name].sel(shoe=shoe)
+    values = dataset[name]
     return factor * (values - values.isel(time=0) if name == "position" else values)
 
 
 def kinematic_figure(history: History, quantity: str, shoes: Sequence[int] = SHOES) -> Figure:
     """x, y and z of a kinematic quantity of some shoes."""
-    curves = {f"shoe {shoe}": kinematic_series(history, quantity, shoe) for shoe in shoes}
+    values = kinematic_series(history.dataset, quantity)
+    curves = {f"shoe {shoe}": values.sel(shoe=shoe) for shoe in shoes}
     panels = axis_panels(quantity, KINEMATICS[quantity][1], curves)
     return panel_figure(f"{history.case.name}: {quantity}", panels)
 
 
 def comparison_figure(histories: Mapping[str, History], quantity: str, shoe: int) -> Figure:
     """x, y and z of a kinematic quantity of one shoe in several cases."""
-    curves = {case: kinematic_series(one, quantity, shoe) for case, one in histories.items()}
+    curves = {case: kinematic_series(one.dataset, quantity).sel(shoe=shoe) for case, one in histories.items()}
     panels = axis_panels(quantity, KINEMATICS[quantity][1], curves)
     return panel_figure(f"shoe {shoe}: {quantity}", panels)
 

@@ -5,49 +5,34 @@ from collections.abc import Sequence
 import xarray as xr
 from matplotlib.figure import Figure
 
-from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.history import History
-from exudyn_crawler.views.curves import JOINTS, SHOES, Panel, axis_panels, panel_figure
-
-CONTACT_VECTORS = {
-    "normal force": ("normal_force", "N"),
-    "slip velocity": ("slip_velocity", "m/s"),
-    "friction force": ("friction_force", "N"),
-    "contact force": ("contact_force", "N"),
-}
-CONTACT_SCALARS = {
-    "penetration depth": ("penetration", "m"),
-    "sinkage velocity": ("penetration_rate", "m/s"),
-    "friction torque": ("friction_torque", "N m"),
-}
-JOINT_VECTORS = {
-    "spherical joint reaction": ("joint_force", "N"),
-    "parallel joint torque": ("joint_torque", "N m"),
-}
+from exudyn_crawler.views.curves import JOINTS, SHOES, panel_figure
+from exudyn_crawler.views.series import (
+    CONTACT_SCALARS,
+    CONTACT_VECTORS,
+    JOINT_VECTORS,
+    TERRAIN_DEFORMATION,
+    deformation_panels,
+    history_series,
+    link_names,
+    shoe_names,
+)
 
 
 def force_figures(
     history: History, shoes: Sequence[int] = SHOES, joints: Sequence[int] = JOINTS
 ) -> dict[str, Figure]:
     """Every figure of one case, by a name that can be a file's; some shoes, and links by their rear shoe."""
-    contacts = contacts_by_shoe(history)
-    case = history.case.name
-    figures = {}
-    for title, (name, unit) in CONTACT_VECTORS.items():
-        curves = {f"shoe {shoe}": contacts[name].sel(shoe=shoe) for shoe in shoes}
-        figures[title] = panel_figure(f"{case}: {title}", axis_panels(title, unit, curves))
-    scalars = [
-        Panel(title, unit, {f"shoe {s}": vertical(contacts[name].sel(shoe=s)) for s in shoes})
-        for title, (name, unit) in CONTACT_SCALARS.items()
+    found = history_series(history)
+    items, links = shoe_names(shoes), link_names(joints)
+    panels = {label: found[label].panels(items) for label in CONTACT_VECTORS}
+    panels["sinkage and friction torque"] = [
+        panel for label in CONTACT_SCALARS for panel in found[label].panels(items)
     ]
-    figures["sinkage and friction torque"] = panel_figure(f"{case}: sinkage and friction torque", scalars)
-    for title, (name, unit) in JOINT_VECTORS.items():
-        curves = {f"link {j}-{j + 1}": history.dataset[name].sel(joint=j) for j in joints}
-        figures[title] = panel_figure(f"{case}: {title}", axis_panels(title, unit, curves))
-    deformation = Panel("deformation", "m", {"terrain": terrain_deformation(history)})
-    figures["terrain deformation"] = panel_figure(
-        f"{case}: total terrain deformation from equilibrium", [deformation]
-    )
+    panels |= {label: found[label].panels(links) for label in JOINT_VECTORS}
+    case = history.case.name
+    figures = {name: panel_figure(f"{case}: {name}", one) for name, one in panels.items()}
+    figures["terrain deformation"] = panel_figure(f"{case}: {TERRAIN_DEFORMATION}", deformation_panels(found))
     return figures
 
 

@@ -1,12 +1,13 @@
-"""Where shoes and contacts are at one time of a history, in global and in shoe's axes."""
+"""Where shoes and contacts are at one time of a history, and what contact does to each shoe."""
 
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from exudyn_crawler.case import Case
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history import History
 
@@ -49,6 +50,11 @@ class Pose:
         return vectors @ self.frame
 
 
+def shoe_poses(now: xr.Dataset) -> list[Pose]:
+    """Poses of all shoes in one instant, in their order."""
+    return [Pose.of(now, int(shoe)) for shoe in now.shoe.values]
+
+
 def instant(history: History, time: float) -> xr.Dataset:
     """State of a history at the stored time nearest to `time` (s)."""
     return history.dataset.sel(time=time, method="nearest")
@@ -69,20 +75,26 @@ def touching(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray
     return now.point.transpose("contact", "axis").values[meets], forces[meets]
 
 
-def round_down(value: float) -> float:
-    """Greatest of 1, 2, 5 times a power of ten that is not above a positive value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12)))
+def shoe_forces(now: xr.Dataset) -> tuple[NDArray, NDArray]:
+    """Contact of each shoe in one instant: centre of pressure (shoes, 3), m, and force (shoes, 3), N.
+
+    The centre of a shoe without contact is not a number.
+    """
+    found = [touching(now, int(shoe)) for shoe in now.shoe.values]
+    centers = np.full((len(found), 3), np.nan)
+    for row, (points, forces) in enumerate(found):
+        pressed = forces[:, 2].sum()
+        if pressed > 0.0:
+            centers[row] = forces[:, 2] @ points / pressed
+    return centers, np.array([forces.sum(axis=0) for _, forces in found]).reshape(-1, 3)
 
 
-def round_up(value: float) -> float:
-    """Least of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten that is not below a positive value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-    return float(power * min(step for step in steps if step * power >= value * (1.0 - 1e-12)))
+def greatest_shoe_force(history: History) -> float:
+    """Greatest contact force on a shoe over the run, N."""
+    total = (history.normal_force + history.friction_force).groupby("contact_shoe").sum()
+    return float(np.sqrt((total**2).sum("axis")).max())
 
 
-def drawn_scale(values: ArrayLike, length: float) -> float:
-    """Round factor that draws the greatest magnitude of `values` at most `length` long; 1 if all are zero."""
-    greatest = float(np.abs(values).max(initial=0.0))
-    return round_down(length / greatest) if greatest > 0.0 else 1.0
+def unloaded_level(case: Case) -> float:
+    """Heave of units that carry nothing but themselves, m."""
+    return -case.terrain.unit_mass * case.gravity / case.terrain.heave_stiffness

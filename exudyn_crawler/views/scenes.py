@@ -20,11 +20,10 @@ from matplotlib.colors import Normalize
 from matplotlib.patches import FancyArrowPatch
 from numpy.typing import NDArray
 
+from exudyn_crawler.views.colours import CONTACT_FORCE, STRESS_MAP
+
 Backend = Literal["opengl", "plain"]
 
-COLOURS = "YlOrRd"
-"""Colour map of stresses: pale where there is little, so that shading shows the shape."""
-ARROW_COLOUR = "#1f4fd8"
 ARROW_WIDTH = 0.014
 """m, diameter of an arrow's shaft."""
 FINEST = 0.12
@@ -170,7 +169,6 @@ def draw_scene(
     ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
     if backend == "opengl":
         box = ax.get_window_extent()
-        assert ax.figure is not None
         per_metre = min(box.width / (window[1] - window[0]), box.height / (window[3] - window[2]))
         image = opengl_image(scene, view, window, limits, per_metre * dpi / ax.figure.dpi)
         ax.imshow(image, extent=window, aspect="equal", interpolation="lanczos", zorder=1)
@@ -201,7 +199,7 @@ def opengl_image(
             pyvista.PolyData.from_regular_faces(scene.points, scene.triangles),
             scalars=scene.values,
             clim=limits,
-            cmap=COLOURS,
+            cmap=STRESS_MAP,
             show_scalar_bar=False,
             smooth_shading=True,
             split_sharp_edges=True,
@@ -214,7 +212,7 @@ def opengl_image(
             length = float(np.linalg.norm(head - tail))
             if length > ARROW_WIDTH:
                 arrow = _arrow(tail, head - tail, length)
-                plotter.add_mesh(arrow, color=ARROW_COLOUR, ambient=0.4, render=False)
+                plotter.add_mesh(arrow, color=CONTACT_FORCE, ambient=0.4, render=False)
         center = 0.5 * (
             (window[0] + window[1]) * view.right + (window[2] + window[3]) * view.up
         ) + view.toward * float((scene.points @ view.toward).mean())
@@ -253,7 +251,7 @@ def draw_plain(ax: Axes, scene: Scene, view: View, limits: tuple[float, float]) 
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     seen = np.flatnonzero(normals[:, 2] > 0.0)
     order = seen[np.argsort(corners[seen, :, 2].mean(axis=1), kind="stable")]
-    colours = mpl.colormaps[COLOURS](Normalize(*limits)(values.mean(axis=1)[order]))
+    colours = mpl.colormaps[STRESS_MAP](Normalize(*limits)(values.mean(axis=1)[order]))
     shade = 0.45 + 0.65 * np.clip(normals[order] @ (LIGHT / np.linalg.norm(LIGHT)), 0.0, 1.0)
     colours[:, :3] = np.clip(colours[:, :3] * shade[:, None], 0.0, 1.0)
     ax.add_collection(
@@ -271,7 +269,7 @@ def draw_plain(ax: Axes, scene: Scene, view: View, limits: tuple[float, float]) 
                 arrowstyle="-|>",
                 mutation_scale=6,
                 lw=1.0,
-                color=ARROW_COLOUR,
+                color=CONTACT_FORCE,
                 zorder=2,
                 shrinkA=0,
                 shrinkB=0,

@@ -1,67 +1,66 @@
 """Figures 11 to 17 and 21 of the S-paper: flexible shoes over the cycle."""
 
-from collections.abc import Mapping
+from dataclasses import replace
 
-import xarray as xr
 from matplotlib.figure import Figure
 
-from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.stresses import StressResults
-from exudyn_crawler.views.curves import Panel, axis_panels, kinematic_series, panel_figure
+from exudyn_crawler.views.curves import Panel, panel_figure
+from exudyn_crawler.views.series import (
+    HIGHEST_STRESS,
+    TERRAIN_DEFORMATION,
+    Series,
+    deformation_panels,
+    history_series,
+    shoe_names,
+)
 
+OF_SHOES = {
+    "displacement": "displacement from equilibrium",
+    "velocity": "velocity",
+    "angular velocity": "angular velocity",
+    "contact force": "contact force",
+}
+"""Figures of the flexible shoes and the series that they draw."""
+OF_PINS = {"revolute joint reaction": "pin force", "revolute joint torque": "pin torque"}
+"""Same of the pins, a figure for each side."""
 MODES_DRAWN = 6
 """Lowest modal coordinates in the figure."""
-MOTION = {"displacement": "m", "velocity": "m/s", "angular velocity": "deg/s"}
 
 
 def stress_figures(history: History, results: StressResults) -> dict[str, Figure]:
-    """Every figure of a run, by a name that can be a file's."""
-    assert history.case.flexible is not None
-    shoes = history.case.flexible.shoes
-    figures = {}
-    for quantity, unit in MOTION.items():
-        curves = {f"shoe {shoe}": kinematic_series(history, quantity, shoe) for shoe in shoes}
-        figures[quantity] = _axes_figure(quantity, unit, curves)
-    contacts = contacts_by_shoe(history).contact_force
-    curves = {f"shoe {shoe}": contacts.sel(shoe=shoe) for shoe in shoes}
-    figures["contact force"] = _axes_figure("contact force", "N", curves)
-    for quantity, name, unit in (("reaction", "pin_force", "N"), ("torque", "pin_torque", "N m")):
+    """Every figure of a run with flexible shoes, by a name that can be a file's."""
+    found = history_series(history, results.dataset)
+    shoes = shoe_names(history.flexible_shoe.values)
+    figures = {
+        name: panel_figure(f"flexible shoes: {name}", found[label].panels(shoes))
+        for name, label in OF_SHOES.items()
+    }
+    for name, label in OF_PINS.items():
         for side in history.pin.values:
-            title = f"{side} revolute joint {quantity}"
-            figures[title] = _axes_figure(title, unit, _pins(history, name, str(side)))
-    deformation = Panel("deformation", "m", {"terrain": terrain_deformation(history)})
-    figures["terrain deformation"] = panel_figure("total terrain deformation from equilibrium", [deformation])
+            figures[f"{side} {name}"] = panel_figure(
+                f"flexible shoes: {side} {name}", _of_side(found[label], str(side)).panels()
+            )
+    figures["terrain deformation"] = panel_figure(TERRAIN_DEFORMATION, deformation_panels(found))
     figures["modal coordinates"] = panel_figure(
         f"modal coordinates 1 to {MODES_DRAWN}",
-        [
-            Panel(
-                f"shoe {shoe}",
-                "kg0.5 m",
-                {
-                    f"{float(mode.frequency):.0f} Hz": mode
-                    for mode in history.modal_coordinate.sel(flexible_shoe=shoe)
-                    .isel(mode=slice(MODES_DRAWN))
-                    .transpose("mode", "time")
-                },
-            )
-            for shoe in shoes
-        ],
+        [_modal_panel(history, int(shoe)) for shoe in history.flexible_shoe.values],
     )
-    highest = results.dataset.highest_von_mises / 1e6
-    figures["highest von Mises stress"] = panel_figure(
-        "highest nodal von Mises stress",
-        [Panel(f"shoe {shoe}", "MPa", {f"shoe {shoe}": highest.sel(shoe=shoe)}) for shoe in shoes],
+    figures[HIGHEST_STRESS] = panel_figure(
+        "highest nodal von Mises stress", found[HIGHEST_STRESS].panels_by_item()
     )
     return figures
 
 
-def _axes_figure(title: str, unit: str, curves: Mapping[str, xr.DataArray]) -> Figure:
-    return panel_figure(f"flexible shoes: {title}", axis_panels(title, unit, curves))
+def _of_side(pins: Series, side: str) -> Series:
+    """Series of the pins on one side, named after their links."""
+    chosen = [str(item) for item in pins.values["item"].values if str(item).endswith(f" {side}")]
+    links = [item.removesuffix(f" {side}") for item in chosen]
+    return replace(pins, values=pins.values.sel(item=chosen).assign_coords(item=links))
 
 
-def _pins(history: History, name: str, side: str) -> dict[str, xr.DataArray]:
-    """Curves of all links with a flexible shoe."""
-    values = history.dataset[name]
-    linked = values.notnull().all(["time", "pin", "axis"])
-    return {f"link {j}-{j + 1}": values.sel(pin=side, joint=j) for j in values.joint.values[linked.values]}
+def _modal_panel(history: History, shoe: int) -> Panel:
+    lowest = history.modal_coordinate.sel(flexible_shoe=shoe).isel(mode=slice(MODES_DRAWN))
+    curves = {f"{float(mode.frequency):.0f} Hz": mode for mode in lowest.transpose("mode", "time")}
+    return Panel(f"shoe {shoe}", "kg0.5 m", curves)

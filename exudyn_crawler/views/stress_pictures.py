@@ -6,9 +6,7 @@ what it holds.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
 
 import matplotlib as mpl
 import numpy as np
@@ -20,58 +18,18 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.views.colours import STRESS_MAP
 from exudyn_crawler.views.curves import STYLE, save_figure
-from exudyn_crawler.views.placement import Pose, drawn_scale, instant, round_up, touching
-from exudyn_crawler.views.scenes import COLOURS, Backend, Scene, View, draw_scene, usual_backend
-from exudyn_crawler.views.track_views import LONGEST, SideView, greatest_shoe_force
+from exudyn_crawler.views.placement import Pose, instant, touching
+from exudyn_crawler.views.scales import MEGA, Scales
+from exudyn_crawler.views.scenes import Backend, Scene, View, draw_scene, usual_backend
+from exudyn_crawler.views.side_view import SideView
 
-MEGA = 1e6
-BENT = 0.04
-"""m, length at which the greatest elastic displacement is drawn at most."""
-LONGEST_PAIR = 0.4
-"""m, length at which the greatest force of a single contact is drawn."""
 SPREAD = 3.62
 """m that a column of shoes shows from left to right."""
 BEHIND_ABOVE = View.seen_from(azimuth=190.0, elevation=30.0)
 AHEAD_BELOW = View.seen_from(azimuth=10.0, elevation=-30.0)
 FROM_THE_RIGHT = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
-
-
-@dataclass(frozen=True)
-class Scales:
-    """What all pictures of a study have in common.
-
-    Attributes
-    ----------
-    stress : float
-        Stress at the end of the colours, Pa.
-    displacement : float
-        Magnification of the elastic displacement.
-    pair_force, shoe_force : float
-        m that are drawn for 1 N of a single contact, and of all contacts of a shoe.
-    """
-
-    stress: float
-    displacement: float
-    pair_force: float
-    shoe_force: float
-
-    @classmethod
-    def of(cls, stress: xr.Dataset, history: History) -> Self:
-        """Scales that fit all chosen times of a study."""
-        surface = np.unique(stress.triangle.values)
-        greatest = float(stress.frame_von_mises.isel(node=surface).max())
-        pairs = [touching(instant(history, float(time)))[1] for time in stress.frame]
-        longest = max(
-            (float(np.linalg.norm(forces, axis=1).max(initial=0.0)) for forces in pairs), default=0.0
-        )
-        total = greatest_shoe_force(history)
-        return cls(
-            stress=round_up(greatest) if greatest > 0.0 else MEGA,
-            displacement=drawn_scale(stress.frame_displacement.values, BENT),
-            pair_force=LONGEST_PAIR / longest if longest > 0.0 else 0.0,
-            shoe_force=LONGEST / total if total > 0.0 else 0.0,
-        )
 
 
 def shoe_scene(
@@ -245,7 +203,7 @@ class _Page:
         """Bar of the colours at the right."""
         ax = self.axes(self.width - 0.75, self.STRIP + self.BOTTOM + 0.4, 0.18, self.tall - 0.5)
         self.figure.colorbar(
-            ScalarMappable(Normalize(*limits), COLOURS), cax=ax, label="von Mises stress in MPa"
+            ScalarMappable(Normalize(*limits), STRESS_MAP), cax=ax, label="von Mises stress in MPa"
         )
 
 

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from exudyn_crawler.files import whole_file
 
-COLOURS = {"yes": "green", "no": "red", "": ""}
+VERDICT_STYLES = {"yes": "green", "no": "red", "": ""}
 
 
 def print_table(table: pd.DataFrame, title: str, console: Console | None = None) -> None:
@@ -23,7 +23,7 @@ def print_table(table: pd.DataFrame, title: str, console: Console | None = None)
         shown.add_column(escape(str(name)), justify="right" if right else "left")
     for row in table.itertuples(index=False):
         cells = [escape(_cell(value)) for value in row]
-        style = COLOURS.get(getattr(row, "within", ""), "")
+        style = VERDICT_STYLES.get(getattr(row, "within", ""), "")
         shown.add_row(*cells, style=style)
     console.print(shown)
 

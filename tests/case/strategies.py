@@ -8,15 +8,19 @@ import typing
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from exudyn_crawler import Case, StepProfile
+from exudyn_crawler import Case, CaseFile, Outputs, SphereContact, StepProfile
 from exudyn_crawler.case.base import Parameters
-from exudyn_crawler.case.files import CaseFile, allows_none, model_of
-from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.case.fields import allows_none, models_of, named_values
 from meshes import SHOE_SIZES
 
 # no lone surrogates: they are no text that a file could hold
 TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
-BASES = (Case.translation(), Case.turning(), Case.stress())
+BASES = (
+    Case.translation(),
+    Case.turning(),
+    Case.stress(),
+    Case.translation().with_(contact=SphereContact.oil_sand()),
+)
 
 
 def changed_value(value, annotation):
@@ -40,7 +44,9 @@ def changed_value(value, annotation):
         # rising numbers stay so
         return whole.map(lambda one: tuple(sorted(set(one)))) if _rising(value) else whole
     if isinstance(value, Parameters):
-        return changed(value)
+        others = [kind for kind in models_of(annotation) if kind is not type(value)]
+        made = [make() for kind in others for make in named_values(kind).values()]
+        return st.sampled_from([value, *made]).flatmap(changed)
     raise AssertionError(f"no strategy for {value!r}")
 
 
@@ -63,7 +69,7 @@ def changed(draw, base):
         # a mesh has to be there to be read
         sizes = st.sampled_from(SHOE_SIZES)
         strategy = sizes if name == "mesh" else changed_value(value, field.annotation)
-        if allows_none(field.annotation) and model_of(field.annotation) is not StepProfile:
+        if allows_none(field.annotation) and StepProfile not in models_of(field.annotation):
             strategy |= st.none()
         try:
             new = new.with_(**{name: draw(strategy)})
@@ -87,11 +93,12 @@ def case_files(draw):
 def _names(model):
     for name, field in model.model_fields.items():
         yield name
-        if part := model_of(field.annotation):
+        for part in models_of(field.annotation):
             yield from _names(part)
 
 
-NAMES = sorted({*_names(CaseFile), "base", "wrong"} - {"case"})
+OLD = {"contact_model", "general_contact", "drive_on"}
+NAMES = sorted({*_names(CaseFile), *OLD, "base", "wrong"} - {"case"})
 PLAIN = (
     st.none().map(lambda _none: "none")
     | st.booleans()
@@ -99,7 +106,9 @@ PLAIN = (
     | st.floats()
     | TEXT
     | st.datetimes()
-    | st.sampled_from(["translation", "stress", "ph4100c", "coarse", "pitch"])
+    | st.sampled_from(
+        ["translation", "stress", "ph4100c", "coarse", "pitch", "oil_sand", "spheres", "general"]
+    )
 )
 TOML = st.dictionaries(
     st.sampled_from(NAMES) | TEXT,

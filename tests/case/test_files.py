@@ -9,9 +9,19 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from exudyn_crawler import Case, FlexibleShoes, LoadCycle, Terrain
-from exudyn_crawler.case.files import CaseFile, key_paths, named_values
-from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler import (
+    Case,
+    CaseFile,
+    FlexibleShoes,
+    LoadCycle,
+    Outputs,
+    PairContact,
+    SphereContact,
+    Terrain,
+    read_case,
+    write_case,
+)
+from exudyn_crawler.case.fields import key_paths, named_values
 from exudyn_crawler.case.text import case_table, case_text, number_text
 from exudyn_crawler.errors import CaseFileError
 from meshes import shoe_path
@@ -27,7 +37,7 @@ def read(tmp_path):
     def read(text):
         path = tmp_path / "case.toml"
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return CaseFile.read(path)
+        return read_case(path)
 
     return read
 
@@ -49,10 +59,10 @@ def refused(read, tmp_path):
 @SAME_FOLDER
 @given(case_files())
 def test_what_is_written_is_read_back(tmp_path, case_file):
-    path = case_file.write(tmp_path / "case.toml", overwrite=True)
-    assert CaseFile.read(path) == case_file
+    path = write_case(case_file, tmp_path / "case.toml", overwrite=True)
+    assert read_case(path) == case_file
     text = path.read_bytes()
-    CaseFile.read(path).write(path, overwrite=True)
+    write_case(read_case(path), path, overwrite=True)
     assert path.read_bytes() == text
 
 
@@ -99,6 +109,51 @@ def test_parts_have_bases_of_their_own(read):
     assert found.case.terrain == Terrain.stress().with_(spring_damping=1e5)
     assert found.case.loads == LoadCycle.shovel_cycle()
     assert found.case.flexible == FlexibleShoes.ph4100c("coarse")
+
+
+PAIR, SPHERES = PairContact.oil_sand(), SphereContact.oil_sand()
+
+
+@pytest.mark.parametrize(
+    ("text", "contact"),
+    [
+        ('model = "spheres"\nbase = "oil_sand"', SPHERES),
+        ('model = "pair"\nbase = "oil_sand"', PAIR),
+        ('base = "oil_sand"', PAIR),
+        ("stiffness = 2e8", PAIR.with_(stiffness=2e8)),
+        ('model = "pair"\nstiffness = 2e8', PAIR.with_(stiffness=2e8)),
+        ('model = "spheres"\nbase = "oil_sand"\nradius = 0.25', SPHERES.with_(radius=0.25)),
+    ],
+)
+def test_contact_is_of_the_model_that_is_named(read, text, contact):
+    assert read(f'base = "translation"\n[contact]\n{text}\n').case.contact == contact
+
+
+def test_a_contact_without_model_is_the_pair_law_beside_no_base_too(read):
+    """A base alone is no old key."""
+    base = case_text(CaseFile(case=Case.turning()))
+    whole = re.sub(r"\[contact\]\n(.+\n)+", '[contact]\nbase = "oil_sand"\n', base)
+    assert whole != base
+    assert read(whole).case == Case.turning()
+
+
+def test_what_the_base_says_of_another_model_is_forgotten(refused):
+    faults = refused('base = "translation"\n[contact]\nmodel = "spheres"\nfriction_speed = 0.01\n')
+    assert "contact.radius: missing; give it, or a base for what is left out" in faults
+    assert "contact.damping: missing; give it, or a base for what is left out" in faults
+
+
+def test_keys_of_the_other_model_are_named_with_it(refused):
+    assert refused('base = "translation"\n[contact]\nradius = 0.2\n') == [
+        "contact.radius: unknown key with model = 'pair'; model = 'spheres' has it"
+    ]
+    spheres = 'base = "translation"\n[contact]\nmodel = "spheres"\nbase = "oil_sand"\n'
+    assert refused(f"{spheres}sharing = 'area'\n") == [
+        "contact.sharing: unknown key with model = 'spheres'; model = 'pair' has it"
+    ]
+    assert refused(f"{spheres}raduis = 0.2\n") == [
+        "contact.raduis: unknown key; did you mean contact.radius?"
+    ]
 
 
 def test_none_takes_a_value_away(read):
@@ -168,6 +223,11 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ("[outputs]\npicture_times = [2, 1]", "outputs: picture_times must be from 0 s and increase"),
         ("[outputs]\npicture_times = [-1, 1]", "outputs: picture_times must be from 0 s and increase"),
         ("[outputs]\npicture_times = []", "outputs.picture_times: Tuple should have at least 1 item"),
+        ('[contact]\nmodel = "hertz"', "contact.model: Input should be 'pair' or 'spheres', got 'hertz'"),
+        ("[contact]\nmodel = [1]", "contact.model: Input should be 'pair' or 'spheres', got [1]"),
+        ('contact = "spheres"', "contact: Input should be a table, got 'spheres'"),
+        ("[drive]\non = [[0, 15, 20]]", "drive.on[0]: "),
+        ("[drive]\non = [[5, 15]]", "drive: speed must be zero where the drive goes on, at 5 s, got 0.1 m/s"),
         (
             "[contact]\ndynamic_friction = 0.5",
             "contact: dynamic_friction must not exceed static_friction = 0.4, got 0.5",
@@ -215,14 +275,14 @@ def test_marks_of_windows_editors_are_no_fault(read):
 
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"no case file .*nowhere\.toml"):
-        CaseFile.read(tmp_path / "nowhere.toml")
+        read_case(tmp_path / "nowhere.toml")
 
 
 def test_an_existing_file_is_kept_unless_asked(tmp_path):
-    path = CaseFile(case=Case.turning()).write(tmp_path / "case.toml")
+    path = write_case(CaseFile(case=Case.turning()), tmp_path / "case.toml")
     with pytest.raises(FileExistsError, match=r"case\.toml exists"):
-        CaseFile(case=Case.translation()).write(path)
-    assert CaseFile.read(path).case == Case.turning()
+        write_case(CaseFile(case=Case.translation()), path)
+    assert read_case(path).case == Case.turning()
 
 
 def test_durations_are_checked_when_the_file_is_made():

@@ -10,9 +10,9 @@ from pydantic import ValidationError
 import fem
 from exudyn_crawler import (
     Case,
-    ContactLaw,
     Drive,
     LoadCycle,
+    PairContact,
     Phase,
     Shoe,
     Solver,
@@ -27,7 +27,7 @@ MAKERS = {
     "shoe": Shoe.ph4100c,
     "track": Track.ph4100c,
     "terrain": Terrain.kinematics,
-    "contact": ContactLaw.oil_sand,
+    "contact": PairContact.oil_sand,
     "solver": Solver,
 }
 POSITIVE = {
@@ -112,16 +112,16 @@ def test_parameters_cannot_be_changed_in_place():
 
 def test_dynamic_friction_above_static_friction_is_refused():
     refusal(
-        lambda: ContactLaw.oil_sand().with_(dynamic_friction=0.41),
+        lambda: PairContact.oil_sand().with_(dynamic_friction=0.41),
         "dynamic_friction must not exceed static_friction = 0.4, got 0.41",
     )
-    assert ContactLaw.oil_sand().with_(dynamic_friction=0.4).dynamic_friction == 0.4
+    assert PairContact.oil_sand().with_(dynamic_friction=0.4).dynamic_friction == 0.4
 
 
 @pytest.mark.parametrize("speed", [0.01, 0.005])
 def test_a_friction_speed_not_above_the_stiction_speed_is_refused(speed):
     refusal(
-        lambda: ContactLaw.oil_sand().with_(friction_speed=speed),
+        lambda: PairContact.oil_sand().with_(friction_speed=speed),
         f"friction_speed must exceed stiction_speed = 0.01, got {speed}",
     )
 
@@ -166,6 +166,30 @@ def test_profiles_with_unequal_times_and_values_are_refused():
 def test_a_drive_that_does_not_start_from_rest_is_refused(field, part):
     moving = StepProfile(times=(0.0, 1.0), values=(0.2, 0.3))
     refusal(lambda: Drive.turning().with_(**{field: moving}), f"{part} must start from", "got 0.2 at 0.0 s")
+
+
+def test_a_drive_tells_when_it_is_on():
+    drive = Drive.to_rest()
+    assert drive.on == ((0.0, 15.0),)
+    assert drive.switch_times == (15.0,)
+    again = StepProfile(times=(0.0, 5.0, 10.0, 15.0, 20.0, 25.0), values=(0.0, 0.1, 0.1, 0.0, 0.0, 0.1))
+    twice = drive.with_(speed=again, on=((0.0, 15.0), (20.0, 30.0)))
+    assert twice.switch_times == (15.0, 20.0, 30.0)
+    on = {0.0: True, 14.9: True, 15.0: False, 20.0: True, 30.0: False}
+    assert {time: twice.drives_after(time) for time in on} == on
+    assert [twice.off_since(time) for time in (10.0, 15.0, 19.0, 25.0, 33.0)] == [0.0, 0.0, 4.0, 0.0, 3.0]
+    assert twice.travel(20.0) == twice.travel(15.0) == pytest.approx(0.25 + 0.5 + 0.25, rel=1e-12)
+    assert twice.travel(40.0) - twice.travel(20.0) == pytest.approx(0.25 + 0.5, rel=1e-12)
+    assert Drive.translation().drives_after(1e9)
+    assert Drive.translation().switch_times == ()
+    assert Drive.translation().turn(10.0) == 0.0
+    assert Drive.turning().turn(10.0) == pytest.approx(math.radians(7.5), rel=1e-12)
+
+
+def test_flexible_shoes_are_had_where_there_are_some():
+    assert Case.stress().flexible_shoes().shoes == (6, 7, 8, 11, 12, 13)
+    with pytest.raises(ValueError, match="flexible must be given, got a case of rigid shoes only, 'turning'"):
+        Case.turning().flexible_shoes()
 
 
 def phases(*ends, names=("a", "b"), loads=((1.0, 2.0), (3.0, 4.0))):
@@ -266,7 +290,7 @@ def test_the_load_is_an_even_share_of_the_machine_and_sinks_a_shoe_by_the_papers
     weight = load[0] + Shoe.ph4100c().mass * 9.81
     assert weight == pytest.approx(432.3e3, rel=1e-3)
     # the paper cuts 6.575 cm off to 6.57
-    assert math.sqrt(weight / ContactLaw.oil_sand().stiffness) == pytest.approx(0.0657, abs=1e-4)
+    assert math.sqrt(weight / PairContact.oil_sand().stiffness) == pytest.approx(0.0657, abs=1e-4)
 
 
 def test_a_shoe_has_the_mass_and_inertia_of_a_solid():

@@ -4,8 +4,6 @@ The decks come from `fem.write_calculix` for the coarse shoe: its free-free freq
 stresses under 1.3 MN on each rear bore, balanced by inertia. CalculiX 2.20 made the numbers.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess
@@ -18,7 +16,6 @@ import fem
 import meshes
 
 REFERENCE = Path(__file__).with_name("calculix_reference.json")
-STEEL = fem.Material(200e9, 0.3, 7847.25)
 PULL = 1.3e6
 AWAY_FROM_BORES = 0.15
 SAMPLES = 400
@@ -71,7 +68,7 @@ def stresses_of(frd: str) -> dict[int, list[float]]:
 def main() -> None:
     """Write the decks, run them and keep the numbers that the tests compare."""
     mesh = meshes.shoe_mesh("coarse")
-    body = fem.ElasticBody(mesh, STEEL)
+    body = fem.ElasticBody(mesh, meshes.STEEL)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         fem.write_calculix(folder / "modes.inp", body, frequencies=26)

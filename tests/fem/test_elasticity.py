@@ -5,7 +5,8 @@ import pytest
 
 import fem
 from fem.stress import von_mises
-from tests.fem.conftest import STEEL, box_mesh
+from meshes import STEEL
+from tests.fem.bodies import box_mesh
 
 
 @pytest.mark.parametrize("order", [1, 2])

@@ -4,19 +4,32 @@ import math
 
 import pytest
 
-from exudyn_crawler import ContactLaw
+from exudyn_crawler import PairContact
 from exudyn_crawler.ground.laws import (
+    COULOMB,
+    IMPACT,
+    LINEAR,
+    PROPORTIONAL,
+    Law,
+    drag_ratio,
+    normal_force,
+    spin_torque,
+)
+from exudyn_crawler.ground.laws.coulomb import (
+    Coulomb,
     equal_area_radius,
     friction_coefficient,
     friction_per_slip,
     friction_torque,
-    impact_force,
-    step,
 )
+from exudyn_crawler.ground.laws.impact import Impact, impact_force, step
+from exudyn_crawler.ground.laws.linear import Linear
+from exudyn_crawler.ground.pair_contact import pair_law
 
 K, E, C, D = 1.0e8, 2.0, 1.0e4, 1.0e-4
 MU_S, MU_D, V_ST, V_D = 0.4, 0.3, 0.01, 0.1
-LAW = (MU_S, MU_D, V_ST, V_D)
+LAW = Coulomb(MU_S, MU_D, V_ST, V_D)
+SPRING = Impact(K, E, C, D)
 TIGHT = 1e-13  # rounding of a dozen operations
 
 
@@ -30,8 +43,11 @@ def adams_step(x, x0, h0, x1, h1):
 
 
 def test_papers_law_has_the_values_used_here():
-    law = ContactLaw.oil_sand().as_array(2.0)[:8]
-    assert law.tolist() == [K, E, C, D, MU_S, MU_D, V_ST, V_D]
+    law = pair_law(PairContact.oil_sand(), 2.0)
+    assert (law.law.normal, law.law.friction) == (IMPACT, COULOMB)
+    assert (law.law.impact, law.law.coulomb) == (SPRING, LAW)
+    assert (law.edge_width, law.whole_area) == (0.01, 0.0)
+    assert pair_law(PairContact.oil_sand(sharing="area"), 2.0).whole_area == 2.0
 
 
 @pytest.mark.parametrize("x", [-3.0, 1.0, 1.0 + 1e-9, 1.3, 2.0, 2.9, 3.0, 7.0])
@@ -52,20 +68,22 @@ def test_step_passes_the_middle_halfway_and_ends_flat():
 @pytest.mark.parametrize("exponent", [2.0, 1.5])
 def test_impact_force_is_spring_and_ramped_damper(depth, rate, exponent):
     expected = K * depth**exponent + C * rate * adams_step(depth, 0.0, 0.0, D, 1.0)
-    assert impact_force(depth, rate, K, exponent, C, D) == pytest.approx(max(0.0, expected), rel=1e-12)
+    assert impact_force(Impact(K, exponent, C, D), depth, rate) == pytest.approx(
+        max(0.0, expected), rel=1e-12
+    )
 
 
 def test_impact_force_never_pulls_and_ends_at_the_surface():
-    assert impact_force(0.0, 1.0, K, E, C, D) == 0.0
-    assert impact_force(-0.01, 5.0, K, E, C, D) == 0.0
+    assert impact_force(SPRING, 0.0, 1.0) == 0.0
+    assert impact_force(SPRING, -0.01, 5.0) == 0.0
     # 1 N of spring against 500 N of full damping would be adhesion
     assert K * 1e-4**2 - C * 0.05 < 0.0
-    assert impact_force(1e-4, -0.05, K, E, C, D) == 0.0
+    assert impact_force(SPRING, 1e-4, -0.05) == 0.0
 
 
 def test_damping_grows_from_nothing_at_the_surface_to_all_of_it():
     def damping(depth):
-        return impact_force(depth, 1.0, K, E, C, D) - impact_force(depth, 0.0, K, E, C, D)
+        return impact_force(SPRING, depth, 1.0) - impact_force(SPRING, depth, 0.0)
 
     assert damping(1e-9) == pytest.approx(3.0 * C * (1e-9 / D) ** 2, rel=1e-4)
     assert damping(0.5 * D) == pytest.approx(0.5 * C, rel=1e-12)
@@ -81,49 +99,71 @@ def test_friction_curve_is_that_of_adams(v):
         expected = adams_step(v, V_ST, MU_S, V_D, MU_D)
     else:
         expected = MU_D
-    assert friction_coefficient(v, *LAW) == pytest.approx(expected, rel=TIGHT, abs=1e-16)
+    assert friction_coefficient(LAW, v) == pytest.approx(expected, rel=TIGHT, abs=1e-16)
 
 
 def test_friction_has_its_hump_at_the_stiction_speed():
-    assert friction_coefficient(V_ST, *LAW) == MU_S
-    assert friction_coefficient(0.8 * V_ST, *LAW) < MU_S
-    assert MU_D < friction_coefficient(1.5 * V_ST, *LAW) < MU_S
-    assert friction_coefficient(0.5 * (V_ST + V_D), *LAW) == pytest.approx(0.35, rel=TIGHT)
+    assert friction_coefficient(LAW, V_ST) == MU_S
+    assert friction_coefficient(LAW, 0.8 * V_ST) < MU_S
+    assert MU_D < friction_coefficient(LAW, 1.5 * V_ST) < MU_S
+    assert friction_coefficient(LAW, 0.5 * (V_ST + V_D)) == pytest.approx(0.35, rel=TIGHT)
 
 
 @pytest.mark.parametrize("speed", [V_ST, V_D])
 def test_friction_is_continuous_where_its_pieces_meet(speed):
-    below, above = (friction_coefficient(speed * (1.0 + e), *LAW) for e in (-1e-9, 1e-9))
+    below, above = (friction_coefficient(LAW, speed * (1.0 + e)) for e in (-1e-9, 1e-9))
     assert below == pytest.approx(above, abs=1e-12)
-    ratios = [friction_per_slip(speed * (1.0 + e), *LAW) * speed for e in (-1e-9, 1e-9)]
+    ratios = [friction_per_slip(LAW, speed * (1.0 + e)) * speed for e in (-1e-9, 1e-9)]
     assert ratios[0] == pytest.approx(ratios[1], rel=3e-9)
 
 
 @pytest.mark.parametrize("v", [1e-9, 1e-4, 0.004, 0.01, 0.02, 0.1, 2.0])
 def test_friction_per_slip_times_slip_is_the_coefficient(v):
     # the STEP from -1 to 1 loses digits about zero, the ratio does not
-    assert friction_per_slip(v, *LAW) * v == pytest.approx(
-        friction_coefficient(v, *LAW), rel=1e-12, abs=1e-16
-    )
+    assert friction_per_slip(LAW, v) * v == pytest.approx(friction_coefficient(LAW, v), rel=1e-12, abs=1e-16)
 
 
 def test_friction_per_slip_is_finite_at_rest():
-    assert friction_per_slip(0.0, *LAW) == pytest.approx(1.5 * MU_S / V_ST, rel=TIGHT)
+    assert friction_per_slip(LAW, 0.0) == pytest.approx(1.5 * MU_S / V_ST, rel=TIGHT)
 
 
 @pytest.mark.parametrize("spin", [-0.5, -0.004, -1e-6, 0.0, 1e-6, 0.004, 0.02, 0.5])
 def test_friction_torque_is_two_thirds_of_radius_and_force_against_the_spin(spin):
     radius, force = 0.8552, 1.3e5
     turned = adams_step(radius * spin, -V_ST, -1.0, V_ST, 1.0)
-    torque = friction_torque(spin, radius, force, V_ST)
+    torque = friction_torque(LAW, spin, radius, force)
     assert torque == pytest.approx(-2.0 / 3.0 * radius * force * turned, rel=1e-9, abs=1e-9)
     assert torque * spin <= 0.0
-    assert torque == pytest.approx(-friction_torque(-spin, radius, force, V_ST), rel=1e-9, abs=1e-9)
+    assert torque == pytest.approx(-friction_torque(LAW, -spin, radius, force), rel=1e-9, abs=1e-9)
 
 
 def test_friction_torque_is_full_beyond_the_stiction_speed_at_the_rim():
-    assert friction_torque(1.0, 0.8, 3.0e5, V_ST) == pytest.approx(-2.0 / 3.0 * 0.8 * 3.0e5, rel=TIGHT)
+    assert friction_torque(LAW, 1.0, 0.8, 3.0e5) == pytest.approx(-2.0 / 3.0 * 0.8 * 3.0e5, rel=TIGHT)
 
 
 def test_radius_is_that_of_the_circle_of_the_area():
     assert math.pi * equal_area_radius(2.3) ** 2 == pytest.approx(2.3, rel=TIGHT)
+
+
+BY_NUMBER = Law(IMPACT, COULOMB, impact=SPRING, coulomb=LAW)
+POINTS = Law(LINEAR, PROPORTIONAL, linear=Linear(7.0e6, 500.0, 0.3, 0.01))
+
+
+@pytest.mark.parametrize("depth", [-0.01, 0.0, 5e-5, 0.06])
+@pytest.mark.parametrize("rate", [-0.02, 0.0, 0.3])
+def test_numbers_choose_the_normal_law(depth, rate):
+    assert normal_force(BY_NUMBER, depth, rate) == impact_force(SPRING, depth, rate)
+    assert normal_force(POINTS, depth, rate) == pytest.approx(7.0e6 * depth + 500.0 * rate, rel=TIGHT)
+
+
+@pytest.mark.parametrize("v", [0.0, 0.004, 0.01, 0.05, 0.3])
+def test_numbers_choose_the_friction_law(v):
+    assert drag_ratio(BY_NUMBER, v) == friction_per_slip(LAW, v)
+    # linear rise to all of the friction at the friction speed
+    assert v * drag_ratio(POINTS, v) == pytest.approx(0.3 * min(v / 0.01, 1.0), rel=TIGHT)
+
+
+def test_points_have_no_friction_torque():
+    assert spin_torque(POINTS, 0.1, 2.0, 1e5) == 0.0
+    radius = equal_area_radius(2.0)
+    assert spin_torque(BY_NUMBER, 0.1, 2.0, 1e5) == friction_torque(LAW, 0.1, radius, 1e5)

@@ -22,8 +22,11 @@ def rectangle(x, y, yaw=0.0, depth=0.06, slope_x=0.0, slope_y=0.0, length=LENGTH
 
 
 def clipped(corners, half_x=HALF, half_y=HALF):
-    area, xi, eta, depth, bounds = overlap(np.ascontiguousarray(corners), half_x, half_y, overlap_workspace())
-    return area, xi, eta, depth, min(bounds[1] - bounds[0], bounds[3] - bounds[2])
+    work = overlap_workspace()
+    work[0, :4] = corners
+    part = overlap(work, half_x, half_y)
+    width = min(part.high_xi - part.low_xi, part.high_eta - part.low_eta)
+    return part.area, part.xi, part.eta, part.depth, width
 
 
 def quadrature(corners, half_x=HALF, half_y=HALF, cells=1500):
@@ -85,6 +88,10 @@ def test_a_shoe_tilted_out_of_the_ground_overlaps_with_a_wedge():
 def test_apart_there_is_no_overlap(place):
     x, y, depth = place
     assert clipped(rectangle(x, y, depth=depth)) == (0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_an_underside_that_looks_up_overlaps_with_nothing():
+    assert clipped(rectangle(0.4, -1.1)[::-1]) == (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(

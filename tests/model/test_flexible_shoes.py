@@ -218,6 +218,9 @@ def test_a_cycle_is_read_from_toml(tmp_path):
     )
     cycle = LoadCycle.from_toml(path)
     assert cycle.loads(3.0)[0] == pytest.approx([2e5, 1.5e5])
+    path.write_text("drive_on = [[0.0, 15.0]]\n" + path.read_text())
+    with pytest.raises(ValueError, match=r"drive_on must not be in a load cycle.* on = \[\[0\.0, 15"):
+        LoadCycle.from_toml(path)
     path.write_text("phases = 1")
     with pytest.raises(ValueError, match="phases"):
         LoadCycle.from_toml(path)
@@ -229,9 +232,7 @@ def test_a_cycle_is_read_from_toml(tmp_path):
 def driven(*windows, **drive):
     case = Case.translation()
     speed = StepProfile(times=(0.0, 0.05, 0.1, 0.15, 0.2), values=(0.0, 0.01, 0.0, 0.0, 0.02))
-    return case.with_(
-        drive=Drive(speed=speed, **drive), loads=case.loads.with_(drive_on=windows if windows else None)
-    )
+    return case.with_(drive=Drive(speed=speed, on=windows or None, **drive))
 
 
 def test_a_released_shoe_is_driven_no_more_until_the_drive_is_on_again():
@@ -248,9 +249,9 @@ def test_a_released_shoe_is_driven_no_more_until_the_drive_is_on_again():
 
 
 def test_the_drive_takes_up_a_shoe_at_rest_only():
-    with pytest.raises(ValidationError, match=r"drive_on switches the drive on, at 0.05 s"):
+    with pytest.raises(ValidationError, match=r"speed must be zero where the drive goes on, at 0.05 s"):
         driven((0.05, 0.1))
-    with pytest.raises(ValidationError, match="drive_on must be times from 0 s that increase"):
+    with pytest.raises(ValidationError, match="on must be times from 0 s that increase"):
         driven((0.1, 0.0))
 
 

@@ -7,27 +7,36 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 
-from exudyn_crawler import Case, History, simulate
-from exudyn_crawler.case import FlexibleShoes, GeneralContact, LoadCycle, Phase, Terrain
+from exudyn_crawler import Case, History, PairContact, simulate
+from exudyn_crawler.case import FlexibleShoes, LoadCycle, Phase, Terrain
+from exudyn_crawler.case.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
-from exudyn_crawler.ground.sphere_contact import SphereContact, seam, sphere_places
+from exudyn_crawler.ground.contact import ground_contact
+from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
+from exudyn_crawler.ground.sphere_contact import sphere_field
 from exudyn_crawler.ground.spheres import COLUMN
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.balance import powers, shoe_imbalance, track_imbalance
 from exudyn_crawler.results.contacts import contacts_by_shoe
 from exudyn_crawler.run.equilibrium import static_equilibrium
-from exudyn_crawler.run.simulation import integrate
+from exudyn_crawler.run.integration import integrate
 from studies.comparison import compare_kinematics
 from studies.force_comparison import compare_forces
 from studies.forces import study as forces_study
 from studies.uneven_ground import uneven_case
 
-CASE = Case.translation(contact="general")
-TURNING = Case.turning(contact="general")
-DRAWN_BACK = CASE.with_(general_contact=CASE.general_contact.with_(faces="drawn_back"))
+SPHERES = Spheres.oil_sand()
+CASE = Case.translation().with_(contact=SPHERES)
+TURNING = Case.turning().with_(contact=SPHERES)
+DRAWN_BACK = CASE.with_(contact=SPHERES.with_(faces="drawn_back"))
 CASES = {"straight": CASE, "turning": TURNING, "drawn back": DRAWN_BACK, "step": uneven_case("step")}
 WEIGHT = CASE.track.shoe_count * CASE.mean_load
 SHOE_COORDINATES = 6 * CASE.track.shoe_count
+
+
+def contact_of(case: Case):
+    """Contact of a case without a system round it."""
+    return ground_contact(case, ConstrainedCoordinates(case.terrain.unit_count, case.terrain.tilt_axis))
 
 
 @pytest.fixture(scope="module")
@@ -43,14 +52,14 @@ def rest() -> np.ndarray:
 def test_spheres_carry_the_mean_load_at_the_pair_laws_depth():
     depth = math.sqrt(432.3e3 / 1e8)  # papers: 6.57 cm
     assert CASE.settled_penetration == pytest.approx(depth, rel=1e-3)
-    spheres = CASE.general_contact.spheres_x * CASE.general_contact.spheres_y
+    spheres = SPHERES.spheres_x * SPHERES.spheres_y
     assert spheres * CASE.sphere_stiffness * CASE.settled_penetration == pytest.approx(
         CASE.mean_load, rel=1e-12
     )
 
 
 def test_spheres_stand_evenly_inside_the_underside():
-    places = sphere_places(CASE)
+    places = sphere_field(CASE).places
     low_x, high_x, low_y, high_y, z = CASE.shoe.footprint
     assert len(places) == 20
     assert places.mean(axis=0)[:2] == pytest.approx(
@@ -58,13 +67,13 @@ def test_spheres_stand_evenly_inside_the_underside():
     )
     assert places[:, 0].min() - low_x == pytest.approx(0.63 / 8.0, rel=1e-12)
     assert places[:, 1].max() - high_y == pytest.approx(-3.505 / 10.0, rel=1e-12)
-    assert places[:, 2] == pytest.approx(z + CASE.general_contact.radius)
+    assert places[:, 2] == pytest.approx(z + SPHERES.radius)
 
 
 def lift_over_seam(case: Case, beside: float) -> float:
     """Vertical force on a sphere beside the seam at x = 7 m by so much (m), over that far from any seam."""
-    contact = SphereContact(case)
-    rear = sphere_places(case)[0, 0] + contact.shoe_reference[0, 0]
+    contact = contact_of(case)
+    rear = sphere_field(case).places[0, 0] + contact.shoe_reference[0, 0]
 
     def lift(x):
         q = np.zeros(contact.size)
@@ -79,7 +88,7 @@ def lift_over_seam(case: Case, beside: float) -> float:
 
 
 def test_whole_faces_both_push_a_sphere_over_their_seam():
-    assert seam(CASE) == (0.0, 0.0)
+    assert sphere_field(CASE).inset == (0.0, 0.0)
     assert lift_over_seam(CASE, 0.0) == pytest.approx(2.0, rel=1e-9)
 
 
@@ -128,7 +137,7 @@ def test_law_repeats_the_engines_forces(case):
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 @pytest.mark.parametrize("factors", [(1.0, 0.0), (0.0, 1.0)], ids=["position", "velocity"])
 def test_derivatives_are_those_of_the_forces(case, factors):
-    contact = SphereContact(case)
+    contact = contact_of(case)
     q = static_equilibrium(case)
     random = np.random.default_rng(3)
     q[:SHOE_COORDINATES] += random.normal(0.0, 1e-3, SHOE_COORDINATES)
@@ -161,7 +170,7 @@ def test_contact_forces_close_every_shoes_balance(case):
 
 
 def test_results_of_a_pair_are_sums_over_its_spheres(rest):
-    contact = SphereContact(CASE)
+    contact = contact_of(CASE)
     results = contact.results(rest, np.zeros_like(rest))
     generalized = contact.forces(rest, np.zeros_like(rest))[:SHOE_COORDINATES].reshape(-1, 6)
     carried = np.bincount(results[:, 0].astype(int), results[:, 10], CASE.track.shoe_count)
@@ -178,7 +187,7 @@ def test_history_saves_and_loads(general, tmp_path):
 
 
 def test_powers_are_refused(general):
-    with pytest.raises(ValueError, match="contact_model 'pair'"):
+    with pytest.raises(ValueError, match=r"contact\.model 'pair'"):
         powers(general)
 
 
@@ -196,20 +205,19 @@ def test_powers_are_refused(general):
 )
 def test_bad_spheres_are_refused(changes, message):
     with pytest.raises(ValidationError, match=message):
-        GeneralContact.oil_sand().with_(**changes)
+        SPHERES.with_(**changes)
 
 
 def test_spheres_that_would_sink_through_are_refused():
-    spheres = GeneralContact.oil_sand().with_(radius=0.06)
+    spheres = SPHERES.with_(radius=0.06)
     with pytest.raises(
         ValidationError, match=r"radius must exceed the settled penetration .* 0\.0657.* m, got 0\.06"
     ):
-        CASE.with_(general_contact=spheres)
-    Case.translation().with_(general_contact=spheres)  # the pair law has no spheres
+        CASE.with_(contact=spheres)
 
 
 def small_spheres(radius: float) -> Case:
-    return CASE.with_(general_contact=GeneralContact.oil_sand().with_(radius=radius))
+    return CASE.with_(contact=SPHERES.with_(radius=radius))
 
 
 def test_spheres_without_rest_are_named():
@@ -227,10 +235,10 @@ def test_spheres_that_sink_through_stop_the_run():
 
 
 def test_centres_below_a_face_are_found(rest):
-    contact = SphereContact(CASE)
+    contact = contact_of(CASE)
     assert contact.sunken(rest) == []
     lower = rest.copy()
-    height = CASE.general_contact.radius - CASE.settled_penetration
+    height = SPHERES.radius - CASE.settled_penetration
     lower[6 * 3 + 2] -= 0.9 * height
     assert contact.sunken(lower) == []
     lower[6 * 3 + 2] -= 0.2 * height
@@ -239,17 +247,17 @@ def test_centres_below_a_face_are_found(rest):
 
 def test_spheres_too_large_for_the_units_are_refused():
     with pytest.raises(ValidationError, match=r"quarter of a unit's side, 1\.75 m, got 2"):
-        CASE.with_(general_contact=GeneralContact.oil_sand().with_(radius=2.0))
+        CASE.with_(contact=SPHERES.with_(radius=2.0))
 
 
 def test_flexible_shoes_are_refused():
-    with pytest.raises(ValidationError, match="flexible must be None with contact_model 'general'"):
+    with pytest.raises(ValidationError, match=r"flexible must be None with contact\.model 'spheres'"):
         CASE.with_(flexible=FlexibleShoes.ph4100c("coarse"))
 
 
 def test_unknown_model_is_refused():
-    with pytest.raises(ValidationError, match="contact_model"):
-        CASE.with_(contact_model="hertz")
+    with pytest.raises(ValidationError, match=r"'hertz' .*expected tags: 'pair', 'spheres'"):
+        CASE.with_(contact=SPHERES.model_dump() | {"model": "hertz"})
 
 
 def test_terrain_needs_no_other_formulation():
@@ -259,17 +267,25 @@ def test_terrain_needs_no_other_formulation():
     assert build(CASE).contact.size == 6 * (CASE.track.shoe_count + CASE.terrain.unit_count)
 
 
-def test_model_is_chosen_by_name():
-    assert Case.translation().with_(contact_model="general") == CASE
-    assert Case.turning(contact="general").contact_model == "general"
-    assert Case.translation().contact_model == "pair"
-    with pytest.raises(ValidationError, match=r"with contact_model, .*, got 'general'"):
-        Case.translation().with_(contact="general")
+def test_each_model_is_had_where_it_is_the_case_s():
+    assert CASE.sphere_contact() == SPHERES
+    assert Case.translation().pair_contact() == PairContact.oil_sand()
+    with pytest.raises(ValueError, match=r"contact\.model must be 'pair', got 'spheres'"):
+        CASE.pair_contact()
+    with pytest.raises(ValueError, match=r"contact\.model must be 'spheres', got 'pair'"):
+        Case.translation().sphere_contact()
+
+
+def test_the_reference_law_sets_how_deep_shoes_settle():
+    assert CASE.settled_penetration == Case.translation().settled_penetration
+    stiff = CASE.with_(contact=SPHERES.with_(reference_stiffness=4.0 * SPHERES.reference_stiffness))
+    assert stiff.settled_penetration == pytest.approx(0.5 * CASE.settled_penetration, rel=1e-12)
+    assert stiff.sphere_stiffness == pytest.approx(2.0 * CASE.sphere_stiffness, rel=1e-12)
 
 
 def test_growing_load_that_would_sink_a_sphere_through_is_refused():
-    spheres = GeneralContact.oil_sand().with_(radius=0.1)
-    case = CASE.with_(general_contact=spheres)
+    spheres = SPHERES.with_(radius=0.1)
+    case = CASE.with_(contact=spheres)
     light, heavy = [386.4e3] * 13, [*[386.4e3] * 6, 732e3, *[386.4e3] * 6]
     loads = LoadCycle(
         phases=(Phase(name="propel", end=1, loads=light), Phase(name="swing", end=9, loads=heavy))
@@ -288,7 +304,7 @@ def test_forces_study_refuses_histories_of_the_other_model(general, tmp_path):
     general.save(tmp_path / "translation.nc")
     before = (tmp_path / "translation.nc").read_bytes()
     out = tmp_path / "forces"
-    with pytest.raises(ValueError, match="comes from other parameters: contact_model is general, not pair"):
+    with pytest.raises(ValueError, match=r"other parameters: contact\.model is spheres, not pair"):
         forces_study(out, ["translation"], duration=general.duration, reuse=tmp_path)
     assert (tmp_path / "translation.nc").read_bytes() == before
     assert not out.exists()

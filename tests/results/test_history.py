@@ -5,6 +5,8 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import History
+from exudyn_crawler.model.state import VERSION
+from exudyn_crawler.results.history import LAYOUT_VERSION
 
 
 def test_a_history_comes_back_as_it_was_saved(turning, tmp_path):
@@ -53,6 +55,18 @@ def test_a_file_without_a_valid_case_is_no_history(translation, tmp_path):
         dataset.to_netcdf(path, engine="h5netcdf")
         with pytest.raises(ValueError, match="does not hold a history"):
             History.load(path)
+
+
+def test_a_file_of_other_states_is_refused_and_one_of_before_is_read(translation, tmp_path):
+    other = History(translation.case, translation.dataset.assign_attrs({LAYOUT_VERSION: VERSION + 1}))
+    with pytest.raises(
+        ValueError, match=rf"other\.nc .*layout version {VERSION + 1}, this program reads {VERSION}$"
+    ):
+        History.load(other.save(tmp_path / "other.nc"))
+    dataset = translation.dataset.copy()
+    del dataset.attrs[LAYOUT_VERSION]
+    before = History.load(History(translation.case, dataset).save(tmp_path / "before.nc"))
+    assert before.position.equals(translation.position)
 
 
 def test_results_are_selected_by_name(translation):

@@ -1,5 +1,6 @@
 """A run in stages: no jump between them, and a killed run gives the numbers of one that was not."""
 
+import dataclasses
 import os
 import signal
 import subprocess
@@ -9,9 +10,9 @@ import time
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, simulate
+from exudyn_crawler import Case, Drive, SphereContact, simulate
 from exudyn_crawler.run.checkpoints import Checkpoints
-from exudyn_crawler.run.simulation import stage_times
+from exudyn_crawler.run.stages import stage_times
 
 INTERVAL = 0.05
 SCRIPT = """
@@ -32,7 +33,7 @@ def staged(interval=INTERVAL):
 def test_stages_end_at_multiples_where_the_drive_goes_off_and_at_the_end():
     case = staged(0.5)
     assert stage_times(case, 1.2) == [0.0, 0.5, 1.0, 1.2]
-    off = case.with_(loads=case.loads.with_(drive_on=((0.0, 0.7),)))
+    off = case.with_(drive=Drive.to_rest().with_(on=((0.0, 0.7),)))
     assert stage_times(off, 1.0) == [0.0, 0.5, 0.7, 1.0]
 
 
@@ -65,7 +66,7 @@ def test_a_killed_run_goes_on_and_gives_the_same_numbers(tmp_path):
 
 
 def test_the_second_contact_model_goes_on_from_checkpoints_too(tmp_path):
-    case = staged().with_(contact_model="general")
+    case = staged().with_(contact=SphereContact.oil_sand())
     whole = simulate(case, 3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
     (tmp_path / "stage_0001.npz").unlink()
     resumed = simulate(case, 3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
@@ -85,6 +86,34 @@ def test_a_broken_checkpoint_is_named(tmp_path):
     simulate(case, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
     (tmp_path / "stage_0000.npz").write_bytes(b"PK\x03\x04 broken")
     with pytest.raises(ValueError, match=r"stage_0000\.npz cannot be read"):
+        Checkpoints(tmp_path).load(case)
+
+
+def test_states_of_another_layout_are_refused_by_name(tmp_path):
+    """Same parameters, but a program that lays its states out otherwise."""
+    case = staged()
+    simulate(case, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+    (kept,) = Checkpoints(tmp_path).load(case)
+    assert kept.time == pytest.approx(INTERVAL)
+    other = dataclasses.replace(kept.layout, terrain=kept.layout.terrain + 1)
+    with pytest.raises(
+        ValueError, match=r"stage_0000\.npz has states of another layout: terrain is 15, not 16"
+    ):
+        Checkpoints(tmp_path).load(case, other)
+
+
+def test_a_checkpoint_without_a_layout_or_of_another_version_is_refused(tmp_path):
+    case = staged()
+    simulate(case, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+    path = tmp_path / "stage_0000.npz"
+    content = dict(np.load(path))
+    newer = str(content["layout"]).replace('"version": 1', '"version": 7')
+    np.savez(path, **(content | {"layout": np.array(newer)}))
+    with pytest.raises(ValueError, match=r"cannot be read: .*its version is 7, not 1; delete it to go on"):
+        Checkpoints(tmp_path).load(case)
+    del content["layout"]
+    np.savez(path, **content)
+    with pytest.raises(ValueError, match=r"cannot be read: .*layout.*; delete it to go on"):
         Checkpoints(tmp_path).load(case)
 
 

@@ -104,14 +104,12 @@ def test_a_step_that_fails_stops_the_run_and_keeps_what_there_is():
     case = Case.translation()
     # two iterations that may not cut the step: enough while the track creeps, not when it slips
     impatient = case.with_(solver=case.solver.with_(maximum_iterations=2, minimum_step=1.5e-3))
-    with pytest.raises(
-        SimulationStopped, match=r"stopped at t = .* s: Newton's method failed at the least step"
-    ) as stop:
+    failed = r"stopped at t = .* s: Newton's method failed at the least step 0\.0015 s; "
+    with pytest.raises(SimulationStopped, match=failed + r"greatest residual at shoe \d+ \(.*\)$") as stop:
         simulate(impatient, 3.0)
     kept = stop.value.history
     assert 0.0 <= stop.value.time < 3.0
     assert kept.duration == pytest.approx(stop.value.time, abs=1e-12)
-    assert str(impatient.solver.minimum_step) in str(stop.value)
     assert np.isfinite(kept.position.values).all()
 
 
@@ -121,10 +119,10 @@ def test_an_interrupt_keeps_the_history(monkeypatch):
         if time > 0.02:
             raise KeyboardInterrupt
 
-    from exudyn_crawler.run.simulation import _Recorder
+    from exudyn_crawler.run.recorder import Recorder
 
-    store = _Recorder.store
-    monkeypatch.setattr(_Recorder, "store", interrupted)
+    store = Recorder.store
+    monkeypatch.setattr(Recorder, "store", interrupted)
     with pytest.raises(SimulationStopped, match="interrupted") as stop:
         simulate(Case.translation(), 0.1)
     assert 0.02 < stop.value.time < 0.03

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, History, simulate
-from exudyn_crawler.case.files import CaseFile, read_case
+from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.views.curves import KINEMATICS
 from studies.comparison import compare_kinematics
 from studies.kinematics import study as kinematics_study

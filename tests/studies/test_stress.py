@@ -27,9 +27,8 @@ def short_case():
     """Two flexible shoes, pulled for 0.6 s and let go."""
     case = Case.stress("coarse")
     return case.with_(
-        drive=PULL,
+        drive=PULL.with_(on=((0.0, 0.6),)),
         flexible=case.flexible.with_(shoes=(7, 13)),
-        loads=case.loads.with_(drive_on=((0.0, 0.6),)),
     )
 
 
@@ -152,7 +151,7 @@ def test_results_are_not_overwritten_unasked(study):
 
 
 def test_a_track_of_rigid_shoes_is_refused():
-    with pytest.raises(ValueError, match="needs flexible shoes"):
+    with pytest.raises(ValueError, match="flexible must be given"):
         stress_study(case=Case.translation())
 
 
@@ -183,7 +182,9 @@ def test_quiet_steps_lose_nothing_of_slow_loading():
     dig, swing = case.loads.phases[1:3]
     phases = (dig.with_(end=0.0), swing.with_(end=swing.end - dig.end))
     case = case.with_(
-        loads=case.loads.with_(phases=phases, drive_on=()), flexible=case.flexible.with_(shoes=(7,))
+        loads=case.loads.with_(phases=phases),
+        drive=case.drive.with_(on=()),
+        flexible=case.flexible.with_(shoes=(7,)),
     )
     slow = case.with_(solver=case.solver.with_(quiet_step=case.solver.step))
     peaks = []

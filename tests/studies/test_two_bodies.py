@@ -2,7 +2,7 @@
 
 import pytest
 
-from exudyn_crawler import ContactLaw
+from exudyn_crawler import PairContact
 from studies.two_bodies import (
     NORMAL_FORCE,
     block_penetration,
@@ -12,7 +12,7 @@ from studies.two_bodies import (
     hand_solution,
 )
 
-LAW = ContactLaw.oil_sand()
+LAW = PairContact.oil_sand()
 
 
 @pytest.fixture(scope="module")

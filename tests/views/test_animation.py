@@ -1,16 +1,14 @@
-"""Animations of short runs, and what their side view shows."""
+"""Animations of short runs."""
 
 import itertools
 
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from PIL import Image
 
 from exudyn_crawler.views.animation import TrackPicture, write_animation
-from exudyn_crawler.views.placement import Pose
-from exudyn_crawler.views.track_views import PlanView, SideView, ground_scale, shoe_forces, unloaded_level
+from exudyn_crawler.views.scales import ground_scale
 
 
 def test_a_gif_shows_the_run_from_start_to_end(translation, tmp_path):
@@ -35,51 +33,17 @@ def test_an_mp4_plays_slower_when_asked(translation, tmp_path):
     assert seconds == pytest.approx(0.5, abs=0.02)
 
 
-def corners(collection):
-    return np.array([path.vertices[:4] for path in collection.get_paths()])
-
-
-def test_magnified_ground_lifts_the_shoes_with_it(translation):
-    """Their depth in the ground is the same at every scale; the ground's own displacement is not."""
-    now = translation.dataset.isel(time=-1)
-    drawn = {}
-    for scale in (1.0, 5.0):
-        view = SideView(Figure().subplots(), translation, scale, force_scale=1e-6)
-        view.show(now)
-        shoes, ground = corners(view._shoes), corners(view._ground)
-        surface = np.concatenate(ground[:, [3, 2]]).T
-        depth = np.interp(shoes[:, 0, 0], *surface) - shoes[:, 0, 1]
-        drawn[scale] = (depth, ground[:, 2:, 1] - unloaded_level(translation.case))
-    assert drawn[1.0][0] == pytest.approx(drawn[5.0][0], abs=1e-12)
-    # shoes stand 6 to 7 cm deep (F-paper)
-    assert np.all((drawn[1.0][0] > 0.03) & (drawn[1.0][0] < 0.09))
-    assert drawn[5.0][1] == pytest.approx(5.0 * drawn[1.0][1], abs=1e-12)
-
-
-def test_shoes_and_forces_are_where_the_history_has_them(translation):
-    now = translation.dataset.isel(time=-1)
-    above = PlanView(Figure().subplots(), translation)
-    above.show(now)
-    underneath = np.array([[0.0, 0.0, -translation.case.shoe.com_height]])
-    expected = [Pose.of(now, int(shoe)).place(underneath)[0, :2] for shoe in now.shoe.values]
-    assert corners(above._shoes).mean(axis=1) == pytest.approx(np.array(expected), abs=1e-9)
-    view = SideView(Figure().subplots(), translation, 1.0, force_scale=1e-6)
-    view.show(now)
-    centers, forces = shoe_forces(now)
-    assert view._forces.get_offsets() == pytest.approx(centers[:, [0, 2]])
-    assert pytest.approx(1e-6 * forces[:, 2]) == view._forces.V
-    weight = 13 * (386.4e3 + translation.case.shoe.mass * 9.81)
-    assert forces[:, 2].sum() == pytest.approx(weight, rel=0.05)
-
-
 def test_a_picture_says_time_and_scale(turning):
     scale = ground_scale(turning)
-    figure = TrackPicture(turning, scale).show(0.2)
+    picture = TrackPicture(turning, scale)
+    picture.image(0.2)
+    figure = picture.figure
     width = figure.get_window_extent().width
     for ax in figure.axes[:3]:
         # the panels use the width, and what is written over them fits
         assert ax.get_window_extent().width > 0.8 * width
         assert ax._left_title.get_window_extent().x1 < width
+        assert ax.yaxis.label.get_window_extent().x0 > 0.0
     assert figure._suptitle.get_text() == "turning: t = 0.20 s"
     assert any(f"ground drawn {scale:g} times larger" in ax.get_title(loc="left") for ax in figure.axes)
 

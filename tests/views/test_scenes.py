@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from exudyn_crawler.views import scenes
-from exudyn_crawler.views.placement import drawn_scale, round_down, round_up
 from exudyn_crawler.views.scenes import Scene, View, draw_scene, opengl_works
 
 NO_ARROWS = np.zeros((0, 2, 3))
@@ -129,10 +128,3 @@ def test_a_machine_whose_opengl_ends_the_process_gets_the_plain_backend(monkeypa
         assert scenes.usual_backend() == "plain"
     finally:
         opengl_works.cache_clear()
-
-
-def test_scales_are_round_and_fit():
-    assert [round_down(value) for value in (0.0199, 2.0, 4.99, 731.0)] == pytest.approx([0.01, 2, 2, 500])
-    assert [round_up(value) for value in (0.0201, 2.0, 172.1, 84.8)] == pytest.approx([0.03, 2, 200, 100])
-    assert drawn_scale([0.0, -0.003], 0.1) == pytest.approx(20.0)
-    assert drawn_scale([0.0], 0.1) == 1.0

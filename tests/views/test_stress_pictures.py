@@ -10,17 +10,16 @@ from PIL import Image
 
 from exudyn_crawler import Case
 from exudyn_crawler.views.paraview import write_paraview
-from exudyn_crawler.views.placement import Pose, instant, touching
+from exudyn_crawler.views.placement import Pose, instant, shoe_forces, touching
+from exudyn_crawler.views.scales import Scales
 from exudyn_crawler.views.scenes import opengl_works
 from exudyn_crawler.views.stress_pictures import (
-    Scales,
     picture_name,
     picture_time,
     shoe_scene,
     stress_picture,
     write_stress_pictures,
 )
-from exudyn_crawler.views.track_views import shoe_forces
 
 
 @pytest.fixture(scope="module")
@@ -132,6 +131,20 @@ def test_paraview_reads_the_track_back_in_place(run, tmp_path):
     assert contacts.point_data["force"].sum(axis=0) == pytest.approx(total, rel=1e-6)
     with pytest.raises(FileExistsError, match=r"track\.pvd exists"):
         write_paraview(stress, history, tmp_path)
+
+
+def test_units_of_uneven_ground_are_as_high_as_their_faces(run, tmp_path):
+    history, stress = run
+    terrain = history.case.terrain.with_roughness(0.05, seed=1)
+    # only drawn: the contact of this run does not take uneven ground
+    uneven = type(history)(history.case.model_copy(update={"terrain": terrain}), history.dataset)
+    write_paraview(stress.isel(frame=[0]), uneven, tmp_path)
+    written = meshio.read(tmp_path / "track_parts" / "terrain_000.vtu")
+    corners = written.points[written.cells[0].data]
+    now = instant(history, 0.0)
+    bottom, top = corners[:, :4, 2].mean(axis=1), corners[:, 4:, 2].mean(axis=1)
+    assert top == pytest.approx(terrain.top_heights + now.unit_heave.values, abs=1e-4)
+    assert bottom == pytest.approx(now.unit_heave.values - terrain.unit_height, abs=1e-4)
 
 
 def test_stresses_of_another_mesh_are_refused(run, tmp_path):

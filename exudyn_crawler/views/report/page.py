@@ -1,43 +1,48 @@
 """One self-contained page of a run's folder, to be read offline in a browser."""
 
-import base64
-import io
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import matplotlib as mpl
-import numpy as np
 import pandas as pd
 import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
-from PIL import Image
 from plotly.offline import get_plotlyjs
-from pydantic import BaseModel
 
-from exudyn_crawler.case import LoadCycle
+from exudyn_crawler.case.text import case_table
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
-from exudyn_crawler.views.report.data import packed_case, packed_shoes, points_a_series, quantities
-from exudyn_crawler.views.scenes import ARROW_COLOUR, COLOURS
-from exudyn_crawler.views.stress_pictures import PICTURES, picture_time, write_stress_pictures
+from exudyn_crawler.views.report.pictures import embedded_picture
+from exudyn_crawler.views.report.plots import (
+    first_plots,
+    packed_case,
+    page_colours,
+    points_a_series,
+    thinning,
+)
+from exudyn_crawler.views.report.shoes import packed_shoes
+from exudyn_crawler.views.report.tables import comparison_rows, hot_spot_table, html_table
+from exudyn_crawler.views.series import dataset_series
+from exudyn_crawler.views.stress_pictures import PICTURES, write_stress_pictures
 from exudyn_crawler.views.tables import within_by_class
 
 REPORT = "report.html"
 STRESSES = "stress.nc"
-PICTURE_WIDTH = 1500
-"""Pixels of a picture on the page."""
-FIRST_PLOTS = {
-    "rigid": ("velocity", "contact force"),
-    "stress": ("highest von Mises stress", "contact force"),
-}
-"""What the plots show first, by what a folder holds."""
-VERDICTS = {"yes": "within", "no": "outside", "": "none"}
+SECTIONS = (
+    ("comparison", "Paper against computed", "comparison"),
+    ("histories", "Time histories", "has_series"),
+    ("hot-spots", "Hot spots", "hot_spots"),
+    ("shoes", "Flexible shoes in 3D", "has_shoes"),
+    ("pictures", "Stress pictures", "pictures"),
+    ("tables", "Further tables", "tables"),
+    ("case", "Case", None),
+)
+"""Anchor and heading of each section, and what there must be for it to be shown."""
 
 
 def write_report(folder: Path, out: Path | None = None, overwrite: bool = False) -> Path:
@@ -92,40 +97,52 @@ def report_page(folder: Path) -> str:
         for name, one in histories.items()
     }
     stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
-    stress = _stress(stressed)
-    comparison = _comparison(folder)
+    stress, comparison = _stress(stressed), _comparison(folder)
     if not variables and comparison is None:
         raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
     bent = next((n for n in histories if places[n] == stressed and histories[n].case.flexible), None)
     owner = None if bent is None else histories[bent]
     found = {
-        name: quantities(dataset, stress if name == bent else None) for name, dataset in variables.items()
+        name: dataset_series(dataset, stress if name == bent else None) for name, dataset in variables.items()
     }
     points = points_a_series(found)
-    pictures = _pictures(stressed, stress, owner)
-    hot_spots = hot_spot_tables(stressed, stress)
-    further = [path for one in folders for path in _further(one)]
     data = {
         "cases": {name: packed_case(one, points) for name, one in found.items()},
         "shoes": None if stress is None or owner is None else packed_shoes(stress, owner),
-        "first": _first_plots(found),
-        "colours": _colour_scale(),
-        "arrows": ARROW_COLOUR,
+        "first": first_plots(found),
+        **page_colours(),
     }
     title = " and ".join(variables) if variables else folder.resolve().name
     lead = [
         f"{name}: {float(one.time[-1]):.4g} s, {one.sizes['time']} stored times"
         for name, one in variables.items()
     ]
-    named = {
-        "comparison": ("Paper against computed", comparison is not None),
-        "histories": ("Time histories", bool(variables)),
-        "hot-spots": ("Hot spots", bool(hot_spots)),
-        "shoes": ("Flexible shoes in 3D", data["shoes"] is not None),
-        "pictures": ("Stress pictures", bool(pictures)),
-        "tables": ("Further tables", bool(further)),
-        "case": ("Case", True),
+    content = {
+        "title": f"Crawler track: {title}",
+        "lead": "; ".join(lead),
+        "summary": [] if comparison is None else _summary_rows(comparison),
+        "comparison": None if comparison is None else comparison_rows(comparison),
+        "has_series": bool(variables),
+        "thinning": thinning(variables, points),
+        "hot_spots": hot_spot_tables(stressed, stress),
+        "has_shoes": data["shoes"] is not None,
+        "pictures": _pictures(stressed, stress, owner),
+        "tables": [
+            html_table(path.relative_to(folder).as_posix(), pd.read_csv(path))
+            for one in folders
+            for path in _further(one)
+        ],
+        "cases": [
+            {"title": name, "rows": case_table(one.case).to_dict("records")}
+            for name, one in histories.items()
+        ],
+        "texts": _texts(folder),
     }
+    return _rendered(content, data)
+
+
+def _rendered(content: dict[str, Any], data: dict[str, Any]) -> str:
+    """Page of what its sections show and of the data that its script draws."""
     environment = Environment(
         loader=FileSystemLoader(str(files("exudyn_crawler.views.report").joinpath("templates"))),
         autoescape=select_autoescape(default=True),
@@ -133,24 +150,15 @@ def report_page(folder: Path) -> str:
         trim_blocks=True,
     )
     return environment.get_template("report.html").render(
-        title=f"Crawler track: {title}",
-        lead="; ".join(lead),
+        content,
         style=Markup(_template("report.css")),
         script=Markup(_template("report.js")),
-        plotly=Markup(get_plotlyjs()) if variables else "",
+        plotly=Markup(get_plotlyjs()) if content["has_series"] else "",
         # the page's own parser must not find the end of a script in the data
         data=Markup(json.dumps(data, separators=(",", ":")).replace("</", "<\\/")),
-        sections=[(anchor, name) for anchor, (name, there) in named.items() if there],
-        summary=[] if comparison is None else _summary_rows(comparison),
-        comparison=None if comparison is None else _comparison_rows(comparison),
-        has_series=bool(variables),
-        thinning=_thinning(variables, points),
-        hot_spots=hot_spots,
-        has_shoes=data["shoes"] is not None,
-        pictures=pictures,
-        tables=[_table(path.relative_to(folder).as_posix(), pd.read_csv(path)) for path in further],
-        cases=[{"title": name, "rows": case_rows(one.case)} for name, one in histories.items()],
-        texts=_texts(folder),
+        sections=[
+            (anchor, heading) for anchor, heading, shown in SECTIONS if shown is None or content[shown]
+        ],
     )
 
 
@@ -204,54 +212,9 @@ def _summary_rows(table: pd.DataFrame) -> list[dict[str, Any]]:
     ]
 
 
-def _comparison_rows(table: pd.DataFrame) -> dict[str, Any]:
-    """Columns and rows of the comparison, each row with its verdict."""
-    shown = table.assign(within=table["within"].map(VERDICTS))
-    shown["within"] = shown["within"].replace("none", "no verdict")
-    rows = [
-        {"verdict": VERDICTS[verdict], "cells": [_cell(value) for value in row]}
-        for verdict, row in zip(table["within"], shown.itertuples(index=False), strict=True)
-    ]
-    return {"columns": list(shown.columns), "rows": rows}
-
-
-def _cell(value: object) -> dict[str, Any]:
-    if isinstance(value, float | np.floating):
-        return {"text": "" if np.isnan(value) else f"{value:.4g}", "number": True}
-    return {"text": str(value), "number": isinstance(value, int | np.integer)}
-
-
-def _table(title: str, table: pd.DataFrame) -> dict[str, Any]:
-    html = table.to_html(index=False, border=0, na_rep="", float_format=lambda value: f"{value:.5g}")
-    return {"title": title, "html": Markup(html)}
-
-
 def hot_spot_tables(folder: Path, stress: xr.Dataset | None) -> list[dict[str, Any]]:
     """Titles and HTML of the hot spots' tables of a folder, in the order of the shoes."""
-    return [_hot_spot_table(path, stress) for path in _by_number(folder.glob("hot_spots_*.csv"))]
-
-
-def _hot_spot_table(path: Path, stress: xr.Dataset | None) -> dict[str, Any]:
-    """Table of hot spots with stresses in MPa and places in the shoe's frame.
-
-    Studies give places in the track at t = 0, as the S-paper does, which are kept beside.
-    """
-    table = pd.read_csv(path)
-    for name in ("value", "jump"):
-        if name in table:
-            table[name] = table[name] / 1e6
-    places = {"place in the shoe, m": table[list("xyz")].to_numpy()}
-    if stress is not None:
-        local = stress.node_position.transpose("node", "axis").values[table["node"]]
-        if not np.allclose(local, places["place in the shoe, m"], atol=1e-6):
-            places = {"place in the shoe, m": local, "place at t = 0, m": places["place in the shoe, m"]}
-    at = table.columns.get_loc("x")
-    table = table.drop(columns=list("xyz"))
-    for offset, (name, values) in enumerate(places.items()):
-        table.insert(at + offset, name, [", ".join(f"{value:.4f}" for value in row) for row in values])
-    names = {"value": "von Mises, MPa", "jump": "jump, MPa", "time": "time, s"}
-    title = path.stem.removeprefix("hot_spots_").replace("_", " ")
-    return _table(title, table.rename(columns=names))
+    return [hot_spot_table(path, stress) for path in _by_number(folder.glob("hot_spots_*.csv"))]
 
 
 def _by_number(paths: Iterator[Path]) -> list[Path]:
@@ -272,45 +235,9 @@ def _pictures(folder: Path, stress: xr.Dataset | None, history: History | None) 
     """Stress pictures of the folder, or new ones where it has none."""
     kept = sorted(folder.glob(PICTURES))
     if kept or stress is None or history is None:
-        return [_picture(path) for path in kept]
+        return [embedded_picture(path) for path in kept]
     with TemporaryDirectory() as temporary:
-        return [_picture(path) for path in write_stress_pictures(stress, history, Path(temporary))]
-
-
-def _picture(path: Path) -> dict[str, str]:
-    """Picture as a data URI, no wider than the page needs."""
-    with Image.open(path) as opened:
-        image = opened.convert("RGB")
-    if image.width > PICTURE_WIDTH:
-        size = (PICTURE_WIDTH, round(image.height * PICTURE_WIDTH / image.width))
-        image = image.resize(size, Image.Resampling.LANCZOS)
-    memory = io.BytesIO()
-    image.save(memory, format="webp", quality=85)
-    encoded = base64.b64encode(memory.getvalue()).decode("ascii")
-    return {"time": f"{picture_time(path):g}", "uri": f"data:image/webp;base64,{encoded}"}
-
-
-def _first_plots(found: Mapping[str, list]) -> list[str]:
-    labels = {quantity.label for one in found.values() for quantity in one}
-    return list(FIRST_PLOTS["stress" if "highest von Mises stress" in labels else "rigid"])
-
-
-def _colour_scale() -> list[list[Any]]:
-    """Colours of stresses as Plotly takes them."""
-    places = np.linspace(0.0, 1.0, 17)
-    return [[float(at), mpl.colors.to_hex(mpl.colormaps[COLOURS](at))] for at in places]
-
-
-def _thinning(variables: Mapping[str, xr.Dataset], points: int) -> str:
-    """What the reader has to know about left-out times."""
-    most = max((one.sizes["time"] for one in variables.values()), default=0)
-    if most <= points:
-        return "Every stored time is drawn."
-    return (
-        f"Of the {most} stored times each curve keeps the least and the greatest value in every one of "
-        f"{points // 2 - 1} equal parts of the run, so that no extreme is lost; in between it is thinner "
-        "than what was computed."
-    )
+        return [embedded_picture(path) for path in write_stress_pictures(stress, history, Path(temporary))]
 
 
 def _texts(folder: Path) -> list[dict[str, str]]:
@@ -319,47 +246,3 @@ def _texts(folder: Path) -> list[dict[str, str]]:
     return [
         {"title": path.name, "content": path.read_text(encoding="utf-8")} for path in found if path.is_file()
     ]
-
-
-def case_rows(model: BaseModel, prefix: str = "") -> list[dict[str, str]]:
-    """Every parameter of a case: name, value, unit and meaning, in the order of its fields."""
-    rows: list[dict[str, str]] = []
-    for name, field in type(model).model_fields.items():
-        value = getattr(model, name)
-        path = f"{prefix}{name}"
-        if isinstance(value, LoadCycle):
-            rows += [
-                {
-                    "name": f"{path}.{phase.name}",
-                    "value": _shown(phase.loads),
-                    "unit": "N",
-                    "meaning": f"downward load on shoes 1 to {value.shoe_count} at t = {phase.end:g} s",
-                }
-                for phase in value.phases
-            ]
-        elif isinstance(value, BaseModel) and not (isinstance(field.json_schema_extra, dict)):
-            rows += case_rows(value, f"{path}.")
-        else:
-            extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
-            rows.append(
-                {
-                    "name": path,
-                    "value": _shown(value),
-                    "unit": str(extra.get("unit", "")),
-                    "meaning": field.description or "",
-                }
-            )
-    return rows
-
-
-def _shown(value: object) -> str:
-    """Value of a parameter for reading."""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.8g}"
-    if isinstance(value, tuple):
-        return ", ".join(_shown(one) for one in value)
-    if isinstance(value, BaseModel):
-        return "; ".join(f"{name} {_shown(getattr(value, name))}" for name in type(value).model_fields)
-    return "none" if value is None else str(value)

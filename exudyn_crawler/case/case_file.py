@@ -1,0 +1,37 @@
+"""A case with the duration of its run and what the run leaves."""
+
+import math
+from typing import Self
+
+from pydantic import model_validator
+
+from exudyn_crawler.case.base import Parameters, quantity
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.outputs import Outputs
+
+
+class CaseFile(Parameters):
+    """Case with the duration of its run and what the run leaves.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        Where the duration or the outputs do not fit the case.
+    """
+
+    case: Case
+    duration: float = quantity("s", "simulated time", default=10.0, allow_inf_nan=True)
+    outputs: Outputs = Outputs()
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if not (math.isfinite(self.duration) and self.duration > 0.0):
+            raise ValueError(f"duration must be positive and finite, got {self.duration!r} s")
+        beyond = [shoe for shoe in self.outputs.shoes or () if not 1 <= shoe <= self.case.track.shoe_count]
+        if beyond:
+            raise ValueError(f"outputs.shoes must be in 1..{self.case.track.shoe_count}, got {beyond}")
+        times = self.outputs.picture_times
+        if times is not None and times[-1] > self.duration:
+            raise ValueError(f"outputs.picture_times must lie in 0..{self.duration:g} s, got {list(times)}")
+        self.case.check_support(self.duration)
+        return self

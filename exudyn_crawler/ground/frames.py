@@ -1,0 +1,104 @@
+"""Frames of bodies, wrenches on them and the vectors they are made of; nothing here knows coordinates.
+
+Vectors are tuples of three numbers and matrices tuples of three rows, all in global components: compiled
+code keeps them in registers, where arrays would be allocated and counted.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from numba import njit
+
+Vector = tuple[float, float, float]
+Matrix = tuple[Vector, Vector, Vector]
+
+compiled = njit(cache=True, error_model="numpy")
+"""Compiles a function; dividing by zero gives what IEEE says in place of an exception."""
+
+
+class Frame(NamedTuple):
+    """Place and motion of a rigid body: position r (m), rotation R, velocity v (m/s), omega (rad/s).
+
+    The columns of R are the body's axes; all is in global components.
+    """
+
+    r: Vector
+    R: Matrix
+    v: Vector
+    omega: Vector
+
+
+class Wrench(NamedTuple):
+    """Force (N) and moment (N m) about a point that is said with it, global."""
+
+    force: Vector
+    moment: Vector
+
+
+@compiled
+def dot(a: Vector, b: Vector) -> float:
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def cross(a: Vector, b: Vector) -> Vector:
+    """Vector product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@compiled
+def along(a: Vector, factor: float, b: Vector) -> Vector:
+    """``a + factor * b``."""
+    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
+
+
+@compiled
+def basis(k: int) -> Vector:
+    """Unit vector along axis k."""
+    return 1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0
+
+
+@compiled
+def norm(a: Vector) -> float:
+    """Length of a vector."""
+    return math.sqrt(dot(a, a))
+
+
+@compiled
+def turned(R: Matrix, a: Vector) -> Vector:
+    """``R a``: global components of a vector given in a body's."""
+    return dot(R[0], a), dot(R[1], a), dot(R[2], a)
+
+
+@compiled
+def column(R: Matrix, k: int) -> Vector:
+    """Axis k of a body."""
+    return R[0][k], R[1][k], R[2][k]
+
+
+@compiled
+def turned_back(R: Matrix, a: Vector) -> Vector:
+    """``R^T a``: a body's components of a global vector."""
+    return dot(column(R, 0), a), dot(column(R, 1), a), dot(column(R, 2), a)
+
+
+@compiled
+def velocity_at(body: Frame, place: Vector) -> Vector:
+    """Velocity of a body's point that is at a place (m/s)."""
+    return along(body.v, 1.0, cross(body.omega, along(place, -1.0, body.r)))
+
+
+@compiled
+def about(center: Vector, point: Vector, force: Vector, torque: Vector) -> Wrench:
+    """Wrench about a centre of a force at a point and a torque."""
+    return Wrench(force, along(torque, 1.0, cross(along(point, -1.0, center), force)))
+
+
+def plain(values: Any) -> Any:
+    """Named tuples, and those in them, as plain tuples, the same otherwise.
+
+    Python hands these to compiled code, which names them again: the compiler looks at the type of every
+    argument in every call, and for named tuples that takes longer than the contact of a whole track.
+    """
+    return tuple(plain(value) for value in values) if isinstance(values, tuple) else values

@@ -1,0 +1,207 @@
+"""Layout of a state: which numbers of a row are what.
+
+A row holds the time; the coordinates, their first and their second rates; the Lagrange multipliers, item by
+item; and, where the engine's own contact makes the forces, those on the shoes. Coordinates are six a shoe
+(COM displacement from t = 0, then the angles about x, y, z), then the terrain's, then the flexible shoes'
+modes.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property
+from math import prod
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+VERSION = 1
+"""Of the layout's own form; another one is refused."""
+
+RATES = ("", " rate", " acceleration")
+"""What follows the name of coordinates for themselves, their first and their second rates."""
+
+BODY_COORDINATES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
+
+
+def pin_name(side: str, link: int) -> str:
+    """Name of the joint at one pin, "right" or "left", of a link (numbers from 1)."""
+    return f"{side} pin of link {link}"
+
+
+@dataclass(frozen=True)
+class StateLayout:
+    """Parts of a state by name.
+
+    The parts are "time"; "shoes" (shoes, 6), "terrain" (coordinates,) and "modes" (flexible shoes, modes),
+    together "coordinates", each also followed by " rate" and " acceleration"; every item with multipliers,
+    such as "right pin of link 1", "drive" and "turn", together "multipliers"; "contact forces" (shoes, 6).
+
+    Attributes
+    ----------
+    shoes : int
+        Number of shoes.
+    terrain : int
+        Number of the terrain's coordinates.
+    terrain_bodies : bool
+        Whether these are six a unit.
+    flexible_shoes : tuple of int
+        Numbers of the flexible shoes.
+    modes : int
+        Modes of each of them.
+    multipliers : tuple of (str, int)
+        Items with Lagrange multipliers and how many each has.
+    contact_forces : bool
+        Whether the engine's contact forces on the shoes are kept.
+    """
+
+    shoes: int
+    terrain: int
+    terrain_bodies: bool = False
+    flexible_shoes: tuple[int, ...] = ()
+    modes: int = 0
+    multipliers: tuple[tuple[str, int], ...] = ()
+    contact_forces: bool = False
+
+    @cached_property
+    def _coordinate_shapes(self) -> dict[str, tuple[int, ...]]:
+        return {
+            "shoes": (self.shoes, 6),
+            "terrain": (self.terrain,),
+            "modes": (len(self.flexible_shoes), self.modes),
+        }
+
+    @cached_property
+    def _places(self) -> dict[str, tuple[int, tuple[int, ...]]]:
+        """First index and shape of every part and of what parts are together."""
+        places: dict[str, tuple[int, tuple[int, ...]]] = {"time": (0, ())}
+        first = 1
+        for rate in RATES:
+            start = first
+            for name, shape in self._coordinate_shapes.items():
+                places[name + rate] = (first, shape)
+                first += prod(shape)
+            places[f"coordinates{rate}"] = (start, (first - start,))
+        start = first
+        for name, size in self.multipliers:
+            places[name] = (first, (size,))
+            first += size
+        places["multipliers"] = (start, (first - start,))
+        places["contact forces"] = (first, (self.shoes if self.contact_forces else 0, 6))
+        return places
+
+    @cached_property
+    def coordinate_count(self) -> int:
+        """Number of coordinates."""
+        return sum(prod(shape) for shape in self._coordinate_shapes.values())
+
+    @property
+    def equation_count(self) -> int:
+        """Number of equations: one for each coordinate and each multiplier."""
+        return self.coordinate_count + sum(size for _, size in self.multipliers)
+
+    @cached_property
+    def size(self) -> int:
+        """Length of a row."""
+        first, shape = self._places["contact forces"]
+        return first + prod(shape)
+
+    def part(self, rows: NDArray, name: str) -> NDArray:
+        """View of a part of rows (..., size): array (..., shape of the part).
+
+        Raises
+        ------
+        ValueError
+            If there is no such part or the rows have another length.
+        """
+        if rows.shape[-1] != self.size:
+            raise ValueError(f"rows of a state must have {self.size} numbers, got {rows.shape[-1]}")
+        if name not in self._places:
+            raise ValueError(f"a state has no part {name!r}; it has {sorted(self._places)}")
+        first, shape = self._places[name]
+        return rows[..., first : first + prod(shape)].reshape((*rows.shape[:-1], *shape))
+
+    def first_multiplier(self, name: str) -> int:
+        """Index of an item's first multiplier among all multipliers.
+
+        Raises
+        ------
+        ValueError
+            If no item of this name has any.
+        """
+        names = [item for item, _ in self.multipliers]
+        if name not in names:
+            raise ValueError(f"a state has no multipliers of {name!r}; it has those of {names}")
+        return sum(size for _, size in self.multipliers[: names.index(name)])
+
+    def has(self, name: str) -> bool:
+        """Whether there is a part of this name."""
+        return name in self._places
+
+    def pack(self, parts: Mapping[str, ArrayLike]) -> NDArray:
+        """Row of a state from its parts: array (size,).
+
+        Raises
+        ------
+        ValueError
+            If a part is unknown, does not fit or is missing, naming the first missing one.
+        """
+        row = np.empty(self.size)
+        given = np.zeros(self.size, dtype=bool)
+        for name, values in parts.items():
+            for whole, value in ((row, values), (given, True)):
+                view = self.part(whole, name)
+                if whole is row and np.shape(value) != view.shape:
+                    raise ValueError(f"{name} must have shape {view.shape}, got {np.shape(value)}")
+                view[...] = value
+        if not given.all():
+            missing = next(name for name in self._places if not self.part(given, name).all())
+            raise ValueError(f"a state needs its {missing}")
+        return row
+
+    def equation(self, row: int) -> str:
+        """What an equation of the system is of: a coordinate, or behind all of those an item's multiplier."""
+        if row >= self.coordinate_count:
+            ends = np.cumsum([size for _, size in self.multipliers])
+            return self.multipliers[int(np.searchsorted(ends, row - self.coordinate_count, side="right"))][0]
+        body, own = divmod(row, 6)
+        if body < self.shoes:
+            return f"shoe {body + 1} ({BODY_COORDINATES[own]})"
+        if row < 6 * self.shoes + self.terrain:
+            if self.terrain_bodies:
+                return f"unit {body - self.shoes + 1} ({BODY_COORDINATES[own]})"
+            return f"terrain (coordinate {row - 6 * self.shoes + 1})"
+        shoe, mode = divmod(row - 6 * self.shoes - self.terrain, self.modes)
+        return f"modes of shoe {self.flexible_shoes[shoe]} (mode {mode + 1})"
+
+    def to_json(self) -> str:
+        """Layout as text, with its version."""
+        return json.dumps({"version": VERSION} | asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Layout from what `to_json` gave.
+
+        Raises
+        ------
+        ValueError
+            If the text is none or of another version.
+        """
+        try:
+            content: dict[str, Any] = json.loads(text)
+            version = content.pop("version")
+            if version != VERSION:
+                raise ValueError(f"its version is {version}, not {VERSION}")
+            content["flexible_shoes"] = tuple(content["flexible_shoes"])
+            content["multipliers"] = tuple((str(name), int(size)) for name, size in content["multipliers"])
+            return cls(**content)
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            raise ValueError(f"not a layout of a state: {error}") from error
+
+    def differences(self, other: "StateLayout") -> list[str]:
+        """In what another layout differs, a phrase each, such as "terrain is 15, not 32"."""
+        pairs = [
+            (field.name, getattr(other, field.name), getattr(self, field.name)) for field in fields(self)
+        ]
+        return [f"{name} is {theirs}, not {own}" for name, theirs, own in pairs if theirs != own]

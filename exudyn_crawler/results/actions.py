@@ -1,0 +1,204 @@
+"""What acts on the shoes of a history, as data: one record for each action, over all stored times.
+
+Balances of momentum and the modal loads of a flexible shoe sum over these records; a new kind of load is one
+builder in `model` and one record here. All vectors are global, all units SI.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.case import Case, FlexibleShoes
+from exudyn_crawler.case.track import Track
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.flexible_shoes import shoe_model
+from exudyn_crawler.results.history import History
+
+
+@dataclass(frozen=True)
+class AtInterface:
+    """Enters a flexible shoe at the centre of one of its interfaces, through the rigid spider there."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class OverSurface:
+    """Enters a flexible shoe spread evenly over one of its named surfaces."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class OverRectangle:
+    """Enters a flexible shoe spread evenly over a rectangle of its underside.
+
+    Attributes
+    ----------
+    low, high : array (times, 2)
+        Least and greatest x and y, m, in the shoe's frame.
+    pressed : array of bool (times,)
+        When there is a rectangle at all.
+    """
+
+    low: NDArray
+    high: NDArray
+    pressed: NDArray
+
+
+@dataclass(frozen=True)
+class OnFrame:
+    """Enters a flexible shoe through the coordinates of its floating frame: no mode is loaded."""
+
+
+@dataclass(frozen=True)
+class OverMass:
+    """Enters a flexible shoe spread as its mass, to which every elastic mode is orthogonal."""
+
+
+Entry = AtInterface | OverSurface | OverRectangle | OnFrame | OverMass
+
+
+@dataclass(frozen=True)
+class Action:
+    """One thing that acts on one shoe.
+
+    Attributes
+    ----------
+    kind : str
+        "joint", "weight", "load", "contact" or "drive".
+    shoe : int
+        Number of the shoe.
+    where : str
+        Place in words, such as "front right" (a pin) or "unit 12" (what the shoe stands on).
+    point : array (times, 3)
+        Where the force acts, m. On a flexible shoe, points of the body are those of the unbent one.
+    force, moment : array (times, 3)
+        Force (N) and moment beside that of the force (N m), on the shoe.
+    entry : Entry
+        How it enters the shoe if that is flexible.
+    """
+
+    kind: str
+    shoe: int
+    where: str
+    point: NDArray
+    force: NDArray
+    moment: NDArray
+    entry: Entry
+
+    def moment_about(self, place: NDArray) -> NDArray:
+        """Moment about a place (times, 3) or (3,), m: array (times, 3), N m."""
+        return np.cross(self.point - place, self.force) + self.moment
+
+
+@dataclass(frozen=True)
+class ShoeMass:
+    """Mass (kg) of a shoe and, in its frame, its centre and the point under the machine's load (3,), m."""
+
+    mass: float
+    center: NDArray
+    load_point: NDArray
+
+
+def shoe_mass(case: Case, shoe: int) -> ShoeMass:
+    """Mass of a shoe of a case; a flexible one has that of its mesh."""
+    if case.flexible is not None and shoe in case.flexible.shoes:
+        return _mesh_mass(case.flexible, case.track)
+    return ShoeMass(case.shoe.mass, np.zeros(3), np.array(case.shoe.load_point))
+
+
+@lru_cache(maxsize=4)
+def _mesh_mass(flexible: FlexibleShoes, track: Track) -> ShoeMass:
+    body, _ = shoe_model(flexible, track)
+    weights = body.surface_load("top", np.array([0.0, 0.0, 1.0])).reshape(-1, 3)[:, 2]
+    return ShoeMass(body.mass, body.center_of_mass, weights @ body.mesh.nodes / weights.sum())
+
+
+def actions(history: History, shoe: int | None = None) -> list[Action]:
+    """All that acts on the shoes of a history, or on one of them: joints, weight, load, contacts, drive."""
+    shoes = history.case.track.shoes.tolist() if shoe is None else [shoe]
+    return [action for number in shoes for action in _on_shoe(history, number)]
+
+
+def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
+    position = history.position.sel(shoe=shoe).values
+    frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+    yield from _joints(history, shoe, position, frames)
+    yield from _weight_and_load(history, shoe, position, frames)
+    yield from _contacts(history, shoe, position, frames)
+    if shoe == history.case.track.shoe_count:
+        yield _drive(history, shoe, position, frames)
+
+
+def _joints(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+    """Joints of both links; a link of two rigid shoes has one, at its right pin."""
+    track, dataset = history.case.track, history.dataset
+    # the link ahead acts on its rear shoe as stored, the link behind with the opposite
+    for end, joint, sign in (("front", shoe, 1.0), ("rear", shoe - 1, -1.0)):
+        if not 1 <= joint < track.shoe_count:
+            continue
+        if "pin_force" in dataset:
+            chosen = dataset[["pin_force", "pin_torque"]].sel(joint=joint)
+            reactions = [
+                (str(pin), chosen.pin_force.sel(pin=pin), chosen.pin_torque.sel(pin=pin))
+                for pin in dataset.pin.values
+            ]
+        else:
+            chosen = dataset.sel(joint=joint)
+            reactions = [("right", chosen.joint_force, chosen.joint_torque)]
+        for side, force, torque in reactions:
+            if np.isnan(force.values).all():
+                continue
+            where = f"{end} {side}"
+            point = position + frames @ track.joint_centers[where]
+            yield Action(
+                "joint", shoe, where, point, sign * force.values, sign * torque.values, AtInterface(where)
+            )
+
+
+def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+    own = shoe_mass(history.case, shoe)
+    zero = np.zeros_like(position)
+    weight, load = zero.copy(), zero.copy()
+    weight[:, 2] = -own.mass * history.case.gravity
+    load[:, 2] = -history.shoe_load.sel(shoe=shoe).values
+    yield Action("weight", shoe, "COM", position + frames @ own.center, weight, zero, OverMass())
+    yield Action("load", shoe, "top", position + frames @ own.load_point, load, zero, OverSurface("top"))
+
+
+def _contacts(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+    """Contact with every unit that the shoe ever met."""
+    terrain, footprint = history.case.terrain, history.case.shoe.footprint
+    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width])
+    # where the underside's own x = y = 0 lies, and how much its axes are foreshortened from above
+    origin = position[:, :2] + footprint[4] * frames[:, :2, 2]
+    shortened = np.stack((frames[:, 0, 0], frames[:, 1, 1]), axis=-1)
+    for index in np.flatnonzero(history.contact_shoe.values == shoe):
+        unit = int(history.contact_unit[index])
+        center = terrain.centers[unit - 1, :2]
+        rectangle = OverRectangle(
+            low=np.maximum((center - half - origin) / shortened, footprint[[0, 2]]),
+            high=np.minimum((center + half - origin) / shortened, footprint[[1, 3]]),
+            pressed=history.area.values[:, index] > 0.0,
+        )
+        yield Action(
+            "contact",
+            shoe,
+            f"unit {unit}",
+            history.point.values[:, index],
+            history.normal_force.values[:, index] + history.friction_force.values[:, index],
+            history.friction_torque.values[:, index],
+            rectangle,
+        )
+
+
+def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> Action:
+    """Drive along x and turn about the shoe's own z axis, both on the coordinates of its frame."""
+    force = np.zeros_like(position)
+    force[:, 0] = history.drive_force.values
+    moment = history.drive_torque.values[:, None] * frames[:, :, 2]
+    return Action("drive", shoe, "frame", position, force, moment, OnFrame())

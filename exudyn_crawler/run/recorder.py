@@ -1,0 +1,55 @@
+"""States that a run stores as it goes."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.model.system import System
+from exudyn_crawler.run.checkpoints import Checkpoint
+from exudyn_crawler.run.stages import TIME_TOLERANCE
+
+
+class Recorder:
+    """Keeps the state at the start, unless it is another run's end, and after every output interval."""
+
+    def __init__(self, system: System, duration: float, start: float | None = None) -> None:
+        self._system = system
+        self._interval = system.case.solver.output_interval
+        self._duration = duration
+        self._next = 0.0
+        self._states: list[NDArray] = []
+        self.time = 0.0
+        if start is not None:
+            self._end_of(start)
+
+    def take(self, checkpoint: Checkpoint) -> None:
+        """Go on behind a checkpoint."""
+        self._states.extend(checkpoint.rows)
+        self._end_of(checkpoint.time)
+
+    def _end_of(self, time: float) -> None:
+        self.time = time
+        self._next = (math.floor(time / self._interval + 1e-6) + 1) * self._interval
+
+    def store(self, time: float) -> None:
+        """Store the state if its turn has come; the last one always."""
+        self.time = time
+        tolerance = TIME_TOLERANCE * max(1.0, self._duration)
+        if time >= self._next - tolerance or time >= self._duration - tolerance:
+            self._states.append(self._system.state())
+            self._end_of(time)
+
+    @property
+    def rows(self) -> NDArray:
+        """All stored states, one a row."""
+        return np.array(self._states)
+
+    def rows_from(self, first: int) -> NDArray:
+        """Stored states from a number on."""
+        return np.array(self._states[first:])
+
+    @property
+    def count(self) -> int:
+        """Number of stored states."""
+        return len(self._states)

@@ -1,0 +1,93 @@
+"""What the report's interactive plots draw.
+
+Long series keep the least and the greatest value of every bin of time, so that no extreme is lost.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from exudyn_crawler.views.colours import CONTACT_FORCE, STRESS_MAP
+from exudyn_crawler.views.curves import JOINTS, NEGLIGIBLE, NEGLIGIBLE_MOTION, SHOES
+from exudyn_crawler.views.report.packing import packed, thinned
+from exudyn_crawler.views.series import HIGHEST_STRESS, Series
+
+SERIES_BYTES = 4_500_000
+"""Size on the page that all series together may have."""
+BYTES_A_POINT = 6 * 4 / 3
+"""A 16-bit number of the time and a 32-bit value, in base64."""
+LEAST_POINTS, MOST_POINTS = 200, 4000
+"""Points that a series keeps at least and at most."""
+FIRST_PLOTS = {"rigid": ("velocity", "contact force"), "stress": (HIGHEST_STRESS, "contact force")}
+"""What the plots show first, by what a folder holds."""
+
+
+def points_a_series(cases: Mapping[str, list[Series]]) -> int:
+    """Points that each series may keep, for all of them to fit on a page."""
+    count = sum(series.count for found in cases.values() for series in found)
+    return int(np.clip(SERIES_BYTES / BYTES_A_POINT / max(count, 1), LEAST_POINTS, MOST_POINTS))
+
+
+def packed_case(found: list[Series], points: int) -> dict[str, Any]:
+    """All quantities of a case; they share their stored times where they have the same."""
+    times: list[NDArray] = []
+    quantities = []
+    for series in found:
+        time = series.values.time.values
+        same = [k for k, one in enumerate(times) if np.array_equal(one, time)]
+        if not same:
+            times.append(time)
+        place = same[0] if same else len(times) - 1
+        quantities.append(_packed_series(series, points) | {"time": place})
+    return {"times": [packed(time, "f4") for time in times], "quantities": quantities}
+
+
+def _packed_series(series: Series, points: int) -> dict[str, Any]:
+    """Quantity for the page: names, and for every item and axis packed indices of time and values."""
+    kind = "u2" if series.values.sizes["time"] < 2**16 else "u4"
+    rows = []
+    for item in series.values.transpose("item", "axis", "time").values:
+        kept = [thinned(values, points) for values in item]
+        rows.append(
+            [[packed(k, kind), packed(values[k], "f4")] for k, values in zip(kept, item, strict=True)]
+        )
+    return {
+        "group": series.group,
+        "label": series.label,
+        "unit": series.unit,
+        "floor": NEGLIGIBLE.get(series.unit, NEGLIGIBLE_MOTION),
+        "items": [str(item) for item in series.values["item"].values],
+        "axes": [str(axis) for axis in series.values.axis.values],
+        "index": kind,
+        "drawn": JOINTS if series.group == "links" else SHOES,
+        "series": rows,
+    }
+
+
+def first_plots(found: Mapping[str, list[Series]]) -> list[str]:
+    """Labels of what the plots show first."""
+    labels = {series.label for one in found.values() for series in one}
+    return list(FIRST_PLOTS["stress" if HIGHEST_STRESS in labels else "rigid"])
+
+
+def page_colours() -> dict[str, Any]:
+    """Colours of stresses, as Plotly takes them, and of contact forces."""
+    places = np.linspace(0.0, 1.0, 17)
+    colours = [[float(at), mpl.colors.to_hex(mpl.colormaps[STRESS_MAP](at))] for at in places]
+    return {"colours": colours, "arrows": CONTACT_FORCE}
+
+
+def thinning(variables: Mapping[str, xr.Dataset], points: int) -> str:
+    """What the reader has to know about left-out times."""
+    most = max((one.sizes["time"] for one in variables.values()), default=0)
+    if most <= points:
+        return "Every stored time is drawn."
+    return (
+        f"Of the {most} stored times each curve keeps the least and the greatest value in every one of "
+        f"{points // 2 - 1} equal parts of the run, so that no extreme is lost; in between it is thinner "
+        "than what was computed."
+    )

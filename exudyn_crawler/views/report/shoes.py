@@ -1,0 +1,59 @@
+"""What the report's 3D view of the flexible shoes draws."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from exudyn_crawler.results.history import History
+from exudyn_crawler.views.placement import Pose, instant, touching
+from exudyn_crawler.views.report.packing import packed
+from exudyn_crawler.views.scales import MEGA, Scales
+
+
+def packed_shoes(stress: xr.Dataset, history: History) -> dict[str, Any]:
+    """Surface, places, elastic displacement, von Mises stress and contact forces at the chosen times.
+
+    Displacements and stresses are 16-bit steps of their greatest magnitude, which is coarser than nothing
+    that can be seen.
+    """
+    scales = Scales.of(stress, history)
+    used, corners = np.unique(stress.triangle.transpose("face", "corner").values, return_inverse=True)
+    bend = stress.frame_displacement.transpose("frame", "shoe", "node", "axis").values[:, :, used]
+    mises = stress.frame_von_mises.transpose("frame", "shoe", "node").values[:, :, used] / MEGA
+    bend_step = max(float(np.abs(bend).max()), 1e-12) / 32767.0
+    mises_step = max(float(mises.max()), 1e-12) / 65535.0
+    shoes = [int(shoe) for shoe in stress.shoe.values]
+    frames = []
+    for number, time in enumerate(stress.frame.values):
+        highest = (stress.frame_von_mises.isel(frame=number).max("node") / MEGA).values.tolist()
+        fields = {
+            "bend": [packed(np.rint(one / bend_step), "i2") for one in bend[number]],
+            "mises": [packed(np.rint(one / mises_step), "u2") for one in mises[number]],
+            "highest": highest,
+        }
+        frames.append({"time": float(time)} | _placed(instant(history, float(time)), shoes) | fields)
+    return {
+        "shoes": shoes,
+        "position": packed(stress.node_position.transpose("node", "axis").values[used], "f4"),
+        "triangle": packed(corners.reshape(-1, 3), "u4"),
+        "bend_step": bend_step,
+        "mises_step": mises_step,
+        "limit": scales.stress / MEGA,
+        "magnification": scales.displacement,
+        "force_scale": scales.pair_force,
+        "frames": frames,
+    }
+
+
+def _placed(now: xr.Dataset, shoes: Sequence[int]) -> dict[str, Any]:
+    """Places of shoes in one instant, and what acts on them where."""
+    poses = [Pose.of(now, shoe) for shoe in shoes]
+    contacts = [touching(now, shoe) for shoe in shoes]
+    return {
+        "origin": [pose.origin.tolist() for pose in poses],
+        "frame": [pose.frame.ravel().tolist() for pose in poses],
+        "points": [packed(points, "f4") for points, _ in contacts],
+        "forces": [packed(forces, "f4") for _, forces in contacts],
+    }

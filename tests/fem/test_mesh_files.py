@@ -1,0 +1,53 @@
+"""Reading and writing meshes: what cannot be used is refused by name."""
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+import fem
+from tests.fem.bodies import box_mesh
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("suffix", [".msh", ".msh.gz"])
+def test_write_and_read(tmp_path: Path, order: int, suffix: str) -> None:
+    mesh = box_mesh((1, 2, 1), (1.0, 1.0, 1.0), order=order)
+    named = fem.Mesh(mesh.nodes, mesh.elements, {"all": mesh.boundary, "two": mesh.boundary[:2]})
+    fem.write_mesh(tmp_path / f"m{suffix}", named)
+    back = fem.read_mesh(tmp_path / f"m{suffix}")
+    assert back.digest == named.digest
+    assert set(back.surfaces) == {"all", "two"}
+
+
+def test_vtu_without_surfaces(tmp_path: Path, cube: fem.Mesh) -> None:
+    fem.write_vtu(tmp_path / "m.vtu", cube, {})
+    back = fem.read_mesh(tmp_path / "m.vtu")
+    np.testing.assert_array_equal(back.elements, cube.elements)
+    assert back.surfaces == {}
+
+
+def test_no_file(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="nothing"):
+        fem.read_mesh(tmp_path / "nothing.msh")
+
+
+def test_no_mesh(tmp_path: Path) -> None:
+    (tmp_path / "text.msh").write_text("this is no mesh")
+    with pytest.raises(fem.MeshError, match="must be a mesh that meshio can read"):
+        fem.read_mesh(tmp_path / "text.msh")
+
+
+def test_no_tetrahedra(tmp_path: Path) -> None:
+    meshio.write(tmp_path / "t.vtu", meshio.Mesh(np.eye(3), [("triangle", [[0, 1, 2]])]))
+    with pytest.raises(fem.MeshError, match=r"must hold tetrahedra .* got no solid elements"):
+        fem.read_mesh(tmp_path / "t.vtu")
+
+
+def test_mixed_elements(tmp_path: Path) -> None:
+    cube = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)
+    cells = [("tetra", [[0, 1, 2, 4]]), ("hexahedron", [[0, 1, 3, 2, 4, 5, 7, 6]])]
+    meshio.write(tmp_path / "m.vtu", meshio.Mesh(cube, cells))
+    with pytest.raises(fem.MeshError, match="one kind of solid elements, got 1 tetra, 1 hexahedron"):
+        fem.read_mesh(tmp_path / "m.vtu")

@@ -1,0 +1,210 @@
+"""Contact on frames: equal and opposite, blind to the global axes, in any attitude; coordinates to frames."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from exudyn_crawler import PairContact
+from exudyn_crawler.ground.frames import Frame, about, cross, dot, turned, turned_back, velocity_at
+from exudyn_crawler.ground.laws import LINEAR, PROPORTIONAL, Law
+from exudyn_crawler.ground.laws.linear import Linear
+from exudyn_crawler.ground.overlap import overlap_workspace
+from exudyn_crawler.ground.pair_contact import pair_law
+from exudyn_crawler.ground.pairs import (
+    FROM_CURVE,
+    RIGID,
+    Footprint,
+    Patch,
+    pair_contact,
+    pair_overlap,
+    wrench_on_shoe,
+)
+from exudyn_crawler.ground.rotations import (
+    angular_velocity,
+    attitude,
+    generalized_moment,
+    moments_of,
+    rotation_matrices,
+    shoe_frame,
+    tilted,
+    unit_frame,
+)
+from exudyn_crawler.ground.spheres import nearest_on_face, sphere_touch, touch_force
+
+FOOTPRINT = Footprint(-0.33, 0.32, -1.7, 1.8, -0.2)
+HALF = (3.5, 3.5, 1.0)
+LAWS = {name: pair_law(PairContact.oil_sand(sharing=name), 2.3) for name in ("pair", "area")}
+POINT = Law(LINEAR, PROPORTIONAL, linear=Linear(3.3e5, 500.0, 0.3, 0.01))
+SPHERE_RADIUS = 0.2
+SEEDS = range(12)
+"""Every third turns the pair by a quarter about y, where the angles about x, y, z are singular."""
+
+
+def frame(r, R, v, omega) -> Frame:
+    rows = tuple(tuple(float(x) for x in row) for row in R)
+    vectors = [tuple(float(x) for x in vector) for vector in (r, v, omega)]
+    return Frame(vectors[0], rows, vectors[1], vectors[2])
+
+
+def meeting(random) -> tuple[Frame, Frame]:
+    """Shoe on a unit, both nearly level and moving."""
+    shoe, unit = (Rotation.from_rotvec(random.normal(0.0, 0.01, 3)).as_matrix() for _ in range(2))
+    place = np.array([random.uniform(-3.6, 3.6), random.uniform(-3.0, 3.0), 1.2 - random.uniform(0.06, 0.09)])
+    return (
+        frame(place, shoe, random.normal(0.0, 0.03, 3), random.normal(0.0, 0.03, 3)),
+        frame(random.normal(0.0, 0.01, 3), unit, random.normal(0.0, 0.03, 3), random.normal(0.0, 0.01, 3)),
+    )
+
+
+def carried_off(body: Frame, R, r, v, omega) -> Frame:
+    """Same body in a world that is turned, moved and in motion as a whole."""
+    place = r + R @ body.r
+    return frame(
+        place, R @ np.array(body.R), R @ body.v + v + np.cross(omega, place - r), R @ body.omega + omega
+    )
+
+
+def journey(seed, random):
+    """Turn, displacement, velocity and spin of the whole: turns beyond 90 degrees among them."""
+    R = Rotation.random(random_state=seed).as_matrix()
+    if seed % 3 == 0:
+        R = Rotation.from_euler("y", 90.0, degrees=True).as_matrix()
+    return R, random.normal(0.0, 50.0, 3), random.normal(0.0, 1.0, 3), random.normal(0.0, 0.5, 3)
+
+
+def touched(shoe, unit, law, patch):
+    part = pair_overlap(shoe, unit, FOOTPRINT, HALF, overlap_workspace())
+    return pair_contact(part, shoe, unit, patch, HALF[2], law, FROM_CURVE)
+
+
+def bent(random) -> Patch:
+    """Patch that moves by fractions of a millimetre and some mm/s."""
+    return Patch(tuple(random.normal(0.0, 3e-4, 3)), tuple(random.normal(0.0, 5e-3, 3)))
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_contact_in_a_turned_and_moving_world_is_the_same_turned(seed, law):
+    random = np.random.default_rng(seed)
+    pair, patch = meeting(random), bent(random)
+    R, r, v, omega = journey(seed, random)
+    here = touched(*pair, law, patch)
+    there = touched(*(carried_off(body, R, r, v, omega) for body in pair), law, patch)
+    assert here.area > 0.0
+    assert np.linalg.norm(here.normal_force) > 1e3
+    assert there[:3] == pytest.approx(here[:3], rel=1e-9, abs=1e-12)
+    assert np.array(there.point) == pytest.approx(r + R @ here.point, abs=1e-11)
+    for name in ("normal_force", "friction_force", "friction_torque", "slip_velocity"):
+        expected = R @ getattr(here, name)
+        assert np.array(getattr(there, name)) == pytest.approx(
+            expected, abs=1e-9 * np.linalg.norm(here.normal_force) if "slip" not in name else 1e-12
+        )
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_shoe_and_unit_receive_opposite_wrenches_about_any_point(seed):
+    random = np.random.default_rng(seed)
+    R, r, v, omega = journey(seed, random)
+    shoe, unit = (carried_off(body, R, r, v, omega) for body in meeting(random))
+    contact = touched(shoe, unit, LAWS["pair"], bent(random))
+    point = r + random.normal(0.0, 5.0, 3)
+    on_shoe, on_unit = (wrench_on_shoe(contact, body.r) for body in (shoe, unit))
+    # each brought from its body's centre to the point
+    moments = [
+        wrench.moment + np.cross(body.r - point, wrench.force)
+        for wrench, body in ((on_shoe, shoe), (on_unit, unit))
+    ]
+    assert on_shoe.force == on_unit.force
+    assert np.linalg.norm(on_shoe.force) > 1e3
+    assert moments[0] == pytest.approx(moments[1], abs=1e-10 * np.abs(moments[0]).max() + 1e-6)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_bodies_that_move_as_one_neither_slip_nor_sink(seed):
+    random = np.random.default_rng(seed)
+    R, r, v, omega = journey(seed, random)
+    still = [body._replace(v=(0.0, 0.0, 0.0), omega=(0.0, 0.0, 0.0)) for body in meeting(random)]
+    contact = touched(*(carried_off(b, R, r, v, omega) for b in still), LAWS["pair"], RIGID)
+    assert np.linalg.norm(contact.normal_force) > 1e3
+    assert np.linalg.norm(contact.slip_velocity) < 1e-12
+    assert abs(contact.penetration_rate) < 1e-12
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_sphere_in_a_turned_and_moving_world_is_pushed_the_same(seed):
+    random = np.random.default_rng(seed)
+    pair = meeting(random)
+    beside = (3.5 + random.uniform(0.0, 0.05), random.uniform(-3.5, 3.55), 1.0 + random.uniform(0.12, 0.17))
+    center = np.add(pair[1].r, turned(pair[1].R, beside))
+    R, r, v, omega = journey(seed, random)
+
+    def pushed(shoe, unit, place):
+        local = turned_back(unit.R, tuple(place - np.array(unit.r)))
+        _, near, _ = nearest_on_face(local[0], local[1], 3.5, 3.5)
+        above = (local[0] - near.x, local[1] - near.y, local[2] - 1.0)
+        return sphere_touch(tuple(place), above, near, shoe, unit, SPHERE_RADIUS, POINT)
+
+    here = pushed(*pair, center)
+    there = pushed(*(carried_off(body, R, r, v, omega) for body in pair), r + R @ center)
+    assert here.depth > 0.0
+    assert there.depth == pytest.approx(here.depth, abs=1e-11)
+    force = np.array(touch_force(here))
+    assert np.array(touch_force(there)) == pytest.approx(R @ force, abs=1e-8 * np.linalg.norm(force))
+
+
+ANGLES = np.random.default_rng(2).uniform(-math.pi, math.pi, (8, 3))
+
+
+@pytest.mark.parametrize("angles", ANGLES)
+def test_angles_turn_about_x_then_y_then_z(angles):
+    at = attitude(*angles)
+    expected = Rotation.from_euler("XYZ", angles).as_matrix()
+    assert np.array(at.R) == pytest.approx(expected, abs=1e-14)
+    assert rotation_matrices(angles[None])[0] == pytest.approx(expected, abs=1e-14)
+
+
+@pytest.mark.parametrize("angles", ANGLES)
+def test_frames_move_with_their_coordinates(angles):
+    random = np.random.default_rng(7)
+    q, q_t = np.concatenate((random.normal(size=3), angles)), random.normal(size=6)
+    body = shoe_frame(q, q_t, attitude(*angles))
+    assert np.array(body.omega) == pytest.approx(angular_velocity(angles, q_t[3:]), abs=1e-14)
+    own = np.array([0.3, -0.2, 0.5])
+    step = 1e-6
+    ahead, behind = (q[:3] + s * step * q_t[:3] for s in (1.0, -1.0))
+    ahead = ahead + rotation_matrices((angles + step * q_t[3:])[None])[0] @ own
+    behind = behind + rotation_matrices((angles - step * q_t[3:])[None])[0] @ own
+    place = tuple(np.add(body.r, turned(body.R, tuple(own))))
+    # central differences of second order
+    assert np.array(velocity_at(body, place)) == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-8)
+
+
+@pytest.mark.parametrize("angles", ANGLES)
+def test_generalized_moments_do_the_work_of_the_moment(angles):
+    random = np.random.default_rng(8)
+    rates, moment = random.normal(size=3), random.normal(size=3)
+    parts = generalized_moment(tuple(moment), attitude(*angles))
+    assert np.dot(parts, rates) == pytest.approx(moment @ angular_velocity(angles, rates), abs=1e-14)
+    again = moments_of(angles[None], np.array([parts]))[0]
+    assert again == pytest.approx(moment, abs=1e-12 / abs(math.cos(angles[1])))
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_unit_is_a_body_with_one_angle(axis):
+    q, q_t = np.array([1.0, 2.0, -1.0, 0.3]), np.array([0.1, 0.2, 0.3, 0.4])
+    angles = np.zeros(3)
+    angles[axis] = q[3]
+    at, whole = tilted(q[3], axis), attitude(*angles)
+    assert np.array(at.R) == pytest.approx(np.array(whole.R), abs=1e-15)
+    assert np.array(at.axes) == pytest.approx(np.array(whole.axes), abs=1e-15)
+    assert unit_frame(q, q_t, axis, at).omega[axis] == 0.4
+
+
+def test_a_wrench_about_another_centre_has_the_forces_moment():
+    point, force, torque = (1.0, 2.0, 3.0), (4.0, -5.0, 6.0), (0.1, 0.2, 0.3)
+    assert about(point, point, force, torque).moment == torque
+    moved = about((1.0, 1.0, 3.0), point, force, torque)
+    assert moved.moment == pytest.approx(np.add(torque, np.cross((0.0, 1.0, 0.0), force)))
+    assert dot(cross(point, force), force) == pytest.approx(0.0, abs=1e-12)

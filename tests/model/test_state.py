@@ -1,0 +1,114 @@
+"""Layout of a state: parts by name, what is refused, and that it is the engine's."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case
+from exudyn_crawler.model.state import RATES, StateLayout, pin_name
+from exudyn_crawler.model.system import build
+
+LAYOUT = StateLayout(
+    shoes=3,
+    terrain=4,
+    flexible_shoes=(2, 3),
+    modes=5,
+    multipliers=(("right pin of link 1", 6), ("left pin of link 1", 6), ("drive", 1)),
+    contact_forces=True,
+)
+COUNT = 18 + 4 + 10
+
+
+def parts_of(layout):
+    """Different numbers in every part."""
+    names = ["time", "multipliers", "contact forces"]
+    names += [f"{part}{rate}" for part in ("shoes", "terrain", "modes") for rate in RATES]
+    rng = np.random.default_rng(3)
+    return {name: rng.random(layout.part(np.zeros(layout.size), name).shape) for name in names}
+
+
+def test_a_row_has_room_for_everything():
+    assert LAYOUT.coordinate_count == COUNT
+    assert LAYOUT.equation_count == COUNT + 13
+    assert LAYOUT.size == 1 + 3 * COUNT + 13 + 18
+
+
+def test_what_is_packed_is_found_by_name():
+    parts = parts_of(LAYOUT)
+    row = LAYOUT.pack(parts)
+    for name, values in parts.items():
+        assert np.array_equal(LAYOUT.part(row, name), values)
+    assert np.array_equal(LAYOUT.part(row, "drive"), parts["multipliers"][-1:])
+    assert np.array_equal(LAYOUT.part(row, "coordinates rate")[18:22], parts["terrain rate"])
+    assert len(np.unique(row)) == LAYOUT.size  # nothing lies over anything else
+
+
+def test_parts_of_many_states_are_views():
+    rows = np.zeros((7, LAYOUT.size))
+    modes = LAYOUT.part(rows, "modes acceleration")
+    assert modes.shape == (7, 2, 5)
+    modes[3, 1, 4] = 2.0
+    assert (rows != 0.0).sum() == 1
+    assert LAYOUT.part(rows, "time").shape == (7,)
+
+
+def test_bad_parts_are_refused_by_name():
+    parts = parts_of(LAYOUT)
+    with pytest.raises(ValueError, match="a state has no part 'tracks'"):
+        LAYOUT.part(np.zeros(LAYOUT.size), "tracks")
+    with pytest.raises(ValueError, match=f"must have {LAYOUT.size} numbers, got 5"):
+        LAYOUT.part(np.zeros(5), "time")
+    with pytest.raises(ValueError, match="modes rate must have shape"):
+        LAYOUT.pack(parts | {"modes rate": np.zeros(10)})
+    del parts["terrain acceleration"]
+    with pytest.raises(ValueError, match="a state needs its terrain acceleration"):
+        LAYOUT.pack(parts)
+
+
+def test_equations_have_names():
+    assert LAYOUT.equation(2) == "shoe 1 (z)"
+    assert LAYOUT.equation(16) == "shoe 3 (rotation about y)"
+    assert LAYOUT.equation(18) == "terrain (coordinate 1)"
+    assert LAYOUT.equation(22) == "modes of shoe 2 (mode 1)"
+    assert LAYOUT.equation(31) == "modes of shoe 3 (mode 5)"
+    assert LAYOUT.equation(COUNT + 5) == "right pin of link 1"
+    assert LAYOUT.equation(COUNT + 6) == "left pin of link 1"
+    assert LAYOUT.equation(COUNT + 12) == "drive"
+    bodies = StateLayout(shoes=3, terrain=12, terrain_bodies=True)
+    assert bodies.equation(18 + 6 + 3) == "unit 2 (rotation about x)"
+
+
+def test_a_layout_comes_back_from_text_and_others_are_told_apart():
+    assert StateLayout.from_json(LAYOUT.to_json()) == LAYOUT
+    other = StateLayout.from_json(LAYOUT.to_json().replace('"terrain": 4', '"terrain": 9'))
+    assert LAYOUT.differences(other) == ["terrain is 9, not 4"]
+    assert LAYOUT.differences(LAYOUT) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("nothing", "not a layout of a state"),
+        ("[]", "not a layout of a state"),
+        ("{}", "not a layout of a state: 'version'"),
+        (LAYOUT.to_json().replace('"version": 1', '"version": 2'), "its version is 2, not 1"),
+        (LAYOUT.to_json().replace("shoes", "wheels"), "not a layout of a state"),
+    ],
+)
+def test_other_texts_are_no_layout(text, message):
+    with pytest.raises(ValueError, match=message):
+        StateLayout.from_json(text)
+
+
+@pytest.mark.parametrize("case", [Case.turning(), Case.turning().with_(terrain_formulation="constrained")])
+def test_the_layout_is_the_engines(case):
+    system = build(case)
+    layout, data = system.layout, system.mbs.systemData
+    rows = np.arange(layout.size, dtype=float)
+    assert layout.coordinate_count == len(data.GetODE2Coordinates()) == system.contact.size
+    assert layout.equation_count - layout.coordinate_count == len(data.GetAECoordinates())
+    first = layout.part(rows, "multipliers")[0]
+    for item in (pin_name("right", 12), "drive", "turn"):
+        number = next(k for k in range(data.NumberOfObjects()) if system.mbs.GetObject(k)["name"] == item)
+        assert (layout.part(rows, item) - first).tolist() == data.GetObjectLTGAE(number)
+    names = [name for name, _ in layout.multipliers]
+    assert len(set(names)) == len(names)

@@ -1,0 +1,130 @@
+"""Actions as data: what acts on the shoes, where, and that balances and modal loads see all of it."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.results.actions import AtInterface, OnFrame, OverMass, OverRectangle, OverSurface, actions
+from exudyn_crawler.results.balance import energies, powers, shoe_actions, shoe_imbalance, track_imbalance
+from exudyn_crawler.results.contacts import contacts_by_shoe
+from exudyn_crawler.results.modal_coordinates import modal_loads, stress_basis
+
+WEIGHT = 13 * 432.3e3  # N, of the loaded track
+
+
+def named(history, shoe):
+    return {(action.kind, action.where): action for action in actions(history, shoe)}
+
+
+def test_every_shoe_of_a_rigid_track_has_its_actions(translation):
+    assert set(named(translation, 1)) == {
+        ("joint", "front right"), ("weight", "COM"), ("load", "top"), ("contact", "unit 7")
+    }  # fmt: skip
+    seven = named(translation, 7)
+    assert {("joint", "rear right"), ("contact", "unit 7"), ("contact", "unit 12")} < set(seven)
+    assert ("drive", "frame") not in seven
+    assert ("drive", "frame") in named(translation, 13)
+
+
+def test_a_flexible_shoe_is_held_at_both_pins_of_each_link(flexible_run):
+    history = flexible_run[0]
+    pins = {where for kind, where in named(history, 7) if kind == "joint"}
+    assert pins == {"front right", "front left", "rear right", "rear left"}
+    assert {where for kind, where in named(history, 2) if kind == "joint"} == {"front right", "rear right"}
+
+
+def test_pins_act_where_they_are_and_with_opposite_forces(flexible_run):
+    history = flexible_run[0]
+    behind, ahead = named(history, 6), named(history, 7)
+    for side in ("right", "left"):
+        one, other = behind["joint", f"front {side}"], ahead["joint", f"rear {side}"]
+        assert np.array_equal(one.force, -other.force)
+        assert np.array_equal(one.moment, -other.moment)
+        # the flexible shoe's pin is that of the unbent shoe
+        assert one.point == pytest.approx(other.point, abs=1e-3)
+
+
+def test_actions_enter_a_flexible_shoe_by_name(flexible_run):
+    entries = {kind: action.entry for (kind, _), action in named(flexible_run[0], 13).items()}
+    assert isinstance(entries["joint"], AtInterface)
+    assert entries["load"] == OverSurface("top")
+    assert isinstance(entries["contact"], OverRectangle)
+    assert (entries["weight"], entries["drive"]) == (OverMass(), OnFrame())
+
+
+def test_the_rectangles_of_a_shoe_on_two_units_lie_side_by_side_and_cover_its_underside(translation):
+    shoe = named(translation, 7)
+    rear, front = (shoe["contact", f"unit {unit}"].entry for unit in (7, 12))
+    assert rear.pressed.all()
+    assert front.pressed.all()
+    assert rear.high[:, 0] == pytest.approx(front.low[:, 0], abs=1e-12)
+    footprint = translation.case.shoe.footprint
+    assert np.all(rear.low == footprint[[0, 2]])
+    assert np.all(front.high == footprint[[1, 3]])
+
+
+def test_contacts_are_those_by_shoe(translation):
+    by_shoe = contacts_by_shoe(translation)
+    for shoe in (1, 7):
+        force = sum(action.force for action in actions(translation, shoe) if action.kind == "contact")
+        assert force == pytest.approx(by_shoe.contact_force.sel(shoe=shoe).values, abs=1e-9)
+
+
+def test_a_moment_counts_the_arm_of_the_force(turning):
+    load = named(turning, 5)["load", "top"]
+    position = turning.position.sel(shoe=5).values
+    arm = rotation_matrices(turning.angles.sel(shoe=5).values) @ np.array(turning.case.shoe.load_point)
+    assert load.moment_about(position) == pytest.approx(np.cross(arm, load.force), abs=1e-6)
+
+
+def test_balances_sum_over_every_action(turning):
+    summed = shoe_actions(turning).sum("source").force.values
+    for shoe in (1, 7, 13):
+        assert summed[:, shoe - 1] == pytest.approx(
+            sum(action.force for action in actions(turning, shoe)), abs=1e-6
+        )
+
+
+def test_flexible_shoes_obey_newton_with_their_own_mass(flexible_run):
+    history = flexible_run[0]
+    off = shoe_imbalance(history)
+    assert np.abs(off.force).max() < 1e-6 * WEIGHT
+    # residuals of 0.2 N as a root mean square of 300 equations may add up over 13 shoes
+    assert np.abs(track_imbalance(history).force).max() < 2e-6 * WEIGHT
+    # rigid shoes between them keep their moments, too
+    rigid = off.moment.sel(shoe=[1, 6, 8, 12])
+    assert np.abs(rigid).max(skipna=False) < 1e-6 * WEIGHT
+    assert off.moment.sel(shoe=[7, 13]).isnull().all()
+
+
+def test_energies_of_flexible_shoes_are_refused(flexible_run):
+    for function in (energies, powers):
+        with pytest.raises(ValueError, match="needs a history of rigid shoes"):
+            function(flexible_run[0])
+
+
+def test_modal_loads_are_the_virtual_work_of_the_actions(flexible_run):
+    """Each action's force and moment times what every mode moves and turns its place by."""
+    history = flexible_run[0]
+    basis = stress_basis(history)
+    whole = basis.whole
+    shoe, time = 13, -1
+    frame = rotation_matrices(history.angles.sel(shoe=shoe).values)[time]
+    expected = np.zeros(len(whole.frequencies))
+    for action in actions(history, shoe):
+        force, moment = frame.T @ action.force[time], frame.T @ action.moment[time]
+        if isinstance(action.entry, AtInterface):
+            names = [interface.name for interface in whole.interfaces]
+            rows = whole.pilots[names.index(action.entry.name)]
+            expected += force @ rows[:3] + moment @ rows[3:]
+        elif action.entry == OverSurface("top"):
+            expected += whole.load("top", force)
+        elif isinstance(action.entry, OverRectangle):
+            # the shoe stands on whole units but for strips, so that single nodes tell the mean
+            low, high = action.entry.low[time], action.entry.high[time]
+            nodes = basis.whole.mesh.nodes_of("underside")
+            places = whole.nodes[nodes, :2]
+            inside = nodes[np.all((places >= low - 1e-9) & (places <= high + 1e-9), axis=1)]
+            expected += force @ whole.modes.reshape(len(whole.nodes), 3, -1)[inside].mean(axis=0)
+    found = modal_loads(history, basis, shoe)[time]
+    assert np.linalg.norm(found - expected) < 0.1 * np.linalg.norm(expected)

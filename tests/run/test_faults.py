@@ -1,0 +1,75 @@
+"""Failed steps and searches name what they hang on."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, EquilibriumError, LoadCycle, SimulationStopped, simulate
+from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.system import build
+from exudyn_crawler.run.equilibrium import static_equilibrium
+from exudyn_crawler.run.faults import at_fault
+from exudyn_crawler.run.integration import integrate
+
+
+@pytest.fixture(scope="module")
+def rest():
+    return static_equilibrium(Case.translation())
+
+
+def pushed(rest, coordinate, size):
+    """Track whose contact pushes one coordinate to and fro from some time on, so that no step can settle."""
+    system = build(Case.translation())
+    system.set_initial(rest)
+    forces, calls = system.contact.forces, 0
+
+    def pushing(q, q_t):
+        nonlocal calls
+        calls += 1
+        out = forces(q, q_t)
+        if calls > 60:
+            out[coordinate] += size * (-1) ** calls
+        return out
+
+    system.contact.forces = pushing
+    return system
+
+
+@pytest.mark.parametrize(
+    ("coordinate", "name"),
+    [
+        (6 * 6 + 2, r"shoe 7 \(z\)"),
+        (6 * 3 + 4, r"shoe 4 \(rotation about y\)"),
+        (6 * 13, r"terrain \(coordinate 1\)"),
+    ],
+)
+def test_a_failed_step_names_the_coordinate_that_does_not_settle(rest, coordinate, name):
+    with pytest.raises(SimulationStopped, match=f"least step 1e-06 s; greatest residual at {name}$"):
+        integrate(pushed(rest, coordinate, 1e9), 0.1)
+
+
+def test_forces_that_are_no_numbers_are_told(rest):
+    with pytest.raises(SimulationStopped, match=r"; the residual is not finite$"):
+        integrate(pushed(rest, 2, np.nan), 0.1)
+
+
+def test_a_track_that_nothing_carries_is_singular(rest):
+    system = build(Case.translation(), static=True)
+    system.contact.forces = lambda q, q_t: np.zeros(system.contact.size)
+    system.contact.derivatives = lambda *_factors, **_options: np.zeros((1, 3))
+    system.set_initial(rest)
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    with pytest.raises(exu.SolverError):
+        system.mbs.SolveStatic(settings)
+    # the springs of the units push up what no shoe holds down
+    fault = at_fault(system, system.mbs.sys["staticSolver"])
+    assert fault == "the equations are singular, greatest residual at terrain (coordinate 1)"
+
+
+def test_a_search_for_rest_names_what_does_not_come_to_rest():
+    loads = LoadCycle.constant([-1e6] * 13)  # pulled up
+    with pytest.raises(
+        EquilibriumError, match=r"Newton's method failed, greatest residual at shoe \d+ \(z\)"
+    ):
+        simulate(Case.translation().with_(loads=loads), 0.01)

@@ -1,0 +1,192 @@
+"""Modes of the sliding track: by hand, in the plane without the engine, and against the simulation."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, LoadCycle, SphereContact
+from exudyn_crawler.run.integration import integrate_from
+from exudyn_crawler.run.steady_sliding import steady_sliding
+from exudyn_crawler.run.track_modes import eigenmodes, linearized_track, track_modes
+from tests.run.planar_track import PlanarTrack
+
+SPEED = 0.2
+"""m/s, where friction no longer changes with the speed."""
+
+
+def sliding_case(friction, shoes=13, **track):
+    """Even ground without seams that hardly moves, constant friction."""
+    case = Case.translation()
+    stiff = case.terrain.with_(
+        columns=1,
+        rows=1,
+        unit_length=70.0,
+        unit_width=35.0,
+        spring_stiffness=1e13,
+        spring_damping=1e11,
+        spring_offset=20.0,
+    )
+    load = case.loads.phases[0].loads[0]
+    one = case.loads.phases[0].with_(loads=(load,) * shoes)
+    return case.with_(
+        track=case.track.with_(shoe_count=shoes, **track),
+        loads=LoadCycle(phases=(one,)),
+        terrain=stiff,
+        contact=case.contact.with_(static_friction=friction, dynamic_friction=friction),
+    )
+
+
+def with_steady_drive(case):
+    """At the speed from 1 s on, in steps that damp nothing."""
+    return case.with_(
+        drive=case.drive.with_(speed=case.drive.speed.with_(times=(0.0, 1.0), values=(0.0, SPEED))),
+        solver=case.solver.with_(step=5e-4, output_interval=1e-2, residual=1e-3),
+    )
+
+
+def in_plane(dataset):
+    """Eigenvalues of the swinging modes in the middle plane below the ground's own, 1/s."""
+    swings = dataset.where((dataset.frequency > 0.1) & (dataset.frequency < 50.0), drop=True)
+    aside = np.abs(swings["shape"].sel(coordinate=["y", "roll", "yaw"])).max(("shoe", "coordinate"))
+    kept = swings.where(aside < 1e-3, drop=True)
+    return np.sort_complex((kept.growth_rate + 2j * np.pi * kept.frequency).values)
+
+
+def test_two_shoes_without_friction_are_three_swings_by_hand():
+    """Heave of both, pitch against each other, and both pitching round the pin between them.
+
+    A level shoe has the heave stiffness 2 k d. Pitched by p, its ground reaction N moves by p L**2 / (12 d)
+    to the side that sinks, while the underside swings the other way under the COM and the load P over it.
+    """
+    case = sliding_case(0.0, shoes=2, pin_ahead=0.5 * 0.655742, pin_height=0.0)
+    shoe, law = case.shoe, case.contact
+    load = case.loads.loads(0.0)[0, 0]
+    weight = load + shoe.mass * case.gravity
+    depth = np.sqrt(weight / law.stiffness)
+    heave = 2.0 * law.stiffness * depth
+    pitch = weight * (shoe.length**2 / (12.0 * depth) - shoe.com_height) - load * shoe.load_point[2]
+    arm, inertia = case.track.pin_ahead, shoe.inertia[1]
+    swings = [
+        (shoe.mass, law.damping, heave),
+        (inertia, 0.0, pitch),
+        (inertia + shoe.mass * arm**2, law.damping * arm**2, pitch + heave * arm**2),
+    ]
+    by_hand = [-c / (2 * m) + 1j * np.sqrt(k / m - (c / (2 * m)) ** 2) for m, c, k in swings]
+    assert in_plane(track_modes(case, SPEED)) == pytest.approx(np.sort_complex(by_hand), rel=2e-5)
+
+
+@pytest.mark.parametrize(("friction", "shoes"), [(0.3, 2), (0.2, 13), (0.4, 13)])
+def test_modes_with_friction_are_those_of_the_planar_track(friction, shoes):
+    """They flutter: equations without engine, kernel and constraints give the same growth."""
+    case = sliding_case(friction, shoes)
+    values = in_plane(track_modes(case, SPEED))
+    by_hand = np.sort_complex(PlanarTrack(case).eigenvalues())
+    assert len(values) == len(by_hand)
+    for value in by_hand:
+        assert np.abs(values - value).min() < 1e-3
+    assert (values.real.max() > 0.5) == (shoes == 13)
+
+
+def test_travel_moves_the_track_over_the_seams():
+    """A pitch further, on units as long as a pitch, the track stands on the same ground."""
+    case = Case.translation()
+    pitch = case.track.pitch
+    terrain = case.terrain.with_(columns=30, unit_length=pitch, origin=(3.0, 0.0), spring_stiffness=1e11)
+    law = case.contact.with_(static_friction=0.1, dynamic_friction=0.1, sharing="area")
+    case = case.with_(terrain=terrain, contact=law)
+    here, between, there = (
+        steady_sliding(case, SPEED, travel).normal_force for travel in (0.0, 0.5 * pitch, pitch)
+    )
+    assert there == pytest.approx(here, rel=1e-4)
+    assert np.abs(between / here - 1.0).max() > 1e-3
+
+
+def test_tension_is_the_friction_behind_the_link():
+    state = steady_sliding(sliding_case(0.3), SPEED)
+    assert state.tension == pytest.approx(0.3 * np.cumsum(state.normal_force)[:-1], rel=1e-6)
+    case = state.case
+    total = case.loads.loads(0.0).sum() + case.track.shoe_count * case.shoe.mass * case.gravity
+    assert state.normal_force.sum() == pytest.approx(total, rel=1e-9)
+
+
+def test_a_run_from_steady_sliding_stays_there():
+    case = with_steady_drive(sliding_case(0.3))
+    state = steady_sliding(case, SPEED)
+    still = np.zeros_like(state.q)
+    row = np.concatenate(([2.0], state.q, state.q_t, still, state.multipliers))
+    run = integrate_from(case, row, 0.02).dataset
+    assert run.joint_force.sel(axis="x")[-1].values == pytest.approx(state.tension, rel=1e-4)
+    assert np.abs(run.velocity.sel(axis="z").values).max() < 1e-4
+    assert run.velocity.sel(axis="x").values == pytest.approx(SPEED, abs=1e-4)
+
+
+def test_all_matrices_are_symmetric_without_friction_and_only_then():
+    free, rough = (linearized_track(steady_sliding(sliding_case(mu), SPEED)) for mu in (0.0, 0.3))
+
+    def asymmetry(matrix):
+        return np.abs(matrix - matrix.T).max() / np.abs(matrix[np.abs(matrix) < 1e10]).max()
+
+    for matrix in (free.mass, free.damping, free.stiffness):
+        assert asymmetry(matrix) < 1e-6
+    assert asymmetry(rough.stiffness) > 0.01
+
+
+def test_the_track_is_stable_without_friction_and_free_across():
+    modes = track_modes(sliding_case(0.0), SPEED)
+    swinging = modes.growth_rate.where(modes.frequency > 0.1, drop=True)
+    assert swinging.max() < 1e-6
+    rest = modes.where(modes.frequency < 1e-6, drop=True)
+    assert np.abs(rest.growth_rate).min() < 1e-3
+
+
+def test_modes_are_sorted_and_solve_their_equation():
+    linear = linearized_track(steady_sliding(sliding_case(0.2, shoes=4), SPEED))
+    values, shapes = eigenmodes(linear)
+    assert np.all(np.diff(values.real) <= 0.0)
+    assert values.imag.min() > -1e-6
+    inner = linear.basis.T @ shapes
+    for value, shape in zip(values, inner.T, strict=True):
+        matrix = value**2 * linear.mass + value * linear.damping + linear.stiffness
+        assert np.abs(matrix @ shape).max() < 1e-9 * np.abs(matrix).max() * np.abs(shape).max()
+
+
+def test_a_small_disturbance_grows_in_the_simulation_as_predicted():
+    """The least stable pair, pushed by 10 um, over 0.8 s of integration: size, phase and shape."""
+    case = with_steady_drive(sliding_case(0.2))
+    state = steady_sliding(case, SPEED)
+    values, shapes = eigenmodes(linearized_track(state))
+    value, shape = values[0], shapes[:, 0] / np.abs(shapes[:, 0]).max()
+    assert value.real > 1.0
+    assert 8.0 < value.imag / (2.0 * np.pi) < 10.0
+
+    def heights(size):
+        q, q_t, q_tt = (size * (value**k * shape).real for k in range(3))
+        row = np.concatenate(([2.0], state.q + q, state.q_t + q_t, q_tt, state.multipliers))
+        return integrate_from(case, row, 0.8).dataset.position.sel(axis="z")
+
+    size = 1e-5
+    grown = (heights(size) - heights(0.0)) / size
+    time = grown.time.values - 2.0
+    predicted = (np.exp(value * time)[:, None] * shape[2 : 6 * 13 : 6]).real
+    envelope = np.exp(value.real * time) * np.abs(shape[2 : 6 * 13 : 6]).max()
+    assert envelope[-1] > 2.0 * envelope[0]
+    assert np.abs(grown.values - predicted).max(axis=1) == pytest.approx(0.0, abs=0.03 * envelope.max())
+
+
+def test_a_flexible_shoe_has_the_modes_of_a_rigid_one_and_its_own():
+    """Its bending, from 180 Hz on, takes a few per cent off the growth at 8 Hz."""
+    case = Case.stress("coarse")
+    flexible = case.with_(flexible=case.flexible.with_(shoes=(13,)))
+    soft, rigid = (track_modes(one, SPEED) for one in (flexible, case.with_(flexible=None)))
+    assert soft.growth_rate[0] == pytest.approx(float(rigid.growth_rate[0]), rel=0.05)
+    assert soft.frequency[0] == pytest.approx(float(rigid.frequency[0]), rel=0.002)
+    assert soft.sizes["mode"] > rigid.sizes["mode"] + 20
+    assert float(soft.frequency.max()) > 170.0
+
+
+def test_what_has_no_steady_sliding_is_refused():
+    with pytest.raises(ValueError, match=r"speed must be positive and finite, got 0\.0"):
+        track_modes(Case.translation(), 0.0)
+    with pytest.raises(ValueError, match=r"contact\.model must be 'pair', got 'spheres'"):
+        steady_sliding(Case.translation().with_(contact=SphereContact.oil_sand()), SPEED)
+    with pytest.raises(ValueError, match=r"drive\.turn_rate must be None"):
+        steady_sliding(Case.turning(), SPEED)

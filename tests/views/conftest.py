@@ -1,0 +1,38 @@
+"""Folders as studies leave them, for the tests of the report."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler.views.stress_pictures import write_stress_pictures
+from exudyn_crawler.views.tables import write_table
+from studies.comparison import comparison_table
+from studies.forces import study as forces_study
+from studies.kinematics import study as kinematics_study
+from studies.reported import reported_values
+
+
+@pytest.fixture(scope="session")
+def stress_folder(flexible_run, tmp_path_factory):
+    """Folder as the stress study leaves it, of a short run."""
+    history, stress, hot_spots = flexible_run
+    folder = tmp_path_factory.mktemp("stress")
+    history.save(folder / "history.nc")
+    stress.to_netcdf(folder / "stress.nc", engine="h5netcdf")
+    for shoe, table in hot_spots.items():
+        write_table(table, folder / f"hot_spots_shoe_{shoe}.csv")
+    reported = reported_values("stress")
+    # within, without verdict and outside; the rest was not computed
+    computed = [value * (1.0 if row % 3 else 10.0) for row, value in enumerate(reported["value"])]
+    write_table(comparison_table(reported, [*computed[:-1], np.nan]), folder / "comparison.csv")
+    write_stress_pictures(stress, history, folder, backend="plain")
+    (folder / "run.json").write_text('{"wall time": "<1 s"}')
+    return folder
+
+
+@pytest.fixture(scope="session")
+def rigid_folders(tmp_path_factory):
+    """What short runs of the two rigid studies leave."""
+    kinematics, forces = (tmp_path_factory.mktemp(name) for name in ("kinematics", "forces"))
+    kinematics_study(kinematics, duration=0.02)
+    forces_study(forces, duration=0.02, reuse=kinematics)
+    return kinematics, forces
