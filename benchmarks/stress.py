@@ -73,7 +73,9 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
         simulate(case, time + case.solver.step, False, kept)
         state = kept.load(case)[-1].state
     system = build(case)
-    return state, history_of(case, system.layout, system.contact, state[None], system.frequencies)
+    return state, history_of(
+        case, system.layout, system.contact, state[None], system.point, system.frequencies
+    )
 
 
 def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarray:

@@ -7,9 +7,9 @@ rectangle costs four look-ups, however many nodes the mesh has.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.interpolate import LinearNDInterpolator
 
+from fem.compiling import FEM, compiler
 from fem.mesh import Floats
 
 CELL = 0.03
@@ -74,7 +74,7 @@ def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> 
     return Underside(corner=low, cell=cell, integral=integral)
 
 
-@njit(cache=True, error_model="numpy")
+@compiler(FEM, error_model="numpy")
 def mean_rows(corner, cell, integral, rectangle, out):
     """Write the mean displacement rows (3, modes) over a rectangle into `out`.
 

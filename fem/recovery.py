@@ -11,6 +11,7 @@ import numba
 import numpy as np
 
 from fem.blocks import Fold, StressBlock, fold_stresses
+from fem.compiling import FEM, compiler
 from fem.mesh import Floats, Integers
 from fem.stress import CRITERIA, Criterion, evaluate
 
@@ -82,7 +83,7 @@ class Extremes:
         return Peaks("von mises", np.arange(len(self.greatest)), self.greatest, self.greatest_at)
 
 
-@numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc"})
+@compiler(FEM, parallel=True, fastmath={"contract", "reassoc"})
 def _keep_greatest_length(parts, values, indices, start):
     """Update squared maxima (k,) and their rows from components (k, 5, t); rows count from `start`."""
     for k in numba.prange(parts.shape[0]):
@@ -158,7 +159,7 @@ class GreatestOf(Fold[Peaks]):
         return Peaks(self._criterion, self._nodes, self._sense * self._values, self._rows)
 
 
-@numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc"})
+@compiler(FEM, parallel=True, fastmath={"contract", "reassoc"})
 def _keep_node_extremes(parts, squares, greatest, at, least, start):
     """Square lengths of components (k, 5, t) into (k, t), with the extremes of each node over time."""
     for k in numba.prange(squares.shape[0]):
@@ -178,7 +179,7 @@ def _keep_node_extremes(parts, squares, greatest, at, least, start):
                     break
 
 
-@numba.njit(cache=True)
+@compiler(FEM)
 def _keep_highest(squares, top, places, first):
     """Update the highest square of each time and its place; the rows of `squares` count from `first`."""
     for k in range(squares.shape[0]):

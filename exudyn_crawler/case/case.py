@@ -184,7 +184,7 @@ class Case(Parameters):
         """
         return cls(
             name="stress",
-            shoe=Shoe.ph4100c(),
+            shoe=Shoe.ph4100c().of_mass(ph4100c.STRESS_SHOE_MASS),
             track=Track.ph4100c(),
             terrain=Terrain.stress(),
             contact=PairContact.oil_sand(sharing="area"),

@@ -1,9 +1,9 @@
 """Prescribed motion of the front shoe."""
 
-from typing import Self
+from typing import Literal, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, quantity
@@ -14,7 +14,7 @@ SAME_TIME = 1e-9
 
 
 class Drive(Parameters):
-    """Velocity of the front shoe's COM along x, in a turn its rate about its own z axis, and when it acts."""
+    """Velocity of a point of the front shoe along x, in a turn the rate about its z axis, and when."""
 
     speed: StepProfile = quantity("m/s", "velocity along global x")
     turn_rate: StepProfile | None = quantity(
@@ -24,6 +24,12 @@ class Drive(Parameters):
         "s",
         "times from and to which the drive moves the front shoe, free otherwise; None: always",
         default=None,
+    )
+    point: Literal["com node", "front pins", "frame"] = Field(
+        default="com node",
+        description="what of the front shoe has the speed. com node: the mesh node nearest to "
+        "`flexible.com_node`, or the COM of a rigid shoe; front pins: the middle of its two front joint "
+        "centres; frame: the shoe as a whole, which spreads the force over a flexible shoe like a weight",
     )
 
     @model_validator(mode="after")

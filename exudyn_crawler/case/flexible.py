@@ -29,6 +29,16 @@ class FlexibleShoes(Parameters):
     density: float = quantity("kg/m3", "density", gt=0)
     fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0)
     recovered_modes: int = quantity("1", "fixed-interface modes of the basis that stress is made of", ge=0)
+    load_surface: str = Field(
+        default="whole top",
+        description="surface of the mesh that the machine load is spread over: whole top, plateau (without "
+        "the wings), rails, or another that the mesh names",
+    )
+    com_node: tuple[float, float, float] = quantity(
+        "m",
+        "the drive may move the mesh node nearest to this place, in the shoe's frame",
+        default=(0.0, 0.0, 0.0),
+    )
     load_mode: bool = Field(
         default=False,
         description="whether the static answer to the machine load joins both bases, which else lose what "
@@ -110,5 +120,6 @@ class FlexibleShoes(Parameters):
             density=ph4100c.STEEL_DENSITY,
             fixed_modes=ph4100c.INTEGRATED_MODES,
             recovered_modes=ph4100c.RECOVERED_MODES,
+            com_node=ph4100c.COM_NODE,
             damping=PAPER_DAMPING,
         )

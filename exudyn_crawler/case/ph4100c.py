@@ -24,6 +24,10 @@ GRAVITY = 9.81
 # shoe (K-chapter and K-paper, tables of shoe properties and COMs)
 SHOE_MASS = 4681.67
 """kg: 0.5966 m3 at 7847.25 kg/m3."""
+STRESS_SHOE_MASS = 4489.63
+"""kg, of every shoe in the stress study, flexible or rigid (S-paper, table 2)."""
+COM_NODE = (0.0, 0.0485, 0.0009)
+"""m in the shoe's frame: shoe 13's "moved COM" (17.998, 9.3386, 0.2034) less its COM (S-paper, table 4)."""
 SHOE_INERTIA = (3995.7, 176.0, 4026.4, 0.0, 0.0, 0.0)
 """kg m2, xx, yy, zz, yz, xz, xy. Not printed (CAD): those of the shoe in `meshes/`, scaled from the mesh's
 mass to this one; products of inertia (0.1 %) left out, so that the shoe is even about its middle plane."""

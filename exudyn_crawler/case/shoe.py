@@ -57,6 +57,11 @@ class Shoe(Parameters):
             load_point=(0.0, 0.0, ph4100c.SHOE_LOAD_HEIGHT),
         )
 
+    def of_mass(self, mass: float) -> Self:
+        """Same shape of another density (kg): its inertia goes with the mass."""
+        ratio = mass / self.mass
+        return self.with_(mass=mass, inertia=tuple(ratio * value for value in self.inertia))
+
     @property
     def inertia_tensor(self) -> NDArray:
         """Inertia tensor about the COM, array (3, 3), kg m2."""

@@ -5,14 +5,15 @@ code keeps them in registers, where arrays would be allocated and counted.
 """
 
 import math
+from pathlib import Path
 from typing import Any, NamedTuple
 
-from numba import njit
+from fem.compiling import FEM, compiler
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 
-compiled = njit(cache=True, error_model="numpy")
+compiled = compiler(Path(__file__).parent, FEM, error_model="numpy")
 """Compiles a function; dividing by zero gives what IEEE says in place of an exception."""
 
 

@@ -102,9 +102,15 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list
     Raises
     ------
     ValueError
-        If the mesh has no bores where the track's pins are.
+        If the mesh has no bores where the track's pins are, or not the surface that is loaded.
     """
-    return _finite_elements(flexible.mesh, _material(flexible), track)
+    body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track)
+    if flexible.load_surface not in body.mesh.surfaces:
+        raise ValueError(
+            f"load_surface must be a surface of the mesh {flexible.mesh!r}, which has "
+            f"{sorted(body.mesh.surfaces)}, got {flexible.load_surface!r}"
+        )
+    return body, interfaces
 
 
 @lru_cache(maxsize=2)
@@ -113,15 +119,34 @@ def _partition(mesh: str, material: Material, track: Track) -> Partition:
 
 
 @lru_cache(maxsize=4)
-def _reduction(mesh: str, material: Material, track: Track, fixed_modes: int, load_mode: bool) -> ReducedBody:
+def _reduction(
+    mesh: str,
+    material: Material,
+    track: Track,
+    fixed_modes: int,
+    load_surface: str | None,
+    pulled_node: int | None,
+) -> ReducedBody:
     body, interfaces = _finite_elements(mesh, material, track)
-    loads = {"machine load": body.surface_load("top", np.array([0.0, 0.0, -1.0]))} if load_mode else None
+    loads = {}
+    if load_surface is not None:
+        loads["machine load"] = body.surface_load(load_surface, np.array([0.0, 0.0, -1.0]))
+    if pulled_node is not None:
+        loads["drive"] = np.zeros_like(body.mesh.nodes)
+        loads["drive"][pulled_node, 0] = 1.0
     return craig_bampton(body, interfaces, fixed_modes, loads, partition=_partition(mesh, material, track))
 
 
-def whole_basis(flexible: FlexibleShoes, track: Track, fixed_modes: int) -> ReducedBody:
-    """Reduce a flexible shoe to its constraint modes and some fixed-interface modes; remembered."""
-    return _reduction(flexible.mesh, _material(flexible), track, fixed_modes, flexible.load_mode)
+def whole_basis(
+    flexible: FlexibleShoes, track: Track, fixed_modes: int, pulled_node: int | None = None
+) -> ReducedBody:
+    """Reduce a flexible shoe to its constraint modes and some fixed-interface modes; remembered.
+
+    The static answer to a force along x on a node joins them if it is given: no fixed-interface mode knows
+    of a force on a single node.
+    """
+    loaded = flexible.load_surface if flexible.load_mode else None
+    return _reduction(flexible.mesh, _material(flexible), track, fixed_modes, loaded, pulled_node)
 
 
 def floating_shoe(case: Case) -> FloatingShoe:
@@ -142,7 +167,7 @@ def _floating_shoe(flexible: FlexibleShoes, track: Track, footprint: tuple[float
     body, interfaces = shoe_model(flexible, track)
     mesh = body.mesh
     reduced = _integrated_modes(flexible, whole_basis(flexible, track, flexible.fixed_modes))
-    positions, rows = _massless_nodes(reduced)
+    positions, rows = _massless_nodes(reduced, flexible.load_surface)
     under = mesh.nodes_of("underside")
     return FloatingShoe(
         reduced=reduced,
@@ -169,14 +194,14 @@ def _integrated_modes(flexible: FlexibleShoes, whole: ReducedBody) -> ReducedBod
     return whole
 
 
-def _massless_nodes(reduced: ReducedBody) -> tuple[NDArray, NDArray]:
+def _massless_nodes(reduced: ReducedBody, loaded: str) -> tuple[NDArray, NDArray]:
     """Positions (nodes, 3) and mode rows (nodes, 3, modes) of the massless nodes."""
     positions, rows = [], []
     for interface, pilot in zip(reduced.interfaces, reduced.pilots, strict=True):
         for offset in JOINT_OFFSETS:
             positions.append(interface.center + offset)
             rows.append(pilot[:3] + np.cross(pilot[3:], offset, axisa=0, axisc=0))
-    weights = reduced.weights("top")
+    weights = reduced.weights(loaded)
     positions.append(weights @ reduced.nodes / weights.sum())
     rows.append(reduced.mean_rows(weights))
     return np.array(positions), np.array(rows)

@@ -10,6 +10,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.ground.contact import GroundContact, ground_contact
 from exudyn_crawler.model.contact import add_contact, add_general_contact
 from exudyn_crawler.model.drive import add_drives
+from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
 from exudyn_crawler.model.items import coordinate_marker, hold
@@ -34,6 +35,8 @@ class System:
         The engine's own contact, where it makes the forces.
     floating : FloatingShoe, optional
         What the flexible shoes share.
+    point : DrivePoint
+        Point of the front shoe that the drive moves.
     layout : StateLayout
         What the numbers of a state are.
     drives : tuple of int
@@ -46,6 +49,7 @@ class System:
     contact: GroundContact
     general: "exu.GeneralContact | None"
     floating: FloatingShoe | None
+    point: DrivePoint
     layout: StateLayout
     drives: tuple[int, ...]
 
@@ -133,12 +137,13 @@ def build(case: Case, static: bool = False) -> System:
     fixed = mbs.AddMarker(
         items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
     )
+    point = drive_point(case, floating.reduced if floating is not None and shoes[-1].is_flexible else None)
     if static:
         drives = tuple(hold(mbs, fixed, shoe_nodes[-1], axis, "hold of the front shoe") for axis in (0, 1, 5))
         if case.terrain.heights is not None:
             _add_dashpots(mbs, case, fixed, shoe_nodes)
     else:
-        drives = add_drives(mbs, case.drive, fixed, shoe_nodes[-1])
+        drives = add_drives(mbs, case.drive, fixed, shoes[-1], point)
     mbs.Assemble()
     return System(
         container=container,
@@ -147,6 +152,7 @@ def build(case: Case, static: bool = False) -> System:
         contact=contact,
         general=general,
         floating=floating,
+        point=point,
         layout=_layout(mbs, case, contact, floating, general is not None),
         drives=drives,
     )

@@ -55,11 +55,16 @@ class OnFrame:
 
 
 @dataclass(frozen=True)
+class AtDrivePoint:
+    """Enters a flexible shoe at the point that the drive moves."""
+
+
+@dataclass(frozen=True)
 class OverMass:
     """Enters a flexible shoe spread as its mass, to which every elastic mode is orthogonal."""
 
 
-Entry = AtInterface | OverSurface | OverRectangle | OnFrame | OverMass
+Entry = AtInterface | OverSurface | OverRectangle | AtDrivePoint | OnFrame | OverMass
 
 
 @dataclass(frozen=True)
@@ -114,7 +119,7 @@ def shoe_mass(case: Case, shoe: int) -> ShoeMass:
 @lru_cache(maxsize=4)
 def _mesh_mass(flexible: FlexibleShoes, track: Track) -> ShoeMass:
     body, _ = shoe_model(flexible, track)
-    weights = body.surface_load("top", np.array([0.0, 0.0, 1.0])).reshape(-1, 3)[:, 2]
+    weights = body.surface_load(flexible.load_surface, np.array([0.0, 0.0, 1.0])).reshape(-1, 3)[:, 2]
     return ShoeMass(body.mass, body.center_of_mass, weights @ body.mesh.nodes / weights.sum())
 
 
@@ -131,7 +136,7 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
     yield from _weight_and_load(history, shoe, position, frames)
     yield from _contacts(history, shoe, position, frames)
     if shoe == history.case.track.shoe_count:
-        yield _drive(history, shoe, position, frames)
+        yield from _drive(history, shoe, position, frames)
 
 
 def _joints(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
@@ -167,7 +172,9 @@ def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDA
     weight[:, 2] = -own.mass * history.case.gravity
     load[:, 2] = -history.shoe_load.sel(shoe=shoe).values
     yield Action("weight", shoe, "COM", position + frames @ own.center, weight, zero, OverMass())
-    yield Action("load", shoe, "top", position + frames @ own.load_point, load, zero, OverSurface("top"))
+    flexible = history.case.flexible
+    loaded = "top" if flexible is None else flexible.load_surface
+    yield Action("load", shoe, "top", position + frames @ own.load_point, load, zero, OverSurface(loaded))
 
 
 def _contacts(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
@@ -196,9 +203,11 @@ def _contacts(history: History, shoe: int, position: NDArray, frames: NDArray) -
         )
 
 
-def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> Action:
-    """Drive along x and turn about the shoe's own z axis, both on the coordinates of its frame."""
-    force = np.zeros_like(position)
+def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+    """Drive along x at its point, and the turn about the shoe's own z axis, on its frame."""
+    zero, force = np.zeros_like(position), np.zeros_like(position)
     force[:, 0] = history.drive_force.values
     moment = history.drive_torque.values[:, None] * frames[:, :, 2]
-    return Action("drive", shoe, "frame", position, force, moment, OnFrame())
+    at = history.case.drive.point
+    yield Action("drive", shoe, at, history.drive_point.values, force, zero, AtDrivePoint())
+    yield Action("drive", shoe, "frame", position, zero, moment, OnFrame())

@@ -155,7 +155,8 @@ def powers(history: History) -> xr.Dataset:
         raise ValueError("powers need a history of contact.model 'pair', whose law they divide")
     frames = rotation_matrices(history.angles.values)
     omega, velocity = history.angular_velocity.values, history.velocity.values
-    driven = history.drive_force.values * velocity[:, -1, 0]
+    # while it acts, its point moves at its speed
+    driven = history.drive_force.values * case.drive.speed.value(history.time.values)
     driven += history.drive_torque.values * np.sum(frames[:, -1, :, 2] * omega[:, -1], axis=-1)
     at_load = velocity + np.cross(omega, frames @ np.array(case.shoe.load_point))
     loaded = -np.sum(history.shoe_load.values * at_load[..., 2], axis=1)

@@ -13,6 +13,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.case.track import SIDES
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
+from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
 from exudyn_crawler.results.history import LAYOUT_VERSION, History
 from exudyn_crawler.results.quantities import Variable, variable
@@ -62,6 +63,7 @@ def history_of(
     layout: StateLayout,
     contact: Contact,
     rows: NDArray,
+    point: DrivePoint,
     frequencies: NDArray | None = None,
 ) -> History:
     """Turn the stored states of a run into its history.
@@ -76,12 +78,14 @@ def history_of(
         The case's contact as a function of its coordinates.
     rows : array (times, layout.size)
         Stored states.
+    point : DrivePoint
+        Of the front shoe, where the drive acts.
     frequencies : array (modes,), optional
         Of the flexible shoes' modes, Hz.
     """
     states = _States(case, layout, rows)
     time = states.part("time")
-    variables = _shoes(states) | _reactions(states) | _terrain(states, contact)
+    variables = _shoes(states) | _reactions(states, point) | _terrain(states, contact)
     variables["shoe_load"] = variable("shoe_load", case.loads.loads(time))
     variables |= _flexible(states)
     contacts, pairs = _contacts(states, contact)
@@ -140,7 +144,7 @@ def _pins(states: _States) -> Iterator[tuple[int, int, NDArray, NDArray]]:
                 yield link, side, reaction[:, :3], torque
 
 
-def _reactions(states: _States) -> dict[str, Variable]:
+def _reactions(states: _States, point: DrivePoint) -> dict[str, Variable]:
     """Forces and torques of links and drive."""
     force = np.zeros((len(states.rows), len(states.case.track.joints), 3))
     torque = np.zeros_like(force)
@@ -152,9 +156,19 @@ def _reactions(states: _States) -> dict[str, Variable]:
         "joint_force": force,
         "joint_torque": torque,
         "drive_force": -states.part("drive")[:, 0],
+        "drive_point": _drive_point(states, point),
         "drive_torque": turn,
     }
     return {name: variable(name, values) for name, values in named.items()}
+
+
+def _drive_point(states: _States, point: DrivePoint) -> NDArray:
+    """Where the drive acts: array (times, 3)."""
+    case, front = states.case, states.part("shoes")[:, -1]
+    # the front shoe is the last of the flexible ones, if it is one of them
+    modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(front), 0))
+    start = case.track.com_positions(case.shoe.com_height)[-1]
+    return front[:, :3] + start + point.arm(front[:, 3:], modal)
 
 
 def _flexible_coordinates(layout: StateLayout, frequencies: NDArray | None) -> dict[str, object]:

@@ -9,13 +9,14 @@ was integrated is a subspace of the whole, and the mode-acceleration method (R. 
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.drive_point import drive_point, pulled_node
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, whole_basis
 from exudyn_crawler.results.actions import (
     Action,
+    AtDrivePoint,
     AtInterface,
     OnFrame,
     OverMass,
@@ -25,6 +26,7 @@ from exudyn_crawler.results.actions import (
 )
 from exudyn_crawler.results.history import History
 from fem import ReducedBody
+from fem.compiling import FEM, compiler
 from fem.patches import Underside, integrate_underside, mean_rows
 
 TIMES_AT_ONCE = 1000
@@ -43,11 +45,14 @@ class StressBasis:
         Whole coordinates of each integrated mode.
     underside : Underside
         Integrated underside of the whole basis.
+    pulled : array (3, M)
+        Displacement of the drive's point, on a front shoe, by each mode.
     """
 
     whole: ReducedBody
     inside: NDArray
     underside: Underside
+    pulled: NDArray
 
 
 def stress_basis(history: History) -> StressBasis:
@@ -63,7 +68,8 @@ def stress_basis(history: History) -> StressBasis:
         raise ValueError("the history has no flexible shoes")
     floating = floating_shoe(history.case)
     body, _ = shoe_model(flexible, history.case.track)
-    whole = whole_basis(flexible, history.case.track, flexible.recovered_modes)
+    pulled = pulled_node(history.case, body.mesh)
+    whole = whole_basis(flexible, history.case.track, flexible.recovered_modes, pulled)
     count = len(whole.frequencies)
     modes = whole.modes.reshape(-1, count)
     mass = body.mass_matrix
@@ -75,6 +81,7 @@ def stress_basis(history: History) -> StressBasis:
         underside=integrate_underside(
             body.mesh.nodes[under, :2], whole.modes[under], history.case.shoe.footprint
         ),
+        pulled=drive_point(history.case, whole).rows,
     )
 
 
@@ -102,18 +109,19 @@ def _add_modal_loads(loads: NDArray, action: Action, frames: NDArray, basis: Str
             for times in np.array_split(np.flatnonzero(pressed), 1 + len(loads) // TIMES_AT_ONCE):
                 rows = _rectangle_rows(under.corner, under.cell, under.integral, low[times], high[times])
                 loads[times] += (force[times, None] @ rows)[:, 0]
+        case AtDrivePoint():
+            loads += force @ basis.pulled
         case OnFrame() | OverMass():
             pass
 
 
-@njit(cache=True)
+@compiler(FEM)
 def _rectangle_rows(corner, cell, integral, low, high):
     """Mean displacement rows over the rectangles of all times: (times, 3, modes)."""
     rows = np.empty((len(low), *integral.shape[2:]))
     for time in range(len(low)):
-        mean_rows(
-            corner, cell, integral, low[time, 0], high[time, 0], low[time, 1], high[time, 1], rows[time]
-        )
+        rectangle = (low[time, 0], high[time, 0], low[time, 1], high[time, 1])
+        mean_rows(corner, cell, integral, rectangle, rows[time])
     return rows
 
 

@@ -88,6 +88,14 @@ _HISTORY = (
         "force of the drive along x",
     ),
     Quantity(
+        "drive_point",
+        "r_d",
+        "m",
+        "point of the front shoe that the drive moves",
+        ("time", "axis"),
+        "place of the drive",
+    ),
+    Quantity(
         "drive_torque",
         "T_d",
         "N m",

@@ -1,7 +1,7 @@
 """Stresses of the flexible shoes over a run: histories, fields and chosen instants as one dataset."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.files import write_netcdf
+from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import StressBasis, stress_basis, whole_coordinates
 from exudyn_crawler.results.quantities import variable
@@ -31,14 +32,17 @@ class StressResults:
         Dimensions shoe (the flexible ones), time, node, frame (chosen stored instants, s), axis, and face and
         corner of the surface's triangles. Variables, stresses in Pa:
 
-        - highest_von_mises (time, shoe) and highest_node (time, shoe)
+        - highest_von_mises (time, shoe) and highest_node (time, shoe), away from a pulled node
         - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
         - frame_von_mises (frame, shoe, node)
         - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
         - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices
         - in_spider (node), whether a node is held by a joint's rigid spider
+        - at_load (shoe, node), whether it belongs to an element about the node that the drive pulls: the
+          stress that a force on one node makes there grows without limit as the mesh is refined
     hot_spots : mapping
-        Table of every flexible shoe, as of `fem.hot_spots`; places global, those of the track at t = 0.
+        Table of every flexible shoe, as of `fem.hot_spots`, of nodes that are not at_load; places global,
+        those of the track at t = 0.
     whole : ReducedBody
         Modes that the stresses are made of.
     """
@@ -77,9 +81,11 @@ def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -
     found, tables = [], {}
     for shoe in shoes:
         q = whole_coordinates(history, basis, shoe)
-        extremes = recover_extremes(basis.whole.stress_modes, q)
-        found.append(_of_shoe(history, basis, q, extremes, frames))
-        table = hot_spots(basis.whole, history.time.values, q, HOT_SPOTS, peaks=extremes.peaks)
+        at_load = _at_load(history, basis.whole, shoe)
+        away = np.flatnonzero(~at_load)
+        extremes = _highest_of(away, basis.whole, q, recover_extremes(basis.whole.stress_modes, q))
+        found.append(_of_shoe(history, basis, q, extremes, frames).assign(at_load=("node", at_load)))
+        table = hot_spots(basis.whole, history.time.values, q, HOT_SPOTS, nodes=away, peaks=extremes.peaks)
         tables[shoe] = _placed(table, history, shoe)
     dataset = xr.concat(found, dim=xr.Variable("shoe", shoes)).transpose("time", "frame", "shoe", ...)
     whole = basis.whole
@@ -100,6 +106,27 @@ def _frames(history: History, times: Sequence[float]) -> NDArray:
     if not within:
         raise ValueError(f"none of the times {list(times)} s lies within the run of {stored[-1]:g} s")
     return np.unique([int(np.argmin(np.abs(stored - time))) for time in within])
+
+
+def _at_load(history: History, whole: ReducedBody, shoe: int) -> NDArray:
+    """Whether each node belongs to an element about the node that the drive pulls: array (nodes,)."""
+    marked = np.zeros(len(whole.nodes), dtype=bool)
+    node = pulled_node(history.case, whole.mesh)
+    if node is not None and shoe == history.case.track.shoe_count:
+        elements = whole.mesh.elements
+        marked[elements[(elements == node).any(axis=1)]] = True
+    return marked
+
+
+def _highest_of(nodes: NDArray, whole: ReducedBody, q: NDArray, found: Extremes) -> Extremes:
+    """Extremes whose highest stress of each time is that of some of the nodes only."""
+    rows = np.flatnonzero(~np.isin(found.highest_nodes, nodes))
+    if len(rows) == 0:
+        return found
+    again = recover_extremes(whole.stress_modes[nodes], q[rows])
+    highest, highest_nodes = found.highest.copy(), found.highest_nodes.copy()
+    highest[rows], highest_nodes[rows] = again.highest, nodes[again.highest_nodes]
+    return replace(found, highest=highest, highest_nodes=highest_nodes)
 
 
 def _of_shoe(

@@ -62,7 +62,9 @@ def integrate(
 
 
 def _history(system: System, recorder: Recorder) -> History:
-    return history_of(system.case, system.layout, system.contact, recorder.rows, system.frequencies)
+    return history_of(
+        system.case, system.layout, system.contact, recorder.rows, system.point, system.frequencies
+    )
 
 
 def integrate_from(case: Case, state: NDArray, duration: float) -> History:

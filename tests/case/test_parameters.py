@@ -110,6 +110,14 @@ def test_parameters_cannot_be_changed_in_place():
     assert shoe.mass == 4681.67
 
 
+def test_the_stress_studys_shoes_weigh_what_its_table_says():
+    """Of the same shape as those of the rigid studies: the inertia goes with the mass."""
+    light, shoe = Case.stress("coarse").shoe, Shoe.ph4100c()
+    assert light.mass == 4489.63
+    assert light.inertia_tensor / light.mass == pytest.approx(shoe.inertia_tensor / shoe.mass, rel=1e-12)
+    refusal(lambda: shoe.of_mass(0.0), "mass")
+
+
 def test_dynamic_friction_above_static_friction_is_refused():
     refusal(
         lambda: PairContact.oil_sand().with_(dynamic_friction=0.41),

@@ -12,7 +12,8 @@ from exudyn_crawler.model.shoes import add_flexible, add_shoe_nodes
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.modal_coordinates import modal_loads, stress_basis, whole_coordinates
 from exudyn_crawler.run.equilibrium import static_equilibrium
-from fem import write_mesh
+from fem import Partition, write_mesh
+from fem.stress import von_mises
 
 COORDINATES = exu.OutputVariableType.Coordinates
 COARSE = FlexibleShoes.ph4100c("coarse")
@@ -49,28 +50,33 @@ def test_the_ground_carries_the_weight_of_rigid_and_flexible_shoes():
     assert carried == pytest.approx(weight, rel=1e-6)
 
 
-def x_difference(one, other):
-    """Greatest of the relative RMS differences of joint forces, velocities and accelerations along x."""
+def x_difference(one, other, names):
+    """Greatest of the relative RMS differences of some variables along x."""
     differences = []
-    for name in ("joint_force", "velocity", "acceleration"):
-        a, b = (h.dataset[name].sel(axis="x") for h in (one, other))
+    for name in names:
+        a, b = (h.dataset[name] for h in (one, other))
+        if "axis" in a.dims:
+            a, b = a.sel(axis="x"), b.sel(axis="x")
         differences.append(float(np.sqrt(((a - b) ** 2).mean() / (b**2).mean())))
     return max(differences)
 
 
-def test_a_shoe_a_thousand_times_stiffer_follows_the_rigid_one(tmp_path):
-    """With the mesh moved to its COM, 1 mm off, where a rigid shoe's is; measured: 2e-4."""
+def stiff_and_rigid(folder, point):
+    """Runs of a track with shoes a thousand times stiffer and of the rigid one, driven at a point.
+
+    The mesh is moved to its COM, 1 mm off, where a rigid shoe's is.
+    """
     case = track(youngs_modulus=200e12)
     body, _ = shoe_model(case.flexible, case.track)
     x, y, z = body.center_of_mass
-    path = tmp_path / "centred.msh"
+    path = folder / "centred.msh"
     mesh = body.mesh
     write_mesh(path, type(mesh)(mesh.nodes - body.center_of_mass, mesh.elements, mesh.surfaces))
     ahead, height = case.track.pin_ahead - x, case.track.pin_height - z
     right, left = case.track.spherical_y - y, case.track.parallel_y - y
     stiff = case.with_(
         track=case.track.with_(pin_ahead=ahead, pin_height=height, spherical_y=right, parallel_y=left),
-        drive=Drive(speed=StepProfile(times=(0.0, 0.2), values=(0.0, 0.02))),
+        drive=Drive(speed=StepProfile(times=(0.0, 0.2), values=(0.0, 0.02)), point=point),
         flexible=case.flexible.with_(mesh=str(path)),
     )
     reduced = shared_reduction(stiff).reduced
@@ -79,11 +85,23 @@ def test_a_shoe_a_thousand_times_stiffer_follows_the_rigid_one(tmp_path):
         inertia=tuple(reduced.inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))),
         load_point=tuple(shared_reduction(stiff).positions[-1]),
     )
-    one = simulate(stiff.with_(shoe=shoe), 0.2)
-    rigid = simulate(stiff.with_(shoe=shoe, flexible=None), 0.2)
-    assert x_difference(one, rigid) < 0.005
+    return simulate(stiff.with_(shoe=shoe), 0.2), simulate(stiff.with_(shoe=shoe, flexible=None), 0.2)
+
+
+def test_a_shoe_a_thousand_times_stiffer_follows_the_rigid_one(tmp_path):
+    """Measured: 2e-4."""
+    one, rigid = stiff_and_rigid(tmp_path, "frame")
+    assert x_difference(one, rigid, ("joint_force", "velocity", "acceleration")) < 0.005
     carried = [float(h.normal_force.sel(axis="z").sum("contact").mean()) for h in (one, rigid)]
     assert carried[0] == pytest.approx(carried[1], rel=1e-4)
+
+
+def test_a_stiff_shoe_pulled_at_its_pins_follows_the_rigid_one(tmp_path):
+    """Measured: 4.5e-5. In the first 10 ms the accelerations of frame and modes still swing."""
+    one, rigid = stiff_and_rigid(tmp_path, "front pins")
+    assert x_difference(one, rigid, ("joint_force", "drive_force", "velocity")) < 5e-4
+    late = [type(h)(h.case, h.dataset.isel(time=slice(50, None))) for h in (one, rigid)]
+    assert x_difference(*late, ("acceleration",)) < 5e-4
 
 
 def test_momentum_of_the_track_balances(history):
@@ -143,7 +161,8 @@ def test_a_free_shoe_vibrates_at_its_modal_frequency():
 
 def test_integrated_modes_lie_inside_the_whole_basis(history):
     basis = stress_basis(history)
-    assert len(basis.whole.frequencies) == 94
+    # 24 constraint modes, 76 fixed-interface modes and the answer to the drive, less six rigid modes
+    assert len(basis.whole.frequencies) == 24 + 76 + 1 - 6
     assert basis.inside.T @ basis.inside == pytest.approx(np.eye(basis.inside.shape[1]), abs=1e-9)
 
 
@@ -297,7 +316,34 @@ def test_a_staged_run_with_flexible_shoes_is_the_unstaged_one(history):
     case = history.case
     staged = case.with_(solver=case.solver.with_(checkpoint_interval=0.02))
     parts = simulate(staged, history.duration).dataset
-    for name in ("position", "velocity", "joint_force", "modal_coordinate", "modal_velocity"):
+    # a stage starts without the accelerations of the time integration itself; at the first, where the drive
+    # has hardly begun, that shakes the modes of the driven node for 10 ms: measured 2.4e-3
+    allowed = {"position": 1e-9, "velocity": 1e-3, "joint_force": 1e-4, "modal_coordinate": 1e-4}
+    for name, most in (allowed | {"modal_velocity": 5e-3}).items():
         whole = history.dataset[name].values
         off = np.sqrt(np.mean((whole - parts[name].values) ** 2) / np.mean(whole**2))
-        assert off < 1e-3, (name, off)
+        assert off < most, (name, off)
+
+
+def test_the_load_goes_over_the_named_surface():
+    """From the rails to the whole top it spreads, and a shoe on even ground is stressed less and less."""
+    body, interfaces = shoe_model(COARSE, track().track)
+    surfaces = ("rails", "plateau", "whole top")
+    assert COARSE.load_surface == "whole top"
+    loads = [body.surface_load(name, np.array([0.0, 0.0, -1e6])) for name in surfaces]
+    ground = body.surface_load("underside", np.array([0.0, 0.0, 1e6]))
+    forces = np.column_stack([(load + ground).ravel() for load in loads])
+    answer = Partition(body, interfaces).static_response(forces).reshape(-1, 3, len(surfaces))
+    peaks = von_mises(np.moveaxis(body.stress(answer), 2, 0)).max(axis=1)
+    # 41, 30 and 16 MPa at 611 kN on this mesh
+    assert peaks * 0.611e-6 == pytest.approx([41.3, 29.7, 16.1], rel=0.03)
+    for name in surfaces:
+        weights = body.surface_weights(name)
+        middle = weights @ body.mesh.nodes / weights.sum()
+        over = floating_shoe(track(load_surface=name)).positions[-1]
+        assert over == pytest.approx(middle, abs=1e-9)
+
+
+def test_a_loaded_surface_that_the_mesh_has_not_is_refused():
+    with pytest.raises(ValueError, match="load_surface must be a surface of the mesh 'coarse'"):
+        shoe_model(COARSE.with_(load_surface="bottom"), track().track)

@@ -1,0 +1,44 @@
+"""Compiled functions that are kept on disk and notice when a function that they call was changed.
+
+numba keeps compiled code beside the source and compiles anew when that one file changes. Code that it has
+inlined from other files would stay as it was, so a kept function is stamped with all sources that it may be
+made of.
+"""
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from numba import njit
+
+
+def compiler(*folders: Path, **options: Any) -> Callable[[Callable], Any]:
+    """Decorator that compiles a function and keeps the result until a source in one of the folders changes.
+
+    Parameters
+    ----------
+    folders : Path
+        Where the function and all that it calls are.
+    options :
+        As of `numba.njit`.
+    """
+    digest = hashlib.sha256()
+    for folder in folders:
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.read_bytes())
+    stamp = digest.hexdigest()
+
+    def compiled(function: Callable) -> Any:
+        dispatcher = njit(cache=True, **options)(function)
+        # numba has no public way to say what a function is made of; without the attributes it keeps its own
+        kept = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+        if kept is not None:
+            kept._source_stamp = (kept._source_stamp, stamp)
+        return dispatcher
+
+    return compiled
+
+
+FEM = Path(__file__).parent
+"""Sources of this package."""

@@ -1,0 +1,30 @@
+"""Compiled functions that are kept on disk."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+HELPER = "from fem.compiling import compiler\nfrom pathlib import Path\n"
+HELPER += "\ncompiled = compiler(Path(__file__).parent)\n"
+INNER = HELPER + "\n\n@compiled\ndef inner(x):\n    return {factor} * x\n"
+OUTER = "from inner import compiled, inner\n\n\n@compiled\ndef outer(x):\n    return inner(x) + 1.0\n"
+
+
+def result(folder: Path) -> str:
+    """What the compiled function gives in a process of its own."""
+    paths = os.pathsep.join([str(folder), str(Path(__file__).parents[2])])
+    command = [sys.executable, "-c", "from outer import outer; print(outer(3.0), outer.stats.cache_hits)"]
+    environment = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(folder / "kept")}
+    return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
+
+
+def test_a_kept_function_notices_a_change_of_what_it_calls(tmp_path):
+    (tmp_path / "outer.py").write_text(OUTER)
+    (tmp_path / "inner.py").write_text(INNER.format(factor="2.0"))
+    assert result(tmp_path).startswith("7.0 ")
+    again = result(tmp_path)
+    assert again.startswith("7.0 ")
+    assert not again.rstrip().endswith("Counter()")
+    (tmp_path / "inner.py").write_text(INNER.format(factor="5.0"))
+    assert result(tmp_path).startswith("16.0 ")
