@@ -30,14 +30,20 @@ if TYPE_CHECKING:
     )
     from exudyn_crawler.case_run import CaseRun, run_case
     from exudyn_crawler.errors import CaseFileError, CrawlerError, EquilibriumError, SimulationStopped
+    from exudyn_crawler.results.actions import actions
+    from exudyn_crawler.results.balance import shoe_imbalance
     from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
     from exudyn_crawler.results.history import History
     from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
     from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
+    from exudyn_crawler.run.track_modes import track_modes
     from exudyn_crawler.views.animation import write_animation
+    from exudyn_crawler.views.curves import panel_figure
+    from exudyn_crawler.views.mode_shapes import mode_figure, mode_table
     from exudyn_crawler.views.paraview import write_paraview
     from exudyn_crawler.views.report.page import write_report
+    from exudyn_crawler.views.series import history_series
 
 _HOMES = {
     "CaseFileError": "errors",
@@ -47,12 +53,19 @@ _HOMES = {
     "History": "results.history",
     "SimulationStopped": "errors",
     "StressResults": "results.stresses",
+    "actions": "results.actions",
     "contacts_by_shoe": "results.contacts",
+    "history_series": "views.series",
+    "mode_figure": "views.mode_shapes",
+    "mode_table": "views.mode_shapes",
+    "panel_figure": "views.curves",
     "recover_stresses": "results.stresses",
     "run_case": "case_run",
+    "shoe_imbalance": "results.balance",
     "simulate": "run.simulation",
     "stress_basis": "results.modal_coordinates",
     "terrain_deformation": "results.contacts",
+    "track_modes": "run.track_modes",
     "whole_coordinates": "results.modal_coordinates",
     "write_animation": "views.animation",
     "write_paraview": "views.paraview",
@@ -82,13 +95,20 @@ __all__ = [
     "StressResults",
     "Terrain",
     "Track",
+    "actions",
     "contacts_by_shoe",
+    "history_series",
+    "mode_figure",
+    "mode_table",
+    "panel_figure",
     "read_case",
     "recover_stresses",
     "run_case",
+    "shoe_imbalance",
     "simulate",
     "stress_basis",
     "terrain_deformation",
+    "track_modes",
     "whole_coordinates",
     "write_animation",
     "write_case",

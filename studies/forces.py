@@ -15,11 +15,19 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from exudyn_crawler import Case, CaseFile, CaseRun, History, run_case, simulate
-from exudyn_crawler.results.contacts import contact_force, contacts_by_shoe
+from exudyn_crawler.results.contacts import contact_force
 from exudyn_crawler.run.folder import kept_run, quiet
 from exudyn_crawler.run.histories import matching_history
-from exudyn_crawler.views.curves import Panel, axis_panels, panel_figure, save_figure
-from exudyn_crawler.views.force_figures import CONTACT_SCALARS, CONTACT_VECTORS, JOINT_VECTORS, vertical
+from exudyn_crawler.views.curves import Panel, panel_figure, save_figure
+from exudyn_crawler.views.series import (
+    CONTACT_SCALARS,
+    CONTACT_VECTORS,
+    JOINT_VECTORS,
+    Series,
+    history_series,
+    link_names,
+    shoe_names,
+)
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
@@ -156,25 +164,27 @@ def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
 
 def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
     """Cases against each other: contact of one shoe, reactions of one link; by a name that can be a file."""
-    shoe, joint = COMPARED_SHOE, COMPARED_JOINT
-    contacts = {case: contacts_by_shoe(one).sel(shoe=shoe) for case, one in histories.items()}
-    reactions = {case: one.dataset.sel(joint=joint) for case, one in histories.items()}
-    figures = {}
-    for title, (name, unit) in CONTACT_VECTORS.items():
-        curves = {case: one[name] for case, one in contacts.items()}
-        panels = axis_panels(title, unit, curves)
-        figures[f"shoe {shoe} {title}"] = panel_figure(f"shoe {shoe}: {title}", panels)
-    panels = [
-        Panel(title, unit, {case: vertical(one[name]) for case, one in contacts.items()})
-        for title, (name, unit) in CONTACT_SCALARS.items()
+    found = {case: history_series(one) for case, one in histories.items()}
+    shoe, link = shoe_names([COMPARED_SHOE])[0], link_names([COMPARED_JOINT])[0]
+    panels = {f"{shoe} {label}": _against(found, label, shoe) for label in CONTACT_VECTORS}
+    panels[f"{shoe} sinkage and friction torque"] = [
+        panel for label in CONTACT_SCALARS for panel in _against(found, label, shoe)
     ]
-    title = "sinkage and friction torque"
-    figures[f"shoe {shoe} {title}"] = panel_figure(f"shoe {shoe}: {title}", panels)
-    for title, (name, unit) in JOINT_VECTORS.items():
-        curves = {case: one[name] for case, one in reactions.items()}
-        panels = axis_panels(title, unit, curves)
-        figures[f"link {joint} {title}"] = panel_figure(f"link {joint}-{joint + 1}: {title}", panels)
-    return figures
+    panels |= {f"link {COMPARED_JOINT} {label}": _against(found, label, link) for label in JOINT_VECTORS}
+    return {name: panel_figure(name, one) for name, one in panels.items()}
+
+
+def _against(found: Mapping[str, Mapping[str, Series]], label: str, item: str) -> list[Panel]:
+    """Panels of one quantity of a shoe or link, a curve a case."""
+    first = next(iter(found.values()))[label]
+    return [
+        Panel(
+            f"{axis} {label}".strip(),
+            first.unit,
+            {case: one[label].values.sel(item=item, axis=axis) for case, one in found.items()},
+        )
+        for axis in first.values.axis.values
+    ]
 
 
 def lateral_effects(duration: float = DURATION, progress: bool | None = None) -> pd.DataFrame:

@@ -121,6 +121,7 @@ def test_help_loads_nothing_heavy(arguments):
 def test_scripts_and_commands_are_one(script, command, monkeypatch):
     called = []
     monkeypatch.setattr(cli, "run_script", called.append)
+    monkeypatch.delitem(sys.modules, f"studies.{script}", raising=False)  # runpy warns of one that is loaded
     runpy.run_module(f"studies.{script}", run_name="__main__")
     assert called == [registered(GROUP)[command].value]
 
@@ -171,6 +172,7 @@ def test_a_study_that_cannot_be_loaded_spoils_no_other(call):
     assert_one_line(err, "No module named 'lost'")
 
 
+@pytest.mark.simulation
 def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
     code, out, err = call("init", "soft")
     assert (code, err) == (0, "")
@@ -208,6 +210,7 @@ def test_every_study_has_a_case_to_start_from(call, tmp_path, study, duration):
     assert_one_line(err, "own.toml exists")
 
 
+@pytest.mark.simulation
 def test_a_run_takes_a_history_that_fits_and_no_other(call, short, tmp_path):
     assert call("run", short, "--out", "first")[0] == 0
     code, out, _ = call("run", short, "--out", "second", "--reuse", "first")
@@ -222,6 +225,7 @@ def test_a_run_takes_a_history_that_fits_and_no_other(call, short, tmp_path):
     assert not (tmp_path / "third").exists()
 
 
+@pytest.mark.simulation
 def test_a_track_of_another_length_has_all_figures(call, tmp_path):
     (tmp_path / "case.toml").write_text(
         'base = "translation"\nduration = 0.01\n[track]\nshoe_count = 3\n'
@@ -236,6 +240,7 @@ def test_a_track_of_another_length_has_all_figures(call, tmp_path):
     assert pd.read_csv(tmp_path / "out" / "loads.csv")["shoe"].tolist() == ["1", "2", "3", "sum"]
 
 
+@pytest.mark.simulation
 def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
     # two iterations that may not cut the step: enough while the track creeps, not when it slips
     (tmp_path / "case.toml").write_text(
@@ -303,6 +308,7 @@ def test_a_load_cycle_that_is_no_toml_is_named(call, tmp_path, content):
     assert not (tmp_path / "results").exists()
 
 
+@pytest.mark.simulation
 def test_overwriting_a_run_removes_the_report_of_the_earlier_one(call, short, tmp_path):
     assert call("run", short, "--out", "out")[0] == 0
     assert call("report", "out")[0] == 0
@@ -317,6 +323,7 @@ def test_overwriting_a_run_removes_the_report_of_the_earlier_one(call, short, tm
     assert {"notes.html", "history.nc"} <= left
 
 
+@pytest.mark.simulation
 def test_a_run_is_animated_where_its_case_says_so(call, short, tmp_path):
     short.write_text(short.read_text() + "animation = true\n")
     assert call("run", short, "--out", "out")[0] == 0

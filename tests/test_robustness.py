@@ -104,6 +104,7 @@ main()
 """
 
 
+@pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
 @pytest.mark.parametrize("limit", [100, 1000, 100_000])
 def test_a_file_that_finds_no_room_is_one_line_and_leaves_nothing_half(tmp_path, limit):
@@ -158,6 +159,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, pla
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
     (tmp_path / "case.toml").write_text(SHORT.replace("0.05", "20.0"))
@@ -182,6 +184,7 @@ def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
     assert History.load(tmp_path / "out" / "history.nc").duration == pytest.approx(0.05, rel=1e-9)
 
 
+@pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_a_killed_run_goes_on_in_its_folder_and_gives_the_same_numbers(tmp_path):
     # stages long enough that the kill falls into the middle
@@ -211,6 +214,7 @@ def test_a_killed_run_goes_on_in_its_folder_and_gives_the_same_numbers(tmp_path)
         assert resumed[name].values.tobytes() == unbroken[name].values.tobytes(), name
 
 
+@pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_a_killed_study_goes_on_too(tmp_path):
     script = (
@@ -250,6 +254,7 @@ def short_file(tmp_path_factory):
     return history.save(tmp_path_factory.mktemp("file") / "history.nc").read_bytes()
 
 
+@pytest.mark.simulation
 @SAME_FOLDER
 @given(st.data())
 def test_a_broken_history_is_refused_by_name(tmp_path, short_file, data):
@@ -270,6 +275,7 @@ def test_a_broken_history_is_refused_by_name(tmp_path, short_file, data):
     assert path.read_bytes() == content
 
 
+@pytest.mark.simulation
 def test_reusing_a_broken_history_is_one_line_and_runs_nothing(tmp_path, short_file):
     (tmp_path / "case.toml").write_text(SHORT)
     (tmp_path / "old").mkdir()
@@ -291,6 +297,7 @@ def test_a_mesh_that_does_not_fit_is_refused_before_anything_is_written(tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.simulation
 def test_a_case_name_is_no_path_markup_or_formula(tmp_path):
     odd = Case.translation().with_(name=r"../[red]../x/[/] $\frac$")
     run_case(CaseFile(case=odd, duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path / "out")

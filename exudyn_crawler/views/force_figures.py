@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-import xarray as xr
 from matplotlib.figure import Figure
 
 from exudyn_crawler.results.history import History
@@ -34,8 +33,3 @@ def force_figures(
     figures = {name: panel_figure(f"{case}: {name}", one) for name, one in panels.items()}
     figures["terrain deformation"] = panel_figure(f"{case}: {TERRAIN_DEFORMATION}", deformation_panels(found))
     return figures
-
-
-def vertical(values: xr.DataArray) -> xr.DataArray:
-    """Component about the vertical of a vector; a scalar as it is."""
-    return values.sel(axis="z") if "axis" in values.dims else values

@@ -22,6 +22,8 @@ from exudyn_crawler.run.folder import kept_run
 from studies.forces import study as forces_study
 from studies.kinematics import study as kinematics_study
 
+pytestmark = pytest.mark.simulation
+
 QUIET = Outputs(figures=False)
 SHORT = CaseFile(case=Case.turning(), duration=0.05, outputs=QUIET)
 HOLD = """

@@ -123,6 +123,7 @@ def test_a_history_of_other_parameters_is_refused_by_name(translation, tmp_path)
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.simulation
 def test_unasked_a_history_of_other_parameters_is_run_anew(translation, tmp_path):
     translation.save(tmp_path / "history.nc")
     said = []

@@ -13,6 +13,8 @@ from studies.comparison import compare_kinematics
 from studies.kinematics import study as kinematics_study
 from studies.reported import reported_values
 
+pytestmark = pytest.mark.simulation
+
 
 def study(name, *arguments):
     command = [sys.executable, "-m", f"studies.{name}", *map(str, arguments)]

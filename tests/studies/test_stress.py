@@ -18,6 +18,8 @@ from meshes import shoe_mesh
 from studies.stress import study as stress_study
 from studies.stress_comparison import compare_stresses, flexible_quantity
 
+pytestmark = pytest.mark.simulation
+
 PULL = Drive(speed=StepProfile(times=(0.0, 0.5, 0.7), values=(0.0, 0.1, 0.1)))
 """Soon at full speed, so that a short run has the papers' pull."""
 DURATION = 0.7

@@ -12,6 +12,8 @@ from studies.two_bodies import (
     hand_solution,
 )
 
+pytestmark = pytest.mark.simulation
+
 LAW = PairContact.oil_sand()
 
 

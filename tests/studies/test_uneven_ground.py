@@ -27,6 +27,8 @@ from studies.uneven_ground import (
     uneven_case,
 )
 
+pytestmark = pytest.mark.simulation
+
 GENERAL = Case.translation().with_(contact=Spheres.oil_sand())
 INNER = slice(2, 12)
 """Shoes with a neighbour on both sides."""
