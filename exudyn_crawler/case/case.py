@@ -174,8 +174,8 @@ class Case(Parameters):
         """Propel and loading cycle of the S-paper, with six flexible shoes.
 
         Each pair of shoe and unit has a whole contact law, as the paper states it. On 1 m units a shoe then
-        stands on 4 to 8 of them, so that its stiffness and its share of the load change as it crosses seams; a
-        case of one's own may prefer ``PairContact.oil_sand(sharing="area")``, which knows no seams.
+        stands on 4 to 8 of them, so that its stiffness and its share of the load change as it crosses seams;
+        a case of one's own may prefer ``PairContact.oil_sand(sharing="area")``, which knows no seams.
 
         Parameters
         ----------
