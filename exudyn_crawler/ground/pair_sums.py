@@ -224,6 +224,23 @@ def _forces(contact: Contact, shoe: Frame, unit: Frame, at: Attitude) -> PairFor
 
 
 @compiled
+def _standing(bodies: Bodies, s: int, track: Track) -> tuple[Attitude, Frame, Cells]:
+    """Attitude and frame of a shoe, and the units that it may stand on."""
+    at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
+    shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
+    return at, shoe, _cells(shoe, track.footprint, track.grid)
+
+
+@compiled
+def _under(bodies: Bodies, u: int, shoe: Frame, track: Track, work: FloatArray) -> tuple[Frame, Overlap]:
+    """Frame of a unit and how a shoe overlaps it."""
+    axis = track.grid.tilt_axis
+    tilt = tilted(bodies.units[u, 3], axis)
+    unit = unit_frame(bodies.units[u], bodies.unit_rates[u], axis, tilt)
+    return unit, pair_overlap(shoe, unit, track.footprint, _half(track.grid), work)
+
+
+@compiled
 def pair_forces(places: tuple, model: tuple, out: tuple, work: FloatArray) -> int:
     """Add up the forces of all contacts between the shoes and the terrain's units.
 
@@ -245,18 +262,14 @@ def pair_forces(places: tuple, model: tuple, out: tuple, work: FloatArray) -> in
     sums.modal.fill(0.0)
     state = np.empty((2, STATE))
     rows = np.empty((3, bodies.modal.shape[1]))
-    grid, half = track.grid, _half(track.grid)
+    grid = track.grid
     count = 0
     for s in range(bodies.shoes.shape[0]):
         f = track.flexible.row[s]
-        at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
-        shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
-        cells = _cells(shoe, track.footprint, grid)
+        at, shoe, cells = _standing(bodies, s, track)
         for k in range(cells.columns * cells.rows):
             u = cell(grid, cells, k)
-            tilt = tilted(bodies.units[u, 3], grid.tilt_axis)
-            unit = unit_frame(bodies.units[u], bodies.unit_rates[u], grid.tilt_axis, tilt)
-            part = pair_overlap(shoe, unit, track.footprint, half, work)
+            unit, part = _under(bodies, u, shoe, track, work)
             if part.area <= 0.0:
                 continue
             _gather(bodies, s, u, state)
@@ -304,7 +317,7 @@ def _block(
     work: FloatArray,
 ) -> None:
     """Write the derivatives of one pair by its first `coordinates`, moving one number at a time."""
-    grid, half = track.grid, _half(track.grid)
+    grid = track.grid
     axis = grid.tilt_axis
     base_at, base_tilt = attitude(state[0, 3], state[0, 4], state[0, 5]), tilted(state[0, 9], axis)
     shoe, unit = _shoe(state, base_at), _unit(state, axis, base_tilt)
@@ -322,7 +335,7 @@ def _block(
             at, tilt = attitude(state[0, 3], state[0, 4], state[0, 5]), tilted(state[0, 9], axis)
         shoe, unit = _shoe(state, at), _unit(state, axis, tilt)
         if row == 0 and MOVED[c] < PATCH:
-            moved_part = pair_overlap(shoe, unit, track.footprint, half, work)
+            moved_part = pair_overlap(shoe, unit, track.footprint, _half(track.grid), work)
         # where nothing overlaps any more the law has no share and gives no force
         contact = _contact(moved_part, shoe, unit, state, track, ratio)
         moved = _forces(contact, shoe, unit, at)
@@ -350,18 +363,14 @@ def pair_derivatives(places: tuple, model: tuple, factors: tuple, out: tuple, wo
     """
     bodies, track, weights, blocks = Bodies(*places), _named(model), Weights(*factors), PairBlocks(*out)
     state = np.empty((2, STATE))
-    grid, half = track.grid, _half(track.grid)
+    grid = track.grid
     count = 0
     for s in range(bodies.shoes.shape[0]):
         f = track.flexible.row[s]
-        at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
-        shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
-        cells = _cells(shoe, track.footprint, grid)
+        _, shoe, cells = _standing(bodies, s, track)
         for k in range(cells.columns * cells.rows):
             u = cell(grid, cells, k)
-            tilt = tilted(bodies.units[u, 3], grid.tilt_axis)
-            unit = unit_frame(bodies.units[u], bodies.unit_rates[u], grid.tilt_axis, tilt)
-            part = pair_overlap(shoe, unit, track.footprint, half, work)
+            unit, part = _under(bodies, u, shoe, track, work)
             if part.area <= 0.0 or count >= blocks.values.shape[0]:
                 continue
             _gather(bodies, s, u, state)

@@ -54,7 +54,11 @@ class Weights(NamedTuple):
 
     position: float
     velocity: float
-    secant: bool
+    secant: bool = False
+
+    def typed(self) -> tuple[float, float, bool]:
+        """Same as compiled functions take it: other numbers would compile them anew."""
+        return float(self.position), float(self.velocity), bool(self.secant)
 
 
 class ModalBlocks(NamedTuple):
