@@ -155,21 +155,6 @@ def _gather(bodies: Bodies, s: int, u: int, state: FloatArray) -> None:
 
 
 @compiled
-def _shoe(state: FloatArray, at: Attitude) -> Frame:
-    return shoe_frame(state[0], state[1], at)
-
-
-@compiled
-def _unit(state: FloatArray, axis: int, at: Attitude) -> Frame:
-    return unit_frame(state[0, 6:], state[1, 6:], axis, at)
-
-
-@compiled
-def _half(grid: Grid) -> Vector:
-    return 0.5 * grid.length, 0.5 * grid.width, 0.5 * grid.height
-
-
-@compiled
 def _patch_rows(part: Overlap, shoe: Frame, unit: Frame, track: Track, rows: FloatArray) -> None:
     """Write mean displacement rows (3, modes) of the rectangle in the shoe's axes about an overlap.
 
@@ -245,7 +230,8 @@ def pair_forces(places: tuple, model: tuple, out: tuple, work: FloatArray) -> in
     sums.modal.fill(0.0)
     state = np.empty((2, STATE))
     rows = np.empty((3, bodies.modal.shape[1]))
-    grid, half = track.grid, _half(track.grid)
+    grid = track.grid
+    half = (0.5 * grid.length, 0.5 * grid.width, 0.5 * grid.height)
     count = 0
     for s in range(bodies.shoes.shape[0]):
         f = track.flexible.row[s]
@@ -304,10 +290,12 @@ def _block(
     work: FloatArray,
 ) -> None:
     """Write the derivatives of one pair by its first `coordinates`, moving one number at a time."""
-    grid, half = track.grid, _half(track.grid)
+    grid = track.grid
+    half = (0.5 * grid.length, 0.5 * grid.width, 0.5 * grid.height)
     axis = grid.tilt_axis
     base_at, base_tilt = attitude(state[0, 3], state[0, 4], state[0, 5]), tilted(state[0, 9], axis)
-    shoe, unit = _shoe(state, base_at), _unit(state, axis, base_tilt)
+    shoe = shoe_frame(state[0], state[1], base_at)
+    unit = unit_frame(state[0, 6:], state[1, 6:], axis, base_tilt)
     contact = _contact(part, shoe, unit, state, track, FROM_CURVE)
     base = _forces(contact, shoe, unit, base_at)
     ratio = drag_ratio(track.law.law, norm(contact.slip_velocity)) if weights.secant else FROM_CURVE
@@ -320,7 +308,8 @@ def _block(
         at, tilt, moved_part = base_at, base_tilt, part
         if row == 0 and MOVED[c] < PATCH:
             at, tilt = attitude(state[0, 3], state[0, 4], state[0, 5]), tilted(state[0, 9], axis)
-        shoe, unit = _shoe(state, at), _unit(state, axis, tilt)
+        shoe = shoe_frame(state[0], state[1], at)
+        unit = unit_frame(state[0, 6:], state[1, 6:], axis, tilt)
         if row == 0 and MOVED[c] < PATCH:
             moved_part = pair_overlap(shoe, unit, track.footprint, half, work)
         # where nothing overlaps any more the law has no share and gives no force
@@ -350,7 +339,8 @@ def pair_derivatives(places: tuple, model: tuple, factors: tuple, out: tuple, wo
     """
     bodies, track, weights, blocks = Bodies(*places), _named(model), Weights(*factors), PairBlocks(*out)
     state = np.empty((2, STATE))
-    grid, half = track.grid, _half(track.grid)
+    grid = track.grid
+    half = (0.5 * grid.length, 0.5 * grid.width, 0.5 * grid.height)
     count = 0
     for s in range(bodies.shoes.shape[0]):
         f = track.flexible.row[s]

@@ -14,12 +14,12 @@ from exudyn_crawler.ground.frames import (
     Wrench,
     about,
     along,
-    column,
     compiled,
     dot,
     norm,
     turned,
     turned_back,
+    upward,
     velocity_at,
 )
 from exudyn_crawler.ground.laws import Law, drag_ratio, normal_force, spin_torque
@@ -139,7 +139,7 @@ def pair_contact(
     ratio : float
         Friction over normal force and slip speed, s/m; `FROM_CURVE` takes it from the friction law.
     """
-    normal = column(unit.R, 2)
+    normal = upward(unit.R)
     point = contact_point(part, unit, top)
     velocity = along(velocity_at(shoe, point), -1.0, velocity_at(unit, point))
     velocity = along(velocity, 1.0, turned(shoe.R, patch.velocity))

@@ -8,6 +8,8 @@ its edge, and near the two corners on the diagonal the nearest points of both tr
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from exudyn_crawler.ground.frames import (
     Frame,
     Vector,
@@ -253,7 +255,7 @@ def sphere_contacts(places: tuple, model: tuple, table: FloatArray) -> int:
     bodies = SphereBodies(*places)
     grid, tops, half_x, half_y, centers, radius, law = model
     track = SphereTrack(Grid(*grid), tops, half_x, half_y, centers, radius, named_law(law))
-    count = 0
+    count = np.int64(0)
     for s in range(bodies.shoes.shape[0]):
         at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
         shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)

@@ -115,7 +115,7 @@ def terrain_triplets(terrain: tuple, found: tuple, shoe_count: int) -> FloatArra
                 ground[r, k] += heave[u, r] * force + tilt[u, r] * moment
     triplets = np.empty((shoe_count * (36 + 12 * modes) + modes * modes, 3))
     first = 6 * shoe_count
-    n = 0
+    n = np.int64(0)
     for s in range(shoe_count):
         for r in range(6):
             for c in range(6):
@@ -183,7 +183,7 @@ def modal_triplets(terrain: tuple, found: tuple, row: NDArray[np.int64], first: 
         if f >= 0:
             _add_modal(sums, f, blocks.values[n], blocks.rows[n], shapes.heave[u], shapes.tilt[u])
     triplets = np.empty((bodies * modes * (12 + 2 * reached + modes), 3))
-    n = 0
+    n = np.int64(0)
     for s in range(shoe_count):
         f = row[s]
         for m in range(modes if f >= 0 else 0):
@@ -207,7 +207,7 @@ def body_triplets(found: tuple, shoe_count: int, tilt_axis: int) -> FloatArray:
     """Triplets of the pairs, the units being bodies of six coordinates."""
     blocks = PairBlocks(*found)
     triplets = np.empty((64 * blocks.pairs.shape[0], 3))
-    n = 0
+    n = np.int64(0)
     for p in range(blocks.pairs.shape[0]):
         shoe = 6 * blocks.pairs[p, 0]
         unit = 6 * shoe_count + 6 * blocks.pairs[p, 1]
