@@ -13,7 +13,11 @@ Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 
 compiled = njit(cache=True, error_model="numpy")
-"""Compiles a function; dividing by zero gives what IEEE says in place of an exception."""
+"""Compiles a function; dividing by zero gives what IEEE says in place of an exception.
+
+Every literal integer among a call's arguments compiles the function once more, so that counts that are handed
+on start as ``np.int64(0)``.
+"""
 
 
 class Frame(NamedTuple):

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from exudyn_crawler.ground.faces import EDGE, FACE
 from exudyn_crawler.ground.frames import Vector, along, basis, compiled, cross, dot, norm
 from exudyn_crawler.ground.laws.linear import Linear
 from exudyn_crawler.ground.rotations import FloatArray, attitude, to_angles
-from exudyn_crawler.ground.spheres import EDGE, FACE, Touch, kept, touch_force
+from exudyn_crawler.ground.spheres import Touch, kept, touch_force
 from exudyn_crawler.ground.triplets import Weights
 
 COORDINATES = 8
@@ -162,4 +163,4 @@ def sphere_derivatives(
         shoe = shoes[pairs[p, 0]]
         moment = (moments[p, 0], moments[p, 1], moments[p, 2])
         to_angles(blocks[p], moment, weights.position, attitude(shoe[3], shoe[4], shoe[5]))
-    return count
+    return int(count)
