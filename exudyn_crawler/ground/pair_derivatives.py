@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import compiled, norm
+from exudyn_crawler.ground.frames import compiled, inlined, norm
 from exudyn_crawler.ground.grid import cell
 from exudyn_crawler.ground.laws import drag_ratio
 from exudyn_crawler.ground.overlap import Overlap
@@ -38,7 +38,7 @@ STEPS = (1e-7, 1e-6)
 the 10 mm/s of the friction law."""
 
 
-@compiled
+@inlined
 def _add_difference(
     moved: PairForces, base: PairForces, factor: float, axis: int, column: FloatArray
 ) -> None:

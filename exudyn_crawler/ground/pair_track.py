@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.ground.frames import Frame, Vector, Wrench, compiled, turned_back
+from exudyn_crawler.ground.frames import Frame, Vector, Wrench, compiled, inlined, turned_back
 from exudyn_crawler.ground.grid import Cells, Grid, cells_about
 from exudyn_crawler.ground.laws import named_law
 from exudyn_crawler.ground.overlap import Overlap
@@ -75,7 +75,7 @@ class PairForces(NamedTuple):
     patch: Vector
 
 
-@compiled
+@inlined
 def named_track(track: tuple) -> Track:
     """Track of its values as plain tuples."""
     grid, footprint, flexible, (law, edge_width, whole_area) = track
@@ -83,7 +83,7 @@ def named_track(track: tuple) -> Track:
     return Track(Grid(*grid), Footprint(*footprint), Flexible(*flexible), law)
 
 
-@compiled
+@inlined
 def cells_below(shoe: Frame, footprint: Footprint, grid: Grid) -> Cells:
     """Units that may lie under a shoe."""
     x = max(abs(footprint.low_x), abs(footprint.high_x))
@@ -96,7 +96,7 @@ def cells_below(shoe: Frame, footprint: Footprint, grid: Grid) -> Cells:
     return cells_about(grid, shoe.r[0], shoe.r[1], reach_x, reach_y)
 
 
-@compiled
+@inlined
 def gather(bodies: Bodies, s: int, u: int, state: FloatArray) -> None:
     """Write places and rates of a shoe and a unit into the rows of `state` (2, STATE), with no patch."""
     for k in range(6):
@@ -126,7 +126,7 @@ def patch_rows(part: Overlap, shoe: Frame, unit: Frame, track: Track, rows: Floa
     mean_rows(flexible.corner, flexible.cell, flexible.integral, rectangle, rows)
 
 
-@compiled
+@inlined
 def bend(bodies: Bodies, f: int, rows: FloatArray, state: FloatArray) -> None:
     """Write displacement and velocity of a flexible shoe's patch into `state`."""
     for c in range(3):
@@ -138,7 +138,7 @@ def bend(bodies: Bodies, f: int, rows: FloatArray, state: FloatArray) -> None:
         state[0, 10 + c], state[1, 10 + c] = displacement, velocity
 
 
-@compiled
+@inlined
 def contact_at(
     part: Overlap, shoe: Frame, unit: Frame, state: FloatArray, track: Track, ratio: float
 ) -> Contact:
@@ -148,7 +148,7 @@ def contact_at(
     return pair_contact(part, shoe, unit, patch, 0.5 * track.grid.height, track.law, ratio)
 
 
-@compiled
+@inlined
 def forces_of(contact: Contact, shoe: Frame, unit: Frame, at: Attitude) -> PairForces:
     """Forces of a contact on the coordinates of its shoe, on its unit and on its patch."""
     on_shoe = wrench_on_shoe(contact, shoe.r)
