@@ -13,15 +13,9 @@ from exudyn_crawler.ground.laws import COULOMB, IMPACT, Law
 from exudyn_crawler.ground.laws.coulomb import Coulomb
 from exudyn_crawler.ground.laws.impact import Impact
 from exudyn_crawler.ground.overlap import overlap_workspace
-from exudyn_crawler.ground.pair_sums import (
-    PAIR_COORDINATES,
-    Bodies,
-    Flexible,
-    Sums,
-    Track,
-    pair_derivatives,
-    pair_forces,
-)
+from exudyn_crawler.ground.pair_derivatives import PAIR_COORDINATES, pair_derivatives
+from exudyn_crawler.ground.pair_sums import Sums, pair_forces
+from exudyn_crawler.ground.pair_track import Bodies, Flexible, Track
 from exudyn_crawler.ground.pairs import RESULTS, Footprint, PairLaw
 from exudyn_crawler.ground.triplets import PairBlocks, Weights, modal_triplets
 from fem.patches import Underside
