@@ -143,6 +143,7 @@ def test_old_keys_that_contradict_are_refused(tmp_path, text, fault):
     assert any(found.startswith(fault) for found in caught.value.faults)
 
 
+@pytest.mark.simulation
 def test_old_histories_and_checkpoints_go_on(tmp_path, monkeypatch):
     case = Case.translation()
     case = case.with_(solver=case.solver.with_(checkpoint_interval=0.01))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse
 
-from exudyn_crawler import Case
+from exudyn_crawler import Case, SphereContact
 from exudyn_crawler.case import Terrain
 from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates, ReducedCoordinates
@@ -21,7 +21,7 @@ CASES = {
     "pair by area": Case.translation().with_(
         contact=Case.translation().contact.with_(sharing="area"), terrain=Terrain.stress()
     ),
-    "spheres": Case.translation("general"),
+    "spheres": Case.translation().with_(contact=SphereContact.oil_sand()),
 }
 
 

@@ -140,6 +140,7 @@ def moving_load_response(terrain, formulation):
     return np.array(heaves)
 
 
+@pytest.mark.simulation
 def test_both_formulations_answer_a_moving_load_alike():
     terrain = GRIDS["coarse"]
     reduced, full = (moving_load_response(terrain, one) for one in ("reduced", "constrained"))
@@ -148,6 +149,7 @@ def test_both_formulations_answer_a_moving_load_alike():
     assert np.abs(reduced - full).max() < 1e-3 * np.abs(full).max()
 
 
+@pytest.mark.simulation
 def test_both_formulations_carry_the_track_in_the_same_equilibrium():
     """They differ by what is of second order in the tilt (8e-3 rad), which the reduced one leaves out.
 

@@ -49,6 +49,7 @@ def test_the_gradient_is_the_derivative_of_the_place():
     assert point.gradient(at[3:6], at[6:]) == pytest.approx(expected, abs=1e-8)
 
 
+@pytest.mark.simulation
 def test_the_com_node_has_the_drives_speed_and_the_frame_has_not(pulled):
     point = drive_point(PULLED, floating_shoe(PULLED).reduced)
     place, velocity = point_motion(pulled, point)
@@ -59,6 +60,7 @@ def test_the_com_node_has_the_drives_speed_and_the_frame_has_not(pulled):
     assert pulled.drive_point.values == pytest.approx(place, abs=1e-12)
 
 
+@pytest.mark.simulation
 def test_the_force_on_a_node_keeps_the_momentum_of_the_track(pulled):
     """The drive's force alone moves and bends: what it lacks or adds would stand in the balance."""
     mass = np.full(13, PULLED.shoe.mass)
@@ -73,6 +75,7 @@ def test_the_force_on_a_node_keeps_the_momentum_of_the_track(pulled):
     assert np.abs(rate - force).max() < 1e-4 * np.abs(pulled.drive_force.values).max()
 
 
+@pytest.mark.simulation
 def test_a_rigid_front_shoe_is_pulled_at_its_pins():
     history = simulate(FRONT_PINS, 0.1)
     place, velocity = point_motion(history, drive_point(FRONT_PINS, None))

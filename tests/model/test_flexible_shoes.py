@@ -4,9 +4,8 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
-from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, StepProfile, Terrain, simulate
+from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, Terrain, simulate
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.shoes import add_flexible, add_shoe_nodes
 from exudyn_crawler.model.system import build
@@ -14,6 +13,8 @@ from exudyn_crawler.results.modal_coordinates import modal_loads, stress_basis, 
 from exudyn_crawler.run.equilibrium import static_equilibrium
 from fem import Partition, write_mesh
 from fem.stress import von_mises
+
+pytestmark = pytest.mark.simulation
 
 COORDINATES = exu.OutputVariableType.Coordinates
 COARSE = FlexibleShoes.ph4100c("coarse")
@@ -200,54 +201,6 @@ def test_a_shoe_bends_under_its_load_as_the_whole_model_does():
     assert bend[0] == pytest.approx(bend[1], rel=0.05)
 
 
-def test_bad_flexible_shoes_are_refused_by_name():
-    with pytest.raises(ValidationError, match="shoes must be different numbers in rising order"):
-        COARSE.with_(shoes=(7, 7))
-    with pytest.raises(ValidationError, match=r"flexible.shoes must be in 1..13, got \(7, 14\)"):
-        Case.translation().with_(flexible=COARSE.with_(shoes=(7, 14)))
-    with pytest.raises(ValidationError, match="poissons_ratio"):
-        COARSE.with_(poissons_ratio=0.5)
-    with pytest.raises(ValidationError, match="'reduced'"):
-        Case.translation().with_(flexible=COARSE, terrain_formulation="constrained")
-
-
-def test_the_shovel_cycle_keeps_every_sum_and_the_printed_loads():
-    cycle = LoadCycle.shovel_cycle()
-    loads = {phase.name: np.array(phase.loads) for phase in cycle.phases}
-    machine, dipper = 13 * 386.4e3, 445e3
-    sums = {"propel": machine, "dig": machine + dipper, "hoist and swing": machine + dipper}
-    sums |= {"dump": machine, "return": machine}
-    for name, total in sums.items():
-        assert loads[name].sum() == pytest.approx(total, rel=1e-12)
-    printed = {"propel": 386.4e3, "dig": 384e3, "hoist and swing": 732e3, "dump": 541e3, "return": 386.4e3}
-    for name, load in printed.items():
-        assert loads[name][6] == pytest.approx(load, rel=1e-9)
-    assert loads["dump"][[0, 12]] == pytest.approx([253.9e3, 253.9e3], rel=1e-3)
-    for name in ("hoist and swing", "dump"):
-        assert loads[name] == pytest.approx(loads[name][::-1], rel=1e-12)
-        assert loads[name].argmax() == 6
-    assert cycle.loads(18.75)[0, 6] == pytest.approx((386.4e3 + 384e3) / 2, rel=1e-12)
-
-
-def test_a_cycle_is_read_from_toml(tmp_path):
-    path = tmp_path / "cycle.toml"
-    path.write_text(
-        '[[phases]]\nname = "propel"\nend = 2.0\nloads = [1e5, 2e5]\n'
-        '[[phases]]\nname = "dig"\nend = 4.0\nloads = [3e5, 1e5]\n'
-    )
-    cycle = LoadCycle.from_toml(path)
-    assert cycle.loads(3.0)[0] == pytest.approx([2e5, 1.5e5])
-    path.write_text("drive_on = [[0.0, 15.0]]\n" + path.read_text())
-    with pytest.raises(ValueError, match=r"drive_on must not be in a load cycle.* on = \[\[0\.0, 15"):
-        LoadCycle.from_toml(path)
-    path.write_text("phases = 1")
-    with pytest.raises(ValueError, match="phases"):
-        LoadCycle.from_toml(path)
-    path.write_text("[[phases")
-    with pytest.raises(ValueError, match="is not TOML"):
-        LoadCycle.from_toml(path)
-
-
 def driven(*windows, **drive):
     case = Case.translation()
     speed = StepProfile(times=(0.0, 0.05, 0.1, 0.15, 0.2), values=(0.0, 0.01, 0.0, 0.0, 0.02))
@@ -267,42 +220,13 @@ def test_a_released_shoe_is_driven_no_more_until_the_drive_is_on_again():
     assert front.values[again.values] == pytest.approx(speed, abs=1e-9)
 
 
-def test_the_drive_takes_up_a_shoe_at_rest_only():
-    with pytest.raises(ValidationError, match=r"speed must be zero where the drive goes on, at 0.05 s"):
-        driven((0.05, 0.1))
-    with pytest.raises(ValidationError, match="on must be times from 0 s that increase"):
-        driven((0.1, 0.0))
-
-
-def test_the_track_travels_only_while_driven():
-    case = driven((0.0, 0.05))
-    assert case.outline(0.2)[0, 0] - case.outline(0.0)[0, 0] == pytest.approx(0.05 * 0.01 / 2)
-
-
-def test_modes_are_chosen_by_number_frequency_or_kind():
-    assert COARSE.mode_count == 28
-    assert COARSE.with_modes("all").mode_count == 94
-    assert COARSE.with_modes("20 fixed").mode_count == 38
+def test_modes_are_chosen_by_number_or_frequency():
     some = track().with_(flexible=COARSE.with_(shoes=(13,)).with_modes("1-3, 6"))
     assert shared_reduction(some).mode_count == 4
     low = track().with_(flexible=COARSE.with_(shoes=(13,)).with_modes("500 Hz"))
     frequencies = shared_reduction(low).reduced.frequencies
     assert 1 < len(frequencies) < 94
     assert frequencies.max() <= 500.0
-
-
-@pytest.mark.parametrize(
-    ("choice", "message"),
-    [
-        ("some", "modes must be like"),
-        ("0-3", r"modes must be in 1\.\.94"),
-        ("90-95", r"modes must be in 1\.\.94"),
-        ("77 fixed", "fixed_modes must not exceed recovered_modes"),
-    ],
-)
-def test_modes_that_do_not_exist_are_refused(choice, message):
-    with pytest.raises(ValueError, match=message):
-        COARSE.with_modes(choice)
 
 
 def test_a_highest_frequency_below_the_first_mode_is_refused():

@@ -1,20 +1,15 @@
 """Second contact model: its law against the engine's, its agreement with the pair law, and bad input."""
 
-import math
-
 import numpy as np
 import pandas as pd
 import pytest
-from pydantic import ValidationError
 
-from exudyn_crawler import Case, History, PairContact, simulate
-from exudyn_crawler.case import FlexibleShoes, LoadCycle, Phase, Terrain
+from exudyn_crawler import Case, History, simulate
+from exudyn_crawler.case import Terrain
 from exudyn_crawler.case.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
-from exudyn_crawler.ground.sphere_contact import sphere_field
-from exudyn_crawler.ground.spheres import COLUMN
 from exudyn_crawler.ground.triplets import Weights
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.balance import powers, shoe_imbalance, track_imbalance
@@ -25,6 +20,8 @@ from studies.comparison import compare_kinematics
 from studies.force_comparison import compare_forces
 from studies.forces import study as forces_study
 from studies.uneven_ground import uneven_case
+
+pytestmark = pytest.mark.simulation
 
 SPHERES = Spheres.oil_sand()
 CASE = Case.translation().with_(contact=SPHERES)
@@ -48,56 +45,6 @@ def general() -> History:
 @pytest.fixture(scope="module")
 def rest() -> np.ndarray:
     return static_equilibrium(CASE)
-
-
-def test_spheres_carry_the_mean_load_at_the_pair_laws_depth():
-    depth = math.sqrt(432.3e3 / 1e8)  # papers: 6.57 cm
-    assert CASE.settled_penetration == pytest.approx(depth, rel=1e-3)
-    spheres = SPHERES.spheres_x * SPHERES.spheres_y
-    assert spheres * CASE.sphere_stiffness * CASE.settled_penetration == pytest.approx(
-        CASE.mean_load, rel=1e-12
-    )
-
-
-def test_spheres_stand_evenly_inside_the_underside():
-    places = sphere_field(CASE).places
-    low_x, high_x, low_y, high_y, z = CASE.shoe.footprint
-    assert len(places) == 20
-    assert places.mean(axis=0)[:2] == pytest.approx(
-        [0.5 * (low_x + high_x), 0.5 * (low_y + high_y)], abs=1e-12
-    )
-    assert places[:, 0].min() - low_x == pytest.approx(0.63 / 8.0, rel=1e-12)
-    assert places[:, 1].max() - high_y == pytest.approx(-3.505 / 10.0, rel=1e-12)
-    assert places[:, 2] == pytest.approx(z + SPHERES.radius)
-
-
-def lift_over_seam(case: Case, beside: float) -> float:
-    """Vertical force on a sphere beside the seam at x = 7 m by so much (m), over that far from any seam."""
-    contact = contact_of(case)
-    rear = sphere_field(case).places[0, 0] + contact.shoe_reference[0, 0]
-
-    def lift(x):
-        q = np.zeros(contact.size)
-        q[0], q[2] = x - rear, -case.settled_penetration
-        table, _, _ = contact.touching(q, np.zeros_like(q))
-        point, normal = table[:, COLUMN["point"]], table[:, COLUMN["normal"]]
-        center = point[:, 0] + table[:, COLUMN["distance"]] * normal[:, 0]
-        own = (table[:, COLUMN["shoe"]] == 0.0) & (np.abs(center - x) < 1e-9)
-        return float((table[own, COLUMN["size"]] * normal[own, 2]).sum())
-
-    return lift(7.0 + beside) / lift(3.5)
-
-
-def test_whole_faces_both_push_a_sphere_over_their_seam():
-    assert sphere_field(CASE).inset == (0.0, 0.0)
-    assert lift_over_seam(CASE, 0.0) == pytest.approx(2.0, rel=1e-9)
-
-
-def test_drawn_back_faces_push_over_the_seam_as_hard_as_one():
-    assert lift_over_seam(DRAWN_BACK, 0.0) == pytest.approx(1.0, rel=1e-9)
-    beside = np.array([lift_over_seam(DRAWN_BACK, x) for x in np.linspace(-0.1, 0.1, 21)])
-    assert beside == pytest.approx(1.0, abs=0.1)
-    assert np.ptp(beside) > 0.01
 
 
 def test_track_rests_before_the_run(general):
@@ -192,31 +139,6 @@ def test_powers_are_refused(general):
         powers(general)
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"spheres_x": 1}, "spheres_x"),
-        ({"spheres_y": 0}, "spheres_y"),
-        ({"radius": -0.1}, "radius"),
-        ({"damping": -1.0}, "damping"),
-        ({"friction": -0.1}, "friction"),
-        ({"friction_speed": 0.0}, "friction_speed"),
-        ({"radius": math.inf}, "radius"),
-    ],
-)
-def test_bad_spheres_are_refused(changes, message):
-    with pytest.raises(ValidationError, match=message):
-        SPHERES.with_(**changes)
-
-
-def test_spheres_that_would_sink_through_are_refused():
-    spheres = SPHERES.with_(radius=0.06)
-    with pytest.raises(
-        ValidationError, match=r"radius must exceed the settled penetration .* 0\.0657.* m, got 0\.06"
-    ):
-        CASE.with_(contact=spheres)
-
-
 def small_spheres(radius: float) -> Case:
     return CASE.with_(contact=SPHERES.with_(radius=radius))
 
@@ -246,59 +168,11 @@ def test_centres_below_a_face_are_found(rest):
     assert contact.sunken(lower) == [4]
 
 
-def test_spheres_too_large_for_the_units_are_refused():
-    with pytest.raises(ValidationError, match=r"quarter of a unit's side, 1\.75 m, got 2"):
-        CASE.with_(contact=SPHERES.with_(radius=2.0))
-
-
-def test_flexible_shoes_are_refused():
-    with pytest.raises(ValidationError, match=r"flexible must be None with contact\.model 'spheres'"):
-        CASE.with_(flexible=FlexibleShoes.ph4100c("coarse"))
-
-
-def test_unknown_model_is_refused():
-    with pytest.raises(ValidationError, match=r"'hertz' .*expected tags: 'pair', 'spheres'"):
-        CASE.with_(contact=SPHERES.model_dump() | {"model": "hertz"})
-
-
 def test_terrain_needs_no_other_formulation():
     """The engine takes the units as bodies whatever the case says of the terrain's formulation."""
     assert CASE.terrain_formulation == "reduced"
     assert isinstance(CASE.terrain, Terrain)
     assert build(CASE).contact.size == 6 * (CASE.track.shoe_count + CASE.terrain.unit_count)
-
-
-def test_each_model_is_had_where_it_is_the_case_s():
-    assert CASE.sphere_contact() == SPHERES
-    assert Case.translation().pair_contact() == PairContact.oil_sand()
-    with pytest.raises(ValueError, match=r"contact\.model must be 'pair', got 'spheres'"):
-        CASE.pair_contact()
-    with pytest.raises(ValueError, match=r"contact\.model must be 'spheres', got 'pair'"):
-        Case.translation().sphere_contact()
-
-
-def test_the_reference_law_sets_how_deep_shoes_settle():
-    assert CASE.settled_penetration == Case.translation().settled_penetration
-    stiff = CASE.with_(contact=SPHERES.with_(reference_stiffness=4.0 * SPHERES.reference_stiffness))
-    assert stiff.settled_penetration == pytest.approx(0.5 * CASE.settled_penetration, rel=1e-12)
-    assert stiff.sphere_stiffness == pytest.approx(2.0 * CASE.sphere_stiffness, rel=1e-12)
-
-
-def test_growing_load_that_would_sink_a_sphere_through_is_refused():
-    spheres = SPHERES.with_(radius=0.1)
-    case = CASE.with_(contact=spheres)
-    light, heavy = [386.4e3] * 13, [*[386.4e3] * 6, 732e3, *[386.4e3] * 6]
-    loads = LoadCycle(
-        phases=(Phase(name="propel", end=1, loads=light), Phase(name="swing", end=9, loads=heavy))
-    )
-    message = r"settled penetration of the most loaded shoe, 0\.1183 m, got 0\.1"
-    with pytest.raises(ValidationError, match=message):
-        case.with_(loads=loads)
-
-
-def test_loads_that_lift_the_track_are_refused():
-    with pytest.raises(ValidationError, match="loads must press the shoes down"):
-        CASE.with_(loads=LoadCycle.constant([-1e6] * 13))
 
 
 def test_forces_study_refuses_histories_of_the_other_model(general, tmp_path):

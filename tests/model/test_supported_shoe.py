@@ -11,6 +11,8 @@ from exudyn_crawler.model.shoes import add_flexible, add_shoe_nodes
 from fem import Partition
 from fem.stress import von_mises
 
+pytestmark = pytest.mark.simulation
+
 LOAD = 386.4e3
 """N, evenly spread over the top face."""
 HELD = {"front right": (1, 1, 1), "front left": (1, 0, 1), "rear right": (0, 0, 1), "rear left": (0, 0, 1)}

@@ -12,6 +12,8 @@ from exudyn_crawler.results.stresses import recover_stresses
 from fem import Partition
 from fem.stress import von_mises
 
+pytestmark = pytest.mark.simulation
+
 FORCE = 2e6
 INNER, OUTER = (8.76, 9.95), (8.59, 10.11)
 """m, y of the side faces of the lugs: those that face each other, and the others."""

@@ -14,6 +14,8 @@ from exudyn_crawler import Case, Drive, SphereContact, simulate
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.stages import stage_times
 
+pytestmark = pytest.mark.simulation
+
 INTERVAL = 0.05
 SCRIPT = """
 import sys

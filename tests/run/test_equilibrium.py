@@ -5,6 +5,8 @@ import pytest
 
 from exudyn_crawler import Case, EquilibriumError, LoadCycle, Terrain, simulate
 
+pytestmark = pytest.mark.simulation
+
 CASES = {
     "translation": Case.translation(),
     "turning": Case.turning(),

@@ -10,6 +10,8 @@ from exudyn_crawler.run.equilibrium import static_equilibrium
 from exudyn_crawler.run.faults import at_fault
 from exudyn_crawler.run.integration import integrate
 
+pytestmark = pytest.mark.simulation
+
 
 @pytest.fixture(scope="module")
 def rest():

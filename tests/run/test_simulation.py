@@ -9,6 +9,8 @@ from exudyn_crawler import Case, SimulationStopped, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.balance import shoe_imbalance, track_imbalance
 
+pytestmark = pytest.mark.simulation
+
 RUNS = ("translation", "turning", "constrained")
 WEIGHT = 13 * 432.3e3  # N, of the loaded track
 

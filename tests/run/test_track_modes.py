@@ -9,6 +9,8 @@ from exudyn_crawler.run.steady_sliding import steady_sliding
 from exudyn_crawler.run.track_modes import eigenmodes, linearized_track, track_modes
 from tests.run.planar_track import PlanarTrack
 
+pytestmark = pytest.mark.simulation
+
 SPEED = 0.2
 """m/s, where friction no longer changes with the speed."""
 

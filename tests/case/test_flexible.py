@@ -1,0 +1,39 @@
+"""Choice of flexible shoes and of their modes."""
+
+import pytest
+from pydantic import ValidationError
+
+from exudyn_crawler import Case, FlexibleShoes
+
+COARSE = FlexibleShoes.ph4100c("coarse")
+
+
+def test_bad_flexible_shoes_are_refused_by_name():
+    with pytest.raises(ValidationError, match="shoes must be different numbers in rising order"):
+        COARSE.with_(shoes=(7, 7))
+    with pytest.raises(ValidationError, match=r"flexible.shoes must be in 1..13, got \(7, 14\)"):
+        Case.translation().with_(flexible=COARSE.with_(shoes=(7, 14)))
+    with pytest.raises(ValidationError, match="poissons_ratio"):
+        COARSE.with_(poissons_ratio=0.5)
+    with pytest.raises(ValidationError, match="'reduced'"):
+        Case.translation().with_(flexible=COARSE, terrain_formulation="constrained")
+
+
+def test_modes_are_chosen_by_kind():
+    assert COARSE.mode_count == 28
+    assert COARSE.with_modes("all").mode_count == 94
+    assert COARSE.with_modes("20 fixed").mode_count == 38
+
+
+@pytest.mark.parametrize(
+    ("choice", "message"),
+    [
+        ("some", "modes must be like"),
+        ("0-3", r"modes must be in 1\.\.94"),
+        ("90-95", r"modes must be in 1\.\.94"),
+        ("77 fixed", "fixed_modes must not exceed recovered_modes"),
+    ],
+)
+def test_modes_that_do_not_exist_are_refused(choice, message):
+    with pytest.raises(ValueError, match=message):
+        COARSE.with_modes(choice)
