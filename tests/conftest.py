@@ -13,12 +13,12 @@ from tests.stress_results import short_run, stress_results
 settings.register_profile("reproducible", derandomize=True)
 settings.load_profile("reproducible")
 
-RUNS = {"translation", "turning", "constrained", "longer", "flexible_run"}
-"""Fixtures that simulate."""
+RUNS = {"translation", "turning", "constrained", "longer", "flexible_run", "reduced"}
+"""Fixtures that simulate, or reduce a shoe for a run."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what simulates by its fixtures."""
+    """Mark what simulates or takes as long by its fixtures."""
     for item in items:
         if RUNS & set(getattr(item, "fixturenames", ())):
             item.add_marker("simulation")
