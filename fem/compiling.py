@@ -33,7 +33,7 @@ def compiler(*folders: Path, **options: Any) -> Callable[[Callable], Any]:
     def compiled(function: Callable) -> Any:
         dispatcher = njit(cache=True, **options)(function)
         # numba has no public way to say what a function is made of; without the attributes it keeps its own
-        cache = getattr(dispatcher, "_cache", None)
+        cache: Any = getattr(dispatcher, "_cache", None)
         kept = getattr(cache, "_cache_file", None)
         if kept is not None:
             kept._source_stamp = (kept._source_stamp, stamp)

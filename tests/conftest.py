@@ -15,12 +15,12 @@ from tests.stress_results import short_run, stress_results
 settings.register_profile("reproducible", derandomize=True)
 settings.load_profile("reproducible")
 
-RUNS = {"translation", "turning", "constrained", "longer", "flexible_run"}
-"""Fixtures that simulate."""
+RUNS = {"translation", "turning", "constrained", "longer", "flexible_run", "reduced"}
+"""Fixtures that simulate, or reduce a shoe for a run."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what simulates by its fixtures."""
+    """Mark what simulates or takes as long by its fixtures."""
     for item in items:
         if RUNS & set(getattr(item, "fixturenames", ())):
             item.add_marker("simulation")
@@ -28,7 +28,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
-    """Keep `make check` fast: a test that simulates in this process, or its fixtures do, says so by its mark."""
+    """Keep `make check` fast: a test that simulates in this process, or whose fixtures do, has its mark."""
     with pytest.MonkeyPatch.context() as monkeypatch:
         if not (item.get_closest_marker("simulation") or item.get_closest_marker("slow")):
             refused = "this test simulates: mark it with pytest.mark.simulation"

@@ -1,11 +1,13 @@
 """Drive of the front shoe, and what holds it at rest."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from exudyn_crawler.case import Drive, StepProfile
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.engine import exu, items
-from exudyn_crawler.model.items import at_time, coordinate_marker
+from exudyn_crawler.model.items import at_time, coordinate_marker, hold
 from exudyn_crawler.model.shoes import ShoeBody
 
 
@@ -20,6 +22,20 @@ def add_drives(
     if drive.turn_rate is None:
         return (moved,)
     return moved, _add_turn(mbs, drive.turn_rate, shoe.node)
+
+
+def add_holds(mbs: "exu.MainSystem", fixed: int, shoe: ShoeBody, point: DrivePoint) -> tuple[int, ...]:
+    """What keeps the front shoe at rest in x, y and about z.
+
+    Along x it acts where the drive will: its force, which the drive takes over, bends the shoe, and from
+    another place the run would start with a jolt.
+    """
+    name = "hold of the front shoe"
+    if point.is_frame:
+        along = hold(mbs, fixed, shoe.node, 0, name)
+    else:
+        along = _hold_point(mbs, point, shoe, f"{name} (x)")
+    return along, *(hold(mbs, fixed, shoe.node, axis, name) for axis in (1, 5))
 
 
 def _add_drive(mbs: "exu.MainSystem", drive: Drive, fixed: int, node: int) -> int:
@@ -52,12 +68,37 @@ def _add_point_drive(mbs: "exu.MainSystem", drive: Drive, point: DrivePoint, sho
     Like the drive of the COM it stands on velocity level.
     """
     speed = at_time(drive.speed.value)
-    # the coordinates come in the order of the markers, none of the ground's
-    nodes = [shoe.node, shoe.modal_node] if shoe.modal_node is not None else [_empty(mbs), shoe.node]
 
     def residual(_mbs, t, _item, q, q_t, _velocity_level):
         values = np.array(q)
         return [point.gradient(values[3:6], values[6:]) @ np.array(q_t) - speed(t)]
+
+    return _constrain_point(mbs, point, shoe, "drive", residual, velocity_level=True)
+
+
+def _hold_point(mbs: "exu.MainSystem", point: DrivePoint, shoe: ShoeBody, name: str) -> int:
+    """Keep a point of the front shoe where it is along x."""
+    # the coordinates come with those of reference
+    start = mbs.GetNode(shoe.node)["referenceCoordinates"][0] + point.place[0]
+
+    def residual(_mbs, _t, _item, q, _q_t, _velocity_level):
+        values = np.array(q)
+        return [values[0] + point.arm(values[3:6], values[6:])[0] - start]
+
+    return _constrain_point(mbs, point, shoe, name, residual, velocity_level=False)
+
+
+def _constrain_point(
+    mbs: "exu.MainSystem",
+    point: DrivePoint,
+    shoe: ShoeBody,
+    name: str,
+    residual: Callable[..., list[float]],
+    velocity_level: bool,
+) -> int:
+    """Constraint on the motion of a point of the front shoe along x."""
+    # the coordinates come in the order of the markers, none of the ground's
+    nodes = [shoe.node, shoe.modal_node] if shoe.modal_node is not None else [_empty(mbs), shoe.node]
 
     def jacobian(_mbs, _t, _item, q, _q_t, _velocity_level):
         values = np.array(q)
@@ -65,12 +106,12 @@ def _add_point_drive(mbs: "exu.MainSystem", drive: Drive, point: DrivePoint, sho
 
     return mbs.AddObject(
         items.ObjectConnectorCoordinateVector(
-            name="drive",
+            name=name,
             markerNumbers=[mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=n)) for n in nodes],
             scalingMarker1=np.zeros((1, 6 if shoe.modal_node is None else point.rows.shape[1])),
             constraintUserFunction=residual,
             jacobianUserFunction=jacobian,
-            velocityLevel=True,
+            velocityLevel=velocity_level,
         )
     )
 

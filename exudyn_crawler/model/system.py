@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.contact import GroundContact, ground_contact
 from exudyn_crawler.model.contact import add_contact, add_general_contact
-from exudyn_crawler.model.drive import add_drives
+from exudyn_crawler.model.drive import add_drives, add_holds
 from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
-from exudyn_crawler.model.items import coordinate_marker, hold
+from exudyn_crawler.model.items import coordinate_marker
 from exudyn_crawler.model.links import add_links
 from exudyn_crawler.model.loads import add_loads
 from exudyn_crawler.model.shoes import add_shoe_bodies, add_shoe_nodes
@@ -139,7 +139,7 @@ def build(case: Case, static: bool = False) -> System:
     )
     point = drive_point(case, floating.reduced if floating is not None and shoes[-1].is_flexible else None)
     if static:
-        drives = tuple(hold(mbs, fixed, shoe_nodes[-1], axis, "hold of the front shoe") for axis in (0, 1, 5))
+        drives = add_holds(mbs, fixed, shoes[-1], point)
         if case.terrain.heights is not None:
             _add_dashpots(mbs, case, fixed, shoe_nodes)
     else:

@@ -84,7 +84,11 @@ def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -
         at_load = _at_load(history, basis.whole, shoe)
         away = np.flatnonzero(~at_load)
         extremes = _highest_of(away, basis.whole, q, recover_extremes(basis.whole.stress_modes, q))
-        found.append(_of_shoe(history, basis, q, extremes, frames).assign(at_load=("node", at_load)))
+        found.append(
+            _of_shoe(history, basis, q, extremes, frames).assign(
+                at_load=variable("at_load", at_load, without=("shoe",))
+            )
+        )
         table = hot_spots(basis.whole, history.time.values, q, HOT_SPOTS, nodes=away, peaks=extremes.peaks)
         tables[shoe] = _placed(table, history, shoe)
     dataset = xr.concat(found, dim=xr.Variable("shoe", shoes)).transpose("time", "frame", "shoe", ...)

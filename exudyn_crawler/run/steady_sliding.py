@@ -177,7 +177,7 @@ def find_sliding(
         goal = min(1.0, done + portion)
         guess = q.copy()
         guess[:shoes:6] += goal * travel - q[shoes - 6]
-        found = _newton(system, equations, (guess, q_t, multipliers), goal, goal * travel)
+        found = _newton(system, equations, (guess, q_t), goal, goal * travel)
         if found is not None:
             q, multipliers = found
             done, portion = goal, 2.0 * portion
@@ -196,7 +196,7 @@ def _newton(
 ) -> tuple[NDArray, NDArray] | None:
     """Coordinates and multipliers in balance under a portion of what the speed adds; None without success."""
     n, driven = equations.size, 6 * system.case.track.shoe_count - 6
-    q, q_t, multipliers = start
+    q, q_t = start
     drive = n + system.layout.first_multiplier("drive")
 
     def balance(q: NDArray, multipliers: NDArray) -> NDArray:
@@ -206,6 +206,9 @@ def _newton(
         both[drive] = q[driven] - travel
         return both
 
+    # without its tension a track that is pulled beside its middle would be far too ready to turn
+    directions = equations.directions(q, q_t)
+    multipliers = -scipy.linalg.lstsq(directions, balance(q, np.zeros(equations.rows))[:n])[0]
     for _ in range(ITERATIONS):
         residual = balance(q, multipliers)
         directions = equations.directions(q, q_t)

@@ -105,6 +105,7 @@ def test_stress_of_loads_at_the_pins_is_exact_beside_the_spiders_too(
     assert von_mises(found - exact).max() < 1e-6 * von_mises(exact).max()
 
 
+@pytest.mark.simulation
 def test_residual_mode_of_inertia_completes_an_unbalanced_pull(
     shoe: fem.ElasticBody, partition: fem.Partition
 ) -> None:

@@ -89,20 +89,14 @@ def stiff_and_rigid(folder, point):
     return simulate(stiff.with_(shoe=shoe), 0.2), simulate(stiff.with_(shoe=shoe, flexible=None), 0.2)
 
 
-def test_a_shoe_a_thousand_times_stiffer_follows_the_rigid_one(tmp_path):
-    """Measured: 2e-4."""
-    one, rigid = stiff_and_rigid(tmp_path, "frame")
-    assert x_difference(one, rigid, ("joint_force", "velocity", "acceleration")) < 0.005
+@pytest.mark.parametrize("point", ["frame", "front pins"])
+def test_a_shoe_a_thousand_times_stiffer_follows_the_rigid_one(tmp_path, point):
+    """From the first step on; measured: 2e-4 of the accelerations, 5e-5 else."""
+    one, rigid = stiff_and_rigid(tmp_path, point)
+    assert x_difference(one, rigid, ("joint_force", "drive_force", "velocity")) < 2e-4
+    assert x_difference(one, rigid, ("acceleration",)) < 5e-4
     carried = [float(h.normal_force.sel(axis="z").sum("contact").mean()) for h in (one, rigid)]
     assert carried[0] == pytest.approx(carried[1], rel=1e-4)
-
-
-def test_a_stiff_shoe_pulled_at_its_pins_follows_the_rigid_one(tmp_path):
-    """Measured: 4.5e-5. In the first 10 ms the accelerations of frame and modes still swing."""
-    one, rigid = stiff_and_rigid(tmp_path, "front pins")
-    assert x_difference(one, rigid, ("joint_force", "drive_force", "velocity")) < 5e-4
-    late = [type(h)(h.case, h.dataset.isel(time=slice(50, None))) for h in (one, rigid)]
-    assert x_difference(*late, ("acceleration",)) < 5e-4
 
 
 def test_momentum_of_the_track_balances(history):
@@ -240,13 +234,14 @@ def test_a_staged_run_with_flexible_shoes_is_the_unstaged_one(history):
     case = history.case
     staged = case.with_(solver=case.solver.with_(checkpoint_interval=0.02))
     parts = simulate(staged, history.duration).dataset
-    # a stage starts without the accelerations of the time integration itself; at the first, where the drive
-    # has hardly begun, that shakes the modes of the driven node for 10 ms: measured 2.4e-3
+    # a stage takes its first accelerations for the scheme's own, a quarter of a step before, and the pulled
+    # node makes the modes swing on with the difference; of second order in the step (with half of it 12 times
+    # less): measured 3.4e-4 of the modal velocity, at most 4e-5 else
     allowed = {"position": 1e-9, "velocity": 1e-3, "joint_force": 1e-4, "modal_coordinate": 1e-4}
-    for name, most in (allowed | {"modal_velocity": 5e-3}).items():
+    for name, most in (allowed | {"modal_velocity": 1e-3}).items():
         whole = history.dataset[name].values
         off = np.sqrt(np.mean((whole - parts[name].values) ** 2) / np.mean(whole**2))
-        assert off < most, (name, off)
+        assert 0.0 < off < most, (name, off)
 
 
 def test_the_load_goes_over_the_named_surface():

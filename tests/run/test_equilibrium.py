@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, EquilibriumError, LoadCycle, Terrain, simulate
+from exudyn_crawler import Case, Drive, EquilibriumError, FlexibleShoes, LoadCycle, Terrain, simulate
+from exudyn_crawler.model.system import build
 
 pytestmark = pytest.mark.simulation
 
@@ -52,6 +53,28 @@ def test_springs_carry_track_and_terrain(start):
     weight += case.terrain.unit_count * case.terrain.unit_mass * case.gravity
     springs = -case.terrain.heave_stiffness * float(start.unit_heave.isel(time=0).sum())
     assert springs == pytest.approx(weight, rel=1e-6)
+
+
+@pytest.mark.parametrize("point", ["com node", "front pins"])
+def test_a_shoe_that_is_pulled_at_a_point_is_held_there(point):
+    """The ground leans on the front shoe, and the drive takes over what held it.
+
+    Measured: 1e-4 m/s2 where the frame, held in place of the point, would start at 0.04 m/s2. What is left
+    comes of the points' places beside the shoe's middle: nothing but friction, which needs slip, withstands
+    the turn.
+    """
+    case = Case.translation().with_(
+        terrain=Terrain.stress(),
+        drive=Drive.translation().with_(point=point),
+        flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(13,)),
+    )
+    start = simulate(case, 2e-3).dataset.isel(time=0)
+    assert 200.0 < -float(start.drive_force) < 400.0
+    assert np.abs(start.acceleration).max() < 1e-3
+    assert np.abs(start.unit_heave_acceleration).max() < 1e-3
+    assert start.drive_point.sel(axis="x") == pytest.approx(
+        case.track.com_positions(case.shoe.com_height)[-1, 0] + build(case).point.place[0], abs=1e-9
+    )
 
 
 def test_every_shoe_sinks_about_as_deep_as_the_papers_say():
