@@ -22,7 +22,8 @@ def test_linear_shapes_are_integrated_exactly(positions: np.ndarray) -> None:
     modes = constant + np.tensordot(positions, slopes, axes=1)
     found = integrate_underside(positions, modes, FOOTPRINT)
     assert found.mode_count == 4
-    assert (found.cell <= CELL).all()
+    # 70 cells of 30 mm to rounding
+    assert (found.cell <= CELL * (1.0 + 1e-12)).all()
     columns, rows = found.integral.shape[0] - 1, found.integral.shape[1] - 1
     for i, j in ((columns, rows), (columns // 3, rows // 2), (1, rows)):
         sides = np.array([i, j]) * found.cell

@@ -14,7 +14,7 @@ from fem.stress import von_mises
 pytestmark = pytest.mark.simulation
 
 LOAD = 386.4e3
-"""N, evenly spread over the top face."""
+"""N, evenly spread over the loaded surface."""
 HELD = {"front right": (1, 1, 1), "front left": (1, 0, 1), "rear right": (0, 0, 1), "rear left": (0, 0, 1)}
 """Directions x, y, z in which each joint centre is held; all its rotations are free."""
 
@@ -74,7 +74,7 @@ def full():
     body, interfaces = shoe_model(case.flexible, case.track)
     partition = Partition(body, interfaces)
     modes = partition.constraint_modes
-    forces = body.surface_load("top", np.array([0.0, 0.0, -LOAD])).reshape(-1, 1)
+    forces = body.surface_load(case.flexible.load_surface, np.array([0.0, 0.0, -LOAD])).reshape(-1, 1)
     stiffness = modes.T @ (body.stiffness @ modes)
     held = np.concatenate([[*HELD[interface.name], 0, 0, 0] for interface in interfaces]).astype(bool)
     centers = np.zeros((len(held), 1))
@@ -97,8 +97,8 @@ def test_a_simply_supported_shoe_with_a_mode_for_its_load_is_the_full_model(full
 
 
 def test_the_94_modes_lose_what_the_load_bends_between_them(full):
-    """Measured: 3 % of the displacements and 6 % of the stresses in the mean, 0.1 % of the greatest."""
+    """Measured: 0.3 % of the displacements and 2 % of the stresses in the mean, 0.3 % of the greatest."""
     displacement, stress = in_engine(supported_case())
-    assert relative_difference(displacement, full[0]) < 0.05
-    assert relative_difference(von_mises(stress), von_mises(full[1])) < 0.08
-    assert von_mises(stress).max() == pytest.approx(von_mises(full[1]).max(), rel=0.02)
+    assert 0.001 < relative_difference(displacement, full[0]) < 0.01
+    assert 0.01 < relative_difference(von_mises(stress), von_mises(full[1])) < 0.05
+    assert von_mises(stress).max() == pytest.approx(von_mises(full[1]).max(), rel=0.01)

@@ -174,13 +174,29 @@ def test_a_small_disturbance_grows_in_the_simulation_as_predicted():
     assert np.abs(grown.values - predicted).max(axis=1) == pytest.approx(0.0, abs=0.03 * envelope.max())
 
 
-def test_a_flexible_shoe_has_the_modes_of_a_rigid_one_and_its_own():
-    """Its bending, from 180 Hz on, takes a few per cent off the growth at 8 Hz."""
+def least_stable_swing(modes):
+    """Growth rate (1/s) and frequency (Hz) of the least stable mode that swings."""
+    swings = np.flatnonzero(modes.frequency.values > 1.0)
+    return float(modes.growth_rate[swings[0]]), float(modes.frequency[swings[0]])
+
+
+@pytest.mark.parametrize(("sharing", "grows"), [("area", True), ("pair", False)])
+def test_a_flexible_shoe_has_the_modes_of_a_rigid_one_and_its_own(sharing, grows):
+    """Its bending, from 180 Hz on, hardly changes how the track swings.
+
+    Growth and frequency differ by 0.2 % and 0.01 % at 8 Hz where the units under a shoe share one law; by
+    0.7 % and 0.4 % at 12 Hz where each has its own, so that the ground is stiffer and nothing grows.
+    """
     case = Case.stress("coarse")
+    case = case.with_(contact=case.contact.with_(sharing=sharing))
     flexible = case.with_(flexible=case.flexible.with_(shoes=(13,)))
     soft, rigid = (track_modes(one, SPEED) for one in (flexible, case.with_(flexible=None)))
-    assert soft.growth_rate[0] == pytest.approx(float(rigid.growth_rate[0]), rel=0.05)
-    assert soft.frequency[0] == pytest.approx(float(rigid.frequency[0]), rel=0.002)
+    growth, frequency = least_stable_swing(rigid)
+    assert (growth > 0.5) == grows
+    assert least_stable_swing(soft) == (
+        pytest.approx(growth, rel=0.02),
+        pytest.approx(frequency, rel=0.01),
+    )
     assert soft.sizes["mode"] > rigid.sizes["mode"] + 20
     assert float(soft.frequency.max()) > 170.0
 
