@@ -60,6 +60,9 @@ def matching_history(folder: Path, case_file: CaseFile) -> History:
 def _differences(found: object, wanted: object, name: str = "") -> list[str]:
     """Names of the parameters in which two dumped cases differ, with both values."""
     if isinstance(found, dict) and isinstance(wanted, dict):
+        if found.get("model") != wanted.get("model"):
+            # another model has other parameters: nothing else is comparable
+            found, wanted = ({"model": one.get("model")} for one in (found, wanted))
         return [
             difference
             for key in sorted(found.keys() | wanted.keys())
