@@ -15,7 +15,7 @@ from tests.stress_results import short_run, stress_results
 settings.register_profile("reproducible", derandomize=True)
 settings.load_profile("reproducible")
 
-RUNS = {"translation", "turning", "constrained", "longer", "flexible_run", "reduced"}
+RUNS = {"translation", "turning", "constrained", "longer", "flexible_run", "reduced", "rigid_folders"}
 """Fixtures that simulate, or reduce a shoe for a run."""
 
 
