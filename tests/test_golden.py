@@ -7,6 +7,8 @@ import pytest
 
 from tests import golden
 
+pytestmark = pytest.mark.simulation
+
 TOLERANCE = 1e-5
 """Of a variable's greatest magnitude: rounding differs between processors and grows in slip."""
 
