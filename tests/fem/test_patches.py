@@ -33,10 +33,6 @@ def test_linear_shapes_are_integrated_exactly(positions: np.ndarray) -> None:
 
 
 def test_nodes_that_leave_a_part_out_are_refused(positions: np.ndarray) -> None:
-<<<<<<< HEAD
     wider = FOOTPRINT + np.array([0.0, 0.1, 0.0, 0.0, 0.0])
-=======
-    wider = np.array([-0.3, 0.5, -1.0, 1.08, -0.2])
->>>>>>> fem
     with pytest.raises(ValueError, match=r"surround the rectangle .* got \d+ of its \d+ cells outside"):
         integrate_underside(positions, np.zeros((len(positions), 3, 1)), wider)
