@@ -8,7 +8,7 @@ OUT ?= results
 ARGS ?=
 INSTALLED := $(VENV)/installed
 
-.PHONY: help kinematics forces uneven stress verify test test-slow lint format bench docs lock clean
+.PHONY: help kinematics forces uneven stress verify check test test-slow lint format bench docs lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -36,10 +36,13 @@ stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
 	$(BIN)/python -m studies.two_bodies
 
-test: $(INSTALLED)  ## the tests, less the slow ones
-	$(BIN)/python -m pytest -m "not slow"
+check: $(INSTALLED) lint  ## lint and the tests that run no simulation, within a minute
+	$(BIN)/python -m pytest -m "not slow and not simulation" -n 2
 
-test-slow: $(INSTALLED)  ## the slow tests
+test: $(INSTALLED)  ## the tests, less the slow ones, on two processes
+	$(BIN)/python -m pytest -m "not slow" -n 2 --dist loadscope
+
+test-slow: $(INSTALLED)  ## the studies at full length against the papers; once before a release
 	$(BIN)/python -m pytest -m slow
 
 lint: $(INSTALLED)  ## ruff and mypy

@@ -7,6 +7,7 @@ made of.
 
 import hashlib
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -32,12 +33,24 @@ def compiler(*folders: Path, **options: Any) -> Callable[[Callable], Any]:
     def compiled(function: Callable) -> Any:
         dispatcher = njit(cache=True, **options)(function)
         # numba has no public way to say what a function is made of; without the attributes it keeps its own
-        kept = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+        cache: Any = getattr(dispatcher, "_cache", None)
+        kept = getattr(cache, "_cache_file", None)
         if kept is not None:
             kept._source_stamp = (kept._source_stamp, stamp)
+            cache.save_overload = _forgiving(cache.save_overload)
         return dispatcher
 
     return compiled
+
+
+def _forgiving(save: Callable[..., None]) -> Callable[..., None]:
+    """Keeping compiled code only saves time: a full disk must not end the run that compiled it."""
+
+    def saved(*values: Any) -> None:
+        with suppress(OSError):
+            save(*values)
+
+    return saved
 
 
 FEM = Path(__file__).parent

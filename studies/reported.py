@@ -11,7 +11,7 @@ prescribed    the drive                               1 %
 statics       equilibrium and the friction law        10 %
 structural    the shoe's geometry, not published      25 %, frequencies 10 %
               in full
-fluctuation   stick-slip and bouncing                 a factor of 2
+fluctuation   bouncing, step size, solver damping     a factor of 2
 lateral       asymmetry and noise in their contact    no verdict
 ============  ======================================  ==========================
 """

@@ -97,7 +97,7 @@ def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | N
     choices = {
         "default": case,
         "ADAMS' modal damping": case.with_(flexible=flexible.with_(damping=ADAMS_DAMPING)),
-        "one contact law a pair": case.with_(contact=contact.with_(sharing="pair")),
+        "contact law shared by area": case.with_(contact=contact.with_(sharing="area")),
         "contact damping x 10": case.with_(contact=contact.with_(damping=10.0 * contact.damping)),
     }
     columns = {}

@@ -1,5 +1,7 @@
 """Short runs of the papers' cases, shared by the tests: a run costs more than what is asked of it."""
 
+from collections.abc import Generator
+
 import pandas as pd
 import pytest
 import xarray as xr
@@ -13,7 +15,7 @@ from tests.stress_results import short_run, stress_results
 settings.register_profile("reproducible", derandomize=True)
 settings.load_profile("reproducible")
 
-RUNS = {"translation", "turning", "constrained", "longer", "flexible_run", "reduced"}
+RUNS = {"translation", "turning", "constrained", "longer", "flexible_run", "reduced", "rigid_folders"}
 """Fixtures that simulate, or reduce a shoe for a run."""
 
 
@@ -24,14 +26,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("simulation")
 
 
-@pytest.fixture(autouse=True)
-def _only_marked_tests_simulate(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Keep `make check` fast: a test that simulates in this process says so by its mark."""
-    if request.node.get_closest_marker("simulation") or request.node.get_closest_marker("slow"):
-        return
-    refused = "this test simulates: mark it with pytest.mark.simulation"
-    for name in ("SolveDynamic", "SolveStatic"):
-        monkeypatch.setattr(exu.MainSystem, name, lambda *_, **__: pytest.fail(refused))
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
+    """Keep `make check` fast: a test that simulates in this process, or whose fixtures do, has its mark."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        if not (item.get_closest_marker("simulation") or item.get_closest_marker("slow")):
+            refused = "this test simulates: mark it with pytest.mark.simulation"
+            for name in ("SolveDynamic", "SolveStatic"):
+                monkeypatch.setattr(exu.MainSystem, name, lambda *_, **__: pytest.fail(refused))
+        return (yield)
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,8 @@ from docs import rooms
 
 LONGEST = 80
 """Lines of a function, its docstring included."""
+ARGUMENTS = 8
+"""Of a compiled function."""
 
 
 def test_rooms_import_only_what_lies_below_them():
@@ -57,6 +59,18 @@ def test_functions_fit_a_screen(module):
     tree = ast.parse(rooms.modules()[module].read_text(encoding="utf-8"))
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
     assert [one.name for one in functions if one.end_lineno - one.lineno >= LONGEST] == []
+
+
+@pytest.mark.parametrize("module", sorted(rooms.modules()))
+def test_compiled_functions_take_few_arguments(module):
+    tree = ast.parse(rooms.modules()[module].read_text(encoding="utf-8"))
+    compiled = [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+        and any("compile" in (text := ast.unparse(one)) or "inlined" in text for one in node.decorator_list)
+    ]
+    assert [one.name for one in compiled if len(one.args.args) > ARGUMENTS] == []
 
 
 def test_the_handbooks_picture_of_the_rooms_is_up_to_date():

@@ -9,7 +9,7 @@ import time
 
 import pytest
 import tomlkit
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from exudyn_crawler import Case, History, run_case, simulate
@@ -50,7 +50,8 @@ def read_or_refused(path):
 
 @OLD_KEYS
 @SAME_FOLDER
-@given(TOML, st.sampled_from(["", 'base = "translation"\n', 'base = "turning"\n']))
+@given(content=TOML, head=st.sampled_from(["", 'base = "translation"\n', 'base = "turning"\n']))
+@example(content={"loads": {"phases": {}}}, head='base = "translation"\n')
 def test_any_table_is_a_case_or_refused(tmp_path, content, head):
     path = tmp_path / "case.toml"
     if head:

@@ -136,7 +136,9 @@ def _with_base(
         if field and value == NONE and allows_none(field.annotation):
             values[key] = None
         elif parts and isinstance(value, dict):
-            values[key] = _with_base(value, parts, values.get(key) or {}, (*place, key))
+            under = values.get(key)
+            under = under if isinstance(under, dict) else {}  # none, or the list of a table given by mistake
+            values[key] = _with_base(value, parts, under, (*place, key))
         else:
             values[key] = value
     return values

@@ -9,6 +9,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.ground.coordinates import TerrainCoordinates
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.sphere_contact import SphereField, SphereGroundContact, sphere_field
+from exudyn_crawler.ground.triplets import Weights
 from fem.patches import Underside
 
 
@@ -46,18 +47,11 @@ class GroundContact(Protocol):
         """Generalized contact forces: array (size,)."""
         ...
 
-    def derivatives(
-        self,
-        q: NDArray,
-        q_t: NDArray,
-        position_factor: float,
-        velocity_factor: float,
-        secant: bool = False,
-    ) -> NDArray:
+    def derivatives(self, q: NDArray, q_t: NDArray, weights: Weights) -> NDArray:
         """Triplets (row, column, value) of the weighted sum of both derivatives of the forces.
 
-        ``position_factor * d(forces)/dq + velocity_factor * d(forces)/dq_t``, array (entries, 3); with
-        `secant` the ratio of friction to slip is kept as it is instead of derived.
+        ``weights.position * d(forces)/dq + weights.velocity * d(forces)/dq_t``, array (entries, 3); with
+        ``weights.secant`` the ratio of friction to slip is kept as it is instead of derived.
         """
         ...
 

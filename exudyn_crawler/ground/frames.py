@@ -13,8 +13,18 @@ from fem.compiling import FEM, compiler
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 
-compiled = compiler(Path(__file__).parent, FEM, error_model="numpy")
-"""Compiles a function; dividing by zero gives what IEEE says in place of an exception."""
+SOURCES = (Path(__file__).parent, FEM)
+"""Where compiled functions of this room, and what they call, are."""
+
+compiled = compiler(*SOURCES, error_model="numpy")
+"""Compiles a function; dividing by zero gives what IEEE says in place of an exception.
+
+Every literal integer among a call's arguments compiles the function once more, so that counts that are handed
+on start as ``np.int64(0)``.
+"""
+
+inlined = compiler(*SOURCES, error_model="numpy", inline="always")
+"""Compiles a function within its callers alone, which takes less time where these are one or two."""
 
 
 class Frame(NamedTuple):
@@ -73,15 +83,19 @@ def turned(R: Matrix, a: Vector) -> Vector:
 
 
 @compiled
-def column(R: Matrix, k: int) -> Vector:
-    """Axis k of a body."""
-    return R[0][k], R[1][k], R[2][k]
+def upward(R: Matrix) -> Vector:
+    """Axis z of a body."""
+    return R[0][2], R[1][2], R[2][2]
 
 
 @compiled
 def turned_back(R: Matrix, a: Vector) -> Vector:
     """``R^T a``: a body's components of a global vector."""
-    return dot(column(R, 0), a), dot(column(R, 1), a), dot(column(R, 2), a)
+    return (
+        R[0][0] * a[0] + R[1][0] * a[1] + R[2][0] * a[2],
+        R[0][1] * a[0] + R[1][1] * a[1] + R[2][1] * a[2],
+        R[0][2] * a[0] + R[1][2] * a[1] + R[2][2] * a[2],
+    )
 
 
 @compiled

@@ -69,16 +69,6 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
 
 
 @compiled
-def _clipped(points: FloatArray, other: FloatArray, half_x: float, half_y: float) -> int:
-    """Cut a rectangle at a unit's sides and top face; gives how many corners there are in `other` then."""
-    count = _clip(points, 4, other, 0, 1.0, half_x)
-    count = _clip(other, count, points, 0, -1.0, half_x)
-    count = _clip(points, count, other, 1, 1.0, half_y)
-    count = _clip(other, count, points, 1, -1.0, half_y)
-    return _clip(points, count, other, 2, -1.0, 0.0)
-
-
-@compiled
 def _integrated(points: FloatArray, count: int) -> Overlap:
     """Integrals of the depth over a polygon of (xi, eta, depth), a fan of triangles."""
     area = 0.0
@@ -139,10 +129,16 @@ def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
     for k in range(4):
         if abs(points[k, 0]) > half_x or abs(points[k, 1]) > half_y or points[k, 2] <= 0.0:
             inside = False
-    if inside:
-        return _integrated(points, 4)
-    count = _clipped(points, other, half_x, half_y)
-    return _integrated(other, count) if count > 0 else NO_OVERLAP
+    count = np.int64(4)
+    for cut in range(0 if inside else 5):  # both sides across x, both across y, the top face
+        axis = cut // 2
+        limit = half_x if axis == 0 else (half_y if axis == 1 else 0.0)
+        sign = -1.0 if cut % 2 == 1 or axis == 2 else 1.0
+        count = _clip(points, count, other, axis, sign, limit)
+        if count == 0:
+            return NO_OVERLAP
+        points, other = other, points
+    return _integrated(points, count)
 
 
 def overlap_workspace() -> FloatArray:

@@ -13,15 +13,9 @@ from exudyn_crawler.ground.laws import COULOMB, IMPACT, Law
 from exudyn_crawler.ground.laws.coulomb import Coulomb
 from exudyn_crawler.ground.laws.impact import Impact
 from exudyn_crawler.ground.overlap import overlap_workspace
-from exudyn_crawler.ground.pair_sums import (
-    PAIR_COORDINATES,
-    Bodies,
-    Flexible,
-    Sums,
-    Track,
-    pair_derivatives,
-    pair_forces,
-)
+from exudyn_crawler.ground.pair_derivatives import PAIR_COORDINATES, pair_derivatives
+from exudyn_crawler.ground.pair_sums import Sums, pair_forces
+from exudyn_crawler.ground.pair_track import Bodies, Flexible, Track
 from exudyn_crawler.ground.pairs import RESULTS, Footprint, PairLaw
 from exudyn_crawler.ground.triplets import PairBlocks, Weights, modal_triplets
 from fem.patches import Underside
@@ -159,22 +153,10 @@ class PairGroundContact:
         generalized[modal:] = self._sums.modal.ravel()
         return generalized
 
-    def derivatives(
-        self,
-        q: NDArray,
-        q_t: NDArray,
-        position_factor: float,
-        velocity_factor: float,
-        secant: bool = False,
-    ) -> NDArray:
-        """Triplets (row, column, value) of the weighted sum of both derivatives of the forces.
-
-        ``position_factor * d(forces)/dq + velocity_factor * d(forces)/dq_t``, array (entries, 3);
-        `secant` as for `triplets.Weights`.
-        """
+    def derivatives(self, q: NDArray, q_t: NDArray, weights: Weights) -> NDArray:
+        """Triplets (row, column, value) of both derivatives of the forces, as of `GroundContact`."""
         bodies = plain(self._bodies(q, q_t))
-        weights = plain(Weights(float(position_factor), float(velocity_factor), bool(secant)))
-        count = pair_derivatives(bodies, self._track, weights, plain(self._blocks), self._work)
+        count = pair_derivatives(bodies, self._track, weights.typed(), plain(self._blocks), self._work)
         pairs, values, rows = self._blocks
         found = PairBlocks(pairs[:count], values[:count], rows[:count])
         triplets = self.coordinates.derivative(found, len(self.shoe_reference))

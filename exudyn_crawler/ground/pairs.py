@@ -14,12 +14,13 @@ from exudyn_crawler.ground.frames import (
     Wrench,
     about,
     along,
-    column,
     compiled,
     dot,
+    inlined,
     norm,
     turned,
     turned_back,
+    upward,
     velocity_at,
 )
 from exudyn_crawler.ground.laws import Law, drag_ratio, normal_force, spin_torque
@@ -111,7 +112,7 @@ def pair_overlap(shoe: Frame, unit: Frame, footprint: Footprint, half: Vector, w
     return overlap(work, half[0], half[1])
 
 
-@compiled
+@inlined
 def share_of(part: Overlap, law: PairLaw) -> float:
     """Share of the law that an overlap has."""
     if law.whole_area > 0.0:
@@ -120,7 +121,7 @@ def share_of(part: Overlap, law: PairLaw) -> float:
     return step(width, 0.0, 0.0, law.edge_width, 1.0)
 
 
-@compiled
+@inlined
 def contact_point(part: Overlap, unit: Frame, top: float) -> Vector:
     """Where a contact acts (m): above the centroid of the overlap, halfway up to the face at `top`."""
     return along(unit.r, 1.0, turned(unit.R, (part.xi, part.eta, top - 0.5 * part.depth)))
@@ -139,7 +140,7 @@ def pair_contact(
     ratio : float
         Friction over normal force and slip speed, s/m; `FROM_CURVE` takes it from the friction law.
     """
-    normal = column(unit.R, 2)
+    normal = upward(unit.R)
     point = contact_point(part, unit, top)
     velocity = along(velocity_at(shoe, point), -1.0, velocity_at(unit, point))
     velocity = along(velocity, 1.0, turned(shoe.R, patch.velocity))

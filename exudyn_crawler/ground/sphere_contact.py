@@ -195,14 +195,7 @@ class SphereGroundContact:
         self.coordinates.project(self._unit_forces, units, generalized[split:])
         return generalized
 
-    def derivatives(
-        self,
-        q: NDArray,
-        q_t: NDArray,
-        position_factor: float,
-        velocity_factor: float,
-        secant: bool = False,
-    ) -> NDArray:
+    def derivatives(self, q: NDArray, q_t: NDArray, weights: Weights) -> NDArray:
         """Triplets (row, column, value) of both derivatives of the forces, as of `GroundContact`."""
         table, shoes, units = self.touching(q, q_t)
         pairs, values, rows = self._blocks
@@ -211,7 +204,7 @@ class SphereGroundContact:
             self._grid.tilt_axis,
             plain(self.spheres.law),
             table,
-            plain(Weights(float(position_factor), float(velocity_factor), bool(secant))),
+            weights.typed(),
             (pairs, values, self._moments),
         )
         found = PairBlocks(pairs[:count], values[:count], rows[:count])

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from exudyn_crawler.ground.faces import EDGE, FACE
 from exudyn_crawler.ground.frames import Vector, along, basis, compiled, cross, dot, norm
 from exudyn_crawler.ground.laws.linear import Linear
 from exudyn_crawler.ground.rotations import FloatArray, attitude, to_angles
-from exudyn_crawler.ground.spheres import EDGE, FACE, Touch, kept, touch_force
+from exudyn_crawler.ground.spheres import Touch, kept, touch_force
 from exudyn_crawler.ground.triplets import Weights
 
 COORDINATES = 8
@@ -95,7 +96,7 @@ def _add_sphere(touch: Touch, at: Centers, law: Linear, weights: Weights, block:
         own = moved if c < 6 else (0.0, 0.0, 0.0)
         shoe_moment = cross(along(arm, 1.0 if c > 2 else 0.0, own), force)
         arm = along(arm, 1.0, own)
-        unit_moment = cross(along(arm, -1.0 if c == 6 else 0.0, basis(2)), force)
+        unit_moment = cross((arm[0], arm[1], arm[2] - (1.0 if c == 6 else 0.0)), force)
         for k in range(3):
             block[3 + k, c] += weights.position * shoe_moment[k]
         block[7, c] -= weights.position * dot(basis(at.axis), unit_moment)
@@ -142,7 +143,7 @@ def sphere_derivatives(
     shoes, units = places
     pairs, blocks, moments = out
     law, weights = Linear(*spring), Weights(*factors)
-    count = 0
+    count = np.int64(0)
     for n in range(table.shape[0]):
         touch, s, u = kept(table[n]), int(table[n, 0]), int(table[n, 1])
         p = _pair(pairs, count, s, u)
@@ -162,4 +163,4 @@ def sphere_derivatives(
         shoe = shoes[pairs[p, 0]]
         moment = (moments[p, 0], moments[p, 1], moments[p, 2])
         to_angles(blocks[p], moment, weights.position, attitude(shoe[3], shoe[4], shoe[5]))
-    return count
+    return int(count)

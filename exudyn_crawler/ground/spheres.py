@@ -5,9 +5,11 @@ face to the sphere's centre. Each face is a rectangle of two triangles; a sphere
 its edge, and near the two corners on the diagonal the nearest points of both triangles.
 """
 
-import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from exudyn_crawler.ground.faces import Nearest, nearest_on_face
 from exudyn_crawler.ground.frames import (
     Frame,
     Vector,
@@ -50,9 +52,6 @@ COLUMN: dict[str, Any] = {
 }
 """Columns of a touching sphere: shoe and unit (from 0), then as of `Touch`."""
 
-FACE, EDGE, CORNER = 0.0, 1.0, 2.0
-"""What a sphere touches."""
-
 
 class SphereTrack(NamedTuple):
     """What stays as it is.
@@ -83,22 +82,12 @@ class SphereTrack(NamedTuple):
 
 
 class SphereBodies(NamedTuple):
-    """Places of all bodies and their rates, as of `pair_sums.Bodies`."""
+    """Places of all bodies and their rates, as of `pair_track.Bodies`."""
 
     shoes: FloatArray
     shoe_rates: FloatArray
     units: FloatArray
     unit_rates: FloatArray
-
-
-class Nearest(NamedTuple):
-    """Nearest point of a face in the unit's axes (m), direction of the edge it is on, and what it is."""
-
-    x: float
-    y: float
-    edge_x: float
-    edge_y: float
-    kind: float
 
 
 class Touch(NamedTuple):
@@ -119,45 +108,6 @@ class Touch(NamedTuple):
     distance: float
     edge: Vector
     kind: float
-
-
-@compiled
-def _on_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> tuple[float, Nearest]:
-    """Squared distance and nearest point of a segment from a to b."""
-    dx, dy = bx - ax, by - ay
-    s = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)
-    kind = EDGE if 0.0 < s < 1.0 else CORNER
-    s = min(1.0, max(0.0, s))
-    px, py = ax + s * dx, ay + s * dy
-    length = math.sqrt(dx * dx + dy * dy)
-    return (x - px) ** 2 + (y - py) ** 2, Nearest(px, py, dx / length, dy / length, kind)
-
-
-@compiled
-def _on_triangle(x: float, y: float, half_x: float, half_y: float, side: float) -> Nearest:
-    """Nearest edge point of half a face to a point outside it: `side` 1 the half at +x, -1 that at +y.
-
-    Both halves share the corners (-, -) and (+, +).
-    """
-    bx, by = side * half_x, -side * half_y
-    best, found = _on_segment(x, y, -half_x, -half_y, bx, by)
-    distance, other = _on_segment(x, y, bx, by, half_x, half_y)
-    if distance < best:
-        best, found = distance, other
-    distance, other = _on_segment(x, y, half_x, half_y, -half_x, -half_y)
-    return other if distance < best else found
-
-
-@compiled
-def nearest_on_face(x: float, y: float, half_x: float, half_y: float) -> tuple[int, Nearest, Nearest]:
-    """Nearest points of the two triangles of a rectangle about the origin: how many there are, and which."""
-    if abs(x) <= half_x and abs(y) <= half_y:
-        face = Nearest(x, y, 0.0, 0.0, FACE)
-        return 1, face, face
-    first = _on_triangle(x, y, half_x, half_y, 1.0)
-    second = _on_triangle(x, y, half_x, half_y, -1.0)
-    apart = (first.x - second.x) ** 2 + (first.y - second.y) ** 2
-    return 1 if apart < 1e-20 else 2, first, second
 
 
 @compiled
@@ -253,12 +203,12 @@ def sphere_contacts(places: tuple, model: tuple, table: FloatArray) -> int:
     bodies = SphereBodies(*places)
     grid, tops, half_x, half_y, centers, radius, law = model
     track = SphereTrack(Grid(*grid), tops, half_x, half_y, centers, radius, named_law(law))
-    count = 0
+    count = np.int64(0)
     for s in range(bodies.shoes.shape[0]):
         at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
         shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
         count = _shoe_touches(shoe, s, bodies, track, table, count)
-    return count
+    return int(count)
 
 
 @compiled

@@ -54,7 +54,11 @@ class Weights(NamedTuple):
 
     position: float
     velocity: float
-    secant: bool
+    secant: bool = False
+
+    def typed(self) -> tuple[float, float, bool]:
+        """Same as compiled functions take it: other numbers would compile them anew."""
+        return float(self.position), float(self.velocity), bool(self.secant)
 
 
 class ModalBlocks(NamedTuple):
@@ -115,20 +119,20 @@ def terrain_triplets(terrain: tuple, found: tuple, shoe_count: int) -> FloatArra
                 ground[r, k] += heave[u, r] * force + tilt[u, r] * moment
     triplets = np.empty((shoe_count * (36 + 12 * modes) + modes * modes, 3))
     first = 6 * shoe_count
-    n = 0
+    entry = np.int64(0)
     for s in range(shoe_count):
         for r in range(6):
             for c in range(6):
-                _put(triplets, n, 6 * s + r, 6 * s + c, own[s, r, c])
-                n += 1
+                _put(triplets, entry, 6 * s + r, 6 * s + c, own[s, r, c])
+                entry += 1
             for k in range(modes):
-                _put(triplets, n, 6 * s + r, first + k, right[s, r, k])
-                _put(triplets, n + 1, first + k, 6 * s + r, below[s, k, r])
-                n += 2
+                _put(triplets, entry, 6 * s + r, first + k, right[s, r, k])
+                _put(triplets, entry + 1, first + k, 6 * s + r, below[s, k, r])
+                entry += 2
     for r in range(modes):
         for k in range(modes):
-            _put(triplets, n, first + r, first + k, ground[r, k])
-            n += 1
+            _put(triplets, entry, first + r, first + k, ground[r, k])
+            entry += 1
     return triplets
 
 
@@ -183,22 +187,22 @@ def modal_triplets(terrain: tuple, found: tuple, row: NDArray[np.int64], first: 
         if f >= 0:
             _add_modal(sums, f, blocks.values[n], blocks.rows[n], shapes.heave[u], shapes.tilt[u])
     triplets = np.empty((bodies * modes * (12 + 2 * reached + modes), 3))
-    n = 0
+    entry = np.int64(0)
     for s in range(shoe_count):
         f = row[s]
         for m in range(modes if f >= 0 else 0):
             own = first + f * modes
             for r in range(6):
-                _put(triplets, n, 6 * s + r, own + m, sums.right[f, r, m])
-                _put(triplets, n + 1, own + m, 6 * s + r, sums.below[f, m, r])
-                n += 2
+                _put(triplets, entry, 6 * s + r, own + m, sums.right[f, r, m])
+                _put(triplets, entry + 1, own + m, 6 * s + r, sums.below[f, m, r])
+                entry += 2
             for k in range(reached):
-                _put(triplets, n, 6 * shoe_count + k, own + m, sums.ground_right[f, k, m])
-                _put(triplets, n + 1, own + m, 6 * shoe_count + k, sums.ground_below[f, m, k])
-                n += 2
+                _put(triplets, entry, 6 * shoe_count + k, own + m, sums.ground_right[f, k, m])
+                _put(triplets, entry + 1, own + m, 6 * shoe_count + k, sums.ground_below[f, m, k])
+                entry += 2
             for k in range(modes):
-                _put(triplets, n, own + m, own + k, sums.own[f, m, k])
-                n += 1
+                _put(triplets, entry, own + m, own + k, sums.own[f, m, k])
+                entry += 1
     return triplets
 
 
@@ -207,7 +211,7 @@ def body_triplets(found: tuple, shoe_count: int, tilt_axis: int) -> FloatArray:
     """Triplets of the pairs, the units being bodies of six coordinates."""
     blocks = PairBlocks(*found)
     triplets = np.empty((64 * blocks.pairs.shape[0], 3))
-    n = 0
+    n = np.int64(0)
     for p in range(blocks.pairs.shape[0]):
         shoe = 6 * blocks.pairs[p, 0]
         unit = 6 * shoe_count + 6 * blocks.pairs[p, 1]

@@ -8,6 +8,7 @@ import numpy as np
 from exudyn_crawler.case import Terrain
 from exudyn_crawler.ground.contact import GroundContact
 from exudyn_crawler.ground.sphere_contact import SphereField
+from exudyn_crawler.ground.triplets import Weights
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.shoes import ShoeBody
 
@@ -89,13 +90,8 @@ def add_contact(
         nonlocal asked_time, asked
         asked_time, asked = (t, asked + 1) if t == asked_time else (t, 1)
         # Exudyn asks for the derivative of the left-hand side, where forces stand negative
-        triplets = contact.derivatives(
-            np.array(q),
-            np.array(q_t),
-            -position_factor,
-            -velocity_factor,
-            secant=asked > TANGENTS_A_STEP,
-        )
+        weights = Weights(-position_factor, -velocity_factor, secant=asked > TANGENTS_A_STEP)
+        triplets = contact.derivatives(np.array(q), np.array(q_t), weights)
         matrix = exu.MatrixContainer()
         matrix.SetWithSparseMatrix(triplets, size, size)
         return matrix

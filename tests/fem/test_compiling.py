@@ -5,16 +5,24 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 HELPER = "from fem.compiling import compiler\nfrom pathlib import Path\n"
 HELPER += "\ncompiled = compiler(Path(__file__).parent)\n"
 INNER = HELPER + "\n\n@compiled\ndef inner(x):\n    return {factor} * x\n"
 OUTER = "from inner import compiled, inner\n\n\n@compiled\ndef outer(x):\n    return inner(x) + 1.0\n"
+ASK = "from outer import outer; print(outer(3.0), outer.stats.cache_hits)"
+FULL_DISK = """
+import resource, signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+"""
 
 
-def result(folder: Path) -> str:
+def result(folder: Path, before: str = "") -> str:
     """What the compiled function gives in a process of its own."""
     paths = os.pathsep.join([str(folder), str(Path(__file__).parents[2])])
-    command = [sys.executable, "-c", "from outer import outer; print(outer(3.0), outer.stats.cache_hits)"]
+    command = [sys.executable, "-c", before + ASK]
     environment = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(folder / "kept")}
     return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
 
@@ -28,3 +36,11 @@ def test_a_kept_function_notices_a_change_of_what_it_calls(tmp_path):
     assert not again.rstrip().endswith("Counter()")
     (tmp_path / "inner.py").write_text(INNER.format(factor="5.0"))
     assert result(tmp_path).startswith("16.0 ")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
+def test_a_function_that_finds_no_room_to_be_kept_is_compiled_all_the_same(tmp_path):
+    (tmp_path / "outer.py").write_text(OUTER)
+    (tmp_path / "inner.py").write_text(INNER.format(factor="2.0"))
+    for _ in range(2):
+        assert result(tmp_path, FULL_DISK) == "7.0 Counter()\n"

@@ -12,6 +12,7 @@ from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import moments_of
 from exudyn_crawler.ground.terrain import terrain_modes
+from exudyn_crawler.ground.triplets import Weights
 
 SHOES = 13
 SIX = 6 * SHOES
@@ -99,7 +100,7 @@ def test_derivatives_are_those_of_central_differences(contact, seed, by):
         contact.forces(q + s * factors[0] * step, q_t + s * factors[1] * step) for s in (1.0, -1.0)
     )
     expected = 0.5 * (ahead - behind)[kept]
-    triplets = contact.derivatives(q, q_t, *factors)
+    triplets = contact.derivatives(q, q_t, Weights(*factors))
     rows, columns = triplets[:, :2].astype(int).T
     matrix = scipy.sparse.coo_matrix((triplets[:, 2], (rows, columns)), shape=(contact.size,) * 2)
     given = (matrix @ step)[kept]
@@ -112,7 +113,7 @@ def test_weights_add_both_derivatives(contact):
     q, q_t = states(contact, 5)
 
     def matrix(*factors):
-        triplets = contact.derivatives(q, q_t, *factors, secant=True)
+        triplets = contact.derivatives(q, q_t, Weights(*factors, secant=True))
         rows, columns = triplets[:, :2].astype(int).T
         return scipy.sparse.coo_matrix((triplets[:, 2], (rows, columns)), shape=(contact.size,) * 2).toarray()
 

@@ -9,6 +9,7 @@ from exudyn_crawler.ground.laws import normal_force
 from exudyn_crawler.ground.pair_contact import pair_law
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import moments_of
+from exudyn_crawler.ground.triplets import Weights
 from exudyn_crawler.model.system import build
 
 TERRAINS = {
@@ -100,10 +101,10 @@ def test_derivatives_are_those_of_central_differences(contacts, by):
     q, q_t = spread(reduced, 11)
     if by == "position":
         expected = central(lambda x: reduced.forces(x, q_t), q, 1e-6)
-        given = reduced.derivatives(q, q_t, 1.0, 0.0)
+        given = reduced.derivatives(q, q_t, Weights(1.0, 0.0))
     else:
         expected = central(lambda x: reduced.forces(q, x), q_t, 1e-6)
-        given = reduced.derivatives(q, q_t, 0.0, 1.0)
+        given = reduced.derivatives(q, q_t, Weights(0.0, 1.0))
     assert error(dense(given, reduced.size), expected) < 1e-3
 
 
@@ -119,7 +120,7 @@ def error(given, expected):
 def test_constrained_derivatives_hold_what_moves_units(contacts):
     full = contacts["constrained"]
     q, q_t = (as_bodies(contacts, x) for x in spread(contacts["reduced"], 11))
-    given = dense(full.derivatives(q, q_t, 1.0, 0.0), full.size)
+    given = dense(full.derivatives(q, q_t, Weights(1.0, 0.0)), full.size)
     expected = central(lambda x: full.forces(x, q_t), q, 1e-6)
     kept = np.zeros(full.size, dtype=bool)
     kept[: 6 * SHOES] = True
@@ -139,7 +140,8 @@ def test_secant_is_the_tangent_at_rest_and_not_beyond_the_stiction_speed(factors
 
     def both(q_t):
         return [
-            dense(contact.derivatives(q, q_t, *factors, secant=one), contact.size) for one in (True, False)
+            dense(contact.derivatives(q, q_t, Weights(*factors, secant=one)), contact.size)
+            for one in (True, False)
         ]
 
     at_rest = both(np.zeros_like(q))

@@ -10,6 +10,7 @@ from exudyn_crawler.case.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
+from exudyn_crawler.ground.triplets import Weights
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.balance import powers, shoe_imbalance, track_imbalance
 from exudyn_crawler.results.contacts import contacts_by_shoe
@@ -92,7 +93,7 @@ def test_derivatives_are_those_of_the_forces(case, factors):
     if factors[1]:  # some spheres beyond the slip of full friction, some not
         q_t[:SHOE_COORDINATES] = random.normal(0.0, 0.01, SHOE_COORDINATES)
     position, velocity = factors
-    triplets = contact.derivatives(q, q_t, position, velocity)
+    triplets = contact.derivatives(q, q_t, Weights(position, velocity))
     matrix = np.zeros((q.size, q.size))
     np.add.at(matrix, tuple(triplets[:, :2].T.astype(int)), triplets[:, 2])
     units = np.arange(SHOE_COORDINATES, q.size).reshape(-1, 6)

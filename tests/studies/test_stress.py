@@ -71,21 +71,32 @@ def test_modal_frequencies_of_the_shoe_are_the_papers(study):
     assert (np.diff(frequencies) > 0.0).all()
 
 
-def test_peak_stress_is_what_the_pull_does_at_the_rear_lugs(study):
-    """Shoe 13 pulls the whole track; the numbers are this model's on the coarse mesh, MPa."""
+def test_stress_of_the_front_shoe_is_its_pull(study):
+    """It pulls all others at its rear pins, against which its own contact and inertia are small."""
     _, history, results, _ = study
-    peak = {shoe: table["value"].iloc[0] / 1e6 for shoe, table in results.hot_spots.items()}
-    assert peak[13] == pytest.approx(119.0, rel=0.05)
-    assert peak[7] == pytest.approx(25.8, rel=0.05)
-    pull = float(history.joint_force.sel(joint=12, axis="x").max())
-    assert pull > 0.25 * 12 * 432.3e3  # friction of the twelve shoes behind
-    spot = results.hot_spots[13].iloc[0]
-    rear_pin = (
-        history.case.track.joint_centers["rear right"][0] + history.case.track.com_positions(0.2025)[12, 0]
-    )
-    assert abs(spot["x"] - rear_pin) < 0.25
-    inner_faces = np.array([8.76, 9.95])  # S-paper, table 6
-    assert np.abs(inner_faces - spot["y"]).min() < 0.02
+    highest = results.dataset.highest_von_mises
+    pull = history.joint_force.sel(joint=12, axis="x").values
+    assert pull.max() > 0.25 * 12 * 432.3e3  # friction of the twelve shoes behind
+    front = highest.sel(shoe=13).values
+    assert abs(float(history.time[front.argmax()] - history.time[pull.argmax()])) < 0.005
+    pulling = pull > 0.5 * pull.max()
+    ratio = front[pulling] / pull[pulling]
+    assert ratio == pytest.approx(np.median(ratio), rel=0.1)
+    # shoe 7 pulls half as many and rests on its middle
+    assert (front[pulling] > 2.0 * highest.sel(shoe=7).values[pulling]).all()
+
+
+def test_hot_spots_of_the_front_shoe_are_on_the_inner_faces_of_its_rear_lugs(study):
+    """S-paper, table 6: y = 8.76 and 9.95 m; of the five highest nodes some lie on the fillet beside."""
+    _, history, results, _ = study
+    track = history.case.track
+    rear_pin = track.joint_centers["rear right"][0] + track.com_positions(history.case.shoe.com_height)[12, 0]
+    spots = results.hot_spots[13]
+    assert np.abs(spots["x"] - rear_pin).max() < 0.25
+    faces = np.array([8.76, 9.95])
+    nearest = np.abs(spots["y"].to_numpy()[:, None] - faces).argmin(axis=1)
+    assert set(nearest) == {0, 1}
+    assert spots["y"].to_numpy() == pytest.approx(faces[nearest], abs=0.01)
 
 
 def test_fields_agree_with_the_modal_history(study):

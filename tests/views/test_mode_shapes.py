@@ -9,6 +9,8 @@ from exudyn_crawler import Case
 from exudyn_crawler.run.track_modes import track_modes
 from exudyn_crawler.views.mode_shapes import mode_figure, mode_table
 
+pytestmark = pytest.mark.simulation
+
 
 @pytest.fixture(scope="module")
 def case():

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from exudyn_crawler import History
+from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
 from exudyn_crawler.results.contacts import contacts_of
 from exudyn_crawler.views.report.packing import thinned
 from exudyn_crawler.views.report.page import hot_spot_tables, report_page, write_report
@@ -124,7 +125,7 @@ def test_the_case_is_listed_with_units(flexible_run, tmp_path):
     history.save(tmp_path / "history.nc")
     page = report_page(tmp_path)
     for row in (
-        ("shoe.mass", "4681.67", "kg", "mass"),
+        ("shoe.mass", f"{STRESS_SHOE_MASS}", "kg", "mass"),
         ("flexible.youngs_modulus", "200e9", "Pa", "E"),
         ("flexible.shoes", "7, 13", "", "numbers of the flexible shoes"),
         ("loads.phases[0].loads", "13 x 386400", "N", "downward load on shoes 1..n at the end of the phase"),

@@ -11,6 +11,8 @@ from exudyn_crawler.views.side_view import DEPTH, SideView
 from studies.uneven_ground import STEP_HEIGHT, STEP_PLACE, uneven_case
 from tests.views.drawn import corners
 
+pytestmark = pytest.mark.simulation
+
 
 @pytest.fixture(scope="module")
 def step():

@@ -10,7 +10,7 @@ compiled for.
 import math
 from typing import NamedTuple
 
-from exudyn_crawler.ground.frames import compiled
+from exudyn_crawler.ground.frames import compiled, inlined
 from exudyn_crawler.ground.laws.coulomb import Coulomb, equal_area_radius, friction_per_slip, friction_torque
 from exudyn_crawler.ground.laws.impact import Impact, impact_force
 from exudyn_crawler.ground.laws.linear import Linear, linear_force, linear_friction_per_slip
@@ -34,7 +34,7 @@ class Law(NamedTuple):
     linear: Linear = Linear(_NO, _NO, _NO, _NO)
 
 
-@compiled
+@inlined
 def normal_force(law: Law, depth: float, rate: float) -> float:
     """Normal force (N) at a penetration (m) and its rate (m/s)."""
     if law.normal == LINEAR:
@@ -50,7 +50,7 @@ def drag_ratio(law: Law, slip_speed: float) -> float:
     return friction_per_slip(law.coulomb, slip_speed)
 
 
-@compiled
+@inlined
 def spin_torque(law: Law, spin: float, area: float, friction: float) -> float:
     """Torque (N m) about the normal against a spin (rad/s) of a contact of this area (m2) and friction (N).
 
@@ -61,7 +61,7 @@ def spin_torque(law: Law, spin: float, area: float, friction: float) -> float:
     return friction_torque(law.coulomb, spin, equal_area_radius(area), friction)
 
 
-@compiled
+@inlined
 def named_law(values: tuple) -> Law:
     """Law of its values as plain tuples."""
     normal, friction, impact, coulomb, linear = values
