@@ -3,12 +3,14 @@
 import json
 
 import numpy as np
+import pytest
 
 import fem
 from fem.stress import von_mises
 from tests.fem.calculix_reference import REFERENCE, pull_forces
 
 
+@pytest.mark.simulation
 def test_first_twenty_elastic_frequencies(shoe: fem.ElasticBody) -> None:
     reference = json.loads(REFERENCE.read_text())
     assert reference["mesh"] == shoe.mesh.digest

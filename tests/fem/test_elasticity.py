@@ -74,6 +74,7 @@ def test_slender_beam_bends_at_eulers_frequency() -> None:
     np.testing.assert_allclose(found, expected, rtol=4e-3)
 
 
+@pytest.mark.simulation
 def test_rigid_modes_store_no_energy(shoe: fem.ElasticBody) -> None:
     eigenvalues, modes = shoe.free_modes(7)
     assert np.abs(eigenvalues[:6]).max() < 1e-6 * eigenvalues[6]

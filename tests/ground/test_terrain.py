@@ -86,7 +86,10 @@ def terrain_alone(terrain, formulation):
     return container, mbs, nodes, coordinates
 
 
-@pytest.mark.parametrize("grid", VARIANTS)
+@pytest.mark.parametrize(
+    "grid",
+    [pytest.param(name, marks=pytest.mark.simulation if "fine" in name else ()) for name in VARIANTS],
+)
 def test_both_formulations_vibrate_at_the_same_frequencies(grid):
     """Undamped free vibration of the terrain in the null space of Exudyn's own constraints."""
     terrain = VARIANTS[grid]

@@ -58,6 +58,7 @@ def test_named_surfaces(shoe: fem.ElasticBody) -> None:
     assert np.abs(centroid[:2]).max() < 0.015
 
 
+@pytest.mark.simulation
 def test_first_free_free_mode_bends_the_shoe_at_178_hz() -> None:
     shoe = fem.ElasticBody(meshes.shoe_mesh("coarse"), STEEL)
     eigenvalues, modes = shoe.free_modes(8)

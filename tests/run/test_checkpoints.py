@@ -40,7 +40,7 @@ def test_stages_end_at_multiples_where_the_drive_goes_off_and_at_the_end():
 
 
 def test_a_staged_run_is_the_unstaged_one():
-    """Only the algorithmic acceleration, a fraction of a step ahead, starts anew."""
+    """Only the algorithmic acceleration, that of a quarter of a step before, starts anew."""
     whole = simulate(staged(10.0), 0.4).dataset
     parts = simulate(staged(), 0.4).dataset
     assert parts.time.values == pytest.approx(whole.time.values, abs=1e-12)
