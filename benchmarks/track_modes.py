@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler import Case, LoadCycle, simulate
+from exudyn_crawler import Case, LoadCycle, PairContact, simulate
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.run.track_modes import track_modes
 from exudyn_crawler.views.tables import print_table
@@ -42,7 +42,7 @@ def grounds() -> dict[str, Case]:
     return {
         "even": even_ground(),
         "7 m units": Case.translation(),
-        "1 m units": Case.stress().with_(flexible=None),
+        "1 m units": Case.stress().with_(flexible=None, contact=PairContact.oil_sand(sharing="area")),
     }
 
 
