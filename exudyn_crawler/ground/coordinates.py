@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.ground.frames import compiled, plain
+from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.rotations import generalized_moment, tilted
 from exudyn_crawler.ground.terrain import TerrainModes
 from exudyn_crawler.ground.triplets import PairBlocks, Shapes, body_triplets, terrain_triplets
@@ -110,7 +110,7 @@ class ReducedCoordinates:
 
     def derivative(self, blocks: PairBlocks, shoe_count: int) -> NDArray:
         """Triplets in a pattern that rarely changes, so that factorizations can reuse it."""
-        return terrain_triplets(plain(self.shapes), plain(blocks), shoe_count)
+        return terrain_triplets(tuple(self.shapes), tuple(blocks), shoe_count)
 
 
 @compiled
@@ -158,4 +158,4 @@ class ConstrainedCoordinates:
 
     def derivative(self, blocks: PairBlocks, shoe_count: int) -> NDArray:
         """Triplets of the pairs; their small dependence on the units' x and y is left out."""
-        return body_triplets(plain(blocks), shoe_count, self.tilt_axis)
+        return body_triplets(tuple(blocks), shoe_count, self.tilt_axis)

@@ -118,15 +118,12 @@ class PairGroundContact:
             np.zeros((contacts, 3, modes)),
         )
         self._work = overlap_workspace()
+        self._first_modal = self.shoe_reference.size + coordinates.size
 
     @property
     def size(self) -> int:
         """Number of generalized coordinates: six a shoe, the terrain's, the flexible shoes' modes."""
         return self._first_modal + self._sums.modal.size
-
-    @property
-    def _first_modal(self) -> int:
-        return self.shoe_reference.size + self.coordinates.size
 
     def _bodies(self, q: NDArray, q_t: NDArray) -> Bodies:
         """Places of all bodies, as the coordinates have them."""
@@ -145,7 +142,7 @@ class PairGroundContact:
     def forces(self, q: NDArray, q_t: NDArray) -> NDArray:
         """Generalized contact forces: array (size,)."""
         bodies = self._bodies(q, q_t)
-        pair_forces(plain(bodies), self._track, plain(self._sums), self._work)
+        pair_forces(tuple(bodies), self._track, tuple(self._sums), self._work)
         generalized = np.empty(self.size)
         split, modal = self.shoe_reference.size, self._first_modal
         generalized[:split] = self._sums.shoes.ravel()
@@ -155,15 +152,15 @@ class PairGroundContact:
 
     def derivatives(self, q: NDArray, q_t: NDArray, weights: Weights) -> NDArray:
         """Triplets (row, column, value) of both derivatives of the forces, as of `GroundContact`."""
-        bodies = plain(self._bodies(q, q_t))
-        count = pair_derivatives(bodies, self._track, weights.typed(), plain(self._blocks), self._work)
+        bodies = tuple(self._bodies(q, q_t))
+        count = pair_derivatives(bodies, self._track, weights.typed(), tuple(self._blocks), self._work)
         pairs, values, rows = self._blocks
         found = PairBlocks(pairs[:count], values[:count], rows[:count])
         triplets = self.coordinates.derivative(found, len(self.shoe_reference))
         shapes = self.coordinates.shapes
         if not self._sums.modal.size or shapes is None:
             return triplets
-        modal = modal_triplets(plain(shapes), plain(found), self._row, self._first_modal)
+        modal = modal_triplets(tuple(shapes), tuple(found), self._row, self._first_modal)
         return np.concatenate((triplets, modal))
 
     def results(self, q: NDArray, q_t: NDArray, shoe_forces: NDArray | None = None) -> NDArray:
@@ -171,7 +168,7 @@ class PairGroundContact:
 
         `shoe_forces` are not needed: the forces in motion are these.
         """
-        count = pair_forces(plain(self._bodies(q, q_t)), self._track, plain(self._sums), self._work)
+        count = pair_forces(tuple(self._bodies(q, q_t)), self._track, tuple(self._sums), self._work)
         return self._sums.results[:count].copy()
 
     def unit_motion(self, q: NDArray) -> NDArray:

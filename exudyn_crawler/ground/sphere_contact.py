@@ -154,7 +154,7 @@ class SphereGroundContact:
             self.unit_reference + self.unit_motion(q),
             self.unit_motion(q_t),
         )
-        count = sphere_contacts(plain(bodies), self._track, self._table)
+        count = sphere_contacts(tuple(bodies), self._track, self._table)
         return self._table[:count], bodies.shoes, bodies.units
 
     def unit_motion(self, q: NDArray) -> NDArray:
@@ -202,7 +202,7 @@ class SphereGroundContact:
         count = sphere_derivatives(
             (shoes, units),
             self._grid.tilt_axis,
-            plain(self.spheres.law),
+            tuple(self.spheres.law),
             table,
             weights.typed(),
             (pairs, values, self._moments),

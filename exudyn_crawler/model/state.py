@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from math import prod
-from typing import Any, Self
+from typing import Any, NoReturn, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -117,10 +117,11 @@ class StateLayout:
         """
         if rows.shape[-1] != self.size:
             raise ValueError(f"rows of a state must have {self.size} numbers, got {rows.shape[-1]}")
-        if name not in self._places:
-            raise ValueError(f"a state has no part {name!r}; it has {sorted(self._places)}")
-        first, shape = self._places[name]
+        first, shape = self._places.get(name) or self._no_part(name)
         return rows[..., first : first + prod(shape)].reshape((*rows.shape[:-1], *shape))
+
+    def _no_part(self, name: str) -> NoReturn:
+        raise ValueError(f"a state has no part {name!r}; it has {sorted(self._places)}")
 
     def first_multiplier(self, name: str) -> int:
         """Index of an item's first multiplier among all multipliers.
@@ -150,11 +151,14 @@ class StateLayout:
         row = np.empty(self.size)
         given = np.zeros(self.size, dtype=bool)
         for name, values in parts.items():
-            for whole, value in ((row, values), (given, True)):
-                view = self.part(whole, name)
-                if whole is row and np.shape(value) != view.shape:
-                    raise ValueError(f"{name} must have shape {view.shape}, got {np.shape(value)}")
-                view[...] = value
+            # every step of a run comes here: slices in place of `part`
+            first, shape = self._places.get(name) or self._no_part(name)
+            value = np.asarray(values)
+            if value.shape != shape:
+                raise ValueError(f"{name} must have shape {shape}, got {value.shape}")
+            end = first + value.size
+            row[first:end] = value.ravel()
+            given[first:end] = True
         if not given.all():
             missing = next(name for name in self._places if not self.part(given, name).all())
             raise ValueError(f"a state needs its {missing}")

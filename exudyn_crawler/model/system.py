@@ -60,6 +60,8 @@ class System:
 
     def sunken(self) -> list[int]:
         """Numbers of the shoes that have sunk through the ground in the current state."""
+        if self.contact.spheres is None:
+            return []
         return self.contact.sunken(np.array(self.mbs.systemData.GetODE2Coordinates()))
 
     def set_initial(self, q: NDArray) -> None:
