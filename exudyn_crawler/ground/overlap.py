@@ -28,6 +28,8 @@ class Overlap(NamedTuple):
         m, depth of the underside below the top face at the centroid.
     low_xi, high_xi, low_eta, high_eta : float
         m, bounds.
+    volume : float
+        m3.
     """
 
     area: float
@@ -38,9 +40,10 @@ class Overlap(NamedTuple):
     high_xi: float
     low_eta: float
     high_eta: float
+    volume: float
 
 
-NO_OVERLAP = Overlap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_OVERLAP = Overlap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @compiled
@@ -103,6 +106,7 @@ def _integrated(points: FloatArray, count: int) -> Overlap:
         high_xi,
         low_eta,
         high_eta,
+        volume,
     )
 
 

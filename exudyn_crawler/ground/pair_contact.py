@@ -121,6 +121,21 @@ class PairGroundContact:
         self._first_modal = self.shoe_reference.size + coordinates.size
 
     @property
+    def track(self) -> tuple:
+        """`pair_track.Track` as plain tuples."""
+        return self._track
+
+    @property
+    def flexible_rows(self) -> NDArray:
+        """Row of every shoe in the modal coordinates, -1 for a rigid one: array (shoes,) of int."""
+        return self._row
+
+    @property
+    def greatest_count(self) -> int:
+        """Number of contacts that there can be at once."""
+        return len(self._sums.results)
+
+    @property
     def size(self) -> int:
         """Number of generalized coordinates: six a shoe, the terrain's, the flexible shoes' modes."""
         return self._first_modal + self._sums.modal.size

@@ -1,0 +1,234 @@
+"""Inertia, elasticity and loads of one shoe, rigid or in a floating frame of reference.
+
+A point of the shoe is at ``r + R (x + Psi z)``: r and R place the frame, z are the modal coordinates and Psi
+the mode shapes. Its acceleration in the frame's axes is ``R^T r'' + Omega p + 2 omega x Psi z' + Psi z''``
+with ``p = x + Psi z`` and ``Omega = alpha~ + omega~ omega~``; integrated over the mass, alone, times p and
+times Psi, it gives force, moment and modal forces. The integrals do not change; nothing is left out (Shabana,
+Dynamics of Multibody Systems, chapter 5). A rigid shoe is one without modes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.frames import Vector, along, cross, dot, turned, turned_back
+from exudyn_crawler.ground.rotations import Attitude, FloatArray
+from exudyn_crawler.model.compiled.elimination import solving
+
+
+class Body(NamedTuple):
+    """Integrals over the mass of a shoe with m modes, in its frame, and what it is loaded by.
+
+    Attributes
+    ----------
+    mass : float
+        kg.
+    first : array (3,)
+        Of the places x, kg m.
+    second : array (3, 3)
+        Of x_a x_b, kg m2.
+    shapes : array (3, m)
+        Of the mode shapes.
+    places : array (9 m,)
+        Of x_a Psi_ck over (a, k, c).
+    products : array (m, 9 m)
+        Of Psi_aj Psi_ck over j and (a, k, c).
+    stiffness, damping : array (m,)
+        Of the modes, whose mass is 1: 1/s2 and 1/s.
+    load_place : array (3,)
+        Where the machine load acts, m.
+    load_shapes : array (3, m)
+        Displacement of that place by the modes.
+    """
+
+    mass: float
+    first: FloatArray
+    second: FloatArray
+    shapes: FloatArray
+    places: FloatArray
+    products: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray
+    load_place: FloatArray
+    load_shapes: FloatArray
+
+
+class Inertia(NamedTuple):
+    """Integrals over the mass of a shoe as it is bent, in its frame.
+
+    Attributes
+    ----------
+    first : array (3,)
+        Of the places p, kg m.
+    second : array (3, 3)
+        Of p_a p_b, kg m2.
+    turning : array (3, m)
+        Of p x Psi: moment of unit modal accelerations.
+    """
+
+    first: FloatArray
+    second: FloatArray
+    turning: FloatArray
+
+
+@solving
+def moved(place: Vector, shapes: FloatArray, own: FloatArray) -> Vector:
+    """Place (m, the shoe's frame) moved by shapes (3, m) at the shoe's coordinates and modes (6 + m,)."""
+    x, y, z = place
+    for k in range(shapes.shape[1]):
+        x += shapes[0, k] * own[6 + k]
+        y += shapes[1, k] * own[6 + k]
+        z += shapes[2, k] * own[6 + k]
+    return x, y, z
+
+
+@solving
+def _moment_of(tensor: FloatArray) -> Vector:
+    """Moment of ``integral p_a f_c``."""
+    return tensor[1, 2] - tensor[2, 1], tensor[2, 0] - tensor[0, 2], tensor[0, 1] - tensor[1, 0]
+
+
+@solving
+def _angular(at: Attitude, rates: Vector) -> Vector:
+    """Angular velocity (rad/s) in the shoe's frame of the rates of its angles."""
+    turning = along((rates[0], 0.0, 0.0), rates[1], at.axes[1])
+    return turned_back(at.R, along(turning, rates[2], at.axes[2]))
+
+
+@solving
+def _angular_acceleration(at: Attitude, rates: Vector, accelerations: Vector) -> Vector:
+    """Angular acceleration (rad/s2) in the shoe's frame; the axes of the angles turn along."""
+    first = (rates[0], 0.0, 0.0)
+    both = along(first, rates[1], at.axes[1])
+    change = along((0.0, 0.0, 0.0), rates[1], cross(first, at.axes[1]))
+    change = along(change, rates[2], cross(both, at.axes[2]))
+    return along(turned_back(at.R, change), 1.0, _angular(at, accelerations))
+
+
+@solving
+def body_residual(
+    body: Body,
+    at: Attitude,
+    state: FloatArray,
+    gravity: Vector,
+    load: Vector,
+    residual: FloatArray,
+    inertia: Inertia,
+) -> None:
+    """Add inertia less applied forces to the residual of one shoe, and keep its integrals for `add_mass`.
+
+    Parameters
+    ----------
+    state : array (3, 6 + m)
+        Coordinates of the shoe and its modes, their rates and accelerations.
+    gravity, load : Vector
+        Acceleration of gravity, m/s2, and machine load, N; global.
+    residual : array (6 + m,)
+        Generalized forces, N, N m and modal.
+    """
+    m = body.stiffness.shape[0]
+    rates = (state[1, 3], state[1, 4], state[1, 5])
+    w, al = _angular(at, rates), _angular_acceleration(at, rates, (state[2, 3], state[2, 4], state[2, 5]))
+    upward = along((state[2, 0], state[2, 1], state[2, 2]), -1.0, gravity)
+    a0 = turned_back(at.R, upward)
+    w2 = dot(w, w)
+    # the rows of Omega
+    om = (
+        (w[0] * w[0] - w2, w[0] * w[1] - al[2], w[0] * w[2] + al[1]),
+        (w[1] * w[0] + al[2], w[1] * w[1] - w2, w[1] * w[2] - al[0]),
+        (w[2] * w[0] - al[1], w[2] * w[1] + al[0], w[2] * w[2] - w2),
+    )
+    tensor = np.empty((3, 3))
+    for a in range(3):
+        inertia.first[a] = body.first[a]
+        for c in range(3):
+            inertia.second[a, c], tensor[a, c] = body.second[a, c], 0.0
+    force = (0.0, 0.0, 0.0)
+    if m > 0:
+        bent = np.dot(np.ascontiguousarray(state[:2, 6 : 6 + m]), body.products)
+        shifts = bent[0].reshape((3, m, 3))
+        speeds = bent[1].reshape((3, m, 3))
+        places = body.places.reshape((3, m, 3))
+        for k in range(m):
+            z, z_t, z_tt = state[0, 6 + k], state[1, 6 + k], state[2, 6 + k]
+            modal = z_tt + body.stiffness[k] * z + body.damping[k] * z_t
+            for a in range(3):
+                inertia.first[a] += body.shapes[a, k] * z
+                modal += body.shapes[a, k] * a0[a]
+                place = (places[a, k, 0], places[a, k, 1], places[a, k, 2])
+                shift = (shifts[a, k, 0], shifts[a, k, 1], shifts[a, k, 2])
+                # integral of p_a Psi_k and of its rate
+                both = along(place, 1.0, shift)
+                rate = (speeds[a, k, 0], speeds[a, k, 1], speeds[a, k, 2])
+                modal += both[0] * om[0][a] + both[1] * om[1][a] + both[2] * om[2][a]
+                swirl = cross(w, both)
+                # 2 Psi_k . (omega x Psi z'), whose component a is that of the rate
+                turning = cross(rate, w)
+                modal += 2.0 * turning[a]
+                for c in range(3):
+                    inertia.second[a, c] += both[c] * z + places[c, k, a] * z
+                    tensor[a, c] += both[c] * z_tt + 2.0 * swirl[c] * z_t
+            inertia.turning[0, k] = places[1, k, 2] + shifts[1, k, 2] - places[2, k, 1] - shifts[2, k, 1]
+            inertia.turning[1, k] = places[2, k, 0] + shifts[2, k, 0] - places[0, k, 2] - shifts[0, k, 2]
+            inertia.turning[2, k] = places[0, k, 1] + shifts[0, k, 1] - places[1, k, 0] - shifts[1, k, 0]
+            shape = (body.shapes[0, k], body.shapes[1, k], body.shapes[2, k])
+            force = along(along(force, z_tt, shape), 2.0 * z_t, cross(w, shape))
+            residual[6 + k] += modal
+    first = (inertia.first[0], inertia.first[1], inertia.first[2])
+    force = along(along(force, body.mass, a0), 1.0, turned(om, first))
+    for a in range(3):
+        for c in range(3):
+            tensor[a, c] += first[a] * a0[c]
+            for d in range(3):
+                tensor[a, c] += inertia.second[a, d] * om[c][d]
+    _apply(at, force, _moment_of(tensor), residual)
+    push = turned_back(at.R, load)
+    place = (body.load_place[0], body.load_place[1], body.load_place[2])
+    moment = cross(moved(place, body.load_shapes, state[0]), push)
+    _apply(at, (-push[0], -push[1], -push[2]), (-moment[0], -moment[1], -moment[2]), residual)
+    for k in range(m):
+        for a in range(3):
+            residual[6 + k] -= body.load_shapes[a, k] * push[a]
+
+
+@solving
+def _apply(at: Attitude, force: Vector, moment: Vector, residual: FloatArray) -> None:
+    """Add a force and a moment about the frame's origin, in its axes, to the shoe's six equations."""
+    force, moment = turned(at.R, force), turned(at.axes, turned(at.R, moment))
+    for k in range(3):
+        residual[k] += force[k]
+        residual[3 + k] += moment[k]
+
+
+@solving
+def add_mass(body: Body, at: Attitude, inertia: Inertia, factor: float, matrix: FloatArray) -> None:
+    """Add the mass matrix of a shoe times a factor to the leading 6 + m rows and columns of a matrix."""
+    m = body.stiffness.shape[0]
+    trace = inertia.second[0, 0] + inertia.second[1, 1] + inertia.second[2, 2]
+    first = turned(at.R, (inertia.first[0], inertia.first[1], inertia.first[2]))
+    for j in range(3):
+        matrix[j, j] += factor * body.mass
+        axis = at.axes[j]
+        lever = cross(axis, first)
+        local = turned_back(at.R, axis)
+        row = inertia.second
+        moment = (
+            trace * local[0] - row[0, 0] * local[0] - row[0, 1] * local[1] - row[0, 2] * local[2],
+            trace * local[1] - row[1, 0] * local[0] - row[1, 1] * local[1] - row[1, 2] * local[2],
+            trace * local[2] - row[2, 0] * local[0] - row[2, 1] * local[1] - row[2, 2] * local[2],
+        )
+        turning = turned(at.axes, turned(at.R, moment))
+        for i in range(3):
+            matrix[i, 3 + j] += factor * lever[i]
+            matrix[3 + j, i] += factor * lever[i]
+            matrix[3 + i, 3 + j] += factor * turning[i]
+    for k in range(m):
+        shape = turned(at.R, (body.shapes[0, k], body.shapes[1, k], body.shapes[2, k]))
+        moment = (inertia.turning[0, k], inertia.turning[1, k], inertia.turning[2, k])
+        turning = turned(at.axes, turned(at.R, moment))
+        for i in range(3):
+            matrix[i, 6 + k] += factor * shape[i]
+            matrix[6 + k, i] += factor * shape[i]
+            matrix[3 + i, 6 + k] += factor * turning[i]
+            matrix[6 + k, 3 + i] += factor * turning[i]
+        matrix[6 + k, 6 + k] += factor

@@ -1,0 +1,182 @@
+"""Solution of sparse linear equations by eliminating groups of unknowns one after the other.
+
+A group and all unknowns that it is coupled to when its turn comes make a dense front, a small matrix of its
+own; what eliminating the group leaves of it goes on to the front of the next group that it touches (the
+multifrontal method: Duff and Reid, ACM TOMS 9, 1983). Which groups there are, in which order they go and what
+couples them is data: more bodies, or a chain that closes, are more groups and not more code.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.ground.frames import SOURCES
+from exudyn_crawler.ground.rotations import FloatArray
+from fem.compiling import compiler
+
+solving = compiler(*SOURCES, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+"""Compiles a function whose sums may be taken in any order."""
+
+IntArray = NDArray[np.int64]
+
+
+class Fronts(NamedTuple):
+    """Fronts in the order of their elimination; values of all of them stand in one array.
+
+    Attributes
+    ----------
+    unknowns : array (entries,)
+        Unknowns of every front, its own group's first.
+    first : array (fronts + 1,)
+        Where a front's unknowns start.
+    own : array (fronts,)
+        How many of them it eliminates.
+    place : array (fronts + 1,)
+        Where a front's matrix starts among all values; it is square and stored row by row.
+    parent : array (fronts,)
+        Front that takes what is left, -1 where nothing is.
+    into : array (entries,)
+        Row in the parent's matrix of every unknown that is left.
+    """
+
+    unknowns: IntArray
+    first: IntArray
+    own: IntArray
+    place: IntArray
+    parent: IntArray
+    into: IntArray
+
+    @property
+    def size(self) -> int:
+        """Length of the array of values."""
+        return int(self.place[-1])
+
+    def rows(self, front: int) -> list[int]:
+        """Unknowns of a front in the order of its rows."""
+        return self.unknowns[self.first[front] : self.first[front + 1]].tolist()
+
+    def row(self, front: int, unknown: int) -> int:
+        """Row of an unknown in a front's matrix.
+
+        Raises
+        ------
+        ValueError
+            If the front has no such unknown.
+        """
+        return self.rows(front).index(unknown)
+
+
+def fronts_of(groups: Sequence[Sequence[int]], couplings: Sequence[Sequence[int]]) -> Fronts:
+    """Fronts of equations whose groups of unknowns are eliminated in the given order.
+
+    Parameters
+    ----------
+    groups : sequence of sequences of int
+        Unknowns, each in one group.
+    couplings : sequence of sequences of int
+        Sets of unknowns that equations couple with each other: all of a set meet in the front of the group
+        among them that goes first.
+    """
+    order = {unknown: rank for rank, unknown in enumerate(u for group in groups for u in group)}
+    group_of = {unknown: k for k, group in enumerate(groups) for unknown in group}
+    met: list[set[int]] = [set(group) for group in groups]
+    for coupling in couplings:
+        met[min(group_of[unknown] for unknown in coupling)].update(coupling)
+    unknowns: list[list[int]] = []
+    parents: list[int] = []
+    for k, group in enumerate(groups):
+        left = sorted(met[k].difference(group), key=order.__getitem__)
+        parents.append(group_of[left[0]] if left else -1)
+        if left:
+            met[parents[k]].update(left)
+        unknowns.append([*group, *left])
+    into: list[int] = []
+    for k, rows in enumerate(unknowns):
+        row_of = {u: row for row, u in enumerate(unknowns[parents[k]])} if parents[k] >= 0 else {}
+        into += [row_of.get(u, -1) if u not in groups[k] else -1 for u in rows]
+    sizes = np.array([len(rows) for rows in unknowns])
+    return Fronts(
+        np.array([u for rows in unknowns for u in rows]),
+        np.concatenate(([0], np.cumsum(sizes))),
+        np.array([len(group) for group in groups]),
+        np.concatenate(([0], np.cumsum(sizes**2))),
+        np.array(parents),
+        np.array(into),
+    )
+
+
+@solving
+def front(places: Fronts, values: FloatArray, k: int) -> FloatArray:
+    """Matrix of front k, a view of the array of values."""
+    n = places.first[k + 1] - places.first[k]
+    return values[places.place[k] : places.place[k + 1]].reshape((n, n))
+
+
+@solving
+def eliminate(fronts: tuple, values: FloatArray) -> None:
+    """Eliminate group by group, in place.
+
+    Parameters
+    ----------
+    fronts : tuple
+        `Fronts` as a plain tuple.
+    values : array (size,)
+        Matrices of the fronts, each with the terms that were put there; overwritten with what `solve` takes.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If the matrix of a group is singular.
+    """
+    places = Fronts(*fronts)
+    for k in range(places.own.shape[0]):
+        matrix, own = front(places, values, k), places.own[k]
+        n = matrix.shape[0]
+        inverse = np.linalg.inv(np.ascontiguousarray(matrix[:own, :own]))
+        below = np.ascontiguousarray(matrix[own:, :own])
+        right = np.dot(inverse, np.ascontiguousarray(matrix[:own, own:]))
+        for i in range(own):
+            for j in range(own):
+                matrix[i, j] = inverse[i, j]
+            for j in range(n - own):
+                matrix[i, own + j] = right[i, j]
+        if places.parent[k] < 0:
+            continue
+        taken = np.dot(below, right)
+        above = front(places, values, places.parent[k])
+        into = places.into[places.first[k] + own : places.first[k + 1]]
+        for i in range(n - own):
+            for j in range(n - own):
+                above[into[i], into[j]] += matrix[own + i, own + j] - taken[i, j]
+
+
+@solving
+def solve(fronts: tuple, values: FloatArray, x: FloatArray) -> None:
+    """Turn a right-hand side (unknowns,) into the solution, in place, after `eliminate`."""
+    places = Fronts(*fronts)
+    for k in range(places.own.shape[0]):
+        matrix, own = front(places, values, k), places.own[k]
+        at = places.unknowns[places.first[k] : places.first[k + 1]]
+        y = np.empty(own)
+        for i in range(own):
+            s = 0.0
+            for j in range(own):
+                s += matrix[i, j] * x[at[j]]
+            y[i] = s
+        for i in range(own):
+            x[at[i]] = y[i]
+        for i in range(own, matrix.shape[0]):
+            s = 0.0
+            for j in range(own):
+                s += matrix[i, j] * y[j]
+            x[at[i]] -= s
+    for k in range(places.own.shape[0] - 1, -1, -1):
+        matrix, own = front(places, values, k), places.own[k]
+        at = places.unknowns[places.first[k] : places.first[k + 1]]
+        for i in range(own):
+            s = 0.0
+            for j in range(own, matrix.shape[0]):
+                s += matrix[i, j] * x[at[j]]
+            x[at[i]] -= s

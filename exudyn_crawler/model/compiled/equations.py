@@ -1,0 +1,401 @@
+"""Equations of motion of a whole track, evaluated and derived as one.
+
+The unknowns are the coordinates, in the order of `model.state`, and behind them the multipliers: five a pin,
+one of the drive and one of the turn. The residual is inertia less forces plus constraint forces for the first,
+and what constraints are off for the second.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.frames import Vector, along, inlined
+from exudyn_crawler.ground.pair_stiffness import MOTIONS, TouchingPairs, touching_pairs
+from exudyn_crawler.ground.pair_track import Bodies
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude
+from exudyn_crawler.model.compiled.bodies import Body, Inertia, body_residual
+from exudyn_crawler.model.compiled.elimination import Fronts, IntArray, solving
+from exudyn_crawler.model.compiled.joints import ROWS, End, Pins, direction, end_of, pin
+
+STIFFNESS = 1e6
+"""N/m and N m/rad, what turns a gap of a constraint into a residual beside forces."""
+
+
+class Sizes(NamedTuple):
+    """Numbers of things: coordinates of the terrain, modes of a flexible shoe."""
+
+    shoes: int
+    terrain: int
+    modes: int
+    pins: int
+
+
+class Ground(NamedTuple):
+    """Terrain in its own coordinates, whose mass is 1; arrays over them.
+
+    `heave` and `tilt` (units, coordinates) carry the units, `reference` (units, 4) is where they are with free
+    springs; `stiffness` (1/s2) and `damping` (1/s) are of the supports, `weight` the load of a unit of gravity.
+    """
+
+    heave: FloatArray
+    tilt: FloatArray
+    reference: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray
+    weight: FloatArray
+
+
+class Places(NamedTuple):
+    """Where in the fronts the terms of the equations go.
+
+    Attributes
+    ----------
+    terrain : array (shoes,)
+        Row of the terrain's first coordinate in the front of each shoe.
+    pins : array (pins, 2)
+        Row of a pin's first multiplier in the fronts of its shoes.
+    drive : array (2,)
+        Rows of the multipliers of drive and turn in the front of the last shoe.
+    border : array (3,)
+        Number of the last front, which the terrain heads, and rows of drive and turn in it.
+    """
+
+    terrain: IntArray
+    pins: IntArray
+    drive: IntArray
+    border: IntArray
+
+
+class Model(NamedTuple):
+    """All that does not change; `contact` is `pair_track.Track` as plain tuples."""
+
+    sizes: Sizes
+    rigid: Body
+    flexible: Body
+    row: IntArray
+    reference: FloatArray
+    ground: Ground
+    pins: Pins
+    pulled: tuple[FloatArray, FloatArray, FloatArray]
+    contact: tuple
+    fronts: Fronts
+    places: Places
+
+
+class Inputs(NamedTuple):
+    """What time makes of loads and drive.
+
+    Attributes
+    ----------
+    gravity : Vector
+        m/s2, global.
+    loads : array (shoes, 3)
+        Machine loads, N, global.
+    drive : array (2, 2)
+        Of drive and turn: whether it acts (1 or 0), and the speed, m/s or rad/s.
+    """
+
+    gravity: Vector
+    loads: FloatArray
+    drive: FloatArray
+
+
+class Weights(NamedTuple):
+    """Weights of the derivatives by coordinates, rates and accelerations.
+
+    `secant` as of `triplets.Weights`; `level` is what turns what a constraint on velocity is off into a gap.
+    """
+
+    position: float
+    velocity: float
+    acceleration: float
+    secant: bool
+    level: float
+
+
+class Memory(NamedTuple):
+    """What an evaluation leaves for the derivative and for the next one.
+
+    Attributes
+    ----------
+    units, unit_rates : array (units, 4)
+        Places and rates of the units.
+    touching : tuple
+        `TouchingPairs` as a plain tuple.
+    first, second, turning : array (shoes, ...)
+        `Inertia` of every shoe.
+    off : array (multipliers,)
+        What constraints are off, m, rad and their rates.
+    pins : array (pins, 2, ROWS, 6 + modes)
+        Directions of the pins.
+    drive : array (2, 6 + modes)
+        Directions of drive and turn.
+    work : array
+        Scratch of the contact.
+    """
+
+    units: FloatArray
+    unit_rates: FloatArray
+    touching: tuple
+    first: FloatArray
+    second: FloatArray
+    turning: FloatArray
+    off: FloatArray
+    pins: FloatArray
+    drive: FloatArray
+    work: FloatArray
+
+
+@inlined
+def named_model(values: tuple) -> Model:
+    """Model of its values as plain tuples, which Python hands over in less time."""
+    sizes, rigid, flexible, row, reference, ground, pins, pulled, contact, fronts, places = values
+    return Model(
+        Sizes(*sizes),
+        Body(*rigid),
+        Body(*flexible),
+        row,
+        reference,
+        Ground(*ground),
+        Pins(*pins),
+        pulled,
+        contact,
+        Fronts(*fronts),
+        Places(*places),
+    )
+
+
+@solving
+def _units(ground: Ground, q: FloatArray, out: FloatArray) -> None:
+    """Write heave and tilt of the units by the terrain's coordinates, or their rates."""
+    for u in range(ground.heave.shape[0]):
+        z = a = 0.0
+        for k in range(q.shape[0]):
+            z += ground.heave[u, k] * q[k]
+            a += ground.tilt[u, k] * q[k]
+        out[u, 2], out[u, 3] = z, a
+
+
+@solving
+def _modal(sizes: Sizes, f: int) -> int:
+    """First modal coordinate of the flexible shoe in row f; -1 for a rigid one, whose f is negative."""
+    return 6 * sizes.shoes + sizes.terrain + f * sizes.modes if f >= 0 else -1
+
+
+@solving
+def _own(s: int, modal: int, values: FloatArray, out: FloatArray) -> None:
+    """Write the coordinates of a shoe and its modes, or zeros, into one row."""
+    for k in range(6):
+        out[k] = values[6 * s + k]
+    for k in range(6, out.shape[0]):
+        out[k] = values[modal + k - 6] if modal >= 0 else 0.0
+
+
+@solving
+def _add_own(s: int, modal: int, own: FloatArray, factor: float, residual: FloatArray) -> None:
+    """Add a row of a shoe's coordinates and modes, times a factor."""
+    for k in range(6):
+        residual[6 * s + k] += factor * own[k]
+    if modal >= 0:
+        for k in range(6, own.shape[0]):
+            residual[modal + k - 6] += factor * own[k]
+
+
+@solving
+def shoe_attitude(state: FloatArray, s: int) -> Attitude:
+    """Attitude of a shoe."""
+    return attitude(state[0, 6 * s + 3], state[0, 6 * s + 4], state[0, 6 * s + 5])
+
+
+@solving
+def _contact(model: Model, state: FloatArray, weights: Weights, memory: Memory, residual: FloatArray) -> int:
+    """Take the contact forces off the residual; gives the number of contacts."""
+    n, t, m = model.sizes.shoes, model.sizes.terrain, model.sizes.modes
+    ground, terrain = model.ground, 6 * n
+    _units(ground, state[0, terrain : terrain + t], memory.units)
+    _units(ground, state[1, terrain : terrain + t], memory.unit_rates)
+    for u in range(ground.heave.shape[0]):
+        for k in range(4):
+            memory.units[u, k] = ground.reference[u, k] + (memory.units[u, k] if k > 1 else 0.0)
+    shoes = model.reference + state[0, :terrain].reshape((n, 6))
+    modal = state[0, terrain + t : state.shape[1]]
+    rates = state[1, terrain + t : state.shape[1]]
+    flexible = modal.shape[0] // max(m, 1)
+    bodies = Bodies(
+        shoes,
+        state[1, :terrain].reshape((n, 6)),
+        memory.units,
+        memory.unit_rates,
+        modal.reshape((flexible, m)),
+        rates.reshape((flexible, m)),
+    )
+    # derivatives of what stands negative in the residual
+    factors = (-weights.position, -weights.velocity, weights.secant)
+    count = touching_pairs(_tuple(bodies), model.contact, factors, memory.touching, memory.work)
+    found = TouchingPairs(*memory.touching)
+    forces = np.zeros((ground.heave.shape[0], 2))
+    own = np.zeros(6 + m)
+    for p in range(count):
+        s, u = found.pairs[p, 0], found.pairs[p, 1]
+        wrench, motion = found.wrench[p], found.motion[p]
+        own.fill(0.0)
+        for r in range(MOTIONS):
+            for c in range(6):
+                own[c] += motion[r, c] * wrench[r]
+            for c in range(2):
+                forces[u, c] += motion[r, 6 + c] * wrench[r]
+        if model.row[s] >= 0:
+            for c in range(3):
+                push = 0.0
+                for r in range(MOTIONS):
+                    push += motion[r, 8 + c] * wrench[r]
+                for k in range(m):
+                    own[6 + k] += push * found.rows[p, c, k]
+        _add_own(s, _modal(model.sizes, model.row[s]), own, -1.0, residual)
+    for u in range(forces.shape[0]):
+        if forces[u, 0] != 0.0 or forces[u, 1] != 0.0:
+            for k in range(t):
+                residual[terrain + k] -= ground.heave[u, k] * forces[u, 0] + ground.tilt[u, k] * forces[u, 1]
+    return count
+
+
+@solving
+def _tuple(bodies: Bodies) -> tuple:
+    """Bodies as a plain tuple."""
+    return (
+        bodies.shoes,
+        bodies.shoe_rates,
+        bodies.units,
+        bodies.unit_rates,
+        bodies.modal,
+        bodies.modal_rates,
+    )
+
+
+@solving
+def _terrain(model: Model, state: FloatArray, inputs: Inputs, residual: FloatArray) -> None:
+    """Add inertia, supports and weight of the terrain."""
+    first, ground = 6 * model.sizes.shoes, model.ground
+    for i in range(model.sizes.terrain):
+        force = state[2, first + i] + inputs.gravity[2] * ground.weight[i]
+        for k in range(model.sizes.terrain):
+            force += ground.stiffness[i, k] * state[0, first + k] + ground.damping[i, k] * state[1, first + k]
+        residual[first + i] += force
+
+
+@solving
+def _bodies(model: Model, state: FloatArray, inputs: Inputs, memory: Memory, residual: FloatArray) -> None:
+    """Add inertia, elastic forces, weights and loads of all shoes."""
+    m = model.sizes.modes
+    own, forces = np.empty((3, 6 + m)), np.empty(6 + m)
+    for s in range(model.sizes.shoes):
+        modal = _modal(model.sizes, model.row[s])
+        for rate in range(3):
+            _own(s, modal, state[rate], own[rate])
+        forces.fill(0.0)
+        inertia = Inertia(memory.first[s], memory.second[s], memory.turning[s])
+        load, at = (inputs.loads[s, 0], inputs.loads[s, 1], inputs.loads[s, 2]), shoe_attitude(state, s)
+        if modal >= 0:
+            body_residual(model.flexible, at, own, inputs.gravity, load, forces, inertia)
+        else:
+            body_residual(model.rigid, at, own, inputs.gravity, load, forces, inertia)
+        _add_own(s, modal, forces, 1.0, residual)
+
+
+@solving
+def _end(pins: Pins, p: int, end: int, at: Attitude, own: FloatArray) -> End:
+    return end_of(pins.places[p, end], pins.shifts[p, end], pins.turns[p, end], at, own)
+
+
+@solving
+def _pins(
+    model: Model, state: FloatArray, multipliers: FloatArray, memory: Memory, residual: FloatArray
+) -> None:
+    """Add the forces of all pins, and write what they are off."""
+    pins, sizes, reference = model.pins, model.sizes, model.reference
+    own = np.empty((2, 6 + sizes.modes))
+    for p in range(sizes.pins):
+        a, b = pins.shoes[p, 0], pins.shoes[p, 1]
+        modal_a, modal_b = _modal(sizes, model.row[a]), _modal(sizes, model.row[b])
+        _own(a, modal_a, state[0], own[0])
+        _own(b, modal_b, state[0], own[1])
+        at_a, at_b = shoe_attitude(state, a), shoe_attitude(state, b)
+        apart = (
+            reference[b, 0] + own[1, 0] - reference[a, 0] - own[0, 0],
+            reference[b, 1] + own[1, 1] - reference[a, 1] - own[0, 1],
+            reference[b, 2] + own[1, 2] - reference[a, 2] - own[0, 2],
+        )
+        shapes = (pins.shifts[p, 0], pins.turns[p, 0], pins.shifts[p, 1], pins.turns[p, 1])
+        ends = _end(pins, p, 0, at_a, own[0]), _end(pins, p, 1, at_b, own[1])
+        pin(shapes, ends, (at_a, at_b), apart, memory.off[ROWS * p : ROWS * p + ROWS], memory.pins[p])
+        for r in range(ROWS):
+            _add_own(a, modal_a, memory.pins[p, 0, r], multipliers[ROWS * p + r], residual)
+            _add_own(b, modal_b, memory.pins[p, 1, r], multipliers[ROWS * p + r], residual)
+
+
+@solving
+def _drive(
+    model: Model, state: FloatArray, multipliers: FloatArray, inputs: Inputs, memory: Memory, residual: FloatArray
+) -> None:
+    """Add the forces of drive and turn on the last shoe, and write what its speeds are off."""
+    s, first = model.sizes.shoes - 1, ROWS * model.sizes.pins
+    modal = _modal(model.sizes, model.row[s])
+    own = np.empty((2, 6 + model.sizes.modes))
+    _own(s, modal, state[0], own[0])
+    _own(s, modal, state[1], own[1])
+    at = shoe_attitude(state, s)
+    place, shifts, none = model.pulled
+    pulled = end_of(place, shifts, none, at, own[0])
+    nothing = (0.0, 0.0, 0.0)
+    direction((1.0, 0.0, 0.0), nothing, pulled, (shifts, none), at, 1.0, memory.drive[0])
+    frame = End(nothing, nothing)
+    direction(nothing, at.axes[2], frame, (none, none), at, 1.0, memory.drive[1])
+    for k in range(2):
+        if inputs.drive[k, 0] > 0.0:
+            speed = -inputs.drive[k, 1]
+            for c in range(own.shape[1]):
+                speed += memory.drive[k, c] * own[1, c]
+            memory.off[first + k] = speed
+            _add_own(s, modal, memory.drive[k], multipliers[first + k], residual)
+        else:
+            memory.off[first + k] = multipliers[first + k]
+
+
+@solving
+def evaluate(
+    values: tuple,
+    state: FloatArray,
+    multipliers: FloatArray,
+    given: tuple,
+    factors: tuple,
+    kept: tuple,
+    residual: FloatArray,
+) -> int:
+    """Residual of all equations: forces, then gaps times `STIFFNESS`; gives the number of contacts.
+
+    Parameters
+    ----------
+    values, given, factors, kept : tuple
+        `Model`, `Inputs`, `Weights` and `Memory` as plain tuples.
+    state : array (3, coordinates)
+        Coordinates, rates and accelerations.
+    multipliers : array (multipliers,)
+        N and N m.
+    residual : array (coordinates + multipliers,)
+        Overwritten.
+    """
+    model, inputs, weights, memory = named_model(values), Inputs(*given), Weights(*factors), Memory(*kept)
+    n = state.shape[1]
+    residual.fill(0.0)
+    count = _contact(model, state, weights, memory, residual)
+    _bodies(model, state, inputs, memory, residual)
+    _terrain(model, state, inputs, residual)
+    _pins(model, state, multipliers, memory, residual)
+    _drive(model, state, multipliers, inputs, memory, residual)
+    pins = ROWS * model.sizes.pins
+    for k in range(pins):
+        residual[n + k] = STIFFNESS * memory.off[k]
+    for k in range(2):
+        level = STIFFNESS * weights.level if inputs.drive[k, 0] > 0.0 else 1.0
+        residual[n + pins + k] = level * memory.off[pins + k]
+    return count

@@ -1,0 +1,99 @@
+"""Newton's method for one step of a track."""
+
+import numpy as np
+
+from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.model.compiled.elimination import eliminate, solve, solving
+from exudyn_crawler.model.compiled.equations import Weights, evaluate
+from exudyn_crawler.model.compiled.matrix import assemble
+
+CONTRACTION = 0.5
+"""Residual over the last one above which the matrix is made anew."""
+OLD_STEPS = 8
+"""Iterations with one matrix."""
+TANGENTS = 2
+"""Matrices of one step with the tangent of the friction curve; later ones take the secant."""
+
+
+@solving
+def _norm(residual: FloatArray) -> float:
+    """Root mean square."""
+    return np.sqrt(np.sum(residual * residual) / residual.shape[0])
+
+
+@solving
+def step(
+    model: tuple,
+    state: FloatArray,
+    multipliers: FloatArray,
+    inputs: tuple,
+    factors: tuple,
+    limits: tuple[float, int],
+    memory: tuple,
+    scratch: tuple[FloatArray, FloatArray],
+) -> tuple[bool, int, int, float]:
+    """Solve the equations of a step from its prediction, in place.
+
+    Parameters
+    ----------
+    model, inputs, factors, memory : tuple
+        `Model`, `Inputs`, `Weights` and `Memory` as plain tuples.
+    state : array (3, coordinates)
+        Predicted coordinates, rates and accelerations; the latter two follow a change of the coordinates
+        ``weights.velocity`` and ``weights.acceleration`` times.
+    multipliers : array (multipliers,)
+        Of the last step.
+    limits : tuple
+        Residual (N, root mean square) that ends the search, and most iterations.
+    scratch : tuple of array
+        Residual, left as it was last, and values of the fronts.
+
+    Returns
+    -------
+    tuple
+        Whether it converged, iterations, matrices and the last residual, N.
+    """
+    n = state.shape[1]
+    residual, values = scratch
+    weights, fronts = Weights(*factors), model[9]
+    by_place, by_rate, by_acceleration, level = (
+        weights.position,
+        weights.velocity,
+        weights.acceleration,
+        weights.level,
+    )
+    tangent = (by_place, by_rate, by_acceleration, False, level)
+    none = (0.0, 0.0, 0.0, False, level)
+    iterations = matrices = 0
+    contacts = evaluate(model, state, multipliers, inputs, tangent, memory, residual)
+    derived, needed, old = True, True, 0
+    last = _norm(residual)
+    change = np.empty_like(residual)
+    while iterations < limits[1]:
+        if needed:
+            secant = matrices >= TANGENTS
+            if secant or not derived:
+                by = (by_place, by_rate, by_acceleration, secant, level)
+                contacts = evaluate(model, state, multipliers, inputs, by, memory, residual)
+            assemble(model, state, contacts, inputs, tangent, memory, values)
+            eliminate(fronts, values)
+            matrices, needed, old = matrices + 1, False, 0
+        change[:] = residual
+        solve(fronts, values, change)
+        for k in range(n):
+            state[0, k] -= change[k]
+            state[1, k] -= by_rate * change[k]
+            state[2, k] -= by_acceleration * change[k]
+        for k in range(multipliers.shape[0]):
+            multipliers[k] -= change[n + k]
+        iterations, old = iterations + 1, old + 1
+        evaluate(model, state, multipliers, inputs, none, memory, residual)
+        derived = False
+        norm = _norm(residual)
+        if norm <= limits[0]:
+            return True, iterations, matrices, norm
+        if not norm < 1e30:
+            break
+        needed = (old > 2 and norm > CONTRACTION * last) or old > OLD_STEPS
+        last = norm
+    return False, iterations, matrices, last

@@ -1,0 +1,257 @@
+"""A track whose equations are compiled: Exudyn integrates them, and each step is solved here.
+
+Exudyn's generalized-alpha method predicts a step, accepts or halves it and says what comes next; its system is
+a single object that has the coordinates and nothing else.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.case.profile import StepProfile
+from exudyn_crawler.ground.frames import plain
+from exudyn_crawler.ground.overlap import overlap_workspace
+from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.pair_stiffness import TouchingPairs
+from exudyn_crawler.model.compiled.elimination import eliminate, solve
+from exudyn_crawler.model.compiled.equations import Memory, Model, Weights, evaluate
+from exudyn_crawler.model.compiled.inputs import table_of, values_at
+from exudyn_crawler.model.compiled.joints import ROWS
+from exudyn_crawler.model.compiled.matrix import assemble
+from exudyn_crawler.model.compiled.model import track_model
+from exudyn_crawler.model.compiled.newton import step
+from exudyn_crawler.model.drive_point import DrivePoint
+from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.flexible_shoes import FloatingShoe
+from exudyn_crawler.model.state import RATES, StateLayout, pin_name
+
+ENGINE_ROWS = 6
+"""Multipliers that a state keeps of a pin: the one of the free rotation, always zero, among them."""
+HELD = [0, 1, 2, 3, 5]
+"""Which of them constrain."""
+
+
+class StepFailed(RuntimeError):
+    """Newton's method failed at the least step."""
+
+
+class CompiledSystem:
+    """Multibody system of a case by compiled equations; what a run asks of `model.system.System`.
+
+    Attributes
+    ----------
+    mbs : exudyn.MainSystem
+        With the coordinates alone.
+    case, contact, floating, point, layout :
+        As of `model.system.System`.
+    """
+
+    general = None
+
+    def __init__(
+        self, case: Case, contact: PairGroundContact, floating: FloatingShoe | None, point: DrivePoint
+    ) -> None:
+        self.case, self.contact, self.floating, self.point = case, contact, floating, point
+        model, names = track_model(case, contact, floating, point)
+        self._model, self._sizes = plain(model), model.sizes
+        turning = case.drive.turn_rate is not None
+        self.layout = StateLayout(
+            shoes=model.sizes.shoes,
+            terrain=model.sizes.terrain,
+            flexible_shoes=() if case.flexible is None else tuple(case.flexible.shoes),
+            modes=model.sizes.modes,
+            multipliers=(
+                *((pin_name(side, link), ENGINE_ROWS) for link, side in names),
+                ("drive", 1),
+                *((("turn", 1),) if turning else ()),
+            ),
+        )
+        size, multipliers = self.layout.coordinate_count, ROWS * model.sizes.pins + 2
+        self.container = exu.SystemContainer()
+        self.mbs = _coordinates_only(self.container, size)
+        self._on = True
+        self._state = np.zeros((3, size))
+        self._multipliers = np.zeros(multipliers)
+        self._scratch = (np.zeros(size + multipliers), np.zeros(model.fronts.size))
+        self._memory = self._room(contact)
+        self._loads = table_of([case.loads.profile(number) for number in case.track.shoes])
+        self._speeds = table_of([case.drive.speed, case.drive.turn_rate or StepProfile.constant(0.0)])
+        self._turning = turning
+        self._limits = (float(case.solver.residual), int(case.solver.maximum_iterations))
+
+    def _room(self, contact: PairGroundContact) -> tuple:
+        """Memory of evaluations."""
+        sizes = self._sizes
+        return plain(
+            Memory(
+                contact.unit_reference.copy(),
+                np.zeros_like(contact.unit_reference),
+                tuple(TouchingPairs.room(contact.greatest_count, sizes.modes)),
+                np.zeros((sizes.shoes, 3)),
+                np.zeros((sizes.shoes, 3, 3)),
+                np.zeros((sizes.shoes, 3, sizes.modes)),
+                np.zeros(ROWS * sizes.pins + 2),
+                np.zeros((sizes.pins, 2, ROWS, 6 + sizes.modes)),
+                np.zeros((2, 6 + sizes.modes)),
+                overlap_workspace(),
+            )
+        )
+
+    @property
+    def frequencies(self) -> NDArray | None:
+        """Of the flexible shoes' modes, Hz: array (modes,); None without flexible shoes."""
+        return None if self.floating is None else self.floating.reduced.frequencies
+
+    def sunken(self) -> list[int]:
+        """None: the pair law pushes a shoe up from any depth."""
+        return []
+
+    def switch_drive(self, on: bool) -> None:
+        """Move the front shoe from now on, or leave it free."""
+        self._on = on
+
+    def set_initial(self, q: NDArray) -> None:
+        """Start from rest at the coordinates `q`."""
+        self._state[0], self._state[1:] = q, 0.0
+        self._multipliers[:] = 0.0
+        self._hand_over(exu.ConfigurationType.Initial)
+
+    def set_state(self, row: NDArray) -> None:
+        """Start from a row as of `state`; its time goes into the solver's settings."""
+        for rate, name in enumerate(RATES):
+            self._state[rate] = self.layout.part(row, f"coordinates{name}")
+        kept = self.layout.part(row, "multipliers")
+        pins = kept[: ENGINE_ROWS * self._sizes.pins].reshape(-1, ENGINE_ROWS)
+        drives = kept[ENGINE_ROWS * self._sizes.pins :]
+        self._multipliers[:] = [*pins[:, HELD].ravel(), *drives, *[0.0] * (2 - len(drives))]
+        self._hand_over(exu.ConfigurationType.Initial)
+
+    def state(self) -> NDArray:
+        """Current state in one row, laid out as `layout` says."""
+        data, sizes = self.mbs.systemData, self._sizes
+        pins = np.zeros((sizes.pins, ENGINE_ROWS))
+        pins[:, HELD] = self._multipliers[:-2].reshape(-1, ROWS)
+        drives = self._multipliers[-2 : None if self._turning else -1]
+        parts: dict[str, ArrayLike] = {
+            "time": data.GetTime(),
+            "coordinates": data.GetODE2Coordinates(),
+            "coordinates rate": data.GetODE2Coordinates_t(),
+            "coordinates acceleration": data.GetODE2Coordinates_tt(),
+            "multipliers": np.concatenate((pins.ravel(), drives)),
+        }
+        return self.layout.pack(parts)
+
+    def solve(self, settings: "exu.SimulationSettings") -> None:
+        """Integrate between the times of the settings.
+
+        Raises
+        ------
+        StepFailed
+            If Newton's method fails at the least step.
+        """
+        alpha = settings.timeIntegration.generalizedAlpha
+        if alpha.computeInitialAccelerations:
+            self._accelerate(settings.timeIntegration.startTime)
+            alpha.computeInitialAccelerations = False
+        solver = exu.MainSolverImplicitSecondOrder()
+        solver.SetUserFunctionNewton(self.mbs, self._newton)
+        if not solver.SolveSystem(self.mbs, settings):
+            raise StepFailed
+
+    def _newton(self, solver, _mbs, settings) -> bool:
+        """Predict and solve a step; Exudyn calls it anew with half the step where it fails."""
+        data, h = self.mbs.systemData, solver.it.currentStepSize
+        beta, gamma = solver.newmarkBeta, solver.newmarkGamma
+        before, after = solver.GetStartOfStepStateAAlgorithmic(), solver.GetAAlgorithmic()
+        if np.array_equal(before, after):
+            solver.ComputeNewtonUpdate(self.mbs, settings, True)
+            q, q_t = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+        else:
+            # a step that failed has left the algorithmic acceleration of its end, which does not depend
+            # on the step size; Exudyn would take it for that of the start
+            q, q_t = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+            q = q + h * q_t + h * h * ((0.5 - beta) * before + beta * after)
+            q_t = q_t + h * ((1.0 - gamma) * before + gamma * after)
+        self._state[0], self._state[1], self._state[2] = q, q_t, 0.0
+        start = self._multipliers.copy()
+        weights = Weights(
+            1.0,
+            gamma / (h * beta),
+            (1.0 - solver.alphaM) / ((1.0 - solver.alphaF) * beta * h * h),
+            False,
+            beta * h / gamma,
+        )
+        try:
+            converged, *_ = step(
+                self._model,
+                self._state,
+                self._multipliers,
+                self._inputs(solver.it.currentTime),
+                tuple(weights),
+                self._limits,
+                self._memory,
+                self._scratch,
+            )
+        except np.linalg.LinAlgError:
+            converged = False
+        if not converged:
+            self._multipliers[:] = start
+            return False
+        self._hand_over(exu.ConfigurationType.Current)
+        return True
+
+    def _inputs(self, time: float) -> tuple:
+        down, speeds = np.zeros(self._sizes.shoes), np.zeros(2)
+        values_at(tuple(self._loads), time, down)
+        values_at(tuple(self._speeds), time, speeds)
+        loads = np.zeros((len(down), 3))
+        loads[:, 2] = -down
+        drive = np.column_stack(([self._on, self._on and self._turning], speeds))
+        return (0.0, 0.0, -self.case.gravity), loads, drive
+
+    def _accelerate(self, time: float) -> None:
+        """Accelerations and multipliers of a track at rest."""
+        self._state[2], self._multipliers[:] = 0.0, 0.0
+        residual, values = self._scratch
+        inputs, weights = self._inputs(time), (0.0, 0.0, 1.0, False, 1.0)
+        model = self._model
+        TouchingPairs(*Memory(*self._memory).touching).stiffness.fill(0.0)
+        contacts = evaluate(
+            model, self._state, self._multipliers, inputs, weights, self._memory, residual
+        )
+        assemble(model, self._state, contacts, inputs, weights, self._memory, values)
+        fronts = tuple(Model(*model).fronts)
+        eliminate(fronts, values)
+        # at rest constraints are off by nothing, and their rates do not change by themselves
+        n = self._state.shape[1]
+        residual[n:] = 0.0
+        solve(fronts, values, residual)
+        self._state[2] = -residual[:n]
+        self._multipliers[:] = -residual[n:]
+        self._hand_over(exu.ConfigurationType.Initial)
+
+    def _hand_over(self, to: "exu.ConfigurationType") -> None:
+        data = self.mbs.systemData
+        data.SetODE2Coordinates(self._state[0], to)
+        data.SetODE2Coordinates_t(self._state[1], to)
+        data.SetODE2Coordinates_tt(self._state[2], to)
+
+
+def _coordinates_only(container: "exu.SystemContainer", size: int) -> "exu.MainSystem":
+    """System of one object that has so many coordinates and a mass for each."""
+    mbs = container.AddSystem()
+    zeros = [0.0] * size
+    node = mbs.AddNode(
+        items.NodeGenericODE2(
+            referenceCoordinates=zeros,
+            initialCoordinates=zeros,
+            initialCoordinates_t=zeros,
+            numberOfODE2Coordinates=size,
+        )
+    )
+    index = np.arange(size)
+    mass = exu.MatrixContainer()
+    mass.SetWithSparseMatrix(np.column_stack((index, index, np.ones(size))), size, size)
+    mbs.AddObject(items.ObjectGenericODE2(name="track", nodeNumbers=[node], massMatrix=mass))
+    mbs.Assemble()
+    return mbs
