@@ -43,6 +43,11 @@ class Case(Parameters):
         default="reduced",
         description="independent coordinates of the terrain, or all of them with its joints",
     )
+    formulation: Literal["compiled", "engine"] | None = Field(
+        default=None,
+        description="equations of motion: compiled for the whole track, or of Exudyn's own bodies, joints and "
+        "contacts, the reference; None takes the compiled ones where they carry the case",
+    )
     gravity: float = quantity("m/s2", "acceleration of gravity, along -z", ge=0, default=ph4100c.GRAVITY)
 
     @model_validator(mode="after")
@@ -68,8 +73,22 @@ class Case(Parameters):
                 "terrain.heights must be None with contact.model 'pair', whose law presumes one height; "
                 "contact.model 'spheres' takes uneven ground"
             )
+        if self.formulation == "compiled" and not self._can_be_compiled:
+            raise ValueError(
+                "formulation must be 'engine' with contact.model 'spheres' or terrain_formulation "
+                "'constrained', which the compiled equations do not carry"
+            )
         self.check_support(0.0)
         return self
+
+    @property
+    def _can_be_compiled(self) -> bool:
+        return isinstance(self.contact, PairContact) and self.terrain_formulation == "reduced"
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether a run takes the compiled equations of motion."""
+        return self.formulation != "engine" and self._can_be_compiled
 
     def _check_flexible(self, flexible: FlexibleShoes) -> None:
         if flexible.shoes[0] < 1 or flexible.shoes[-1] > self.track.shoe_count:

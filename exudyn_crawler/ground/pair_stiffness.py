@@ -21,7 +21,6 @@ from exudyn_crawler.ground.frames import (
     dot,
     norm,
     turned,
-    turned_back,
     upward,
 )
 from exudyn_crawler.ground.grid import cell

@@ -1,6 +1,10 @@
-"""Builds the multibody system of a case; its coordinates are those of `state.StateLayout`."""
+"""Multibody system of a case of Exudyn's own bodies, joints and contacts: the reference formulation.
 
-from collections.abc import Sequence
+Its coordinates are those of `state.StateLayout`. It carries every case; `model.compiled` carries most of them
+in less time.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +16,7 @@ from exudyn_crawler.model.contact import add_contact, add_general_contact
 from exudyn_crawler.model.drive import add_drives, add_holds
 from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.failure import engine_failure
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
 from exudyn_crawler.model.items import coordinate_marker
 from exudyn_crawler.model.links import add_links
@@ -84,6 +89,37 @@ class System:
         data.SetODE2Coordinates_t(q_t.tolist(), exu.ConfigurationType.Initial)
         data.SetODE2Coordinates_tt(q_tt.tolist(), exu.ConfigurationType.Initial)
         self._find_contacts(q)
+
+    def after_step(self, told: Callable[[float], bool]) -> None:
+        """Call a function with the time after each step; the run ends where it gives False."""
+        self.mbs.SetPostStepUserFunction(lambda _mbs, time: told(time))
+
+    def solve(self, settings: "exu.SimulationSettings") -> None:
+        """Integrate between the times of the settings.
+
+        Raises
+        ------
+        NewtonError
+            If Newton's method fails at the least step.
+        """
+        try:
+            self.mbs.SolveDynamic(settings)
+        except exu.SolverError as error:
+            raise engine_failure(self.mbs.sys["dynamicSolver"], self.layout) from error
+
+    def rest(self, settings: "exu.SimulationSettings") -> NDArray:
+        """Coordinates at rest of a system built for statics, from its initial ones.
+
+        Raises
+        ------
+        NewtonError
+            If Newton's method finds none.
+        """
+        try:
+            self.mbs.SolveStatic(settings)
+        except exu.SolverError as error:
+            raise engine_failure(self.mbs.sys["staticSolver"], self.layout) from error
+        return np.asarray(self.mbs.systemData.GetODE2Coordinates())
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free."""

@@ -21,12 +21,19 @@ def add_terrain(mbs: "exu.MainSystem", case: Case, ground: int) -> tuple[list[in
     return _add_reduced_terrain(mbs, case)
 
 
-def _add_reduced_terrain(mbs: "exu.MainSystem", case: Case) -> tuple[list[int], TerrainCoordinates]:
-    """Terrain in its independent coordinates, of which the track moves as few as possible."""
+def reduced_coordinates(case: Case) -> ReducedCoordinates:
+    """Independent coordinates of a case's terrain, of which the track moves as few as possible."""
     near = units_near(case.terrain, case.outline(0.0), REACH)
     modes = localized(terrain_modes(case.terrain), near)
     moved = np.any(modes.heave[near] != 0.0, axis=0) | np.any(modes.tilt[near] != 0.0, axis=0)
     reached = int(np.flatnonzero(moved).max()) + 1
+    return ReducedCoordinates(modes, case.terrain.tilt_axis, reached)
+
+
+def _add_reduced_terrain(mbs: "exu.MainSystem", case: Case) -> tuple[list[int], TerrainCoordinates]:
+    """Terrain in its independent coordinates."""
+    coordinates = reduced_coordinates(case)
+    modes = coordinates.modes
     zeros = [0.0] * modes.size
     node = mbs.AddNode(
         items.NodeGenericODE2(
@@ -46,7 +53,7 @@ def _add_reduced_terrain(mbs: "exu.MainSystem", case: Case) -> tuple[list[int], 
             forceVector=case.gravity * modes.weight,
         )
     )
-    return [node], ReducedCoordinates(modes, case.terrain.tilt_axis, reached)
+    return [node], coordinates
 
 
 def _sparse(values: NDArray) -> "exu.MatrixContainer":

@@ -5,12 +5,18 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.model.compiled.rest import rest
+from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.failure import NewtonError
+from exudyn_crawler.model.formulation import TrackSystem
 from exudyn_crawler.model.system import System, build
 from exudyn_crawler.run.faults import at_fault
 
 RESIDUAL = 1e-3
 """N, root mean square of the residual that ends the iteration: 1e-9 of a shoe's load."""
+
+ITERATIONS = 50
 
 RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
 """s, s and number: duration, step and most repetitions of the damped motion on uneven ground."""
@@ -33,6 +39,8 @@ def static_equilibrium(case: Case) -> NDArray:
         Where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
         shoes that the ground carries least.
     """
+    if case.is_compiled:
+        return _compiled_rest(case)
     system = build(case, static=True)
     spheres = system.contact.spheres
     if case.terrain.heights is not None:
@@ -56,6 +64,21 @@ def static_equilibrium(case: Case) -> NDArray:
     return q
 
 
+def _compiled_rest(case: Case) -> NDArray:
+    system = compiled_system(case)
+    try:
+        return rest(system, _first_guess(system), RESIDUAL, ITERATIONS)
+    except NewtonError as failed:
+        raise _no_rest(system, failed) from failed
+
+
+def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
+    return EquilibriumError(
+        f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, "
+        f"{at_fault(system.layout, failed)}"
+    )
+
+
 def _rest(system: System, guess: NDArray) -> NDArray:
     """Rest of a system built for statics, by Newton's method from a guess."""
     system.set_initial(guess)
@@ -68,15 +91,11 @@ def _rest(system: System, guess: NDArray) -> NDArray:
     newton.absoluteTolerance = RESIDUAL
     newton.relativeTolerance = 1e-16
     newton.weightTolerancePerCoordinate = True
-    newton.maxIterations = 50
+    newton.maxIterations = ITERATIONS
     try:
-        system.mbs.SolveStatic(settings)
-    except exu.SolverError as error:
-        fault = at_fault(system, system.mbs.sys["staticSolver"])
-        raise EquilibriumError(
-            f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, {fault}"
-        ) from error
-    return np.asarray(system.mbs.systemData.GetODE2Coordinates())
+        return system.rest(settings)
+    except NewtonError as failed:
+        raise _no_rest(system, failed) from failed
 
 
 def _on_uneven_ground(system: System) -> NDArray:
@@ -117,12 +136,12 @@ def _relaxed(system: System, q: NDArray) -> NDArray:
     for _ in range(RELAXATIONS):
         system.set_initial(q)
         try:
-            system.mbs.SolveDynamic(settings)
-        except exu.SolverError as error:
+            system.solve(settings)
+        except NewtonError as failed:
             raise EquilibriumError(
                 f"no static equilibrium of case {name!r} was found on its uneven ground: damped motion "
-                f"failed, {at_fault(system, system.mbs.sys['dynamicSolver'])}. {_unsupported(system)}"
-            ) from error
+                f"failed, {at_fault(system.layout, failed)}. {_unsupported(system)}"
+            ) from failed
         q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
         speed = np.abs(system.mbs.systemData.GetODE2Coordinates_t()).max()
         if speed < SLOW:
@@ -147,7 +166,7 @@ def _unsupported(system: System) -> str:
     return f"Last, the ground carried shoe {force.argmin() + 1} least, with {force.min():.3g} N."
 
 
-def _first_guess(system: System) -> NDArray:
+def _first_guess(system: TrackSystem) -> NDArray:
     """Every unit sunk by its own weight and every shoe by its load into the ground there.
 
     Close enough for Newton's method, which does the rest.

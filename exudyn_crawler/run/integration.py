@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.model.engine import exu
-from exudyn_crawler.model.system import System, build
+from exudyn_crawler.model.failure import NewtonError
+from exudyn_crawler.model.formulation import TrackSystem, track_system
 from exudyn_crawler.results.from_states import history_of
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.checkpoints import Checkpoint, Checkpoints
@@ -20,7 +21,7 @@ from exudyn_crawler.run.stages import TIME_TOLERANCE, is_quiet, stage_times
 
 
 def integrate(
-    system: System,
+    system: TrackSystem,
     duration: float,
     progress: bool | None = None,
     settings: "exu.SimulationSettings | None" = None,
@@ -61,7 +62,7 @@ def integrate(
     return history
 
 
-def _history(system: System, recorder: Recorder) -> History:
+def _history(system: TrackSystem, recorder: Recorder) -> History:
     return history_of(
         system.case, system.layout, system.contact, recorder.rows, system.point, system.frequencies
     )
@@ -82,7 +83,7 @@ def integrate_from(case: Case, state: NDArray, duration: float) -> History:
     SimulationStopped
         If a step fails at its least size.
     """
-    system = build(case)
+    system = track_system(case)
     start, end = float(state[0]), float(state[0]) + duration
     recorder = Recorder(system, end, start)
     sunken = _watch(system, recorder)
@@ -99,7 +100,7 @@ def integrate_from(case: Case, state: NDArray, duration: float) -> History:
 
 
 def _watch(
-    system: System, recorder: "Recorder", tell: Callable[[float], None] = lambda _time: None
+    system: TrackSystem, recorder: "Recorder", tell: Callable[[float], None] = lambda _time: None
 ) -> list[int]:
     """Store the states after each step from now on, and end the run where spheres sink through the ground.
 
@@ -107,17 +108,17 @@ def _watch(
     """
     sunken: list[int] = []
 
-    def after_step(_mbs: "exu.MainSystem", time: float) -> bool:
+    def after_step(time: float) -> bool:
         recorder.store(time)
         tell(time)
         sunken[:] = system.sunken()
         return not sunken
 
-    system.mbs.SetPostStepUserFunction(after_step)
+    system.after_step(after_step)
     return sunken
 
 
-def _solve(system: System, settings: "exu.SimulationSettings", sunken: list[int]) -> str | None:
+def _solve(system: TrackSystem, settings: "exu.SimulationSettings", sunken: list[int]) -> str | None:
     """Integrate one stage; gives why it stopped early, or None. `sunken` is what `_watch` gave."""
     reason = _solver_reason(system, settings)
     if sunken:
@@ -128,12 +129,12 @@ def _solve(system: System, settings: "exu.SimulationSettings", sunken: list[int]
     return reason
 
 
-def _solver_reason(system: System, settings: "exu.SimulationSettings") -> str | None:
+def _solver_reason(system: TrackSystem, settings: "exu.SimulationSettings") -> str | None:
     """Call the solver; gives why it failed, or None."""
     try:
-        system.mbs.SolveDynamic(settings)
-    except exu.SolverError:
-        least, fault = system.case.solver.minimum_step, at_fault(system, system.mbs.sys["dynamicSolver"])
+        system.solve(settings)
+    except NewtonError as failed:
+        least, fault = system.case.solver.minimum_step, at_fault(system.layout, failed)
         return f"Newton's method failed at the least step {least:g} s; {fault}"
     except KeyboardInterrupt:
         return "interrupted"

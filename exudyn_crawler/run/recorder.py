@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.model.system import System
+from exudyn_crawler.model.formulation import TrackSystem
 from exudyn_crawler.run.checkpoints import Checkpoint
 from exudyn_crawler.run.stages import TIME_TOLERANCE
 
@@ -13,7 +13,7 @@ from exudyn_crawler.run.stages import TIME_TOLERANCE
 class Recorder:
     """Keeps the state at the start, unless it is another run's end, and after every output interval."""
 
-    def __init__(self, system: System, duration: float, start: float | None = None) -> None:
+    def __init__(self, system: TrackSystem, duration: float, start: float | None = None) -> None:
         self._system = system
         self._interval = system.case.solver.output_interval
         self._duration = duration

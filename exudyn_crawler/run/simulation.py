@@ -3,7 +3,7 @@
 import math
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.model.system import build
+from exudyn_crawler.model.formulation import track_system
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.equilibrium import static_equilibrium
@@ -45,6 +45,6 @@ def simulate(
     case.check_support(duration)
     if checkpoints is not None:
         checkpoints.load(case)
-    system = build(case)
+    system = track_system(case)
     system.set_initial(static_equilibrium(case))
     return integrate(system, duration, progress, checkpoints=checkpoints)

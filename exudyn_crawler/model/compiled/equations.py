@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import Vector, along, inlined
+from exudyn_crawler.ground.frames import Vector, inlined
 from exudyn_crawler.ground.pair_stiffness import MOTIONS, TouchingPairs, touching_pairs
 from exudyn_crawler.ground.pair_track import Bodies
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude
@@ -335,7 +335,12 @@ def _pins(
 
 @solving
 def _drive(
-    model: Model, state: FloatArray, multipliers: FloatArray, inputs: Inputs, memory: Memory, residual: FloatArray
+    model: Model,
+    state: FloatArray,
+    multipliers: FloatArray,
+    inputs: Inputs,
+    memory: Memory,
+    residual: FloatArray,
 ) -> None:
     """Add the forces of drive and turn on the last shoe, and write what its speeds are off."""
     s, first = model.sizes.shoes - 1, ROWS * model.sizes.pins

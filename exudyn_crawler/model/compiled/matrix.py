@@ -145,6 +145,8 @@ def assemble(
     for i in range(model.sizes.terrain):
         matrix[i, i] += weights.acceleration
         for k in range(model.sizes.terrain):
-            matrix[i, k] += weights.position * ground.stiffness[i, k] + weights.velocity * ground.damping[i, k]
+            matrix[i, k] += (
+                weights.position * ground.stiffness[i, k] + weights.velocity * ground.damping[i, k]
+            )
     _add_pins(model, memory, values)
     _add_drive(model, inputs, weights, memory, values)

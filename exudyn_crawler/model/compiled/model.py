@@ -107,15 +107,16 @@ def _elimination(sizes: Sizes, row: NDArray, links: Sequence[int], pins: Pins) -
     for link, own in zip(links, multipliers, strict=True):
         chain.setdefault(link, []).extend(own)
     couplings = [[*shoe, *terrain] for shoe in shoes] + [[*shoes[-1], *drive]]
-    couplings += [
-        [*shoes[s], *own] for own, pair in zip(multipliers, pins.shoes, strict=True) for s in pair
-    ]
+    couplings += [[*shoes[s], *own] for own, pair in zip(multipliers, pins.shoes, strict=True) for s in pair]
     fronts = fronts_of([*shoes, *chain.values(), [*terrain, *drive]], couplings)
     last = len(fronts.own) - 1
     places = Places(
         np.array([fronts.row(s, terrain[0]) for s in range(n)]),
         np.array(
-            [[fronts.row(s, own[0]) for s in pair] for own, pair in zip(multipliers, pins.shoes, strict=True)],
+            [
+                [fronts.row(s, own[0]) for s in pair]
+                for own, pair in zip(multipliers, pins.shoes, strict=True)
+            ],
             dtype=np.int64,
         ).reshape(-1, 2),
         np.array([fronts.row(n - 1, unknown) for unknown in drive]),

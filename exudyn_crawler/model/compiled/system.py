@@ -4,6 +4,8 @@ Exudyn's generalized-alpha method predicts a step, accepts or halves it and says
 a single object that has the coordinates and nothing else.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -14,16 +16,18 @@ from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.pair_stiffness import TouchingPairs
 from exudyn_crawler.model.compiled.elimination import eliminate, solve
-from exudyn_crawler.model.compiled.equations import Memory, Model, Weights, evaluate
+from exudyn_crawler.model.compiled.equations import STIFFNESS, Memory, Model, Weights, evaluate
 from exudyn_crawler.model.compiled.inputs import table_of, values_at
 from exudyn_crawler.model.compiled.joints import ROWS
 from exudyn_crawler.model.compiled.matrix import assemble
 from exudyn_crawler.model.compiled.model import track_model
 from exudyn_crawler.model.compiled.newton import step
-from exudyn_crawler.model.drive_point import DrivePoint
+from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
-from exudyn_crawler.model.flexible_shoes import FloatingShoe
+from exudyn_crawler.model.failure import NewtonError
+from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
 from exudyn_crawler.model.state import RATES, StateLayout, pin_name
+from exudyn_crawler.model.terrain import reduced_coordinates
 
 ENGINE_ROWS = 6
 """Multipliers that a state keeps of a pin: the one of the free rotation, always zero, among them."""
@@ -31,12 +35,8 @@ HELD = [0, 1, 2, 3, 5]
 """Which of them constrain."""
 
 
-class StepFailed(RuntimeError):
-    """Newton's method failed at the least step."""
-
-
 class CompiledSystem:
-    """Multibody system of a case by compiled equations; what a run asks of `model.system.System`.
+    """Multibody system of a case by compiled equations; a `formulation.TrackSystem`.
 
     Attributes
     ----------
@@ -45,8 +45,6 @@ class CompiledSystem:
     case, contact, floating, point, layout :
         As of `model.system.System`.
     """
-
-    general = None
 
     def __init__(
         self, case: Case, contact: PairGroundContact, floating: FloatingShoe | None, point: DrivePoint
@@ -77,7 +75,8 @@ class CompiledSystem:
         self._loads = table_of([case.loads.profile(number) for number in case.track.shoes])
         self._speeds = table_of([case.drive.speed, case.drive.turn_rate or StepProfile.constant(0.0)])
         self._turning = turning
-        self._limits = (float(case.solver.residual), int(case.solver.maximum_iterations))
+        self._limits = (0.0, 0)
+        self._singular = False
 
     def _room(self, contact: PairGroundContact) -> tuple:
         """Memory of evaluations."""
@@ -141,22 +140,80 @@ class CompiledSystem:
         }
         return self.layout.pack(parts)
 
+    def after_step(self, told: Callable[[float], bool]) -> None:
+        """Call a function with the time after each step; the run ends where it gives False."""
+        self.mbs.SetPostStepUserFunction(lambda _mbs, time: told(time))
+
     def solve(self, settings: "exu.SimulationSettings") -> None:
         """Integrate between the times of the settings.
 
         Raises
         ------
-        StepFailed
+        NewtonError
             If Newton's method fails at the least step.
         """
-        alpha = settings.timeIntegration.generalizedAlpha
-        if alpha.computeInitialAccelerations:
+        newton = settings.timeIntegration.newton
+        self._limits = (newton.absoluteTolerance, newton.maxIterations)
+        if settings.timeIntegration.generalizedAlpha.computeInitialAccelerations:
             self._accelerate(settings.timeIntegration.startTime)
-            alpha.computeInitialAccelerations = False
+            settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
         solver = exu.MainSolverImplicitSecondOrder()
         solver.SetUserFunctionNewton(self.mbs, self._newton)
         if not solver.SolveSystem(self.mbs, settings):
-            raise StepFailed
+            raise NewtonError(self.in_layout(self._scratch[0]), self._singular)
+
+    @property
+    def pin_rows(self) -> int:
+        """Number of the pins' equations."""
+        return ROWS * self._sizes.pins
+
+    def pulled_place(self, q: NDArray) -> float:
+        """Displacement along x of the point that the drive moves, m, with that of its place in the shoe."""
+        front = q[6 * self.layout.shoes - 6 : 6 * self.layout.shoes]
+        modal = q[len(q) - self.point.rows.shape[1] :]
+        return float(front[0] + self.point.arm(front[3:], modal)[0])
+
+    def at_rest(self, q: NDArray, multipliers: NDArray) -> tuple[NDArray, NDArray]:
+        """Residual (coordinates and pins) at rest at t = 0 without the drive, and the drive's direction.
+
+        Parameters
+        ----------
+        q : array (coordinates,)
+        multipliers : array (pin_rows,)
+            N and N m.
+
+        Returns
+        -------
+        residual : array (coordinates + pin_rows,)
+            As of `equations.evaluate`.
+        direction : array (coordinates,)
+            Generalized force of a unit force of the drive.
+        """
+        gravity, loads, drive = self._inputs(0.0)
+        drive[:, 0] = 0.0
+        state = np.zeros_like(self._state)
+        state[0] = q
+        none, residual = (0.0, 0.0, 0.0, False, 1.0), np.empty_like(self._scratch[0])
+        both = np.concatenate((multipliers, np.zeros(2)))
+        evaluate(self._model, state, both, (gravity, loads, drive), none, self._memory, residual)
+        own = Memory(*self._memory).drive[0]
+        direction = np.zeros(len(q))
+        direction[6 * self.layout.shoes - 6 : 6 * self.layout.shoes] = own[:6]
+        if self.point.rows.shape[1]:
+            direction[-self.point.rows.shape[1] :] = own[6:]
+        return residual[:-2], direction
+
+    def in_layout(self, residual: NDArray) -> NDArray:
+        """Residual with or without the drive's, in the order and the units of the layout's equations."""
+        coordinates, off = np.split(residual, [self.layout.coordinate_count])
+        equations = np.zeros(self.layout.equation_count)
+        equations[: len(coordinates)] = coordinates
+        pins = np.zeros((self._sizes.pins, ENGINE_ROWS))
+        pins[:, HELD] = off[: self.pin_rows].reshape(-1, ROWS) / STIFFNESS
+        equations[len(coordinates) : len(coordinates) + pins.size] = pins.ravel()
+        drives = off[self.pin_rows :][: 1 + self._turning] / STIFFNESS
+        equations[len(coordinates) + pins.size :][: len(drives)] = drives
+        return equations
 
     def _newton(self, solver, _mbs, settings) -> bool:
         """Predict and solve a step; Exudyn calls it anew with half the step where it fails."""
@@ -192,8 +249,9 @@ class CompiledSystem:
                 self._memory,
                 self._scratch,
             )
+            self._singular = False
         except np.linalg.LinAlgError:
-            converged = False
+            converged, self._singular = False, True
         if not converged:
             self._multipliers[:] = start
             return False
@@ -216,9 +274,7 @@ class CompiledSystem:
         inputs, weights = self._inputs(time), (0.0, 0.0, 1.0, False, 1.0)
         model = self._model
         TouchingPairs(*Memory(*self._memory).touching).stiffness.fill(0.0)
-        contacts = evaluate(
-            model, self._state, self._multipliers, inputs, weights, self._memory, residual
-        )
+        contacts = evaluate(model, self._state, self._multipliers, inputs, weights, self._memory, residual)
         assemble(model, self._state, contacts, inputs, weights, self._memory, values)
         fronts = tuple(Model(*model).fronts)
         eliminate(fronts, values)
@@ -255,3 +311,23 @@ def _coordinates_only(container: "exu.SystemContainer", size: int) -> "exu.MainS
     mbs.AddObject(items.ObjectGenericODE2(name="track", nodeNumbers=[node], massMatrix=mass))
     mbs.Assemble()
     return mbs
+
+
+def compiled_system(case: Case) -> CompiledSystem:
+    """Build the compiled equations of a case."""
+    floating = None if case.flexible is None else floating_shoe(case)
+    coordinates = reduced_coordinates(case)
+    chosen = [] if case.flexible is None else [number - 1 for number in case.flexible.shoes]
+    coms = case.track.com_positions(case.shoe.com_height)
+    contact = PairGroundContact(
+        coms,
+        case.shoe,
+        case.terrain,
+        case.pair_contact(),
+        coordinates,
+        None if floating is None else floating.underside,
+        chosen,
+    )
+    is_front = case.track.shoe_count - 1 in chosen
+    point = drive_point(case, floating.reduced if floating is not None and is_front else None)
+    return CompiledSystem(case, contact, floating, point)
