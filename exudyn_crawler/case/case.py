@@ -45,8 +45,8 @@ class Case(Parameters):
     )
     formulation: Literal["compiled", "engine"] | None = Field(
         default=None,
-        description="equations of motion: compiled for the whole track, or of Exudyn's own bodies, joints and "
-        "contacts, the reference; None takes the compiled ones where they carry the case",
+        description="equations of motion: compiled for the whole track, or of Exudyn's own bodies, joints "
+        "and contacts, the reference; None takes the compiled ones where they carry the case",
     )
     gravity: float = quantity("m/s2", "acceleration of gravity, along -z", ge=0, default=ph4100c.GRAVITY)
 

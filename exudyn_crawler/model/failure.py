@@ -31,4 +31,4 @@ def engine_failure(solver: Any, layout: StateLayout) -> NewtonError:
     if not solver.IsStaticSolver():
         # the solver multiplies the equations of motion by what makes accelerations of displacements
         residual[: layout.coordinate_count] /= solver.newmarkBeta * solver.it.currentStepSize**2
-    return NewtonError(residual, bool(solver.conv.linearNewtonError))
+    return NewtonError(residual, bool(solver.conv.linearSolverFailed))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import Vector, along, cross, dot, turned, turned_back
+from exudyn_crawler.ground.frames import Matrix, Vector, along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.rotations import Attitude, FloatArray
 from exudyn_crawler.model.compiled.elimination import solving
 
@@ -105,6 +105,78 @@ def _angular_acceleration(at: Attitude, rates: Vector, accelerations: Vector) ->
     return along(turned_back(at.R, change), 1.0, _angular(at, accelerations))
 
 
+class Motion(NamedTuple):
+    """Motion of a shoe's frame in its own axes.
+
+    `omega` (rad/s), the rows of Omega (1/s2) and the acceleration of the origin less that of gravity (m/s2).
+    """
+
+    omega: Vector
+    turning: Matrix
+    acceleration: Vector
+
+
+@solving
+def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
+    """Motion of the frame of a shoe at its coordinates, rates and accelerations (3, 6 + m)."""
+    rates = (state[1, 3], state[1, 4], state[1, 5])
+    w, al = _angular(at, rates), _angular_acceleration(at, rates, (state[2, 3], state[2, 4], state[2, 5]))
+    w2 = dot(w, w)
+    turning = (
+        (w[0] * w[0] - w2, w[0] * w[1] - al[2], w[0] * w[2] + al[1]),
+        (w[1] * w[0] + al[2], w[1] * w[1] - w2, w[1] * w[2] - al[0]),
+        (w[2] * w[0] - al[1], w[2] * w[1] + al[0], w[2] * w[2] - w2),
+    )
+    upward = along((state[2, 0], state[2, 1], state[2, 2]), -1.0, gravity)
+    return Motion(w, turning, turned_back(at.R, upward))
+
+
+@solving
+def _column(tensor: FloatArray, a: int, k: int) -> Vector:
+    return tensor[a, k, 0], tensor[a, k, 1], tensor[a, k, 2]
+
+
+@solving
+def _bend(
+    body: Body, state: FloatArray, motion: Motion, residual: FloatArray, inertia: Inertia, tensor: FloatArray
+) -> Vector:
+    """Add inertia and elastic forces of the modes, and what they add to the shoe's own integrals.
+
+    `tensor` (3, 3) gathers ``integral p_a f_c`` of inertia forces f. Gives the force of the modes' motion, N,
+    in the shoe's axes.
+    """
+    m, w = body.stiffness.shape[0], motion.omega
+    bent = np.dot(np.ascontiguousarray(state[:2, 6 : 6 + m]), body.products)
+    shifts, speeds = bent[0].reshape((3, m, 3)), bent[1].reshape((3, m, 3))
+    places = body.places.reshape((3, m, 3))
+    force = (0.0, 0.0, 0.0)
+    for k in range(m):
+        z, z_t, z_tt = state[0, 6 + k], state[1, 6 + k], state[2, 6 + k]
+        modal = z_tt + body.stiffness[k] * z + body.damping[k] * z_t
+        levers = np.empty((3, 3))
+        for a in range(3):
+            inertia.first[a] += body.shapes[a, k] * z
+            modal += body.shapes[a, k] * motion.acceleration[a]
+            # integral of p_a Psi_k
+            lever = along(_column(places, a, k), 1.0, _column(shifts, a, k))
+            for c in range(3):
+                levers[a, c] = lever[c]
+                modal += lever[c] * motion.turning[c][a]
+            # 2 Psi_k . (omega x Psi z'), of which this is the part of component a of Psi z'
+            modal += 2.0 * cross(_column(speeds, a, k), w)[a]
+            swirl = cross(w, lever)
+            for c in range(3):
+                inertia.second[a, c] += lever[c] * z + places[c, k, a] * z
+                tensor[a, c] += lever[c] * z_tt + 2.0 * swirl[c] * z_t
+        moment = _moment_of(levers)
+        for a in range(3):
+            inertia.turning[a, k] = moment[a]
+        shape = (body.shapes[0, k], body.shapes[1, k], body.shapes[2, k])
+        force = along(along(force, z_tt, shape), 2.0 * z_t, cross(w, shape))
+        residual[6 + k] += modal
+    return force
+
+
 @solving
 def body_residual(
     body: Body,
@@ -126,69 +198,29 @@ def body_residual(
     residual : array (6 + m,)
         Generalized forces, N, N m and modal.
     """
-    m = body.stiffness.shape[0]
-    rates = (state[1, 3], state[1, 4], state[1, 5])
-    w, al = _angular(at, rates), _angular_acceleration(at, rates, (state[2, 3], state[2, 4], state[2, 5]))
-    upward = along((state[2, 0], state[2, 1], state[2, 2]), -1.0, gravity)
-    a0 = turned_back(at.R, upward)
-    w2 = dot(w, w)
-    # the rows of Omega
-    om = (
-        (w[0] * w[0] - w2, w[0] * w[1] - al[2], w[0] * w[2] + al[1]),
-        (w[1] * w[0] + al[2], w[1] * w[1] - w2, w[1] * w[2] - al[0]),
-        (w[2] * w[0] - al[1], w[2] * w[1] + al[0], w[2] * w[2] - w2),
-    )
+    motion = _motion(at, state, gravity)
     tensor = np.empty((3, 3))
     for a in range(3):
         inertia.first[a] = body.first[a]
         for c in range(3):
             inertia.second[a, c], tensor[a, c] = body.second[a, c], 0.0
     force = (0.0, 0.0, 0.0)
-    if m > 0:
-        bent = np.dot(np.ascontiguousarray(state[:2, 6 : 6 + m]), body.products)
-        shifts = bent[0].reshape((3, m, 3))
-        speeds = bent[1].reshape((3, m, 3))
-        places = body.places.reshape((3, m, 3))
-        for k in range(m):
-            z, z_t, z_tt = state[0, 6 + k], state[1, 6 + k], state[2, 6 + k]
-            modal = z_tt + body.stiffness[k] * z + body.damping[k] * z_t
-            for a in range(3):
-                inertia.first[a] += body.shapes[a, k] * z
-                modal += body.shapes[a, k] * a0[a]
-                place = (places[a, k, 0], places[a, k, 1], places[a, k, 2])
-                shift = (shifts[a, k, 0], shifts[a, k, 1], shifts[a, k, 2])
-                # integral of p_a Psi_k and of its rate
-                both = along(place, 1.0, shift)
-                rate = (speeds[a, k, 0], speeds[a, k, 1], speeds[a, k, 2])
-                modal += both[0] * om[0][a] + both[1] * om[1][a] + both[2] * om[2][a]
-                swirl = cross(w, both)
-                # 2 Psi_k . (omega x Psi z'), whose component a is that of the rate
-                turning = cross(rate, w)
-                modal += 2.0 * turning[a]
-                for c in range(3):
-                    inertia.second[a, c] += both[c] * z + places[c, k, a] * z
-                    tensor[a, c] += both[c] * z_tt + 2.0 * swirl[c] * z_t
-            inertia.turning[0, k] = places[1, k, 2] + shifts[1, k, 2] - places[2, k, 1] - shifts[2, k, 1]
-            inertia.turning[1, k] = places[2, k, 0] + shifts[2, k, 0] - places[0, k, 2] - shifts[0, k, 2]
-            inertia.turning[2, k] = places[0, k, 1] + shifts[0, k, 1] - places[1, k, 0] - shifts[1, k, 0]
-            shape = (body.shapes[0, k], body.shapes[1, k], body.shapes[2, k])
-            force = along(along(force, z_tt, shape), 2.0 * z_t, cross(w, shape))
-            residual[6 + k] += modal
+    if body.stiffness.shape[0] > 0:
+        force = _bend(body, state, motion, residual, inertia, tensor)
     first = (inertia.first[0], inertia.first[1], inertia.first[2])
-    force = along(along(force, body.mass, a0), 1.0, turned(om, first))
+    force = along(along(force, body.mass, motion.acceleration), 1.0, turned(motion.turning, first))
     for a in range(3):
         for c in range(3):
-            tensor[a, c] += first[a] * a0[c]
+            tensor[a, c] += first[a] * motion.acceleration[c]
             for d in range(3):
-                tensor[a, c] += inertia.second[a, d] * om[c][d]
+                tensor[a, c] += inertia.second[a, d] * motion.turning[c][d]
     _apply(at, force, _moment_of(tensor), residual)
-    push = turned_back(at.R, load)
+    push = turned_back(at.R, (-load[0], -load[1], -load[2]))
     place = (body.load_place[0], body.load_place[1], body.load_place[2])
-    moment = cross(moved(place, body.load_shapes, state[0]), push)
-    _apply(at, (-push[0], -push[1], -push[2]), (-moment[0], -moment[1], -moment[2]), residual)
-    for k in range(m):
+    _apply(at, push, cross(moved(place, body.load_shapes, state[0]), push), residual)
+    for k in range(body.stiffness.shape[0]):
         for a in range(3):
-            residual[6 + k] -= body.load_shapes[a, k] * push[a]
+            residual[6 + k] += body.load_shapes[a, k] * push[a]
 
 
 @solving

@@ -7,6 +7,7 @@ couples them is data: more bodies, or a chain that closes, are more groups and n
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,9 @@ from exudyn_crawler.ground.frames import SOURCES
 from exudyn_crawler.ground.rotations import FloatArray
 from fem.compiling import compiler
 
-solving = compiler(*SOURCES, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+solving = compiler(
+    Path(__file__).parent, *SOURCES, error_model="numpy", fastmath={"contract", "reassoc", "nsz"}
+)
 """Compiles a function whose sums may be taken in any order."""
 
 IntArray = NDArray[np.int64]

@@ -1,8 +1,8 @@
 """Equations of motion of a whole track, evaluated and derived as one.
 
-The unknowns are the coordinates, in the order of `model.state`, and behind them the multipliers: five a pin,
-one of the drive and one of the turn. The residual is inertia less forces plus constraint forces for the first,
-and what constraints are off for the second.
+The unknowns are the coordinates, in the order of `model.state`, and behind them the multipliers: five a
+pin, one of the drive and one of the turn. The residual is inertia less forces plus constraint forces for the
+first, and what constraints are off for the second.
 """
 
 from typing import NamedTuple
@@ -17,8 +17,9 @@ from exudyn_crawler.model.compiled.bodies import Body, Inertia, body_residual
 from exudyn_crawler.model.compiled.elimination import Fronts, IntArray, solving
 from exudyn_crawler.model.compiled.joints import ROWS, End, Pins, direction, end_of, pin
 
-STIFFNESS = 1e6
-"""N/m and N m/rad, what turns a gap of a constraint into a residual beside forces."""
+STIFFNESS = 1e9
+"""N/m and N m/rad, what turns a gap of a constraint into a residual beside forces: about what closing it
+within a step of some ms takes of a shoe's mass."""
 
 
 class Sizes(NamedTuple):
@@ -33,8 +34,9 @@ class Sizes(NamedTuple):
 class Ground(NamedTuple):
     """Terrain in its own coordinates, whose mass is 1; arrays over them.
 
-    `heave` and `tilt` (units, coordinates) carry the units, `reference` (units, 4) is where they are with free
-    springs; `stiffness` (1/s2) and `damping` (1/s) are of the supports, `weight` the load of a unit of gravity.
+    `heave` and `tilt` (units, coordinates) carry the units, `reference` (units, 4) is where they are with
+    free springs; `stiffness` (1/s2) and `damping` (1/s) are of the supports, `weight` the load of a unit of
+    gravity.
     """
 
     heave: FloatArray

@@ -12,7 +12,7 @@ from exudyn_crawler.ground.rotations import FloatArray
 
 
 class Table(NamedTuple):
-    """Quantities over time, joined by cubic STEPs: times (q, k), the last ones repeated, and values (q, k)."""
+    """Quantities over time, joined by cubic STEPs: times (q, k), last ones repeated, and values (q, k)."""
 
     times: FloatArray
     values: FloatArray

@@ -1,7 +1,7 @@
 """A track whose equations are compiled: Exudyn integrates them, and each step is solved here.
 
-Exudyn's generalized-alpha method predicts a step, accepts or halves it and says what comes next; its system is
-a single object that has the coordinates and nothing else.
+Exudyn's generalized-alpha method predicts a step, accepts or halves it and says what comes next; its system
+is a single object that has the coordinates and nothing else.
 """
 
 from collections.abc import Callable
@@ -217,19 +217,8 @@ class CompiledSystem:
 
     def _newton(self, solver, _mbs, settings) -> bool:
         """Predict and solve a step; Exudyn calls it anew with half the step where it fails."""
-        data, h = self.mbs.systemData, solver.it.currentStepSize
-        beta, gamma = solver.newmarkBeta, solver.newmarkGamma
-        before, after = solver.GetStartOfStepStateAAlgorithmic(), solver.GetAAlgorithmic()
-        if np.array_equal(before, after):
-            solver.ComputeNewtonUpdate(self.mbs, settings, True)
-            q, q_t = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
-        else:
-            # a step that failed has left the algorithmic acceleration of its end, which does not depend
-            # on the step size; Exudyn would take it for that of the start
-            q, q_t = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
-            q = q + h * q_t + h * h * ((0.5 - beta) * before + beta * after)
-            q_t = q_t + h * ((1.0 - gamma) * before + gamma * after)
-        self._state[0], self._state[1], self._state[2] = q, q_t, 0.0
+        predict(solver, self.mbs, settings, self._state)
+        h, beta, gamma = solver.it.currentStepSize, solver.newmarkBeta, solver.newmarkGamma
         start = self._multipliers.copy()
         weights = Weights(
             1.0,
@@ -291,6 +280,30 @@ class CompiledSystem:
         data.SetODE2Coordinates(self._state[0], to)
         data.SetODE2Coordinates_t(self._state[1], to)
         data.SetODE2Coordinates_tt(self._state[2], to)
+
+
+def predict(
+    solver: "exu.MainSolverImplicitSecondOrder",
+    mbs: "exu.MainSystem",
+    settings: "exu.SimulationSettings",
+    state: NDArray,
+) -> None:
+    """Write coordinates, rates and accelerations (3, n) with which a step's search starts.
+
+    By the generalized-alpha method (Arnold and Bruels, Multibody System Dynamics 18, 2007, algorithm 1). A
+    step that failed has left Exudyn's algorithmic acceleration as it would be at the step's end, whatever its
+    size; Exudyn itself would take it for that of the start when the step is tried again.
+    """
+    data, h = mbs.systemData, solver.it.currentStepSize
+    before, after = solver.GetStartOfStepStateAAlgorithmic(), solver.GetAAlgorithmic()
+    if np.array_equal(before, after):
+        solver.ComputeNewtonUpdate(mbs, settings, True)
+        state[0], state[1] = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+    else:
+        beta, gamma, rate = solver.newmarkBeta, solver.newmarkGamma, data.GetODE2Coordinates_t()
+        state[0] = data.GetODE2Coordinates() + h * rate + h * h * ((0.5 - beta) * before + beta * after)
+        state[1] = rate + h * ((1.0 - gamma) * before + gamma * after)
+    state[2] = 0.0
 
 
 def _coordinates_only(container: "exu.SystemContainer", size: int) -> "exu.MainSystem":

@@ -1,0 +1,71 @@
+"""Elimination group by group against a dense solution."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler.model.compiled.elimination import eliminate, fronts_of, solve
+
+
+def chain(links, closed):
+    """Bodies of six on a common ground of seven, and links of five between neighbours: groups, couplings."""
+    bodies = [list(range(6 * s, 6 * s + 6)) for s in range(8)]
+    ground = list(range(48, 55))
+    joints = [list(range(55 + 5 * k, 60 + 5 * k)) for k in range(links)]
+    couplings = [[*body, *ground] for body in bodies]
+    couplings += [[*joint, *bodies[(k + end) % 8]] for k, joint in enumerate(joints) for end in (0, 1)]
+    assert closed == (links == len(bodies))
+    return [*bodies, *joints, ground], couplings
+
+
+def equations(groups, couplings, seed=3):
+    """Dense matrix of random terms, the fronts and their values."""
+    rng = np.random.default_rng(seed)
+    size = sum(map(len, groups))
+    fronts, dense = fronts_of(groups, couplings), np.zeros((size, size))
+    values = np.zeros(fronts.size)
+    for coupling in couplings:
+        block = rng.normal(size=(len(coupling), len(coupling)))
+        dense[np.ix_(coupling, coupling)] += block
+        first = next(k for k, group in enumerate(groups) if set(group) & set(coupling))
+        n = len(fronts.rows(first))
+        matrix = values[fronts.place[first] : fronts.place[first + 1]].reshape(n, n)
+        rows = [fronts.row(first, unknown) for unknown in coupling]
+        matrix[np.ix_(rows, rows)] += block
+    return dense, fronts, values
+
+
+@pytest.mark.parametrize(("links", "closed"), [(7, False), (8, True)])
+def test_solution_is_that_of_the_dense_equations(links, closed):
+    dense, fronts, values = equations(*chain(links, closed))
+    right = np.random.default_rng(5).normal(size=len(dense))
+    x = right.copy()
+    eliminate(tuple(fronts), values)
+    solve(tuple(fronts), values, x)
+    np.testing.assert_allclose(x, np.linalg.solve(dense, right), rtol=1e-8, atol=1e-8)
+
+
+def test_a_front_of_an_open_chain_meets_its_neighbour_and_the_ground_alone():
+    _, fronts, _ = equations(*chain(7, closed=False))
+    # a link is left with the next one and the ground
+    assert [len(fronts.rows(k)) for k in range(8, 14)] == [5 + 5 + 7] * 6
+    assert fronts.own[-1] == 7
+    assert fronts.parent[-1] == -1
+
+
+def test_a_closed_chain_is_more_data_and_no_other_code():
+    _, fronts, _ = equations(*chain(8, closed=True))
+    # what is left of a link meets the last one too, until it is its turn
+    assert [len(fronts.rows(k)) for k in range(8, 14)] == [5 + 5 + 5 + 7] * 6
+
+
+def test_singular_equations_are_told():
+    _, fronts, values = equations(*chain(7, closed=False))
+    values[:] = 0.0
+    with pytest.raises(np.linalg.LinAlgError):
+        eliminate(tuple(fronts), values)
+
+
+def test_an_unknown_that_a_front_does_not_have_is_told():
+    _, fronts, _ = equations(*chain(7, closed=False))
+    with pytest.raises(ValueError, match="is not in list"):
+        fronts.row(0, 40)

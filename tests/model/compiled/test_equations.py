@@ -1,0 +1,168 @@
+"""Compiled equations against those of Exudyn's items, and against their own derivatives."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from exudyn_crawler import Case, FlexibleShoes, simulate
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.compiled.equations import Memory
+from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.run.equilibrium import static_equilibrium
+from tests.model.compiled.both import by_engine, compiled, compiled_matrix, evaluated, random_state
+
+pytestmark = pytest.mark.simulation
+
+FLEXIBLE = Case.stress(mesh="coarse").with_(
+    flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(6, 7, 13), highest_frequency=1000.0)
+)
+CASES = {"straight": Case.translation(), "turning": Case.turning(), "flexible": FLEXIBLE}
+
+
+@pytest.fixture(scope="module", params=CASES)
+def both(request):
+    """Both formulations' equations at a random state, and that state."""
+    case = CASES[request.param]
+    q, q_t = random_state(case, static_equilibrium(case), seed=11)
+    return case, q, q_t, by_engine(case, q, q_t), compiled(case, q, q_t)
+
+
+@pytest.fixture(scope="module", params=CASES)
+def unbent(request):
+    """The same where the shoes are not bent, though they are about to be."""
+    case = CASES[request.param]
+    q, q_t = random_state(case, static_equilibrium(case), seed=12)
+    if case.flexible is not None:
+        q[compiled_system(case).layout.coordinate_count - compiled_modes(case) :] = 0.0
+    return case, q, q_t, by_engine(case, q, q_t), compiled(case, q, q_t)
+
+
+def compiled_modes(case):
+    """Number of all modal coordinates."""
+    layout = compiled_system(case).layout
+    return len(layout.flexible_shoes) * layout.modes
+
+
+def turning_of_the_axes(case, q, q_t):
+    """Accelerations (n,) of the flexible shoes' angles that turn a shoe as the axes' own turning does.
+
+    Exudyn's floating-frame bodies with angles leave out the rates of the axes that the angles turn about.
+    """
+    extra = np.zeros(len(q))
+    for number in () if case.flexible is None else case.flexible.shoes:
+        at = slice(6 * number - 3, 6 * number)
+        angles, rates, step = q[at], q_t[at], 1e-6
+
+        def omega(angles):
+            def turned(k):
+                change = 1e-6 * np.eye(3)[k]
+                return (rotation_matrices(angles + change) - rotation_matrices(angles - change)) / 2e-6
+
+            R = rotation_matrices(angles)
+            local = [R.T @ turned(k) for k in range(3)]
+            return np.column_stack([(w[2, 1], w[0, 2], w[1, 0]) for w in local])
+
+        change = (omega(angles + step * rates) - omega(angles - step * rates)) / (2.0 * step)
+        extra[at] = np.linalg.solve(omega(angles), change @ rates)
+    return extra
+
+
+def test_mass_matrices_agree(both):
+    *_, engine, own = both
+    np.testing.assert_allclose(own.mass, engine.mass, rtol=0.0, atol=1e-9 * np.abs(engine.mass).max())
+
+
+def test_gaps_of_the_constraints_agree(both):
+    *_, engine, own = both
+    np.testing.assert_allclose(own.off, engine.off, rtol=0.0, atol=1e-12)
+
+
+def test_directions_of_the_constraints_agree(unbent):
+    *_, engine, own = unbent
+    np.testing.assert_allclose(own.directions, engine.directions, rtol=0.0, atol=1e-9)
+
+
+def test_directions_are_the_gradients_of_the_gaps(both):
+    case, q, q_t, _, own = both
+    system = compiled_system(case)
+
+    def gaps(q):
+        evaluated(system, q, q_t)
+        return Memory(*system._memory).off[: system.pin_rows].copy()
+
+    changes = 1e-6 * np.eye(len(q))
+    gradients = np.array([(gaps(q + change) - gaps(q - change)) / 2e-6 for change in changes])
+    np.testing.assert_allclose(own.directions[:, : system.pin_rows], gradients, rtol=0.0, atol=1e-8)
+
+
+def test_exudyns_directions_are_not_where_a_pins_lug_has_turned():
+    """The forces of a joint on a bent body turn with the wrong tangent: by as much as the lug has turned."""
+    q, q_t = random_state(FLEXIBLE, static_equilibrium(FLEXIBLE), seed=11)
+    engine, own = by_engine(FLEXIBLE, q, q_t), compiled(FLEXIBLE, q, q_t)
+    assert np.abs(own.directions - engine.directions).max() > 1e-7
+
+
+def test_forces_agree(both):
+    case, q, q_t, engine, own = both
+    missing = engine.mass @ turning_of_the_axes(case, q, q_t)
+    scale = np.abs(engine.forces).max()
+    np.testing.assert_allclose(own.forces, engine.forces - missing, rtol=0.0, atol=1e-9 * scale)
+
+
+def test_accelerations_agree(unbent):
+    """Of both systems with their constraints, with the rate of the axes where Exudyn leaves it out."""
+    case, q, q_t, engine, own = unbent
+    missing = engine.mass @ turning_of_the_axes(case, q, q_t)
+    found = []
+    for equations, forces in ((engine, engine.forces - missing), (own, own.forces)):
+        n, rows = equations.directions.shape
+        # what the constraints' own turning asks for is the same for both: leave it out
+        scale = 1e4
+        matrix = np.zeros((n + rows, n + rows))
+        matrix[:n, :n] = equations.mass
+        matrix[:n, n:], matrix[n:, :n] = scale * equations.directions, scale * equations.directions.T
+        right = np.concatenate((forces, np.zeros(rows)))
+        found.append(scipy.linalg.solve(matrix, right)[:n])
+    np.testing.assert_allclose(found[1], found[0], rtol=0.0, atol=1e-9 * np.abs(found[0]).max())
+
+
+def test_exudyn_leaves_out_how_the_axes_of_a_flexible_shoes_angles_turn():
+    """Without that term the two differ by far more than rounding, at the angles of flexible shoes alone."""
+    q, q_t = random_state(FLEXIBLE, static_equilibrium(FLEXIBLE), seed=11)
+    engine, own = by_engine(FLEXIBLE, q, q_t), compiled(FLEXIBLE, q, q_t)
+    apart = np.abs(own.forces - engine.forces)
+    flexible = [6 * number - 6 + k for number in FLEXIBLE.flexible.shoes for k in range(6)]
+    assert apart[[6 * number - 3 for number in FLEXIBLE.flexible.shoes]].min() > 1.0  # N m
+    rigid = np.setdiff1d(np.arange(6 * FLEXIBLE.track.shoe_count), flexible)
+    assert apart[rigid].max() < 1e-9 * np.abs(engine.forces).max()
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_short_run_is_the_same_in_both_formulations(name):
+    case = CASES[name]
+    runs = [
+        simulate(case.with_(formulation=one, solver=case.solver.with_(residual=1e-3)), 0.1, progress=False)
+        for one in ("compiled", "engine")
+    ]
+    for variable in ("position", "angles", "joint_force", "drive_force", "unit_heave"):
+        own, engine = (run.dataset[variable].values for run in runs)
+        scale = np.abs(engine).max()
+        np.testing.assert_allclose(own, engine, rtol=0.0, atol=1e-6 * scale, err_msg=variable)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_newtons_matrix_is_the_derivative_of_the_residual(name):
+    """At rest and with light loads, where what it leaves out (turning forces, moving outlines) is small."""
+    case = CASES[name]
+    system, q = compiled_system(case), static_equilibrium(case)
+    q_t = np.zeros(len(q))
+    q_t[: 6 * case.track.shoe_count : 6] = 0.02
+    weights = (1.0, 900.0, 9e5, False, 1e-3)
+    matrix = compiled_matrix(system, q, q_t, weights)[: len(q), : len(q)]
+    found = np.empty_like(matrix)
+    for k, e in enumerate(1e-8 * np.eye(len(q))):
+        above = evaluated(system, q + e, q_t + weights[1] * e, weights[2] * e)[0]
+        below = evaluated(system, q - e, q_t - weights[1] * e, -weights[2] * e)[0]
+        found[:, k] = (above - below)[: len(q)] / 2e-8
+    scale = np.sqrt(np.outer(np.abs(np.diag(found)), np.abs(np.diag(found))))
+    assert (np.abs(matrix - found) / scale).max() < 0.02

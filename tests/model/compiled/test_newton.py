@@ -1,0 +1,125 @@
+"""Steps that fail, and how runs go on behind them."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case
+from exudyn_crawler.model.compiled import system as compiled
+from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.run.equilibrium import static_equilibrium
+from exudyn_crawler.run.settings import set_times, solver_settings
+
+pytestmark = pytest.mark.simulation
+
+
+def swinging(step):
+    """One mass on a spring, 10 rad/s, released at 1 m, with steps of 0.01 s: solver, system and settings."""
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    node = mbs.AddNode(
+        items.NodeGenericODE2(
+            referenceCoordinates=[0.0],
+            initialCoordinates=[1.0],
+            initialCoordinates_t=[0.0],
+            numberOfODE2Coordinates=1,
+        )
+    )
+    mass, spring = exu.MatrixContainer(), exu.MatrixContainer()
+    mass.SetWithDenseMatrix(np.eye(1))
+    spring.SetWithDenseMatrix(100.0 * np.eye(1))
+    mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=mass, stiffnessMatrix=spring))
+    mbs.Assemble()
+    settings = solver_settings(Case.translation().solver.with_(step=0.01, residual=1e-9))
+    set_times(settings, Case.translation().solver.with_(step=0.01), 0.0, 0.4)
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
+    solver = exu.MainSolverImplicitSecondOrder()
+    solver.SetUserFunctionNewton(mbs, step)
+    return container, mbs, solver, settings
+
+
+def greatest_error(predict, fails=True):
+    """Greatest error of the mass's velocity (m/s) just behind 0.2 s, where a step fails once."""
+    failed, found = [], []
+
+    def step(solver, mbs, settings):
+        state = np.zeros((3, 1))
+        predict(solver, mbs, settings, state)
+        if fails and solver.it.currentTime > 0.2 and not failed:
+            failed.append(solver.it.currentTime)
+            return False
+        beta, h = solver.newmarkBeta, solver.it.currentStepSize
+        by_acceleration = (1.0 - solver.alphaM) / ((1.0 - solver.alphaF) * beta * h * h)
+        by_rate = solver.newmarkGamma / (h * beta)
+        change = -(state[2] + 100.0 * state[0]) / (by_acceleration + 100.0)
+        state += np.outer([1.0, by_rate, by_acceleration], change)
+        data = mbs.systemData
+        data.SetODE2Coordinates(state[0])
+        data.SetODE2Coordinates_t(state[1])
+        data.SetODE2Coordinates_tt(state[2])
+        if 0.2 < solver.it.currentTime < 0.23:
+            found.append(state[1, 0] + 10.0 * np.sin(10.0 * solver.it.currentTime))
+        return True
+
+    container, mbs, solver, settings = swinging(step)
+    assert solver.SolveSystem(mbs, settings)
+    assert len(failed) == fails
+    del container
+    return np.abs(found).max()
+
+
+def by_exudyn(solver, mbs, settings, state):
+    """Prediction as Exudyn makes it, also for a step that is tried again."""
+    solver.ComputeNewtonUpdate(mbs, settings, True)
+    state[0], state[1] = mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates_t()
+
+
+def test_a_step_tried_again_starts_from_the_algorithmic_acceleration_of_its_start():
+    undisturbed = greatest_error(compiled.predict, fails=False)
+    assert greatest_error(compiled.predict) < 1.1 * undisturbed
+
+
+def test_exudyn_starts_a_step_that_failed_from_the_algorithmic_acceleration_of_its_end():
+    assert greatest_error(by_exudyn) > 1.5 * greatest_error(by_exudyn, fails=False)
+
+
+def test_a_step_that_fails_is_halved_and_the_run_goes_on(monkeypatch):
+    case = Case.translation()
+    system, calls = compiled_system(case), []
+    solve_step = compiled.step
+
+    def failing(*arguments):
+        calls.append(arguments)
+        found = solve_step(*arguments)
+        return (False, *found[1:]) if len(calls) == 20 else found
+
+    times = []
+    system.set_initial(static_equilibrium(case))
+    system.after_step(lambda time: times.append(time) or True)
+    settings = solver_settings(case.solver)
+    set_times(settings, case.solver, 0.0, 0.1)
+    monkeypatch.setattr(compiled, "step", failing)
+    system.solve(settings)
+    steps = np.diff(times)
+    assert steps.min() == pytest.approx(0.5 * case.solver.step)
+    assert times[-1] == pytest.approx(0.1)
+
+
+def test_multipliers_are_those_of_the_last_step_that_succeeded(monkeypatch):
+    case = Case.translation()
+    system = compiled_system(case)
+    system.set_initial(static_equilibrium(case))
+    settings = solver_settings(case.solver)
+    set_times(settings, case.solver, 0.0, 0.01)
+    system.solve(settings)
+    kept = system.state()
+    monkeypatch.setattr(compiled, "step", lambda *_: (False, 1, 1, 1.0))
+    set_times(settings, case.solver, 0.01, 0.02)
+    system.set_state(kept)
+    with pytest.raises(compiled.NewtonError):
+        system.solve(settings)
+    names = ("multipliers", "coordinates")
+    for name in names:
+        np.testing.assert_array_equal(
+            system.layout.part(system.state(), name), system.layout.part(kept, name), err_msg=name
+        )
