@@ -3,7 +3,7 @@
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case import ph4100c
@@ -41,7 +41,9 @@ class Case(Parameters):
         default="reduced",
         description="independent coordinates of the terrain, or all of them with its joints",
     )
-    gravity: float = quantity("m/s2", "acceleration of gravity, along -z", ge=0, default=ph4100c.GRAVITY)
+    gravity: float = quantity(
+        "m/s2", "acceleration of gravity, along -z on level ground", ge=0, default=ph4100c.GRAVITY
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -129,10 +131,18 @@ class Case(Parameters):
             raise ValueError(f"contact.model must be 'spheres', got {self.contact.model!r}")
         return self.contact
 
+    def gravity_vector(self) -> NDArray:
+        """Acceleration of gravity: array (3,), m/s2, x along the travel at t = 0, z normal to the ground."""
+        return self.gravity * self.terrain.down
+
+    def pressed(self, load: ArrayLike) -> NDArray:
+        """Force normal to the ground (N) of a shoe's weight and of each load (N) on it."""
+        return (np.asarray(load) + self.shoe.mass * self.gravity) * -self.terrain.down[2]
+
     @property
     def mean_load(self) -> float:
-        """Mean over the shoes of the force that the ground carries at t = 0, N: load and weight."""
-        return float(self.loads.loads(0.0).mean()) + self.shoe.mass * self.gravity
+        """Mean over the shoes of the normal force that the ground carries at t = 0, N: load and weight."""
+        return float(self.pressed(self.loads.loads(0.0).mean()))
 
     @property
     def settled_penetration(self) -> float:
@@ -148,8 +158,8 @@ class Case(Parameters):
     def _greatest_depth(self) -> float:
         """Penetration of the most loaded shoe at its most loaded time on linear spheres, m."""
         profiles = [self.loads.profile(number) for number in self.track.shoes]
-        load = max(max(profile.values) for profile in profiles) + self.shoe.mass * self.gravity
-        return self.settled_penetration * load / self.mean_load
+        load = max(max(profile.values) for profile in profiles)
+        return self.settled_penetration * float(self.pressed(load)) / self.mean_load
 
     @classmethod
     def translation(cls) -> Self:

@@ -12,9 +12,10 @@ from exudyn_crawler.case.base import Parameters, quantity
 
 
 class Terrain(Parameters):
-    """Grid of rigid units, each with heave and one tilt on vertical spring-dampers.
+    """Grid of rigid units, each with heave and one tilt on spring-dampers normal to the ground.
 
-    Units count along y first, from 1. Their top faces lie at z = 0 while the springs are free.
+    Units count along y first, from 1. Their top faces lie at z = 0 while the springs are free. All places and
+    directions are in the ground's own axes: on a slope gravity leans, and z stays normal to the ground.
     """
 
     origin: tuple[float, float] = quantity(
@@ -34,6 +35,20 @@ class Terrain(Parameters):
     )
     column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
     tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
+    grade: float = quantity(
+        "1",
+        "slope along x as rise over horizontal run; positive is uphill in the direction of travel",
+        gt=-1,
+        lt=1,
+        default=0.0,
+    )
+    side_slope: float = quantity(
+        "1",
+        "slope along y as rise over horizontal run; positive rises to the left (+y)",
+        gt=-1,
+        lt=1,
+        default=0.0,
+    )
 
     heights: tuple[float, ...] | None = quantity(
         "m",
@@ -134,6 +149,16 @@ class Terrain(Parameters):
     def top_heights(self) -> NDArray:
         """Height of every unit's top face, with the springs free: array (units,), m."""
         return np.zeros(self.unit_count) if self.heights is None else np.array(self.heights)
+
+    @property
+    def down(self) -> NDArray:
+        """Direction of gravity: unit vector (3,) in the ground's axes.
+
+        An axis whose ground rises by s over a horizontal run of 1 points up by the sine s / sqrt(1 + s**2).
+        """
+        x, y = (slope / math.hypot(1.0, slope) for slope in (self.grade, self.side_slope))
+        # adding zero makes plain zeros of negative ones
+        return np.array([-x, -y, -math.sqrt(1.0 - x**2 - y**2)]) + 0.0
 
     @property
     def unit_count(self) -> int:

@@ -65,6 +65,11 @@ class FloatingShoe:
         return len(self.positions) - 1
 
     @property
+    def mass(self) -> float:
+        """Mass of the mesh, kg."""
+        return float(self.integrals["mass"])
+
+    @property
     def mode_count(self) -> int:
         """Number of modes that answer dynamically."""
         return self.modes.shape[1]

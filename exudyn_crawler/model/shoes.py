@@ -63,7 +63,8 @@ def _add_rigid(mbs: "exu.MainSystem", case: Case, number: int, node: int) -> Sho
         )
     )
     com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
-    mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0.0, 0.0, -shoe.mass * case.gravity]))
+    weight = shoe.mass * case.gravity_vector()
+    mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=weight.tolist()))
     pins = {}
     for joint, place in case.track.joint_centers.items():
         end, side = joint.split()
@@ -102,7 +103,7 @@ def add_flexible(
         )
     )
     weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
-    mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=[0.0, 0.0, -case.gravity]))
+    mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=case.gravity_vector().tolist()))
     pins = {}
     for joint in floating.joints:
         end, side = joint.split()

@@ -168,9 +168,8 @@ def _joints(history: History, shoe: int, position: NDArray, frames: NDArray) -> 
 def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
     own = shoe_mass(history.case, shoe)
     zero = np.zeros_like(position)
-    weight, load = zero.copy(), zero.copy()
-    weight[:, 2] = -own.mass * history.case.gravity
-    load[:, 2] = -history.shoe_load.sel(shoe=shoe).values
+    weight = zero + own.mass * history.case.gravity_vector()
+    load = history.shoe_load.sel(shoe=shoe).values[:, None] * history.case.terrain.down
     yield Action("weight", shoe, "COM", position + frames @ own.center, weight, zero, OverMass())
     flexible = history.case.flexible
     loaded = "top" if flexible is None else flexible.load_surface

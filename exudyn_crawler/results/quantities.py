@@ -107,7 +107,7 @@ _HISTORY = (
         "shoe_load",
         "P",
         "N",
-        "machine and dipper load, downward",
+        "machine and dipper load, along gravity",
         ("time", "shoe"),
         "machine and dipper load",
     ),
