@@ -1,6 +1,6 @@
 """Everything that a run depends on."""
 
-from typing import Literal, Self
+from typing import Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,8 @@ from exudyn_crawler.case.shoe import Shoe
 from exudyn_crawler.case.solver import Solver
 from exudyn_crawler.case.terrain import Terrain
 from exudyn_crawler.case.track import Track
+
+Kind = TypeVar("Kind", PairContact, SphereContact)
 
 
 class Case(Parameters):
@@ -96,39 +98,23 @@ class Case(Parameters):
             )
 
     def flexible_shoes(self) -> FlexibleShoes:
-        """Flexible shoes of a case that has some.
-
-        Raises
-        ------
-        ValueError
-            If it has none.
-        """
+        """Flexible shoes of the case; raises `ValueError` if it has none."""
         if self.flexible is None:
             raise ValueError(f"flexible must be given, got a case of rigid shoes only, {self.name!r}")
         return self.flexible
 
     def pair_contact(self) -> PairContact:
-        """Pair law of a case whose contact is one.
-
-        Raises
-        ------
-        ValueError
-            If its contact is another.
-        """
-        if not isinstance(self.contact, PairContact):
-            raise ValueError(f"contact.model must be 'pair', got {self.contact.model!r}")
-        return self.contact
+        """Pair law of the case; raises `ValueError` if its contact is another."""
+        return self._contact_of(PairContact)
 
     def sphere_contact(self) -> SphereContact:
-        """Spheres of a case whose contact they are.
+        """Spheres of the case; raises `ValueError` if its contact is another."""
+        return self._contact_of(SphereContact)
 
-        Raises
-        ------
-        ValueError
-            If its contact is another.
-        """
-        if not isinstance(self.contact, SphereContact):
-            raise ValueError(f"contact.model must be 'spheres', got {self.contact.model!r}")
+    def _contact_of(self, kind: type[Kind]) -> Kind:
+        if not isinstance(self.contact, kind):
+            wanted = kind.model_fields["model"].default
+            raise ValueError(f"contact.model must be {wanted!r}, got {self.contact.model!r}")
         return self.contact
 
     def gravity_vector(self) -> NDArray:

@@ -55,18 +55,7 @@ class PairContact(Parameters):
     @classmethod
     def oil_sand(cls, sharing: Literal["pair", "area"] = "pair") -> Self:
         """Steel shoe on oil sand (all papers, contact table); sharing and edge width are chosen here."""
-        return cls(
-            stiffness=ph4100c.CONTACT_STIFFNESS,
-            exponent=ph4100c.CONTACT_EXPONENT,
-            damping=ph4100c.CONTACT_DAMPING,
-            damping_depth=ph4100c.DAMPING_DEPTH,
-            static_friction=ph4100c.STATIC_FRICTION,
-            dynamic_friction=ph4100c.DYNAMIC_FRICTION,
-            stiction_speed=ph4100c.STICTION_SPEED,
-            friction_speed=ph4100c.FRICTION_SPEED,
-            sharing=sharing,
-            edge_width=ph4100c.EDGE_WIDTH,
-        )
+        return cls(**ph4100c.PAIR_CONTACT, sharing=sharing)
 
     def settled_depth(self, load: ArrayLike) -> NDArray:
         """Penetration (m) of an evenly carried shoe under each load (N); none where a load lifts."""
@@ -135,17 +124,7 @@ class SphereContact(Parameters):
         falls from mu_s = 0.4 at 0.01 m/s to mu_d = 0.3 at 0.1 m/s; a track at full propel slips at 0.1 m/s,
         hence mu_d. Number and radius of the spheres are chosen here.
         """
-        spheres_x, spheres_y = ph4100c.SPHERES
-        return cls(
-            spheres_x=spheres_x,
-            spheres_y=spheres_y,
-            radius=ph4100c.SPHERE_RADIUS,
-            reference_stiffness=ph4100c.CONTACT_STIFFNESS,
-            reference_exponent=ph4100c.CONTACT_EXPONENT,
-            damping=ph4100c.CONTACT_DAMPING,
-            friction=ph4100c.DYNAMIC_FRICTION,
-            friction_speed=ph4100c.STICTION_SPEED,
-        )
+        return cls(**ph4100c.SPHERE_CONTACT)
 
     @property
     def count(self) -> int:

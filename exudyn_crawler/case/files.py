@@ -7,7 +7,6 @@ in the table of a part. Names, units and bounds are those of the parameter class
 
 import difflib
 import json
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -30,6 +29,7 @@ from exudyn_crawler.case.fields import (
 )
 from exudyn_crawler.case.old_keys import migrated
 from exudyn_crawler.case.text import case_text
+from exudyn_crawler.case.toml import toml_content
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.files import whole_file
 from meshes import SHOE_SIZES
@@ -48,14 +48,8 @@ def read_case(path: str | Path) -> CaseFile:
         Naming every key at fault by its path, and what is allowed there.
     """
     path = Path(path)
-    if not path.is_file():
-        raise FileNotFoundError(f"no case file {path}")
     try:
-        # some editors put a mark before the text
-        content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except (ValueError, RecursionError) as error:
-        raise CaseFileError(path, [f"not TOML: {error}"]) from error
-    try:
+        content = toml_content(path, "case file")
         # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
         text = json.dumps(_resolved(migrated(content, path), path.parent), default=_untyped)
         return CaseFile.model_validate_json(text, strict=True)

@@ -112,14 +112,4 @@ class FlexibleShoes(Parameters):
     @classmethod
     def ph4100c(cls, mesh: str = "study") -> Self:
         """Middle and front shoes of the S-paper: steel, with its modal damping."""
-        return cls(
-            shoes=ph4100c.FLEXIBLE_SHOES,
-            mesh=mesh,
-            youngs_modulus=ph4100c.YOUNGS_MODULUS,
-            poissons_ratio=ph4100c.POISSONS_RATIO,
-            density=ph4100c.STEEL_DENSITY,
-            fixed_modes=ph4100c.INTEGRATED_MODES,
-            recovered_modes=ph4100c.RECOVERED_MODES,
-            com_node=ph4100c.COM_NODE,
-            damping=PAPER_DAMPING,
-        )
+        return cls(**ph4100c.FLEXIBLE_SHOES, mesh=mesh, damping=PAPER_DAMPING)

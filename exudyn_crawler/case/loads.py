@@ -1,6 +1,5 @@
 """Machine and dipper loads on the shoes over time."""
 
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Self
@@ -14,6 +13,7 @@ from scipy.optimize import brentq
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, quantity
 from exudyn_crawler.case.profile import StepProfile
+from exudyn_crawler.case.toml import toml_content
 
 
 class Phase(Parameters):
@@ -111,13 +111,10 @@ class LoadCycle(Parameters):
         ValueError
             If it is not TOML or not a load cycle, naming what is wrong.
         """
-        path = Path(path)
-        if not path.is_file():
-            raise FileNotFoundError(f"no load cycle {path}")
         try:
-            content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-        except (ValueError, RecursionError) as error:
-            raise ValueError(f"{path} is not TOML: {error}") from error
+            content = toml_content(path, "load cycle")
+        except ValueError as error:
+            raise ValueError(f"{path} is {error}") from error
         if "drive_on" in content:
             raise ValueError(
                 f"{path}: drive_on must not be in a load cycle, since the drive says when it is on: "

@@ -2,11 +2,12 @@
 
 K-chapter and K-paper are those on kinematics, F-paper that on forces, S-paper that on stress. What they leave
 open and is chosen here is marked so. Pitch, pins and outline of the shoe stand in `meshes.geometry`, which
-makes its mesh of them.
+makes its mesh of them. A mapping holds the values of one parameter class by the names of its fields.
 """
 
 import math
-from typing import Final
+from collections.abc import Mapping
+from typing import Any
 
 from meshes.geometry import (
     COM_HEIGHT,
@@ -21,88 +22,102 @@ from meshes.geometry import (
 GRAVITY = 9.81
 """m/s2; the K-paper's two-body figures close with no other."""
 
-# shoe (K-chapter and K-paper, tables of shoe properties and COMs)
-SHOE_MASS = 4681.67
-"""kg: 0.5966 m3 at 7847.25 kg/m3."""
 STRESS_SHOE_MASS = 4489.63
 """kg, of every shoe in the stress study, flexible or rigid (S-paper, table 2)."""
-COM_NODE = (0.0, 0.0485, 0.0009)
-"""m in the shoe's frame: shoe 13's "moved COM" (17.998, 9.3386, 0.2034) less its COM (S-paper, table 4)."""
-SHOE_INERTIA = (3995.7, 176.0, 4026.4, 0.0, 0.0, 0.0)
-"""kg m2, xx, yy, zz, yz, xz, xy. Not printed (CAD): those of the shoe in `meshes/`, scaled from the mesh's
-mass to this one; products of inertia (0.1 %) left out, so that the shoe is even about its middle plane."""
-SHOE_COM_HEIGHT = COM_HEIGHT
-"""m above the underside: z of the COMs, with the undersides at z = 0."""
-SHOE_LENGTH = ShoeDimensions.plate_length
-"""m, of the underside. Not printed: that of the shoe in `meshes/`."""
-SHOE_WIDTH = ShoeDimensions.width
-"""m, of the underside."""
-SHOE_LOAD_HEIGHT = 0.2014
-"""m above the COM, of the load point. Not printed: the mesh's top face at its centroid."""
+SHOE: Mapping[str, Any] = {
+    "mass": 4681.67,  # kg: 0.5966 m3 at 7847.25 kg/m3
+    # kg m2, xx, yy, zz, yz, xz, xy. Not printed (CAD): those of the shoe in `meshes/`, scaled from the mesh's
+    # mass to this one; products of inertia (0.1 %) left out, so that the shoe is even about its middle plane
+    "inertia": (3995.7, 176.0, 4026.4, 0.0, 0.0, 0.0),
+    "com_height": COM_HEIGHT,  # m above the underside: z of the COMs, with the undersides at z = 0
+    "length": ShoeDimensions.plate_length,  # m, of the underside. Not printed: that of the shoe in `meshes/`
+    "width": ShoeDimensions.width,  # m, of the underside
+    "underside_center": (0.0, 0.0),
+    "load_point": (0.0, 0.0, 0.2014),  # m from the COM. Not printed: the mesh's top face at its centroid
+}
+"""Shoe of the rigid studies (K-chapter and K-paper, tables of shoe properties and COMs)."""
 
-# track (K-chapter and K-paper, tables of COMs and joints)
 SHOE_COUNT = 13
 """Shoes 1..13 = Parts 2..14."""
-FIRST_COM = (10.1291, TRACK_Y)
-"""m, x and y of the COM of shoe 1."""
-TRACK_PITCH = PITCH
-"""m, spacing of the COMs: (17.9980 - 10.1291) / 12."""
-PIN_AHEAD = FRONT_PIN_X
-"""m, x of the front pin ahead of the COM: link 1 at x = 10.4379, shoe 1 at 10.1291."""
-PIN_ABOVE_COM = PIN_HEIGHT
-"""m: pins at z = 0.25, COMs at 0.2025."""
-SPHERICAL_Y, PARALLEL_Y = TRACK_PIN_Y["right"], TRACK_PIN_Y["left"]
-"""m, y of the spherical and of the parallel-axes joints."""
+TRACK: Mapping[str, Any] = {
+    "shoe_count": SHOE_COUNT,
+    "first_com": (10.1291, TRACK_Y),  # m, x and y of the COM of shoe 1
+    "pitch": PITCH,  # m, spacing of the COMs: (17.9980 - 10.1291) / 12
+    "pin_ahead": FRONT_PIN_X,  # m, x ahead of the COM: link 1 at x = 10.4379, shoe 1 at 10.1291
+    "pin_height": PIN_HEIGHT,  # m above the COM: pins at z = 0.25, COMs at 0.2025
+    "spherical_y": TRACK_PIN_Y["right"],  # m
+    "parallel_y": TRACK_PIN_Y["left"],
+}
+"""Track (K-chapter and K-paper, tables of COMs and joints)."""
 
-# terrain of the rigid studies (K-chapter, K-paper and F-paper)
-SOIL_DENSITY = 1600.0
-"""kg/m3, of oil sand (all papers)."""
-SPRING_STIFFNESS = 20e6
-"""N/m, of every spring-damper (all papers); of the S-paper E A / L with E = 20 MPa."""
-SPRING_DAMPING = 120e3
-"""N s/m, of every spring-damper (all papers)."""
-COARSE_COLUMNS, COARSE_ROWS = 10, 5
-"""Units along x and along y: 70 x 35 m."""
-COARSE_UNIT = (7.0, 7.0, 2.0)
-"""m, sides of a unit along x, y, z."""
-COARSE_SPRINGS: Final = 2
-"""Under each unit."""
-COARSE_SPRING_OFFSET = COARSE_UNIT[0] / (2.0 * math.sqrt(3.0))
-"""m from the unit's centre. Chosen here: the Gauss points of its length, where two springs resist heave and
-pitch exactly as an evenly spread support of the same stiffness does."""
 
-# terrain of the S-paper
-FINE_COLUMNS, FINE_ROWS = 19, 13
-"""Units along x and along y."""
-FINE_UNIT = (1.0, 1.0, 1.0)
-"""m, sides of a unit along x, y, z."""
-FINE_SPRINGS: Final = 1
-"""Under each unit."""
-FINE_ORIGIN = (5.044, 3.2901)
-"""m. Chosen: before and behind the track the same margin halfway through the drive (4.7 m; "4 to 5 m" in
-the S-paper), and a seam below the track's middle. The pair law knows no area: with a row of units below the
-middle the outermost 0.25 m of a shoe would push as hard as a whole unit; with the seam there are four rows,
-of which the narrowest carries 0.75 m. The margins beside the track are 4.2 and 5.2 m."""
+def _units(columns: int, rows: int, sides: tuple[float, float, float]) -> dict[str, Any]:
+    """Units along x and along y, with their sides along x, y, z (m)."""
+    length, width, height = sides
+    return {
+        "columns": columns,
+        "rows": rows,
+        "unit_length": length,
+        "unit_width": width,
+        "unit_height": height,
+    }
 
-# contact (all papers, contact table)
-CONTACT_STIFFNESS = 1.0e8
-"""N/m^e, k of the IMPACT law."""
-CONTACT_EXPONENT = 2.0
-"""e of the IMPACT law."""
-CONTACT_DAMPING = 1.0e4
-"""N s/m, c_max of the IMPACT law."""
-DAMPING_DEPTH = 1.0e-4
-"""m, d of the IMPACT law."""
-STATIC_FRICTION, DYNAMIC_FRICTION = 0.4, 0.3
-"""mu_s and mu_d."""
-STICTION_SPEED, FRICTION_SPEED = 0.01, 0.1
-"""m/s, V_st and V_d."""
-EDGE_WIDTH = 0.01
-"""m. Chosen here: 0.05 m changes means by less than 1 %."""
-SPHERES = (4, 5)
-"""Along and across a shoe. Chosen here: four along a shoe resist its pitch within 6 % of an even support."""
-SPHERE_RADIUS = 0.2
-"""m. Chosen here: it bounds the step between units that a track can climb."""
+
+_OIL_SAND: Mapping[str, Any] = {
+    "density": 1600.0,  # kg/m3
+    "spring_stiffness": 20e6,  # N/m, of every spring-damper; of the S-paper E A / L with E = 20 MPa
+    "spring_damping": 120e3,  # N s/m, of every spring-damper
+    "tilt": "pitch",
+}
+"""Units on springs (all papers). Chosen here: units pitch, as the results of the papers describe."""
+COARSE_TERRAIN: Mapping[str, Any] = {
+    **_OIL_SAND,
+    **_units(columns=10, rows=5, sides=(7.0, 7.0, 2.0)),
+    "springs_per_unit": 2,
+    # m from the unit's centre. Chosen here: the Gauss points of its length, where two springs resist heave
+    # and pitch exactly as an evenly spread support of the same stiffness does
+    "spring_offset": 7.0 / (2.0 * math.sqrt(3.0)),
+    "column_tilt": False,
+}
+"""Terrain of the rigid studies (K-chapter, K-paper and F-paper)."""
+FINE_TERRAIN: Mapping[str, Any] = {
+    **_OIL_SAND,
+    **_units(columns=19, rows=13, sides=(1.0, 1.0, 1.0)),
+    "springs_per_unit": 1,
+    "spring_offset": 0.0,
+    "column_tilt": True,
+    # m. Chosen: before and behind the track the same margin halfway through the drive (4.7 m; "4 to 5 m" in
+    # the S-paper), and a seam below the track's middle. The pair law knows no area: with a row of units below
+    # the middle the outermost 0.25 m of a shoe would push as hard as a whole unit; with the seam there are
+    # four rows, of which the narrowest carries 0.75 m. The margins beside the track are 4.2 and 5.2 m
+    "origin": (5.044, 3.2901),
+}
+"""Terrain of the S-paper."""
+
+PAIR_CONTACT: Mapping[str, Any] = {
+    "stiffness": 1.0e8,  # N/m^e, k of the IMPACT law
+    "exponent": 2.0,  # e of the IMPACT law
+    "damping": 1.0e4,  # N s/m, c_max of the IMPACT law
+    "damping_depth": 1.0e-4,  # m, d of the IMPACT law
+    "static_friction": 0.4,  # mu_s
+    "dynamic_friction": 0.3,  # mu_d
+    "stiction_speed": 0.01,  # m/s, V_st
+    "friction_speed": 0.1,  # m/s, V_d
+    "edge_width": 0.01,  # m. Chosen here: 0.05 m changes means by less than 1 %
+}
+"""Steel shoe on oil sand (all papers, contact table)."""
+SPHERE_CONTACT: Mapping[str, Any] = {
+    "spheres_x": 4,  # chosen here: four along a shoe resist its pitch within 6 % of an even support
+    "spheres_y": 5,  # chosen here
+    "radius": 0.2,  # m. Chosen here: it bounds the step between units that a track can climb
+    "reference_stiffness": PAIR_CONTACT["stiffness"],
+    "reference_exponent": PAIR_CONTACT["exponent"],
+    "damping": PAIR_CONTACT["damping"],
+    # the papers' friction falls from mu_s at V_st to mu_d at V_d; a track at full propel slips at V_d
+    "friction": PAIR_CONTACT["dynamic_friction"],
+    "friction_speed": PAIR_CONTACT["stiction_speed"],
+}
+"""Spheres under a shoe on oil sand."""
 
 # drive
 PROPEL_SPEED, PROPEL_RISE = 0.1, 5.0
@@ -124,17 +139,17 @@ DIG_LOAD, SWING_LOAD, DUMP_LOAD = 384e3, 732e3, 541e3
 PROPEL_END, DIG_END, SWING_END, DUMP_END, RETURN_END = REST_START, 22.5, 30.0, 33.5, 40.0
 """s, ends of the phases (S-paper)."""
 
-# flexible shoes (S-paper)
-FLEXIBLE_SHOES = (6, 7, 8, 11, 12, 13)
-"""Middle and front shoes."""
-YOUNGS_MODULUS = 200e9
-"""Pa."""
-POISSONS_RATIO = 0.3
-STEEL_DENSITY = 7847.25
-"""kg/m3."""
-RECOVERED_MODES = 76
-"""Fixed-interface modes."""
-INTEGRATED_MODES = 10
-"""Fixed-interface modes that answer dynamically. Chosen here: the others follow without inertia."""
+# flexible shoes
 DAMPING_FREQUENCIES, DAMPING_RATIOS = (1000.0, 10000.0), (0.005, 1.0)
-"""Hz and 1, modal damping: 0.005 up to the first frequency, a STEP to 1 at the second."""
+"""Hz and 1, modal damping (S-paper): 0.005 up to the first frequency, a STEP to 1 at the second."""
+FLEXIBLE_SHOES: Mapping[str, Any] = {
+    "shoes": (6, 7, 8, 11, 12, 13),  # middle and front
+    "youngs_modulus": 200e9,  # Pa
+    "poissons_ratio": 0.3,
+    "density": 7847.25,  # kg/m3
+    "fixed_modes": 10,  # answer dynamically. Chosen here: the others follow without inertia
+    "recovered_modes": 76,
+    # m in the shoe's frame: shoe 13's "moved COM" (17.998, 9.3386, 0.2034) less its COM (table 4)
+    "com_node": (0.0, 0.0485, 0.0009),
+}
+"""Steel shoes of the S-paper."""

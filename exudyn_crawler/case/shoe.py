@@ -47,15 +47,7 @@ class Shoe(Parameters):
         Mass and COM height are the papers'. They print no inertia and no outline of the underside (CAD): both
         are those of the shoe in `meshes/`.
         """
-        return cls(
-            mass=ph4100c.SHOE_MASS,
-            inertia=ph4100c.SHOE_INERTIA,
-            com_height=ph4100c.SHOE_COM_HEIGHT,
-            length=ph4100c.SHOE_LENGTH,
-            width=ph4100c.SHOE_WIDTH,
-            underside_center=(0.0, 0.0),
-            load_point=(0.0, 0.0, ph4100c.SHOE_LOAD_HEIGHT),
-        )
+        return cls(**ph4100c.SHOE)
 
     def of_mass(self, mass: float) -> Self:
         """Same shape of another density (kg): its inertia goes with the mass."""

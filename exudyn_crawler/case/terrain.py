@@ -71,21 +71,7 @@ class Terrain(Parameters):
         stand at the Gauss points of the unit's length, +-L / (2 sqrt 3), where they resist heave and
         pitch exactly as an evenly spread support of the same stiffness does.
         """
-        length, width, height = ph4100c.COARSE_UNIT
-        return cls(
-            columns=ph4100c.COARSE_COLUMNS,
-            rows=ph4100c.COARSE_ROWS,
-            unit_length=length,
-            unit_width=width,
-            unit_height=height,
-            density=ph4100c.SOIL_DENSITY,
-            springs_per_unit=ph4100c.COARSE_SPRINGS,
-            spring_stiffness=ph4100c.SPRING_STIFFNESS,
-            spring_damping=ph4100c.SPRING_DAMPING,
-            spring_offset=ph4100c.COARSE_SPRING_OFFSET,
-            column_tilt=False,
-            tilt="pitch",
-        )
+        return cls(**ph4100c.COARSE_TERRAIN)
 
     @classmethod
     def stress(cls) -> Self:
@@ -95,22 +81,7 @@ class Terrain(Parameters):
         oil sand as wide as the unit (E = 20 MPa), resists tilting with E I / L; without it a row of
         units could fold without resistance. The terrain's place is open too.
         """
-        length, width, height = ph4100c.FINE_UNIT
-        return cls(
-            origin=ph4100c.FINE_ORIGIN,
-            columns=ph4100c.FINE_COLUMNS,
-            rows=ph4100c.FINE_ROWS,
-            unit_length=length,
-            unit_width=width,
-            unit_height=height,
-            density=ph4100c.SOIL_DENSITY,
-            springs_per_unit=ph4100c.FINE_SPRINGS,
-            spring_stiffness=ph4100c.SPRING_STIFFNESS,
-            spring_damping=ph4100c.SPRING_DAMPING,
-            spring_offset=0.0,
-            column_tilt=True,
-            tilt="pitch",
-        )
+        return cls(**ph4100c.FINE_TERRAIN)
 
     def with_step(self, x: float, height: float) -> Self:
         """Copy with all units whose centres lie beyond `x` (m) higher by `height` (m)."""

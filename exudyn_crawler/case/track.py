@@ -37,15 +37,7 @@ class Track(Parameters):
     @classmethod
     def ph4100c(cls) -> Self:
         """Track of the P&H 4100C BOSS (K-chapter and K-paper, tables of COMs and joints)."""
-        return cls(
-            shoe_count=ph4100c.SHOE_COUNT,
-            first_com=ph4100c.FIRST_COM,
-            pitch=ph4100c.TRACK_PITCH,
-            pin_ahead=ph4100c.PIN_AHEAD,
-            pin_height=ph4100c.PIN_ABOVE_COM,
-            spherical_y=ph4100c.SPHERICAL_Y,
-            parallel_y=ph4100c.PARALLEL_Y,
-        )
+        return cls(**ph4100c.TRACK)
 
     @property
     def shoes(self) -> NDArray:
