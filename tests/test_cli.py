@@ -355,3 +355,11 @@ def test_all_else_is_one_line_too(call, monkeypatch, error, code, words):
     found, _, err = call("kinematics")
     assert found == code
     assert_one_line(err, words)
+
+
+@pytest.mark.filterwarnings("default::exudyn_crawler.errors.ImplausibleWarning")
+def test_what_no_machine_has_is_told_in_one_line_before_a_run(call, tmp_path):
+    (tmp_path / "kn.toml").write_text('base = "translation"\ngravity = 1.62\n')
+    code, out, err = call("info", "kn.toml")
+    assert (code, err) == (0, "warning: gravity: 1.62 m/s2 is outside of 9.7 to 9.9 m/s2\n")
+    assert "gravity" in out

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.base import Parameters, quantity
+from exudyn_crawler.case.base import Name, Parameters, quantity
 from exudyn_crawler.case.contact import Contact, PairContact, SphereContact
 from exudyn_crawler.case.drive import Drive
 from exudyn_crawler.case.flexible import FlexibleShoes
@@ -30,7 +30,7 @@ class Case(Parameters):
         not stand on the terrain.
     """
 
-    name: str = Field(default="case", description="name of the case in results and figures")
+    name: Name = Field(default="case", description="name of the case in results and figures")
     shoe: Shoe
     track: Track
     terrain: Terrain
@@ -44,7 +44,12 @@ class Case(Parameters):
         description="independent coordinates of the terrain, or all of them with its joints",
     )
     gravity: float = quantity(
-        "m/s2", "acceleration of gravity, along -z on level ground", ge=0, default=ph4100c.GRAVITY
+        "m/s2",
+        "acceleration of gravity, along -z on level ground",
+        plausible=(9.7, 9.9),
+        ge=0,
+        le=100,
+        default=ph4100c.GRAVITY,
     )
 
     @model_validator(mode="after")

@@ -6,22 +6,26 @@ from typing import Annotated, Self
 
 import numpy as np
 import pandas as pd
+from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 from scipy.optimize import brentq
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.base import Parameters, quantity
+from exudyn_crawler.case.base import Name, Parameters, quantity
 from exudyn_crawler.case.profile import StepProfile
 from exudyn_crawler.case.toml import toml_content
+
+Load = Annotated[float, Ge(-1e10), Le(1e10)]
+"""Load on a shoe, N."""
 
 
 class Phase(Parameters):
     """Part of a load cycle: the load on every shoe at its end."""
 
-    name: Annotated[str, Field(min_length=1, description="name of the phase")]
-    end: float = quantity("s", "time at which the phase ends", ge=0)
-    loads: tuple[float, ...] = quantity(
+    name: Name = Field(description="name of the phase")
+    end: float = quantity("s", "time at which the phase ends", ge=0, le=1e9)
+    loads: tuple[Load, ...] = quantity(
         "N", "downward load on shoes 1..n at the end of the phase", min_length=1
     )
 

@@ -1,13 +1,17 @@
 """A crawler shoe as a rigid body."""
 
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
+from annotated_types import Ge, Le
 from numpy.typing import NDArray
 from pydantic import model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.base import Parameters, quantity
+from exudyn_crawler.case.base import Parameters, Place, quantity
+
+Moment = Annotated[float, Ge(-1e12), Le(1e12)]
+"""Moment of inertia, kg m2."""
 
 
 class Shoe(Parameters):
@@ -16,18 +20,22 @@ class Shoe(Parameters):
     Places are given in the shoe's frame: origin at the COM, x in the propel direction, y lateral, z up.
     """
 
-    mass: float = quantity("kg", "mass", gt=0)
-    inertia: tuple[float, float, float, float, float, float] = quantity(
+    mass: float = quantity("kg", "mass", plausible=(50.0, 2e4), ge=0.1, le=1e7)
+    inertia: tuple[Moment, Moment, Moment, Moment, Moment, Moment] = quantity(
         "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor components)"
     )
-    com_height: float = quantity("m", "height of the COM above the underside", gt=0)
-    length: float = quantity("m", "length of the flat underside in x", gt=0)
-    width: float = quantity("m", "width of the flat underside in y", gt=0)
-    underside_center: tuple[float, float] = quantity(
-        "m", "x and y of the underside's centre in the shoe's frame"
+    com_height: float = quantity(
+        "m", "height of the COM above the underside", plausible=(0.02, 1.0), ge=1e-3, le=100
     )
-    load_point: tuple[float, float, float] = quantity(
-        "m", "centroid of the top face, where the machine load acts, in the shoe's frame"
+    length: float = quantity("m", "length of the flat underside in x", plausible=(0.1, 2.0), ge=1e-3, le=100)
+    width: float = quantity("m", "width of the flat underside in y", plausible=(0.2, 6.0), ge=1e-3, le=100)
+    underside_center: tuple[Place, Place] = quantity(
+        "m", "x and y of the underside's centre in the shoe's frame", plausible=(-1.0, 1.0)
+    )
+    load_point: tuple[Place, Place, Place] = quantity(
+        "m",
+        "centroid of the top face, where the machine load acts, in the shoe's frame",
+        plausible=(-3.0, 3.0),
     )
 
     @model_validator(mode="after")

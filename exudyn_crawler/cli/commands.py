@@ -57,11 +57,13 @@ def info(
     Example: exudyn-crawler info soft_ground.toml
     """
     from exudyn_crawler.case.files import read_case
+    from exudyn_crawler.case.plausible import warn_implausible
     from exudyn_crawler.case.text import case_table
     from exudyn_crawler.views.tables import print_table
 
     case_file = study_case(case) if case in registered(CASES) else read_case(case)
     print_table(case_table(case_file), case)
+    warn_implausible(case_file.case, case_file.duration)
 
 
 @app.command()

@@ -3,6 +3,7 @@
 import math
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.plausible import warn_implausible
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.checkpoints import Checkpoints
@@ -39,10 +40,16 @@ def simulate(
     SimulationStopped
         If a step fails at its least size, if spheres of the second contact model sink through the ground,
         or on an interrupt; it carries the history up to there.
+
+    Warns
+    -----
+    ImplausibleWarning
+        Before anything runs, of what no machine and no ground is known to have.
     """
     if not (math.isfinite(duration) and duration > 0.0):
         raise ValueError(f"duration must be positive and finite, got {duration!r} s")
     case.check_support(duration)
+    warn_implausible(case, duration)
     if checkpoints is not None:
         checkpoints.load(case)
     system = build(case)
