@@ -17,6 +17,7 @@ ADAMS_DAMPING = StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.
 CONSTRAINT_MODES = 24
 """Six of each of the four joint centres."""
 RIGID_MODES = 6
+SHOWN_DIGITS = 20
 
 
 class FlexibleShoes(Parameters):
@@ -112,9 +113,14 @@ class FlexibleShoes(Parameters):
             return self.with_(**whole | {"highest_frequency": float(match[1])})
         if re.fullmatch(r"\d+(-\d+)?(, *\d+(-\d+)?)*", text):
             numbers: set[int] = set()
+            # a range is as long as it says: none is made of more numbers than there are modes
+            most = self.with_(**whole).mode_count
             for part in text.split(","):
                 first, _, last = part.strip().partition("-")
-                numbers |= set(range(int(first), int(last or first) + 1))
+                greatest = last or first
+                if len(greatest.lstrip("0")) > len(str(most)) or int(greatest) > most:
+                    raise ValueError(f"modes must be in 1..{most}, got {greatest[:SHOWN_DIGITS]}")
+                numbers |= set(range(int(first), int(greatest) + 1))
             return self.with_(**whole | {"modes": tuple(sorted(numbers))})
         raise ValueError(f'modes must be like "all", "1200Hz", "1-20,25" or "10 fixed", got {choice!r}')
 

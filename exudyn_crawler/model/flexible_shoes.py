@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
+from exudyn_crawler.case.flexible import CONSTRAINT_MODES
+from exudyn_crawler.case.size import check_modes
 from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
@@ -115,6 +117,7 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list
             f"load_surface must be a surface of the mesh {flexible.mesh!r}, which has "
             f"{sorted(body.mesh.surfaces)}, got {flexible.load_surface!r}"
         )
+    check_modes(len(body.mesh.nodes), CONSTRAINT_MODES + flexible.recovered_modes)
     return body, interfaces
 
 

@@ -4,6 +4,7 @@ import math
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.plausible import warn_implausible
+from exudyn_crawler.case.size import check_size
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.checkpoints import Checkpoints
@@ -33,8 +34,8 @@ def simulate(
     Raises
     ------
     ValueError
-        Before anything runs, if `duration` is not positive and finite, the drive takes the track
-        off the terrain within it or the checkpoints come from other parameters.
+        Before anything runs, if `duration` is not positive and finite, the run would take more memory than
+        there is, the drive takes the track off the terrain or the checkpoints come from other parameters.
     EquilibriumError
         If the track finds no rest before t = 0.
     SimulationStopped
@@ -48,6 +49,7 @@ def simulate(
     """
     if not (math.isfinite(duration) and duration > 0.0):
         raise ValueError(f"duration must be positive and finite, got {duration!r} s")
+    check_size(case, duration)
     case.check_support(duration)
     warn_implausible(case, duration)
     if checkpoints is not None:

@@ -106,13 +106,13 @@ def test_what_cannot_be_meant_is_refused_with_its_likely_cause():
     ],
 )
 def test_what_numbers_cannot_hold_is_refused_by_its_bound(part, values):
-    with pytest.raises(ValidationError, match="Input should be (less|greater) than or equal to"):
+    with pytest.raises(ValidationError, match=r"Input should be (less|greater) than or equal to"):
         changed(part, Case.stress(), **values)
 
 
 @pytest.mark.parametrize("name", ["", "n" * 100_000])
 def test_names_are_neither_empty_nor_endless(name):
-    with pytest.raises(ValidationError, match="String should have at (least|most)"):
+    with pytest.raises(ValidationError, match=r"String should have at (least|most)"):
         STRAIGHT.with_(name=name)
 
 
