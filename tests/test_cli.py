@@ -363,3 +363,10 @@ def test_what_no_machine_has_is_told_in_one_line_before_a_run(call, tmp_path):
     code, out, err = call("info", "kn.toml")
     assert (code, err) == (0, "warning: gravity: 1.62 m/s2 is outside of 9.7 to 9.9 m/s2\n")
     assert "gravity" in out
+
+
+def test_info_says_what_rigid_and_flexible_shoes_weigh(call, tmp_path):
+    (tmp_path / "own.toml").write_text('base = "stress"\n[flexible]\nmesh = "coarse"\n')
+    code, out, err = call("info", "own.toml")
+    assert (code, err) == (0, "")
+    assert "rigid ones weigh 4489.63 kg each, flexible ones 4503.32 kg (+0.3 %)" in " ".join(out.split())

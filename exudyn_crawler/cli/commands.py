@@ -58,11 +58,13 @@ def info(
     """
     from exudyn_crawler.case.files import read_case
     from exudyn_crawler.case.plausible import warn_implausible
-    from exudyn_crawler.case.text import case_table
+    from exudyn_crawler.case.text import case_table, shoe_weights
     from exudyn_crawler.views.tables import print_table
 
     case_file = study_case(case) if case in registered(CASES) else read_case(case)
     print_table(case_table(case_file), case)
+    if weights := shoe_weights(case_file.case):
+        typer.echo(weights)
     warn_implausible(case_file.case, case_file.duration)
 
 

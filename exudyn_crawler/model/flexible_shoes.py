@@ -15,12 +15,10 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case, FlexibleShoes, Track
 from exudyn_crawler.case.flexible import CONSTRAINT_MODES
 from exudyn_crawler.case.size import check_modes
+from exudyn_crawler.model.shoe_mesh import check_footprint, check_surfaces, pin_interfaces
 from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
-
-PIN_TOLERANCE = 1e-3
-"""m, between the axis of a bore and the pin."""
 
 ARM = 0.05
 """m, distance of a joint's massless nodes from its centre."""
@@ -84,23 +82,7 @@ def _material(flexible: FlexibleShoes) -> Material:
 @lru_cache(maxsize=4)
 def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[ElasticBody, list[Interface]]:
     mesh = mesh_named(mesh_name)
-    interfaces = []
-    for name, center in track.joint_centers.items():
-        if f"bore {name}" not in mesh.surfaces:
-            raise ValueError(
-                f"the mesh {mesh_name!r} must have the surface 'bore {name}', it has {sorted(mesh.surfaces)}"
-            )
-        nodes = mesh.nodes_of(f"bore {name}")
-        bore = mesh.nodes[nodes]
-        off = 0.5 * (bore.min(axis=0) + bore.max(axis=0)) - center
-        # a bore is as long as its lug is wide, of which the joint centre need not be the middle
-        if np.hypot(off[0], off[2]) > PIN_TOLERANCE or abs(off[1]) > 0.5 * np.ptp(bore[:, 1]):
-            raise ValueError(
-                f"the mesh {mesh_name!r} must meet the track's pins within {PIN_TOLERANCE} m: "
-                f"its bore {name!r} is off the pin by {off.round(4).tolist()} m"
-            )
-        interfaces.append(Interface(name, center, nodes))
-    return ElasticBody(mesh, material), interfaces
+    return ElasticBody(mesh, material), pin_interfaces(mesh, mesh_name, track)
 
 
 def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list[Interface]]:
@@ -109,14 +91,11 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list
     Raises
     ------
     ValueError
-        If the mesh has no bores where the track's pins are, or not the surface that is loaded.
+        If the mesh has no bores where the track's pins are, or lacks its underside or the surface that is
+        loaded.
     """
     body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track)
-    if flexible.load_surface not in body.mesh.surfaces:
-        raise ValueError(
-            f"load_surface must be a surface of the mesh {flexible.mesh!r}, which has "
-            f"{sorted(body.mesh.surfaces)}, got {flexible.load_surface!r}"
-        )
+    check_surfaces(body.mesh, flexible)
     check_modes(len(body.mesh.nodes), CONSTRAINT_MODES + flexible.recovered_modes)
     return body, interfaces
 
@@ -145,6 +124,19 @@ def _reduction(
     return craig_bampton(body, interfaces, fixed_modes, loads, partition=_partition(mesh, material, track))
 
 
+def check_shoe(case: Case) -> None:
+    """Refuse a mesh of the flexible shoes that does not fit the track, its shoes or the machine's memory.
+
+    Raises
+    ------
+    ValueError
+        Naming what does not fit.
+    """
+    flexible = case.flexible_shoes()
+    body, _ = shoe_model(flexible, case.track)
+    check_footprint(body.mesh, flexible.mesh, case.shoe)
+
+
 def whole_basis(
     flexible: FlexibleShoes, track: Track, fixed_modes: int, pulled_node: int | None = None
 ) -> ReducedBody:
@@ -165,8 +157,9 @@ def floating_shoe(case: Case) -> FloatingShoe:
     Raises
     ------
     ValueError
-        If the case has no flexible shoes, their mesh does not meet the track's pins or no mode remains.
+        If the case has no flexible shoes, their mesh does not fit the track or no mode remains.
     """
+    check_shoe(case)
     return _floating_shoe(case.flexible_shoes(), case.track, tuple(case.shoe.footprint.tolist()))
 
 
