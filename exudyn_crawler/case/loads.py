@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 import pandas as pd
@@ -103,10 +103,15 @@ class LoadCycle(Parameters):
         )
 
     @classmethod
-    def from_toml(cls, path: str | Path) -> Self:
+    def from_toml(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
         """Read a cycle from a TOML file.
 
         It holds a list of tables ``[[phases]]`` with name, end and loads.
+
+        Parameters
+        ----------
+        shoe_count : int
+            Shoes that a phase loads which gives one number for all of them.
 
         Raises
         ------
@@ -115,16 +120,7 @@ class LoadCycle(Parameters):
         ValueError
             If it is not TOML or not a load cycle, naming what is wrong.
         """
-        try:
-            content = toml_content(path, "load cycle")
-        except ValueError as error:
-            raise ValueError(f"{path} is {error}") from error
-        if "drive_on" in content:
-            raise ValueError(
-                f"{path}: drive_on must not be in a load cycle, since the drive says when it is on: "
-                f"Drive.on, or on = {content['drive_on']} in [drive] of a case file"
-            )
-        return cls.model_validate(content)
+        return cls.model_validate(with_equal_loads(cycle_content(path), shoe_count))
 
     def table(self) -> pd.DataFrame:
         """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""
@@ -152,6 +148,35 @@ class LoadCycle(Parameters):
         """Loads at each time: array (times, shoes), N downward."""
         t = np.atleast_1d(np.asarray(time, dtype=float))
         return np.column_stack([self.profile(s).value(t) for s in range(1, self.shoe_count + 1)])
+
+
+def cycle_content(path: str | Path) -> dict[str, Any]:
+    """Content of a file with a load cycle; errors are those of `LoadCycle.from_toml`."""
+    try:
+        content = toml_content(path, "load cycle")
+    except ValueError as error:
+        raise ValueError(f"{path} is {error}") from error
+    if "drive_on" in content:
+        raise ValueError(
+            f"{path}: drive_on must not be in a load cycle, since the drive says when it is on: "
+            f"Drive.on, or on = {content['drive_on']} in [drive] of a case file"
+        )
+    return content
+
+
+def with_equal_loads(content: dict[str, Any], shoe_count: int) -> dict[str, Any]:
+    """Content of a load cycle in which one number for all shoes stands for each of them."""
+    phases = content.get("phases")
+    if not isinstance(phases, list):
+        return content
+    return content | {"phases": [_spread(phase, shoe_count) for phase in phases]}
+
+
+def _spread(phase: Any, shoe_count: int) -> Any:
+    load = phase.get("loads") if isinstance(phase, dict) else None
+    if isinstance(load, bool) or not isinstance(load, int | float):
+        return phase
+    return phase | {"loads": [load] * shoe_count}
 
 
 def _falling(greatest: float, total: float, distance: NDArray) -> NDArray:

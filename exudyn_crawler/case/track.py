@@ -9,6 +9,7 @@ from pydantic import model_validator
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import FAR, Parameters, Place, quantity
 
+MOST_SHOES = 1000
 SIDES = ("right", "left")
 """Pins of a link: the spherical joint (right) and the parallel-axes joint (left)."""
 
@@ -20,7 +21,7 @@ class Track(Parameters):
     an axis kept parallel at the other.
     """
 
-    shoe_count: int = quantity("1", "number of shoes", plausible=(2, 60), ge=2, le=1000)
+    shoe_count: int = quantity("1", "number of shoes", plausible=(2, 60), ge=2, le=MOST_SHOES)
     first_com: tuple[Place, Place] = quantity("m", "x and y of the COM of shoe 1 at t = 0")
     pitch: float = quantity(
         "m", "distance of the COMs of neighbours in x", plausible=(0.1, 2.0), ge=1e-3, le=100
