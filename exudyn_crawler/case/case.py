@@ -73,7 +73,8 @@ class Case(Parameters):
         elif self.terrain.heights is not None:
             raise ValueError(
                 "terrain.heights must be None with contact.model 'pair', whose law presumes one height; "
-                "contact.model 'spheres' takes uneven ground"
+                "contact.model 'spheres' takes uneven ground, with rigid shoes; ground that slopes as a "
+                "whole, by terrain.grade and terrain.side_slope, goes with both"
             )
         self.check_support(0.0)
         return self
@@ -84,7 +85,11 @@ class Case(Parameters):
         if self.terrain_formulation != "reduced":
             raise ValueError("flexible shoes need terrain_formulation 'reduced'")
         if isinstance(self.contact, SphereContact):
-            raise ValueError("flexible must be None with contact.model 'spheres', whose shoes are rigid")
+            raise ValueError(
+                "flexible must be None with contact.model 'spheres', whose shoes are rigid; flexible shoes "
+                "go with contact.model 'pair' on even ground, which may slope by terrain.grade and "
+                "terrain.side_slope"
+            )
 
     def _check_spheres(self, radius: float) -> None:
         """Refuse spheres that cannot carry the shoes."""
