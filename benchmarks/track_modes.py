@@ -22,19 +22,13 @@ SWINGING = 0.1
 """Hz, least frequency of a swing."""
 
 
-def even_ground() -> Case:
-    """The rigid studies' track on one unit: no seams."""
+def even_ground(stiffness: float = 1e11) -> Case:
+    """The rigid studies' track on one unit, no seams, on springs of some stiffness (N/m)."""
     case = Case.translation()
-    terrain = case.terrain.with_(
-        columns=1,
-        rows=1,
-        unit_length=70.0,
-        unit_width=35.0,
-        spring_stiffness=1e11,
-        spring_damping=1e9,
-        spring_offset=20.0,
-    )
-    return case.with_(name="even", terrain=terrain)
+    (_, length), (_, width) = case.terrain.bounds
+    sides = {"columns": 1, "rows": 1, "unit_length": length, "unit_width": width}
+    springs = {"spring_stiffness": stiffness, "spring_damping": 0.01 * stiffness, "spring_offset": 20.0}
+    return case.with_(name="even", terrain=case.terrain.with_(**sides, **springs))
 
 
 def grounds() -> dict[str, Case]:

@@ -37,7 +37,7 @@ class Underside:
     @property
     def mode_count(self) -> int:
         """Number of modes."""
-        return self.integral.shape[3]
+        return self.integral.shape[-1]
 
 
 def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> Underside:
@@ -113,3 +113,39 @@ def mean_rows(corner, cell, integral, rectangle, out):
                         + w01 * integral[a, b + 1, c, k]
                         + w11 * integral[a + 1, b + 1, c, k]
                     )
+
+
+def rectangle_loads(
+    underside: Underside, forces: Floats, low: Floats, high: Floats, times_at_once: int = 1000
+) -> Floats:
+    """Modal loads of forces that are spread evenly over rectangles of an underside, one a time.
+
+    Parameters
+    ----------
+    forces : array (times, 3)
+        N, body axes.
+    low, high : array (times, 2)
+        Least and greatest x and y of the rectangles, m, body axes.
+    times_at_once : int
+        Whose rows are held in memory together: 2 MB for 94 modes.
+
+    Returns
+    -------
+    array (times, modes)
+        N times the unit of the mode shapes.
+    """
+    loads = np.empty((len(forces), underside.mode_count))
+    for times in np.array_split(np.arange(len(forces)), 1 + len(forces) // times_at_once):
+        rows = _all_rows(underside.corner, underside.cell, underside.integral, low[times], high[times])
+        loads[times] = (forces[times, None] @ rows)[:, 0]
+    return loads
+
+
+@compiler(FEM)
+def _all_rows(corner, cell, integral, low, high):
+    """Mean displacement rows over the rectangles of all times: (times, 3, modes)."""
+    rows = np.empty((len(low), *integral.shape[2:]))
+    for time in range(len(low)):
+        rectangle = (low[time, 0], high[time, 0], low[time, 1], high[time, 1])
+        mean_rows(corner, cell, integral, rectangle, rows[time])
+    return rows

@@ -129,12 +129,14 @@ class GreatestOf(Fold[Peaks]):
     Parameters
     ----------
     criterion : str
-        One of `stress.CRITERIA`; of "least principal" the least value is kept.
+        One of `stress.CRITERIA`; of "least principal" the least value is kept. `ValueError` for others.
     """
 
     components = None
 
     def __init__(self, criterion: Criterion) -> None:
+        if criterion not in CRITERIA:
+            raise ValueError(f"criterion must be one of {CRITERIA}, got {criterion!r}")
         self._criterion = criterion
         self._sense = -1.0 if criterion == "least principal" else 1.0
 
@@ -255,8 +257,6 @@ def recover_peaks(
     ValueError
         If the criterion is not known.
     """
-    if criterion not in CRITERIA:
-        raise ValueError(f"criterion must be one of {CRITERIA}, got {criterion!r}")
     if criterion == "von mises":
         return fold_stresses(stress_modes, q, GreatestVonMises(), nodes)
     return fold_stresses(stress_modes, q, GreatestOf(criterion), nodes)

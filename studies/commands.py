@@ -5,12 +5,15 @@ Nothing heavy is imported before a command needs it, so that help comes at once.
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from exudyn_crawler.cli import RESULTS, Debug, Out, Overwrite
 from studies.defaults import CYCLE_DURATION, DURATION
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class CaseChoice(StrEnum):
@@ -36,6 +39,17 @@ class GroundChoice(StrEnum):
 
 Chosen = Annotated[CaseChoice, typer.Option(help="what to run")]
 Duration = Annotated[float, typer.Option(help="simulated time in s")]
+Lateral = Annotated[bool, typer.Option("--lateral", help="show instead what moves a straight track sideways")]
+Choices = Annotated[
+    bool, typer.Option("--choices", help="show instead what the study's open choices do, over 8 s")
+]
+
+
+def _show_comparison(table: "pd.DataFrame", study: str) -> None:
+    from exudyn_crawler.views.tables import print_table, within_by_class
+
+    print_table(table, f"{study}: paper against computed")
+    print_table(within_by_class(table), "Rows within their class")
 
 
 def kinematics(
@@ -49,12 +63,10 @@ def kinematics(
 
     Example: exudyn-crawler kinematics --case translation --duration 2 --out results/short
     """
-    from exudyn_crawler.views.tables import print_table, within_by_class
     from studies.kinematics import study
 
     _, table = study(out, case.names, duration=duration, overwrite=overwrite, say=typer.echo)
-    print_table(table, "Kinematics: paper against computed")
-    print_table(within_by_class(table), "Rows within their class")
+    _show_comparison(table, "Kinematics")
     typer.echo(f"runs, figures and comparison.csv are in {out}")
 
 
@@ -69,16 +81,14 @@ def forces(
         ),
     ] = None,
     overwrite: Overwrite = False,
-    lateral: Annotated[
-        bool, typer.Option("--lateral", help="show instead what moves a straight track sideways")
-    ] = False,
+    lateral: Lateral = False,
     debug: Debug = False,
 ) -> None:
     """Run the forces study and compare it with the paper.
 
     Example: exudyn-crawler forces --case translation --out results/straight
     """
-    from exudyn_crawler.views.tables import print_table, within_by_class
+    from exudyn_crawler.views.tables import print_table
     from studies.forces import lateral_effects, study
 
     if lateral:
@@ -93,8 +103,7 @@ def forces(
         overwrite=overwrite,
         say=typer.echo,
     )
-    print_table(table, "Forces: paper against computed")
-    print_table(within_by_class(table), "Rows within their class")
+    _show_comparison(table, "Forces")
     typer.echo(f"runs, figures, comparison.csv and turning_ratios.csv are in {out}")
 
 
@@ -111,9 +120,7 @@ def stress(
     cycle: Annotated[Path | None, typer.Option(help="TOML file of an own load cycle")] = None,
     out: Out = RESULTS / "stress",
     overwrite: Overwrite = False,
-    choices: Annotated[
-        bool, typer.Option("--choices", help="show instead what the study's open choices do, over 8 s")
-    ] = False,
+    choices: Choices = False,
     debug: Debug = False,
 ) -> None:
     """Run the stress study and compare it with the paper; a study that was killed goes on.
@@ -122,7 +129,7 @@ def stress(
     """
     from exudyn_crawler import Case, LoadCycle
     from exudyn_crawler.results.propel import highest_in_propel_and_loading
-    from exudyn_crawler.views.tables import print_table, within_by_class
+    from exudyn_crawler.views.tables import print_table
     from studies.stress import open_choices, study
 
     if choices:
@@ -139,8 +146,7 @@ def stress(
         print_table(hot_spots, f"Shoe {shoe}: highest von Mises stresses (Pa; places in m at t = 0)")
     summary = highest_in_propel_and_loading(run.history, run.recovered())
     print_table(summary, "Highest von Mises stress, MPa")
-    print_table(table, "Stress: paper against computed")
-    print_table(within_by_class(table), "Rows within their class")
+    _show_comparison(table, "Stress")
     typer.echo(f"the run and comparison.csv are in {out}")
 
 

@@ -8,15 +8,16 @@ from unit to unit, and of shoe 10 and link 10-11 turning against translation.
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from exudyn_crawler import Case, CaseFile, CaseRun, History, run_case, simulate
+from exudyn_crawler import Case, CaseFile, History, simulate
 from exudyn_crawler.results.contacts import contact_force
-from exudyn_crawler.run.folder import kept_run, quiet
+from exudyn_crawler.run.folder import quiet
 from exudyn_crawler.run.histories import matching_history
 from exudyn_crawler.views.curves import Panel, panel_figure, save_figure
 from exudyn_crawler.views.series import (
@@ -33,6 +34,7 @@ from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
 from studies.force_comparison import compare_forces, turning_ratios
 from studies.kinematics import CASES, case_files
+from studies.running import Compared, Running, compare_cases
 
 CROSSING_SHOE = 7
 """Shoe that stands on two units, which the F-paper draws apart."""
@@ -54,10 +56,8 @@ def study(
     duration: float = DURATION,
     reuse: Path | None = None,
     strict: bool = True,
-    overwrite: bool = False,
-    progress: bool | None = None,
-    say: Callable[[str], None] = quiet,
-) -> tuple[dict[str, CaseRun], pd.DataFrame]:
+    **how: Unpack[Running],
+) -> Compared:
     """Run the cases, or take their histories, and compare their forces with the paper.
 
     Parameters
@@ -74,49 +74,25 @@ def study(
     strict : bool
         Refuse histories in `reuse` that are missing or come from other parameters, instead of running
         these cases.
-    overwrite, progress, say
-        As of `run_case`.
+    **how
+        Options `overwrite`, `progress` and `say` of `run_case`.
 
     Returns
     -------
-    runs : dict
-        By case.
-    comparison : pandas.DataFrame
-        As of `force_comparison.compare_forces`.
+    Compared
+        With the comparison that `force_comparison.compare_forces` makes.
 
     Raises
     ------
     FileNotFoundError, ValueError
         For an unknown case, a bad duration or, if `strict`, a history that is missing or comes from other
         parameters.
-    FileExistsError, BlockingIOError
-        Before anything runs, if results are there and `overwrite` is false, or another run works there.
-    EquilibriumError, SimulationStopped
-        As of `run_case`.
+    FileExistsError, BlockingIOError, EquilibriumError, SimulationStopped
+        As of `running.compare_cases`.
     """
     files = case_files(cases, duration)
-    sources = {name: _source(one, reuse, strict, say) for name, one in files.items()}
-    with kept_run(out, overwrite=overwrite, tell=say) as keeper:
-        runs = {
-            name: run_case(
-                one,
-                out and out / name,
-                overwrite=overwrite,
-                reuse=sources[name],
-                progress=progress,
-                say=keeper.say,
-            )
-            for name, one in files.items()
-        }
-        histories = {name: run.history for name, run in runs.items()}
-        table = compare_forces(histories)
-        if out is not None:
-            write_table(table, out / "comparison.csv", overwrite)
-            write_figures(histories, out, overwrite)
-            if len(histories) > 1:
-                ratios = turning_ratios(histories["translation"], histories["turning"])
-                write_table(ratios, out / "turning_ratios.csv", overwrite)
-    return runs, table
+    sources = {name: _source(one, reuse, strict, how.get("say", quiet)) for name, one in files.items()}
+    return compare_cases(files, out, compare_forces, write_results, sources, **how)
 
 
 def _source(case_file: CaseFile, reuse: Path | None, strict: bool, say: Callable[[str], None]) -> Path | None:
@@ -134,13 +110,15 @@ def _source(case_file: CaseFile, reuse: Path | None, strict: bool, say: Callable
     return reuse
 
 
-def write_figures(histories: Mapping[str, History], out: Path, overwrite: bool = False) -> None:
-    """Draw what the F-paper draws beside the curves of each run."""
+def write_results(histories: Mapping[str, History], out: Path, overwrite: bool = False) -> None:
+    """Draw what the F-paper draws beside the curves of each run; turning against translation as a table."""
     figures = {
         f"{name} shoe {CROSSING_SHOE} crossing": crossing_figure(one) for name, one in histories.items()
     }
     if len(histories) > 1:
         figures |= turning_figures(histories)
+        ratios = turning_ratios(histories["translation"], histories["turning"])
+        write_table(ratios, out / "turning_ratios.csv", overwrite)
     for title, figure in figures.items():
         save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
 

@@ -8,17 +8,15 @@ displacements, velocities, accelerations and angular motion that they state, and
 7, 10 and 13 and of shoe 10 turning against translation.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Unpack
 
-import pandas as pd
-
-from exudyn_crawler import Case, CaseFile, CaseRun, History, run_case
-from exudyn_crawler.run.folder import kept_run, quiet
+from exudyn_crawler import Case, CaseFile, History
 from exudyn_crawler.views.curves import KINEMATICS, comparison_figure, save_figure
-from exudyn_crawler.views.tables import write_table
 from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
+from studies.running import Compared, Running, compare_cases
 
 CASES = {"translation": Case.translation, "turning": Case.turning}
 """Cases of the rigid studies by name."""
@@ -49,10 +47,8 @@ def study(
     cases: Sequence[str] = tuple(CASES),
     *,
     duration: float = DURATION,
-    overwrite: bool = False,
-    progress: bool | None = None,
-    say: Callable[[str], None] = quiet,
-) -> tuple[dict[str, CaseRun], pd.DataFrame]:
+    **how: Unpack[Running],
+) -> Compared:
     """Run the cases and compare them with the papers.
 
     Parameters
@@ -63,37 +59,22 @@ def study(
         Of "translation" and "turning".
     duration : float
         s.
-    overwrite, progress, say
-        As of `run_case`.
+    **how
+        Options `overwrite`, `progress` and `say` of `run_case`.
 
     Returns
     -------
-    runs : dict
-        By case.
-    comparison : pandas.DataFrame
-        As of `comparison.compare_kinematics`.
+    Compared
+        With the comparison that `comparison.compare_kinematics` makes.
 
     Raises
     ------
     ValueError
         For an unknown case or a bad duration.
-    FileExistsError, BlockingIOError
-        Before anything runs, if results are there and `overwrite` is false, or another run works there.
-    EquilibriumError, SimulationStopped
-        As of `run_case`.
+    FileExistsError, BlockingIOError, EquilibriumError, SimulationStopped
+        As of `running.compare_cases`.
     """
-    files = case_files(cases, duration)
-    with kept_run(out, overwrite=overwrite, tell=say) as keeper:
-        runs = {
-            name: run_case(one, out and out / name, overwrite=overwrite, progress=progress, say=keeper.say)
-            for name, one in files.items()
-        }
-        histories = {name: run.history for name, run in runs.items()}
-        table = compare_kinematics(histories)
-        if out is not None:
-            write_table(table, out / "comparison.csv", overwrite)
-            write_figures(histories, out, overwrite)
-    return runs, table
+    return compare_cases(case_files(cases, duration), out, compare_kinematics, write_figures, **how)
 
 
 def write_figures(histories: Mapping[str, History], out: Path, overwrite: bool = False) -> None:

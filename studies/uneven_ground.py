@@ -6,10 +6,11 @@ heights, with the second contact model.
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Unpack
 
-from exudyn_crawler import Case, CaseFile, CaseRun, SphereContact, Terrain, run_case
-from exudyn_crawler.run.folder import quiet
+from exudyn_crawler import Case, CaseFile, CaseRun, SphereContact, Terrain
 from studies.defaults import DURATION
+from studies.running import Running, run_cases
 
 STEP_PLACE, STEP_HEIGHT = 14.0, 0.1
 """m: below the middle of the track at t = 0; height."""
@@ -71,9 +72,7 @@ def study(
     grounds: Sequence[str] = tuple(GROUNDS),
     *,
     duration: float = DURATION,
-    overwrite: bool = False,
-    progress: bool | None = None,
-    say: Callable[[str], None] = quiet,
+    **how: Unpack[Running],
 ) -> dict[str, CaseRun]:
     """Run the track over some of the grounds; each run's figure `ground` shows its end.
 
@@ -85,8 +84,8 @@ def study(
         Of "step", "ramp" and "rough".
     duration : float
         s.
-    overwrite, progress, say
-        As of `run_case`.
+    **how
+        Options `overwrite`, `progress` and `say` of `run_case`.
 
     Returns
     -------
@@ -103,10 +102,7 @@ def study(
         As of `run_case`.
     """
     files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
-    return {
-        ground: run_case(one, out and out / ground, overwrite=overwrite, progress=progress, say=say)
-        for ground, one in files.items()
-    }
+    return run_cases(files, out, **how)
 
 
 if __name__ == "__main__":

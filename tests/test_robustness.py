@@ -36,6 +36,19 @@ def command(*arguments, cwd, **options):
     return subprocess.run(line, capture_output=True, text=True, cwd=cwd, timeout=300, check=False, **options)
 
 
+def kill_when(ready, line, cwd, patience=60.0):
+    """Start a process and kill it as soon as it has come so far."""
+    with subprocess.Popen(line, cwd=cwd) as run:
+        try:
+            end = time.monotonic() + patience
+            while not ready():
+                assert time.monotonic() < end
+                assert run.poll() is None
+                time.sleep(0.02)
+        finally:
+            run.send_signal(signal.SIGKILL)
+
+
 def read_or_refused(path):
     """A file is either a case or refused in lines that name it; anything else is raised."""
     refusal = None
@@ -165,16 +178,8 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, pla
 def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
     (tmp_path / "case.toml").write_text(SHORT.replace("0.05", "20.0"))
     line = [sys.executable, "-m", "exudyn_crawler.cli", "run", "case.toml", "--out", "out"]
-    with subprocess.Popen(line, cwd=tmp_path) as run:
-        log = tmp_path / "out" / "run.log"
-        try:
-            end = time.monotonic() + 60.0
-            while not (log.exists() and "simulate: begins" in log.read_text()):
-                assert time.monotonic() < end
-                assert run.poll() is None
-                time.sleep(0.05)
-        finally:
-            run.send_signal(signal.SIGKILL)
+    log = tmp_path / "out" / "run.log"
+    kill_when(lambda: log.exists() and "simulate: begins" in log.read_text(), line, tmp_path)
     assert json.loads((tmp_path / "out" / "run.json").read_text())["status"] == "running"
     (tmp_path / "case.toml").write_text(SHORT)
     other = command("run", "case.toml", "--out", "out", cwd=tmp_path)
@@ -193,15 +198,7 @@ def test_a_killed_run_goes_on_in_its_folder_and_gives_the_same_numbers(tmp_path)
     (tmp_path / "case.toml").write_text(text)
     line = [sys.executable, "-m", "exudyn_crawler.cli", "run", "case.toml", "--out", "out"]
     checkpoints = tmp_path / "out" / "checkpoints"
-    with subprocess.Popen(line, cwd=tmp_path) as run:
-        try:
-            end = time.monotonic() + 60.0
-            while not list(checkpoints.glob("stage_*.npz")):
-                assert time.monotonic() < end
-                assert run.poll() is None
-                time.sleep(0.02)
-        finally:
-            run.send_signal(signal.SIGKILL)
+    kill_when(lambda: list(checkpoints.glob("stage_*.npz")), line, tmp_path)
     assert not (tmp_path / "out" / "history.nc").exists()
     done = command("run", "case.toml", "--out", "out", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
@@ -228,15 +225,7 @@ def test_a_killed_study_goes_on_too(tmp_path):
     )
     line = [sys.executable, "-c", script]
     checkpoints = tmp_path / "out" / "cycle" / "checkpoints"
-    with subprocess.Popen([*line, "out"], cwd=tmp_path) as run:
-        try:
-            end = time.monotonic() + 120.0
-            while not list(checkpoints.glob("stage_*.npz")):
-                assert time.monotonic() < end
-                assert run.poll() is None
-                time.sleep(0.02)
-        finally:
-            run.send_signal(signal.SIGKILL)
+    kill_when(lambda: list(checkpoints.glob("stage_*.npz")), [*line, "out"], tmp_path, patience=120.0)
     assert not (tmp_path / "out" / "cycle" / "history.nc").exists()
     told = subprocess.run([*line, "out"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
     assert "stress: going on from the checkpoint at t = " in told

@@ -6,7 +6,7 @@ code keeps them in registers, where arrays would be allocated and counted.
 
 import math
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 from fem.compiling import FEM, compiler
 
@@ -108,6 +108,19 @@ def velocity_at(body: Frame, place: Vector) -> Vector:
 def about(center: Vector, point: Vector, force: Vector, torque: Vector) -> Wrench:
     """Wrench about a centre of a force at a point and a torque."""
     return Wrench(force, along(torque, 1.0, cross(along(point, -1.0, center), force)))
+
+
+def columns_of(record: type, *before: str) -> tuple[dict[str, Any], int]:
+    """Columns of a row of numbers, by name, and how many there are.
+
+    The row holds what stands `before`, a number each, and then a named tuple's numbers and vectors.
+    """
+    columns: dict[str, Any] = {name: column for column, name in enumerate(before)}
+    width = len(before)
+    for name, kind in get_type_hints(record).items():
+        columns[name] = slice(width, width + 3) if kind == Vector else width
+        width += 3 if kind == Vector else 1
+    return columns, width
 
 
 def plain(values: Any) -> Any:

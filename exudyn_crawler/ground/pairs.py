@@ -6,7 +6,7 @@ the shoe receives. Where the shoe is flexible, the mean displacement of the patc
 unit adds to its rigid motion.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from exudyn_crawler.ground.frames import (
     Frame,
@@ -14,6 +14,7 @@ from exudyn_crawler.ground.frames import (
     Wrench,
     about,
     along,
+    columns_of,
     compiled,
     dot,
     inlined,
@@ -27,24 +28,6 @@ from exudyn_crawler.ground.laws import Law, drag_ratio, normal_force, spin_torqu
 from exudyn_crawler.ground.laws.impact import step
 from exudyn_crawler.ground.overlap import Overlap, overlap
 from exudyn_crawler.ground.rotations import FloatArray
-
-RESULTS = 20
-"""Numbers kept of each contact; see `RESULT`."""
-
-RESULT: dict[str, Any] = {
-    "shoe": 0,
-    "unit": 1,
-    "penetration": 2,
-    "penetration_rate": 3,
-    "area": 4,
-    "point": slice(5, 8),
-    "normal_force": slice(8, 11),
-    "friction_force": slice(11, 14),
-    "slip_velocity": slice(14, 17),
-    "friction_torque": slice(17, 20),
-}
-"""Columns of a contact's results. Vectors are global; forces and torque act on the shoe; the slip
-velocity is the shoe's relative to the unit."""
 
 FROM_CURVE = -1.0
 """In place of a ratio of friction to slip: the one of the friction law."""
@@ -94,6 +77,11 @@ class Contact(NamedTuple):
     friction_force: Vector
     slip_velocity: Vector
     friction_torque: Vector
+
+
+RESULT, RESULTS = columns_of(Contact, "shoe", "unit")
+"""Columns of a contact's results, and how many they are. Vectors are global; forces and torque act on the
+shoe; the slip velocity is the shoe's relative to the unit."""
 
 
 @compiled

@@ -88,12 +88,8 @@ class SphereGroundContact:
 
     Parameters
     ----------
-    com_positions : array (shoes, 3)
-        COMs of the shoes where their coordinates are zero, m, global.
-    terrain : Terrain
-        Grid of units.
-    coordinates : TerrainCoordinates
-        Formulation of the terrain; the engine's contact needs the units as bodies.
+    com_positions, terrain, coordinates
+        As of `pair_contact.PairGroundContact`; the engine's contact needs the units as bodies.
     spheres : SphereField
         Spheres under every shoe.
     """

@@ -5,7 +5,7 @@ face to the sphere's centre. Each face is a rectangle of two triangles; a sphere
 its edge, and near the two corners on the diagonal the nearest points of both triangles.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from exudyn_crawler.ground.frames import (
     Vector,
     about,
     along,
+    columns_of,
     compiled,
     dot,
     norm,
@@ -32,25 +33,6 @@ from exudyn_crawler.ground.rotations import (
     tilted,
     unit_frame,
 )
-
-COLUMNS = 20
-"""Numbers kept of each touching sphere; see `COLUMN`."""
-
-COLUMN: dict[str, Any] = {
-    "shoe": 0,
-    "unit": 1,
-    "depth": 2,
-    "approach": 3,
-    "point": slice(4, 7),
-    "normal": slice(7, 10),
-    "size": 10,
-    "slip": slice(11, 14),
-    "drag": 14,
-    "distance": 15,
-    "edge": slice(16, 19),
-    "kind": 19,
-}
-"""Columns of a touching sphere: shoe and unit (from 0), then as of `Touch`."""
 
 
 class SphereTrack(NamedTuple):
@@ -134,6 +116,10 @@ def sphere_touch(
     edge = turned(unit.R, (near.edge_x, near.edge_y, 0.0))
     drag = size * drag_ratio(law, norm(slip))
     return Touch(depth, approach, point, normal, size, slip, drag, distance, edge, near.kind)
+
+
+COLUMN, COLUMNS = columns_of(Touch, "shoe", "unit")
+"""Columns of a touching sphere, shoe and unit from 0, and how many they are."""
 
 
 @compiled

@@ -26,11 +26,7 @@ from exudyn_crawler.results.actions import (
 )
 from exudyn_crawler.results.history import History
 from fem import ReducedBody
-from fem.compiling import FEM, compiler
-from fem.patches import Underside, integrate_underside, mean_rows
-
-TIMES_AT_ONCE = 1000
-"""Times whose modal rows are held in memory together: 2 MB for 94 modes."""
+from fem.patches import Underside, integrate_underside, rectangle_loads
 
 
 @dataclass(frozen=True)
@@ -105,24 +101,12 @@ def _add_modal_loads(loads: NDArray, action: Action, frames: NDArray, basis: Str
         case OverSurface(name):
             loads += force @ whole.mean_rows(whole.weights(name))
         case OverRectangle(low, high, pressed):
-            under = basis.underside
-            for times in np.array_split(np.flatnonzero(pressed), 1 + len(loads) // TIMES_AT_ONCE):
-                rows = _rectangle_rows(under.corner, under.cell, under.integral, low[times], high[times])
-                loads[times] += (force[times, None] @ rows)[:, 0]
+            spread = rectangle_loads(basis.underside, force[pressed], low[pressed], high[pressed])
+            loads[pressed] += spread
         case AtDrivePoint():
             loads += force @ basis.pulled
         case OnFrame() | OverMass():
             pass
-
-
-@compiler(FEM)
-def _rectangle_rows(corner, cell, integral, low, high):
-    """Mean displacement rows over the rectangles of all times: (times, 3, modes)."""
-    rows = np.empty((len(low), *integral.shape[2:]))
-    for time in range(len(low)):
-        rectangle = (low[time, 0], high[time, 0], low[time, 1], high[time, 1])
-        mean_rows(corner, cell, integral, rectangle, rows[time])
-    return rows
 
 
 def _in_body(frames: NDArray, vectors: NDArray) -> NDArray:

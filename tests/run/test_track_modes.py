@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, LoadCycle, SphereContact
+from benchmarks.track_modes import SPEED, even_ground, with_friction, with_shoes
+from exudyn_crawler import Case, SphereContact
 from exudyn_crawler.run.integration import integrate_from
 from exudyn_crawler.run.steady_sliding import steady_sliding
 from exudyn_crawler.run.track_modes import eigenmodes, linearized_track, track_modes
@@ -11,30 +12,11 @@ from tests.run.planar_track import PlanarTrack
 
 pytestmark = pytest.mark.simulation
 
-SPEED = 0.2
-"""m/s, where friction no longer changes with the speed."""
-
 
 def sliding_case(friction, shoes=13, **track):
     """Even ground without seams that hardly moves, constant friction."""
-    case = Case.translation()
-    stiff = case.terrain.with_(
-        columns=1,
-        rows=1,
-        unit_length=70.0,
-        unit_width=35.0,
-        spring_stiffness=1e13,
-        spring_damping=1e11,
-        spring_offset=20.0,
-    )
-    load = case.loads.phases[0].loads[0]
-    one = case.loads.phases[0].with_(loads=(load,) * shoes)
-    return case.with_(
-        track=case.track.with_(shoe_count=shoes, **track),
-        loads=LoadCycle(phases=(one,)),
-        terrain=stiff,
-        contact=case.contact.with_(static_friction=friction, dynamic_friction=friction),
-    )
+    case = with_friction(with_shoes(even_ground(1e13), shoes), friction, friction)
+    return case.with_(track=case.track.with_(**track))
 
 
 def with_steady_drive(case):
