@@ -21,12 +21,20 @@ Load = Annotated[float, Ge(-1e10), Le(1e10)]
 
 
 class Phase(Parameters):
-    """Part of a load cycle: the load on every shoe at its end."""
+    """Part of a load cycle: the load on every shoe at its end, and where across the shoes it acts."""
 
     name: Name = Field(description="name of the phase")
     end: float = quantity("s", "time at which the phase ends", ge=0, le=1e9)
     loads: tuple[Load, ...] = quantity(
         "N", "downward load on shoes 1..n at the end of the phase", min_length=1
+    )
+    side_shift: float = quantity(
+        "m",
+        "how far beside the load point every load acts at the end of the phase; positive is to the left (+y)",
+        plausible=(-1.0, 1.0),
+        ge=-10,
+        le=10,
+        default=0.0,
     )
 
 
@@ -142,6 +150,14 @@ class LoadCycle(Parameters):
         return StepProfile(
             times=tuple(phase.end for phase in self.phases),
             values=tuple(phase.loads[shoe - 1] for phase in self.phases),
+        )
+
+    @property
+    def side_shift(self) -> StepProfile:
+        """How far beside the load points the loads act over time, m, positive to the left."""
+        return StepProfile(
+            times=tuple(phase.end for phase in self.phases),
+            values=tuple(phase.side_shift for phase in self.phases),
         )
 
     def loads(self, time: ArrayLike) -> NDArray:

@@ -3,7 +3,8 @@
 The integrals over the body are those of the nodal-based floating frame of reference formulation with modal
 reduction (Zwölfer and Gerstmayr, Acta Mechanica 2020, doi 10.1007/s00707-020-02886-2), with the consistent
 mass matrix of the finite elements. Only a few massless nodes go along: four round every joint centre, which
-carry the motion of its spider, and one that moves as the mean of the top face.
+carry the motion of its spider, and three that move as means of the top face:
+of its right, of its left and of all of it.
 """
 
 from dataclasses import dataclass
@@ -38,7 +39,7 @@ class FloatingShoe:
     joints : tuple of str
         Names of the joint centres, in the order of their nodes.
     positions : array (nodes, 3)
-        Massless nodes, m: `NODES_A_JOINT` of every joint, then the top face's.
+        Massless nodes, m: `NODES_A_JOINT` of every joint, then the top face's (right, left, whole).
     modes : array (3 nodes, m)
         Their displacements.
     integrals : dict
@@ -63,6 +64,17 @@ class FloatingShoe:
     def top_node(self) -> int:
         """Massless node that moves as the mean of the top face."""
         return len(self.positions) - 1
+
+    @property
+    def side_nodes(self) -> tuple[int, int]:
+        """Massless nodes that move as the means of the top face weighted to the right and to the left."""
+        return self.top_node - 2, self.top_node - 1
+
+    @property
+    def reach(self) -> float:
+        """Distance across the shoe of these nodes from the top face's own, m."""
+        right, left = self.side_nodes
+        return float(self.positions[left, 1] - self.positions[right, 1]) / 2.0
 
     @property
     def mass(self) -> float:
@@ -203,9 +215,28 @@ def _massless_nodes(reduced: ReducedBody, loaded: str) -> tuple[NDArray, NDArray
             positions.append(interface.center + offset)
             rows.append(pilot[:3] + np.cross(pilot[3:], offset, axisa=0, axisc=0))
     weights = reduced.weights(loaded)
-    positions.append(weights @ reduced.nodes / weights.sum())
-    rows.append(reduced.mean_rows(weights))
+    for one in (*side_weights(weights, reduced.nodes), weights):
+        positions.append(one @ reduced.nodes / one.sum())
+        rows.append(reduced.mean_rows(one))
     return np.array(positions), np.array(rows)
+
+
+def side_weights(weights: NDArray, nodes: NDArray) -> tuple[NDArray, NDArray]:
+    """Weights (n,) of a surface that grow evenly from nothing at one side to the right and to the left.
+
+    Both together are the even ones twice. A load that both share in unequal parts presses with a pressure
+    that changes evenly across the shoe.
+
+    Parameters
+    ----------
+    weights : array (n,)
+        Even ones: shares of the surface's area.
+    nodes : array (n, 3)
+        m.
+    """
+    across = nodes[:, 1] - weights @ nodes[:, 1] / weights.sum()
+    part = across / np.abs(across[weights != 0.0]).max()
+    return weights * (1.0 - part), weights * (1.0 + part)
 
 
 def _skew(vectors: NDArray) -> NDArray:

@@ -11,17 +11,39 @@ from exudyn_crawler.model.items import at_time
 from exudyn_crawler.model.shoes import ShoeBody
 
 
-def add_loads(mbs: "exu.MainSystem", case: Case, shoes: Sequence[ShoeBody]) -> None:
-    """Machine load on the top face of every shoe, along gravity."""
-    down = case.terrain.down
+def add_loads(mbs: "exu.MainSystem", case: Case, shoes: Sequence[ShoeBody], static: bool = False) -> None:
+    """Machine load on the top face of every shoe, along gravity.
+
+    One that shifts to a side acts at two points that stay where they are, each with its share.
+
+    Parameters
+    ----------
+    static : bool
+        Keep the loads as they are at t = 0: Exudyn's static solver asks for those at 1 s.
+    """
+    down, shift = case.terrain.down, case.loads.side_shift
     for number, shoe in enumerate(shoes, start=1):
         profile = case.loads.profile(number)
-        load = items.LoadForceVector(
-            markerNumber=shoe.top, loadVector=(float(profile.value(0.0)) * down).tolist()
-        )
-        if len(set(profile.values)) > 1:
-            load.loadVectorUserFunction = _downward(profile, down)
-        mbs.AddLoad(load)
+        changes = not static and max(len({*profile.values}), len({*shift.values})) > 1
+        if any(shift.values):
+            for marker, side in zip(shoe.sides, (-1.0, 1.0), strict=True):
+                _add_load(mbs, marker, _part(profile, shift, side / shoe.reach), down, changes)
+        else:
+            _add_load(mbs, shoe.top, profile.value, down, changes)
+
+
+def _part(profile: StepProfile, shift: StepProfile, side: float) -> Callable[[float], NDArray]:
+    """Part of a load at a point beside the load point; `side` is one over its y there (m)."""
+    return lambda time: 0.5 * profile.value(time) * (1.0 + side * shift.value(time))
+
+
+def _add_load(
+    mbs: "exu.MainSystem", marker: int, size: Callable[[float], NDArray], down: NDArray, changes: bool
+) -> None:
+    load = items.LoadForceVector(markerNumber=marker, loadVector=(float(size(0.0)) * down).tolist())
+    if changes:
+        load.loadVectorUserFunction = _downward(size, down)
+    mbs.AddLoad(load)
 
 
 def add_grip(mbs: "exu.MainSystem", case: Case, shoes: Sequence[ShoeBody], flexible_mass: float) -> None:
@@ -47,9 +69,9 @@ def add_grip(mbs: "exu.MainSystem", case: Case, shoes: Sequence[ShoeBody], flexi
         mbs.AddLoad(items.LoadTorqueVector(markerNumber=frame, loadVector=moment))
 
 
-def _downward(profile: StepProfile, down: NDArray) -> Callable[..., list[float]]:
+def _downward(force: Callable[[float], NDArray], down: NDArray) -> Callable[..., list[float]]:
     """Exudyn's user function of a load over time along the direction `down`."""
-    size = at_time(profile.value)
+    size = at_time(force)
     x, y, z = down.tolist()
 
     def downward(_mbs, t, _load):

@@ -122,7 +122,7 @@ def build(case: Case, static: bool = False) -> System:
     shoe_nodes = add_shoe_nodes(mbs, case)
     terrain_nodes, coordinates = add_terrain(mbs, case, ground)
     shoes = add_shoe_bodies(mbs, case, shoe_nodes, floating)
-    add_loads(mbs, case, shoes)
+    add_loads(mbs, case, shoes, static)
     add_links(mbs, shoes)
     contact = ground_contact(
         case,

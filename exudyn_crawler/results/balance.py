@@ -160,7 +160,8 @@ def powers(history: History) -> xr.Dataset:
     # while it acts, its point moves at its speed
     driven = history.drive_force.values * case.drive.speed.value(history.time.values)
     driven += history.drive_torque.values * np.sum(frames[:, -1, :, 2] * omega[:, -1], axis=-1)
-    at_load = velocity + np.cross(omega, frames @ np.array(case.shoe.load_point))
+    beside = case.loads.side_shift.value(history.time.values)[:, None, None] * frames[..., 1]
+    at_load = velocity + np.cross(omega, frames @ np.array(case.shoe.load_point) + beside)
     loaded = np.sum(history.shoe_load.values * (at_load @ terrain.down), axis=1)
 
     depth, rate = history.penetration.values, history.penetration_rate.values
