@@ -11,7 +11,7 @@ from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import whole_file, write_netcdf
-from exudyn_crawler.model.flexible_shoes import shoe_model
+from exudyn_crawler.model.flexible_shoes import check_shoe
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
@@ -109,7 +109,7 @@ def run_case(
     folder = None if out is None else Path(out)
     reused = None if reuse is None else matching_history(Path(reuse), case_file)
     if case.flexible is not None:
-        shoe_model(case.flexible, case.track)  # refuses a mesh that does not fit while nothing is written yet
+        check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
     with kept_run(folder, case_file, overwrite, say) as keeper:
         if reused is None:
             history = _simulated(case_file, folder, overwrite, progress, keeper)

@@ -8,6 +8,10 @@ class CrawlerError(Exception):
     """Base of the package's own errors."""
 
 
+class ImplausibleWarning(UserWarning):
+    """A case has values that no machine and no ground is known to have; it is run all the same."""
+
+
 class EquilibriumError(CrawlerError):
     """No static equilibrium was found before the run."""
 

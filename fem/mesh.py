@@ -31,8 +31,14 @@ class MeshError(ValueError):
     """A mesh that cannot be used; the message says what is wrong and where."""
 
 
-def jacobian_determinants(nodes: Floats, elements: Integers) -> Floats:
-    """Jacobian determinant of each element at each of its nodes.
+CUBIC_PLACES = np.vstack([np.full(4, 0.25), np.full((4, 4), 1.0 / 6.0) + np.eye(4) / 3.0])
+"""Barycentric places of the five-point rule that is exact for cubic functions in a tetrahedron."""
+CUBIC_WEIGHTS = np.array([-0.8, 0.45, 0.45, 0.45, 0.45]) / 6.0
+"""Weights of that rule; their sum is the volume of the unit tetrahedron."""
+
+
+def jacobian_determinants(nodes: Floats, elements: Integers, places: Floats | None = None) -> Floats:
+    """Jacobian determinant of each element at each of its nodes, or at other places.
 
     Parameters
     ----------
@@ -40,19 +46,22 @@ def jacobian_determinants(nodes: Floats, elements: Integers) -> Floats:
         Coordinates in m.
     elements : int array (m, 4 or 10)
         Node numbers.
+    places : array (p, 4), optional
+        Barycentric coordinates in place of those of the nodes.
 
     Returns
     -------
-    array (m, 1) for tet4, (m, 10) for tet10
+    array (m, 1) for tet4, (m, 10 or p) for tet10
         In m3: six times the volume of an element with straight edges.
     """
-    corners = np.eye(4)
     slopes = np.vstack([-np.ones(3), np.eye(3)])
     if elements.shape[1] == 4:
         gradients = slopes[None]
     else:
         a, b = TETRA_EDGES.T
-        places = np.vstack([corners, (corners[a] + corners[b]) / 2])
+        if places is None:
+            corners = np.eye(4)
+            places = np.vstack([corners, (corners[a] + corners[b]) / 2])
         at_corners = (4 * places - 1)[:, :, None] * slopes
         at_edges = 4 * (places[:, a, None] * slopes[b] + places[:, b, None] * slopes[a])
         gradients = np.concatenate([at_corners, at_edges], axis=1)
@@ -81,8 +90,8 @@ class Mesh:
     Raises
     ------
     MeshError
-        If coordinates are not finite, elements are inverted or refer to nodes that do not exist,
-        nodes belong to no element, the elements make several bodies, or a surface is no part of
+        If coordinates are not finite, elements are inverted, come twice or refer to nodes that do not
+        exist, nodes belong to no element, the elements make several bodies, or a surface is no part of
         the boundary.
     """
 
@@ -131,6 +140,14 @@ class Mesh:
                 f"elements must be neither inverted nor flat, got {len(bad)} of {len(elements)} "
                 f"that are: {_first(bad)}"
             )
+        _, first, times = np.unique(
+            np.sort(elements[:, :4], axis=1), axis=0, return_index=True, return_counts=True
+        )
+        if len(first) < len(elements):
+            raise MeshError(
+                f"elements must be different, got {(times > 1).sum()} of {len(first)} more than once: "
+                f"{_first(np.sort(first[times > 1]))}"
+            )
         self._check_connection()
         self._check_surfaces()
 
@@ -172,6 +189,13 @@ class Mesh:
     def order(self) -> int:
         """Polynomial order of the elements: 1 (tet4) or 2 (tet10)."""
         return 1 if self.elements.shape[1] == 4 else 2
+
+    @property
+    def volume(self) -> float:
+        """Volume in m3; exact, also with curved edges, where the determinant is cubic."""
+        determinants = jacobian_determinants(self.nodes, self.elements, CUBIC_PLACES)
+        weights = CUBIC_WEIGHTS if self.order == 2 else [CUBIC_WEIGHTS.sum()]
+        return float(np.sum(determinants @ weights))
 
     @cached_property
     def boundary(self) -> Integers:

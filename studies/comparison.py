@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.results.history import History
-from studies.reported import reported_values, verdict
+from studies.reported import needed_time, reported_values, verdict
 
 KINEMATIC = {
     "displacement": ("position", 1.0),
@@ -25,6 +25,9 @@ KINEMATIC = {
     "angular acceleration": ("angular_acceleration", 180.0 / math.pi),
 }
 """Kinematic quantities of the papers: variable of a history and factor to the papers' unit."""
+
+SAME_TIME = 1e-9
+"""s, below which two times are the same."""
 
 SHOE_QUANTITY = re.compile(r"(?:any shoe|shoe (?P<shoe>\d+)) (?P<axis>[xyz]) (?P<kind>[a-z ]+)")
 
@@ -109,11 +112,22 @@ def kinematics_value(histories: Mapping[str, History], case: str, quantity: str,
     return statistic_of(values, statistic)
 
 
-def comparison_table(reported: pd.DataFrame, computed: list[float]) -> pd.DataFrame:
+def comparison_table(
+    reported: pd.DataFrame, computed: list[float], until: Mapping[str, float] | None = None
+) -> pd.DataFrame:
     """Reported rows with their computed values, ratios and verdicts.
 
-    Columns: study, case, quantity, statistic, unit, paper, computed, ratio, class, within. `within` is
-    yes, no, or empty where the class has no verdict or nothing was computed.
+    Parameters
+    ----------
+    until : mapping, optional
+        Ends of the runs by case of the rows, s; a case that is left out was not run. None compares all rows.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns study, case, quantity, statistic, unit, paper, computed, ratio, class, within. `within` is
+        yes, no, "not reached" where the run is too short to be compared, whose ratio is left empty, or empty
+        where the class has no verdict or nothing was computed.
     """
     table = reported.drop(columns="source").rename(columns={"value": "paper"})
     table.insert(6, "computed", computed)
@@ -122,7 +136,19 @@ def comparison_table(reported: pd.DataFrame, computed: list[float]) -> pd.DataFr
         verdict(row.paper, row.computed, kind, row.unit)
         for row, kind in zip(table.itertuples(), table["class"], strict=True)
     ]
+    if until is not None:
+        short = [
+            until.get(row.case, -math.inf) < needed_time(row.study, row.case, row.statistic) - SAME_TIME
+            for row in table.itertuples()
+        ]
+        table.loc[short, "ratio"] = math.nan
+        table.loc[short, "within"] = "not reached"
     return table
+
+
+def ends(histories: Mapping[str, History]) -> dict[str, float]:
+    """Last stored times of histories by their case, s."""
+    return {case: float(history.time[-1]) for case, history in histories.items()}
 
 
 def compare_kinematics(histories: Mapping[str, History]) -> pd.DataFrame:
@@ -131,4 +157,4 @@ def compare_kinematics(histories: Mapping[str, History]) -> pd.DataFrame:
     computed = [
         kinematics_value(histories, row.case, row.quantity, row.statistic) for row in reported.itertuples()
     ]
-    return comparison_table(reported, computed)
+    return comparison_table(reported, computed, ends(histories))

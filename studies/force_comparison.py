@@ -16,7 +16,7 @@ import xarray as xr
 from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.curves import JOINTS, SHOES
-from studies.comparison import comparison_table, statistic_of, time_mean
+from studies.comparison import comparison_table, ends, statistic_of, time_mean
 from studies.reported import reported_values
 
 CONTACT = {
@@ -93,7 +93,7 @@ def compare_forces(histories: Mapping[str, History]) -> pd.DataFrame:
             continue
         values = force_quantity(histories[row.case], contacts[row.case], row.quantity)
         computed.append(force_statistic(values, row.statistic))
-    return comparison_table(reported, computed)
+    return comparison_table(reported, computed, ends(histories))
 
 
 def turning_ratios(translation: History, turning: History, shoe: int = 10, joint: int = 10) -> pd.DataFrame:

@@ -16,12 +16,20 @@ lateral       asymmetry and noise in their contact    no verdict
 ============  ======================================  ==========================
 """
 
+import re
 from importlib.resources import files
 from typing import Literal
 
 import pandas as pd
 
-Verdict = Literal["yes", "no", ""]
+Verdict = Literal["yes", "no", "not reached", ""]
+
+ENDS = {
+    "kinematics": {"translation": 10.0, "turning": 10.0},
+    "forces": {"translation": 10.0, "turning": 10.0},
+    "stress": {"modal": 0.0, "propel": 15.0, "loading": 40.0, "hot spots": 40.0},
+}
+"""s by study and case: how far the papers' runs go that a row is about."""
 
 RELATIVE = {"exact": 1e-4, "prescribed": 0.01, "statics": 0.10, "structural": 0.25}
 FREQUENCY = 0.10
@@ -39,6 +47,12 @@ def reported_values(study: str) -> pd.DataFrame:
     if chosen.empty:
         raise ValueError(f"study must be one of {sorted(table['study'].unique())}, got {study!r}")
     return chosen.reset_index(drop=True)
+
+
+def needed_time(study: str, case: str, statistic: str) -> float:
+    """Time (s) that a run has to reach before a row can be compared with it."""
+    named = re.fullmatch(r"(?:at t=|mean over )(\d+) s", statistic)
+    return float(named[1]) if named else ENDS[study][case]
 
 
 def verdict(paper: float, computed: float, kind: str, unit: str) -> Verdict:

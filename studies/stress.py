@@ -13,7 +13,7 @@ import pandas as pd
 
 from exudyn_crawler import Case, CaseFile, CaseRun, run_case
 from exudyn_crawler.case.flexible import ADAMS_DAMPING
-from exudyn_crawler.model.flexible_shoes import shoe_model
+from exudyn_crawler.model.flexible_shoes import check_shoe
 from exudyn_crawler.run.folder import kept_run, quiet
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
@@ -68,9 +68,8 @@ def study(
         As of `run_case`.
     """
     case = Case.stress() if case is None else case
-    flexible = case.flexible_shoes()
     case_file = CaseFile(case=case, duration=duration)
-    shoe_model(flexible, case.track)  # refuses a mesh that does not fit while nothing is written yet
+    check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
     with kept_run(out, overwrite=overwrite, tell=say) as keeper:
         run = run_case(case_file, out and out / RUN, overwrite=overwrite, progress=progress, say=keeper.say)
         table = compare_stresses(run.history, run.recovered())

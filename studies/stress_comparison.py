@@ -87,4 +87,5 @@ def compare_stresses(history: History, results: StressResults) -> pd.DataFrame:
             computed.append(float(frequencies[nearest]))
         else:
             computed.append(stress_value(history, results, row.case, row.quantity, row.statistic))
-    return comparison_table(reported, computed)
+    end = float(history.time[-1])
+    return comparison_table(reported, computed, dict.fromkeys(reported["case"], end))

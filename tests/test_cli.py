@@ -355,3 +355,32 @@ def test_all_else_is_one_line_too(call, monkeypatch, error, code, words):
     found, _, err = call("kinematics")
     assert found == code
     assert_one_line(err, words)
+
+
+@pytest.mark.filterwarnings("default::exudyn_crawler.errors.ImplausibleWarning")
+def test_what_no_machine_has_is_told_in_one_line_before_a_run(call, tmp_path):
+    (tmp_path / "kn.toml").write_text('base = "translation"\ngravity = 1.62\n')
+    code, out, err = call("info", "kn.toml")
+    assert (code, err) == (0, "warning: gravity: 1.62 m/s2 is outside of 9.7 to 9.9 m/s2\n")
+    assert "gravity" in out
+
+
+def test_info_says_what_rigid_and_flexible_shoes_weigh(call, tmp_path):
+    (tmp_path / "own.toml").write_text('base = "stress"\n[flexible]\nmesh = "coarse"\n')
+    code, out, err = call("info", "own.toml")
+    assert (code, err) == (0, "")
+    assert "rigid ones weigh 4489.63 kg each, flexible ones 4503.32 kg (+0.3 %)" in " ".join(out.split())
+
+
+def test_a_value_can_be_set_on_the_command_line(call, short):
+    code, out, err = call("info", short, "--set", "terrain.spring_stiffness=1e7", "--set", "sharing=area")
+    assert (code, err) == (0, "")
+    told = " ".join(out.split())
+    assert "terrain.spring_stiffness │ 10e6" in told
+    assert "contact.sharing │ area" in told
+    code, _, err = call("run", short, "--set", "terrain.spring_stifness=1e7")
+    assert code == 2
+    assert_one_line(err, "unknown key; did you mean terrain.spring_stiffness?")
+    code, _, err = call("info", "kinematics", "--set", "duration=1")
+    assert code == 2
+    assert_one_line(err, "--set must go with a case file")

@@ -1,8 +1,15 @@
 """Base of the parameter classes: frozen, closed to unknown names, finite numbers only."""
 
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
+from annotated_types import Ge, Le, MaxLen, MinLen
 from pydantic import BaseModel, ConfigDict, Field
+
+FAR = 1e6
+"""m, beyond which places are no longer exact to a tenth of a micrometre."""
+Place = Annotated[float, Ge(-FAR), Le(FAR)]
+"""Coordinate of a place."""
+Name = Annotated[str, MinLen(1), MaxLen(100)]
 
 
 class Parameters(BaseModel):
@@ -22,6 +29,17 @@ class Parameters(BaseModel):
         return type(self)(**(values | changes))
 
 
-def quantity(unit: str, description: str, **bounds: Any) -> Any:
-    """Pydantic field of a physical quantity; `bounds` as of `pydantic.Field` (gt, ge, lt, le)."""
-    return Field(description=description, json_schema_extra={"unit": unit}, **bounds)
+def quantity(unit: str, description: str, plausible: tuple[float, float] | None = None, **bounds: Any) -> Any:
+    """Pydantic field of a physical quantity.
+
+    Parameters
+    ----------
+    plausible : tuple of float, optional
+        Least and greatest value of machines and ground as there are; beyond, a run warns.
+    bounds :
+        As of `pydantic.Field` (gt, ge, lt, le): beyond, no machine could be meant or numbers fail.
+    """
+    extra: dict[str, Any] = {"unit": unit}
+    if plausible is not None:
+        extra["plausible"] = list(plausible)
+    return Field(description=description, json_schema_extra=extra, **bounds)

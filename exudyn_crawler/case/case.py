@@ -3,11 +3,11 @@
 from typing import Literal, Self, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.base import Parameters, quantity
+from exudyn_crawler.case.base import Name, Parameters, quantity
 from exudyn_crawler.case.contact import Contact, PairContact, SphereContact
 from exudyn_crawler.case.drive import Drive
 from exudyn_crawler.case.flexible import FlexibleShoes
@@ -30,7 +30,7 @@ class Case(Parameters):
         not stand on the terrain.
     """
 
-    name: str = Field(default="case", description="name of the case in results and figures")
+    name: Name = Field(default="case", description="name of the case in results and figures")
     shoe: Shoe
     track: Track
     terrain: Terrain
@@ -48,7 +48,14 @@ class Case(Parameters):
         description="equations of motion: compiled for the whole track, or of Exudyn's own bodies, joints "
         "and contacts, the reference; None takes the compiled ones where they carry the case",
     )
-    gravity: float = quantity("m/s2", "acceleration of gravity, along -z", ge=0, default=ph4100c.GRAVITY)
+    gravity: float = quantity(
+        "m/s2",
+        "acceleration of gravity, along -z on level ground",
+        plausible=(9.7, 9.9),
+        ge=0,
+        le=100,
+        default=ph4100c.GRAVITY,
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -71,7 +78,8 @@ class Case(Parameters):
         elif self.terrain.heights is not None:
             raise ValueError(
                 "terrain.heights must be None with contact.model 'pair', whose law presumes one height; "
-                "contact.model 'spheres' takes uneven ground"
+                "contact.model 'spheres' takes uneven ground, with rigid shoes; ground that slopes as a "
+                "whole, by terrain.grade and terrain.side_slope, goes with both"
             )
         if self.formulation == "compiled" and not self._can_be_compiled:
             raise ValueError(
@@ -96,7 +104,11 @@ class Case(Parameters):
         if self.terrain_formulation != "reduced":
             raise ValueError("flexible shoes need terrain_formulation 'reduced'")
         if isinstance(self.contact, SphereContact):
-            raise ValueError("flexible must be None with contact.model 'spheres', whose shoes are rigid")
+            raise ValueError(
+                "flexible must be None with contact.model 'spheres', whose shoes are rigid; flexible shoes "
+                "go with contact.model 'pair' on even ground, which may slope by terrain.grade and "
+                "terrain.side_slope"
+            )
 
     def _check_spheres(self, radius: float) -> None:
         """Refuse spheres that cannot carry the shoes."""
@@ -134,10 +146,18 @@ class Case(Parameters):
             raise ValueError(f"contact.model must be {wanted!r}, got {self.contact.model!r}")
         return self.contact
 
+    def gravity_vector(self) -> NDArray:
+        """Acceleration of gravity: array (3,), m/s2, x along the travel at t = 0, z normal to the ground."""
+        return self.gravity * self.terrain.down
+
+    def pressed(self, load: ArrayLike) -> NDArray:
+        """Force normal to the ground (N) of a shoe's weight and of each load (N) on it."""
+        return (np.asarray(load) + self.shoe.mass * self.gravity) * -self.terrain.down[2]
+
     @property
     def mean_load(self) -> float:
-        """Mean over the shoes of the force that the ground carries at t = 0, N: load and weight."""
-        return float(self.loads.loads(0.0).mean()) + self.shoe.mass * self.gravity
+        """Mean over the shoes of the normal force that the ground carries at t = 0, N: load and weight."""
+        return float(self.pressed(self.loads.loads(0.0).mean()))
 
     @property
     def settled_penetration(self) -> float:
@@ -153,8 +173,8 @@ class Case(Parameters):
     def _greatest_depth(self) -> float:
         """Penetration of the most loaded shoe at its most loaded time on linear spheres, m."""
         profiles = [self.loads.profile(number) for number in self.track.shoes]
-        load = max(max(profile.values) for profile in profiles) + self.shoe.mass * self.gravity
-        return self.settled_penetration * load / self.mean_load
+        load = max(max(profile.values) for profile in profiles)
+        return self.settled_penetration * float(self.pressed(load)) / self.mean_load
 
     @classmethod
     def translation(cls) -> Self:

@@ -8,6 +8,7 @@ from pydantic import model_validator
 from exudyn_crawler.case.base import Parameters, quantity
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.case.size import check_size
 
 
 class CaseFile(Parameters):
@@ -33,5 +34,6 @@ class CaseFile(Parameters):
         times = self.outputs.picture_times
         if times is not None and times[-1] > self.duration:
             raise ValueError(f"outputs.picture_times must lie in 0..{self.duration:g} s, got {list(times)}")
+        check_size(self.case, self.duration)
         self.case.check_support(self.duration)
         return self

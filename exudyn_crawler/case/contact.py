@@ -19,14 +19,22 @@ class PairContact(Parameters):
     model: Literal["pair"] = Field(
         default="pair", description="pair: one contact a pair of shoe and unit; spheres: for uneven ground"
     )
-    stiffness: float = quantity("N/m^exponent", "contact stiffness k", gt=0)
-    exponent: float = quantity("1", "exponent e of the penetration", ge=1)
-    damping: float = quantity("N s/m", "greatest damping coefficient c_max", ge=0)
-    damping_depth: float = quantity("m", "penetration d at which the damping is full", gt=0)
-    static_friction: float = quantity("1", "coefficient mu_s at the stiction speed", ge=0)
-    dynamic_friction: float = quantity("1", "coefficient mu_d beyond the friction speed", ge=0)
-    stiction_speed: float = quantity("m/s", "V_st", gt=0)
-    friction_speed: float = quantity("m/s", "V_d", gt=0)
+    stiffness: float = quantity("N/m^exponent", "contact stiffness k", ge=1.0, le=1e18)
+    exponent: float = quantity("1", "exponent e of the penetration", plausible=(1.0, 3.0), ge=1, le=10)
+    damping: float = quantity(
+        "N s/m", "greatest damping coefficient c_max", plausible=(0.0, 1e8), ge=0, le=1e12
+    )
+    damping_depth: float = quantity(
+        "m", "penetration d at which the damping is full", plausible=(1e-6, 0.02), ge=1e-9, le=10
+    )
+    static_friction: float = quantity(
+        "1", "coefficient mu_s at the stiction speed", plausible=(0.0, 1.5), ge=0, le=10
+    )
+    dynamic_friction: float = quantity(
+        "1", "coefficient mu_d beyond the friction speed", plausible=(0.0, 1.5), ge=0, le=10
+    )
+    stiction_speed: float = quantity("m/s", "V_st", plausible=(1e-5, 0.2), ge=1e-9, le=100)
+    friction_speed: float = quantity("m/s", "V_d", plausible=(1e-4, 2.0), ge=1e-9, le=1000)
     sharing: Literal["pair", "area"] = Field(
         description="what of the law a pair of shoe and unit has: all of it, however little they overlap, or "
         "the part of the shoe's underside that is on the unit",
@@ -35,7 +43,9 @@ class PairContact(Parameters):
         "m",
         "overlap width at which a pair has all of the law; with sharing 'pair' the force grows with STEP "
         "from zero, since that law knows no area and would jump when a shoe reaches a unit's edge",
-        gt=0,
+        plausible=(1e-4, 0.5),
+        ge=1e-9,
+        le=100,
     )
 
     @model_validator(mode="after")
@@ -97,18 +107,27 @@ class SphereContact(Parameters):
     model: Literal["spheres"] = Field(
         default="spheres", description="spheres: for uneven ground; pair: one contact a pair of shoe and unit"
     )
-    spheres_x: int = quantity("1", "spheres along a shoe; two are needed to balance it", ge=2)
-    spheres_y: int = quantity("1", "spheres across a shoe; two are needed to balance it", ge=2)
-    radius: float = quantity("m", "radius of the spheres", gt=0)
+    spheres_x: int = quantity("1", "spheres along a shoe; two are needed to balance it", ge=2, le=100)
+    spheres_y: int = quantity("1", "spheres across a shoe; two are needed to balance it", ge=2, le=100)
+    radius: float = quantity("m", "radius of the spheres", plausible=(0.02, 2.0), ge=1e-3, le=100)
     reference_stiffness: float = quantity(
         "N/m^exponent",
         "k of the IMPACT law by which a shoe settles as deep under the mean load",
-        gt=0,
+        ge=1.0,
+        le=1e18,
     )
-    reference_exponent: float = quantity("1", "exponent e of that law", ge=1)
-    damping: float = quantity("N s/m", "damping along the normal of all spheres of a shoe together", ge=0)
-    friction: float = quantity("1", "coefficient of friction", ge=0)
-    friction_speed: float = quantity("m/s", "slip speed at which friction is full", gt=0)
+    reference_exponent: float = quantity("1", "exponent e of that law", plausible=(1.0, 3.0), ge=1, le=10)
+    damping: float = quantity(
+        "N s/m",
+        "damping along the normal of all spheres of a shoe together",
+        plausible=(0.0, 1e8),
+        ge=0,
+        le=1e12,
+    )
+    friction: float = quantity("1", "coefficient of friction", plausible=(0.0, 1.5), ge=0, le=10)
+    friction_speed: float = quantity(
+        "m/s", "slip speed at which friction is full", plausible=(1e-5, 0.2), ge=1e-9, le=100
+    )
     faces: Literal["whole", "drawn_back"] = quantity(
         "",
         "whole: as large as the units, each of which pushes a sphere over their seam by its own law, as in "

@@ -12,13 +12,19 @@ from exudyn_crawler.case.profile import StepProfile
 SAME_TIME = 1e-9
 """Relative difference below which two times are the same."""
 
+FASTEST = 100.0
+"""m/s and rad/s: no track is as fast, and nothing of it could be integrated."""
+
 
 class Drive(Parameters):
     """Velocity of a point of the front shoe along x, in a turn the rate about its z axis, and when."""
 
-    speed: StepProfile = quantity("m/s", "velocity along global x")
+    speed: StepProfile = quantity("m/s", "velocity along global x", plausible=(-1.5, 1.5))
     turn_rate: StepProfile | None = quantity(
-        "rad/s", "angular velocity about the shoe's z axis; None leaves it free", default=None
+        "rad/s",
+        "angular velocity about the shoe's z axis; None leaves it free",
+        plausible=(-0.2, 0.2),
+        default=None,
     )
     on: tuple[tuple[float, float], ...] | None = quantity(
         "s",
@@ -43,6 +49,9 @@ class Drive(Parameters):
                 f"turn_rate must start from zero at t = 0, got {self.turn_rate.values[0]} at "
                 f"{self.turn_rate.times[0]} s"
             )
+        for name, rate in (("speed", self.speed), ("turn_rate", self.turn_rate)):
+            if rate is not None and max(map(abs, rate.values)) > FASTEST:
+                raise ValueError(f"{name} must not exceed {FASTEST:g} in size, got {list(rate.values)}")
         times = [time for window in self.on or () for time in window]
         if times and (times[0] < 0.0 or np.any(np.diff(times) <= 0.0)):
             raise ValueError(f"on must be times from 0 s that increase, got {self.on}")

@@ -11,6 +11,7 @@ from exudyn_crawler.case.base import Parameters
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile
 from exudyn_crawler.case.fields import TAG, Place, key_path, key_paths, models_of, tag_of
+from exudyn_crawler.case.plausible import likely_cause
 
 SHOWN = 60
 """Characters of a refused value that an error shows."""
@@ -77,7 +78,17 @@ def _told(one: ErrorDetails, model: type[BaseModel]) -> str:
         given = one["input"].get(TAG) if isinstance(one["input"], dict) else one["input"]
         allowed = " or ".join(repr(tag_of(kind)) for kind in spot.held)
         return f"{path}.{TAG}: Input should be {allowed}, got {shown(given)}"
-    return f"{path}: {message}, got {shown(one['input'])}"
+    return f"{path}: {message}, got {shown(one['input'])}{_cause(one, spot)}"
+
+
+def _cause(one: ErrorDetails, spot: _Spot) -> str:
+    """Unit that a number beyond its bounds is likely in; empty for other faults."""
+    name = next((part for part in reversed(spot.place) if isinstance(part, str)), "")
+    field, given = spot.table.model_fields.get(name), one["input"]
+    beyond = one["type"].startswith(("less_than", "greater_than"))
+    if not beyond or field is None or not isinstance(given, int | float):
+        return ""
+    return likely_cause(float(given), field)
 
 
 def _unknown(spot: _Spot, in_file: bool) -> str:

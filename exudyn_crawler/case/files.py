@@ -7,7 +7,7 @@ in the table of a part. Names, units and bounds are those of the parameter class
 
 import difflib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile
+from exudyn_crawler.case.changes import changed
 from exudyn_crawler.case.faults import faults
 from exudyn_crawler.case.fields import (
     BASE,
@@ -27,18 +28,28 @@ from exudyn_crawler.case.fields import (
     named_values,
     tag_of,
 )
+from exudyn_crawler.case.loads import cycle_content, with_equal_loads
 from exudyn_crawler.case.old_keys import migrated
 from exudyn_crawler.case.text import case_text
 from exudyn_crawler.case.toml import toml_content
+from exudyn_crawler.case.track import MOST_SHOES
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.files import whole_file
 from meshes import SHOE_SIZES
 
+CYCLE = "file"
+"""Key of the loads that names a file with their cycle."""
+
 __all__ = ["CaseFile", "read_case", "saved_case", "write_case"]
 
 
-def read_case(path: str | Path) -> CaseFile:
-    """Read a case file; the path of a mesh counts from the file's folder.
+def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
+    """Read a case file; paths of a mesh and of a load cycle count from the file's folder.
+
+    Parameters
+    ----------
+    changes : iterable of str
+        Values in place of the file's, each as ``terrain.spring_stiffness=1e7``.
 
     Raises
     ------
@@ -49,7 +60,7 @@ def read_case(path: str | Path) -> CaseFile:
     """
     path = Path(path)
     try:
-        content = toml_content(path, "case file")
+        content = changed(toml_content(path, "case file"), changes)
         # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
         text = json.dumps(_resolved(migrated(content, path), path.parent), default=_untyped)
         return CaseFile.model_validate_json(text, strict=True)
@@ -88,7 +99,10 @@ def saved_case(text: str, where: object) -> Case:
 def _resolved(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     """Values of a file as `CaseFile` takes them: bases filled in, "none" replaced."""
     own = {name: content.pop(name) for name in CaseFile.model_fields if name in content and name != "case"}
+    if isinstance(content.get("loads"), dict):
+        content["loads"] = _with_cycle(content["loads"], folder)
     case = _with_base(content, (Case,), {}, ())
+    _spread_equal_loads(case)
     for name, field in CaseFile.model_fields.items():
         kinds = models_of(field.annotation)
         if kinds and isinstance(own.get(name), dict):
@@ -97,6 +111,26 @@ def _resolved(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     if isinstance(flexible, dict) and isinstance(flexible.get("mesh"), str):
         flexible["mesh"] = _mesh(flexible["mesh"], folder)
     return {**own, "case": case}
+
+
+def _with_cycle(loads: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Table of the loads with the cycle of the file that it names."""
+    if CYCLE not in loads:
+        return loads
+    if len(loads) > 1 or not isinstance(loads[CYCLE], str):
+        raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {loads!r}")
+    try:
+        return cycle_content(folder / loads[CYCLE])
+    except OSError as error:
+        raise ValueError(f"loads.{CYCLE}: {error}") from error
+
+
+def _spread_equal_loads(case: dict[str, Any]) -> None:
+    """Put the one number that a phase gives for all shoes on each of them."""
+    track = case.get("track")
+    count = track.get("shoe_count") if isinstance(track, dict) else None
+    if isinstance(case.get("loads"), dict) and isinstance(count, int) and 0 < count <= MOST_SHOES:
+        case["loads"] = with_equal_loads(case["loads"], count)
 
 
 def _mesh(name: str, folder: Path) -> str:

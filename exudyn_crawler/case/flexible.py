@@ -6,7 +6,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.base import Parameters, quantity
+from exudyn_crawler.case.base import Parameters, Place, quantity
 from exudyn_crawler.case.profile import StepProfile
 
 PAPER_DAMPING = StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph4100c.DAMPING_RATIOS)
@@ -17,6 +17,7 @@ ADAMS_DAMPING = StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.
 CONSTRAINT_MODES = 24
 """Six of each of the four joint centres."""
 RIGID_MODES = 6
+SHOWN_DIGITS = 20
 
 
 class FlexibleShoes(Parameters):
@@ -24,17 +25,19 @@ class FlexibleShoes(Parameters):
 
     shoes: Annotated[tuple[int, ...], Field(min_length=1, description="numbers of the flexible shoes")]
     mesh: str = Field(description="coarse, study or fine, or the path of a mesh with the same surfaces")
-    youngs_modulus: float = quantity("Pa", "E", gt=0)
-    poissons_ratio: float = quantity("1", "nu", gt=-1, lt=0.5)
-    density: float = quantity("kg/m3", "density", gt=0)
-    fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0)
-    recovered_modes: int = quantity("1", "fixed-interface modes of the basis that stress is made of", ge=0)
+    youngs_modulus: float = quantity("Pa", "E", plausible=(5e10, 5e11), ge=1.0, le=1e15)
+    poissons_ratio: float = quantity("1", "nu", plausible=(0.0, 0.45), gt=-1, lt=0.5)
+    density: float = quantity("kg/m3", "density", plausible=(1000.0, 2e4), ge=1e-3, le=1e6)
+    fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0, le=10_000)
+    recovered_modes: int = quantity(
+        "1", "fixed-interface modes of the basis that stress is made of", ge=0, le=10_000
+    )
     load_surface: str = Field(
         default="whole top",
         description="surface of the mesh that the machine load is spread over: whole top, plateau (without "
         "the wings), rails, or another that the mesh names",
     )
-    com_node: tuple[float, float, float] = quantity(
+    com_node: tuple[Place, Place, Place] = quantity(
         "m",
         "the drive may move the mesh node nearest to this place, in the shoe's frame",
         default=(0.0, 0.0, 0.0),
@@ -45,12 +48,19 @@ class FlexibleShoes(Parameters):
         "the load bends between the lowest modes",
     )
     highest_frequency: float | None = quantity(
-        "Hz", "modes of the integrated basis above this are left out", gt=0, default=None
+        "Hz",
+        "modes of the integrated basis above this are left out",
+        plausible=(50.0, 1e6),
+        gt=0,
+        le=1e12,
+        default=None,
     )
     modes: tuple[int, ...] | None = Field(
         default=None, description="numbers (from 1) of the modes of the integrated basis that are kept"
     )
-    damping: StepProfile = quantity("1", "modal damping ratio over frequency (Hz, in place of times)")
+    damping: StepProfile = quantity(
+        "1", "modal damping ratio over frequency (Hz, in place of times)", plausible=(0.0, 2.0)
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -103,9 +113,14 @@ class FlexibleShoes(Parameters):
             return self.with_(**whole | {"highest_frequency": float(match[1])})
         if re.fullmatch(r"\d+(-\d+)?(, *\d+(-\d+)?)*", text):
             numbers: set[int] = set()
+            # a range is as long as it says: none is made of more numbers than there are modes
+            most = self.with_(**whole).mode_count
             for part in text.split(","):
                 first, _, last = part.strip().partition("-")
-                numbers |= set(range(int(first), int(last or first) + 1))
+                greatest = last or first
+                if len(greatest.lstrip("0")) > len(str(most)) or int(greatest) > most:
+                    raise ValueError(f"modes must be in 1..{most}, got {greatest[:SHOWN_DIGITS]}")
+                numbers |= set(range(int(first), int(greatest) + 1))
             return self.with_(**whole | {"modes": tuple(sorted(numbers))})
         raise ValueError(f'modes must be like "all", "1200Hz", "1-20,25" or "10 fixed", got {choice!r}')
 

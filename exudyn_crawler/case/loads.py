@@ -2,27 +2,39 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 import pandas as pd
+from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 from scipy.optimize import brentq
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.base import Parameters, quantity
+from exudyn_crawler.case.base import Name, Parameters, quantity
 from exudyn_crawler.case.profile import StepProfile
 from exudyn_crawler.case.toml import toml_content
 
+Load = Annotated[float, Ge(-1e10), Le(1e10)]
+"""Load on a shoe, N."""
+
 
 class Phase(Parameters):
-    """Part of a load cycle: the load on every shoe at its end."""
+    """Part of a load cycle: the load on every shoe at its end, and where across the shoes it acts."""
 
-    name: Annotated[str, Field(min_length=1, description="name of the phase")]
-    end: float = quantity("s", "time at which the phase ends", ge=0)
-    loads: tuple[float, ...] = quantity(
+    name: Name = Field(description="name of the phase")
+    end: float = quantity("s", "time at which the phase ends", ge=0, le=1e9)
+    loads: tuple[Load, ...] = quantity(
         "N", "downward load on shoes 1..n at the end of the phase", min_length=1
+    )
+    side_shift: float = quantity(
+        "m",
+        "how far beside the load point every load acts at the end of the phase; positive is to the left (+y)",
+        plausible=(-1.0, 1.0),
+        ge=-10,
+        le=10,
+        default=0.0,
     )
 
 
@@ -99,10 +111,15 @@ class LoadCycle(Parameters):
         )
 
     @classmethod
-    def from_toml(cls, path: str | Path) -> Self:
+    def from_toml(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
         """Read a cycle from a TOML file.
 
         It holds a list of tables ``[[phases]]`` with name, end and loads.
+
+        Parameters
+        ----------
+        shoe_count : int
+            Shoes that a phase loads which gives one number for all of them.
 
         Raises
         ------
@@ -111,16 +128,7 @@ class LoadCycle(Parameters):
         ValueError
             If it is not TOML or not a load cycle, naming what is wrong.
         """
-        try:
-            content = toml_content(path, "load cycle")
-        except ValueError as error:
-            raise ValueError(f"{path} is {error}") from error
-        if "drive_on" in content:
-            raise ValueError(
-                f"{path}: drive_on must not be in a load cycle, since the drive says when it is on: "
-                f"Drive.on, or on = {content['drive_on']} in [drive] of a case file"
-            )
-        return cls.model_validate(content)
+        return cls.model_validate(with_equal_loads(cycle_content(path), shoe_count))
 
     def table(self) -> pd.DataFrame:
         """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""
@@ -144,10 +152,47 @@ class LoadCycle(Parameters):
             values=tuple(phase.loads[shoe - 1] for phase in self.phases),
         )
 
+    @property
+    def side_shift(self) -> StepProfile:
+        """How far beside the load points the loads act over time, m, positive to the left."""
+        return StepProfile(
+            times=tuple(phase.end for phase in self.phases),
+            values=tuple(phase.side_shift for phase in self.phases),
+        )
+
     def loads(self, time: ArrayLike) -> NDArray:
         """Loads at each time: array (times, shoes), N downward."""
         t = np.atleast_1d(np.asarray(time, dtype=float))
         return np.column_stack([self.profile(s).value(t) for s in range(1, self.shoe_count + 1)])
+
+
+def cycle_content(path: str | Path) -> dict[str, Any]:
+    """Content of a file with a load cycle; errors are those of `LoadCycle.from_toml`."""
+    try:
+        content = toml_content(path, "load cycle")
+    except ValueError as error:
+        raise ValueError(f"{path} is {error}") from error
+    if "drive_on" in content:
+        raise ValueError(
+            f"{path}: drive_on must not be in a load cycle, since the drive says when it is on: "
+            f"Drive.on, or on = {content['drive_on']} in [drive] of a case file"
+        )
+    return content
+
+
+def with_equal_loads(content: dict[str, Any], shoe_count: int) -> dict[str, Any]:
+    """Content of a load cycle in which one number for all shoes stands for each of them."""
+    phases = content.get("phases")
+    if not isinstance(phases, list):
+        return content
+    return content | {"phases": [_spread(phase, shoe_count) for phase in phases]}
+
+
+def _spread(phase: Any, shoe_count: int) -> Any:
+    load = phase.get("loads") if isinstance(phase, dict) else None
+    if isinstance(load, bool) or not isinstance(load, int | float):
+        return phase
+    return phase | {"loads": [load] * shoe_count}
 
 
 def _falling(greatest: float, total: float, distance: NDArray) -> NDArray:

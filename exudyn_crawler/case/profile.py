@@ -4,6 +4,7 @@ from functools import cached_property
 from typing import Annotated, Self
 
 import numpy as np
+from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 from scipy.interpolate import CubicHermiteSpline, PPoly
@@ -19,7 +20,10 @@ class StepProfile(Parameters):
     """
 
     times: Annotated[tuple[float, ...], Field(min_length=1, description="increasing times, s")]
-    values: Annotated[tuple[float, ...], Field(min_length=1, description="value at each time")]
+    values: Annotated[
+        tuple[Annotated[float, Ge(-1e12), Le(1e12)], ...],
+        Field(min_length=1, description="value at each time"),
+    ]
 
     @model_validator(mode="after")
     def _check(self) -> Self:

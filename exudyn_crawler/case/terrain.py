@@ -8,37 +8,59 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.base import Parameters, quantity
+from exudyn_crawler.case.base import Parameters, Place, quantity
 
 
 class Terrain(Parameters):
-    """Grid of rigid units, each with heave and one tilt on vertical spring-dampers.
+    """Grid of rigid units, each with heave and one tilt on spring-dampers normal to the ground.
 
-    Units count along y first, from 1. Their top faces lie at z = 0 while the springs are free.
+    Units count along y first, from 1. Their top faces lie at z = 0 while the springs are free. All places and
+    directions are in the ground's own axes: on a slope gravity leans, and z stays normal to the ground.
     """
 
-    origin: tuple[float, float] = quantity(
+    origin: tuple[Place, Place] = quantity(
         "m", "x and y of the corner of the top face at unit 1, global", default=(0.0, 0.0)
     )
-    columns: int = quantity("1", "units along x", ge=1)
-    rows: int = quantity("1", "units along y", ge=1)
-    unit_length: float = quantity("m", "side of a unit in x", gt=0)
-    unit_width: float = quantity("m", "side of a unit in y", gt=0)
-    unit_height: float = quantity("m", "height of a unit", gt=0)
-    density: float = quantity("kg/m3", "density of the units", gt=0)
+    columns: int = quantity("1", "units along x", ge=1, le=10_000)
+    rows: int = quantity("1", "units along y", ge=1, le=10_000)
+    unit_length: float = quantity("m", "side of a unit in x", plausible=(0.1, 50.0), ge=1e-2, le=1e4)
+    unit_width: float = quantity("m", "side of a unit in y", plausible=(0.1, 50.0), ge=1e-2, le=1e4)
+    unit_height: float = quantity("m", "height of a unit", plausible=(0.1, 50.0), ge=1e-3, le=1e4)
+    density: float = quantity("kg/m3", "density of the units", plausible=(500.0, 4000.0), ge=1e-3, le=1e6)
     springs_per_unit: Literal[1, 2] = quantity("1", "vertical spring-dampers under each unit")
-    spring_stiffness: float = quantity("N/m", "stiffness of each spring", gt=0)
-    spring_damping: float = quantity("N s/m", "damping of each spring-damper", ge=0)
+    spring_stiffness: float = quantity(
+        "N/m", "stiffness of each spring", plausible=(1e5, 1e11), ge=1.0, le=1e15
+    )
+    spring_damping: float = quantity(
+        "N s/m", "damping of each spring-damper", plausible=(0.0, 1e10), ge=0, le=1e15
+    )
     spring_offset: float = quantity(
-        "m", "distance of each of two springs from the unit's centre, across the tilt axis", ge=0
+        "m", "distance of each of two springs from the unit's centre, across the tilt axis", ge=0, le=1e4
     )
     column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
     tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
+    grade: float = quantity(
+        "1",
+        "slope along x as rise over horizontal run; positive is uphill in the direction of travel",
+        plausible=(-0.3, 0.3),
+        gt=-1,
+        lt=1,
+        default=0.0,
+    )
+    side_slope: float = quantity(
+        "1",
+        "slope along y as rise over horizontal run; positive rises to the left (+y)",
+        plausible=(-0.3, 0.3),
+        gt=-1,
+        lt=1,
+        default=0.0,
+    )
 
-    heights: tuple[float, ...] | None = quantity(
+    heights: tuple[Place, ...] | None = quantity(
         "m",
         "height of every unit's top face above even ground, units counting along y first; None: all even. "
         "The units' centres, masses and springs stay as they are",
+        plausible=(-20.0, 20.0),
         default=None,
     )
 
@@ -105,6 +127,16 @@ class Terrain(Parameters):
     def top_heights(self) -> NDArray:
         """Height of every unit's top face, with the springs free: array (units,), m."""
         return np.zeros(self.unit_count) if self.heights is None else np.array(self.heights)
+
+    @property
+    def down(self) -> NDArray:
+        """Direction of gravity: unit vector (3,) in the ground's axes.
+
+        An axis whose ground rises by s over a horizontal run of 1 points up by the sine s / sqrt(1 + s**2).
+        """
+        x, y = (slope / math.hypot(1.0, slope) for slope in (self.grade, self.side_slope))
+        # adding zero makes plain zeros of negative ones
+        return np.array([-x, -y, -math.sqrt(1.0 - x**2 - y**2)]) + 0.0
 
     @property
     def unit_count(self) -> int:

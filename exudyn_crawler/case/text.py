@@ -88,6 +88,29 @@ def case_table(case: BaseModel) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["key", "value", "unit", "meaning"])
 
 
+def shoe_weights(case: Case) -> str:
+    """What rigid and flexible shoes of a case weigh, in a line; empty without flexible shoes.
+
+    Rigid shoes have the mass that the case says, flexible ones that of their mesh.
+
+    Raises
+    ------
+    FileNotFoundError, fem.MeshError
+        If there is no such mesh.
+    """
+    if case.flexible is None:
+        return ""
+    # it reads a mesh, which a case without one need not wait for
+    from meshes import mesh_named
+
+    mass = mesh_named(case.flexible.mesh).volume * case.flexible.density
+    more = 100.0 * (mass / case.shoe.mass - 1.0)
+    return (
+        f"shoes: rigid ones weigh {case.shoe.mass:.6g} kg each, flexible ones {mass:.6g} kg ({more:+.2g} %), "
+        f"as their mesh and density make them"
+    )
+
+
 def value_text(value: object) -> str:
     """Value for reading; equal numbers once."""
     if isinstance(value, StepProfile):

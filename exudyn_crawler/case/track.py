@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.base import Parameters, quantity
+from exudyn_crawler.case.base import FAR, Parameters, Place, quantity
 
+MOST_SHOES = 1000
 SIDES = ("right", "left")
 """Pins of a link: the spherical joint (right) and the parallel-axes joint (left)."""
 
@@ -20,13 +21,17 @@ class Track(Parameters):
     an axis kept parallel at the other.
     """
 
-    shoe_count: int = quantity("1", "number of shoes", ge=2)
-    first_com: tuple[float, float] = quantity("m", "x and y of the COM of shoe 1 at t = 0")
-    pitch: float = quantity("m", "distance of the COMs of neighbours in x", gt=0)
-    pin_ahead: float = quantity("m", "x of the front pins ahead of the COM", gt=0)
-    pin_height: float = quantity("m", "z of the pins above the COM")
-    spherical_y: float = quantity("m", "y of the spherical joints, global, at t = 0")
-    parallel_y: float = quantity("m", "y of the parallel-axes joints, global, at t = 0")
+    shoe_count: int = quantity("1", "number of shoes", plausible=(2, 60), ge=2, le=MOST_SHOES)
+    first_com: tuple[Place, Place] = quantity("m", "x and y of the COM of shoe 1 at t = 0")
+    pitch: float = quantity(
+        "m", "distance of the COMs of neighbours in x", plausible=(0.1, 2.0), ge=1e-3, le=100
+    )
+    pin_ahead: float = quantity(
+        "m", "x of the front pins ahead of the COM", plausible=(0.02, 2.0), ge=1e-3, le=100
+    )
+    pin_height: float = quantity("m", "z of the pins above the COM", plausible=(-1.0, 1.0), ge=-100, le=100)
+    spherical_y: float = quantity("m", "y of the spherical joints, global, at t = 0", ge=-FAR, le=FAR)
+    parallel_y: float = quantity("m", "y of the parallel-axes joints, global, at t = 0", ge=-FAR, le=FAR)
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from exudyn_crawler.cli.errors import readable
-from exudyn_crawler.cli.options import RESULTS, Debug, Overwrite
+from exudyn_crawler.cli.options import RESULTS, Changes, Debug, Overwrite
 from exudyn_crawler.cli.registered import CASES, Commands, registered, study_case
 
 START = "kinematics"
@@ -50,6 +50,7 @@ def info(
     case: Annotated[
         str, typer.Argument(help="case file, or name of a study", metavar="[CASE.toml|STUDY]")
     ] = START,
+    changes: Changes = None,
     debug: Debug = False,
 ) -> None:
     """Show a case with everything filled in: every value with its unit and meaning.
@@ -57,11 +58,20 @@ def info(
     Example: exudyn-crawler info soft_ground.toml
     """
     from exudyn_crawler.case.files import read_case
-    from exudyn_crawler.case.text import case_table
+    from exudyn_crawler.case.plausible import warn_implausible
+    from exudyn_crawler.case.text import case_table, shoe_weights
     from exudyn_crawler.views.tables import print_table
 
-    case_file = study_case(case) if case in registered(CASES) else read_case(case)
+    if case in registered(CASES):
+        if changes:
+            raise ValueError(f"--set must go with a case file, got the study {case!r}; init writes its file")
+        case_file = study_case(case)
+    else:
+        case_file = read_case(case, changes or ())
     print_table(case_table(case_file), case)
+    if weights := shoe_weights(case_file.case):
+        typer.echo(weights)
+    warn_implausible(case_file.case, case_file.duration)
 
 
 @app.command()
@@ -72,16 +82,17 @@ def run(
     reuse: Annotated[
         Path | None, typer.Option(help="folder whose history takes the place of the simulation")
     ] = None,
+    changes: Changes = None,
     overwrite: Overwrite = False,
     debug: Debug = False,
 ) -> None:
     """Run a case file into a folder of its own.
 
-    Example: exudyn-crawler run soft_ground.toml --out results/soft_ground
+    Example: exudyn-crawler run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7
     """
     from exudyn_crawler.case.files import read_case
 
-    case_file = read_case(case)  # refused before the engine is loaded, which takes a second
+    case_file = read_case(case, changes or ())  # refused before the engine is loaded, which takes a second
     from exudyn_crawler.case_run import run_case
 
     out = RESULTS / case.stem if out is None else out

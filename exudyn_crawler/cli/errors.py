@@ -1,6 +1,7 @@
 """How a command tells of what went wrong."""
 
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
@@ -26,7 +27,7 @@ BAD_INPUT_ERRORS = (
 
 @contextmanager
 def readable_errors(debug: bool = False) -> Iterator[None]:
-    """Turn errors into readable lines and an exit code.
+    """Turn errors and warnings into readable lines, and errors into an exit code.
 
     Exits with 2 for bad input, 3 for a run that stopped early, 130 for an interrupt outside of a run and
     1 for all else, such as a full disk.
@@ -37,7 +38,8 @@ def readable_errors(debug: bool = False) -> Iterator[None]:
         Show the traceback first.
     """
     try:
-        yield
+        with _readable_warnings():
+            yield
     except (Exception, KeyboardInterrupt) as error:
         if debug:
             import traceback
@@ -47,6 +49,18 @@ def readable_errors(debug: bool = False) -> Iterator[None]:
         for line in lines:
             print(f"error: {line}", file=sys.stderr)
         raise SystemExit(code) from error
+
+
+@contextmanager
+def _readable_warnings() -> Iterator[None]:
+    """Show each warning as a line of its own, without the place in the code."""
+
+    def show(message: Warning | str, *_where: Any, **_how: Any) -> None:
+        print(f"warning: {' '.join(str(message).split())}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield
 
 
 def readable(function: Callable[..., None]) -> Callable[..., None]:

@@ -11,3 +11,7 @@ RESULTS = Path("results")
 Out = Annotated[Path, typer.Option(help="folder for the results")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace earlier results")]
 Debug = Annotated[bool, typer.Option("--debug", help="show the traceback of an error")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="value in place of the file's, as terrain.spring_stiffness=1e7; repeatable"),
+]

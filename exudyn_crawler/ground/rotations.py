@@ -128,9 +128,18 @@ def angular_acceleration(angles: FloatArray, rates: FloatArray, accelerations: F
 
 def moments_of(angles: FloatArray, generalized: FloatArray) -> FloatArray:
     """Moments (N m, global) that have these generalized forces on the angles: array (bodies, 3)."""
+    return np.asarray(np.linalg.solve(_axes(angles), generalized[..., None])[..., 0], dtype=np.float64)
+
+
+def moments_on_angles(angles: FloatArray, moments: FloatArray) -> FloatArray:
+    """Generalized forces on the angles of moments (N m, global): array (bodies, 3)."""
+    return np.asarray(np.einsum("...kj,...j->...k", _axes(angles), moments), dtype=np.float64)
+
+
+def _axes(angles: FloatArray) -> FloatArray:
+    """Global axes that angles (..., 3) turn about: array (..., 3, 3), an axis a row."""
     unit_rates = np.broadcast_to(np.eye(3)[:, None], (3, *angles.shape))
-    axes = np.stack([angular_velocity(angles, rates) for rates in unit_rates], axis=-2)
-    return np.asarray(np.linalg.solve(axes, generalized[..., None])[..., 0], dtype=np.float64)
+    return np.stack([angular_velocity(angles, rates) for rates in unit_rates], axis=-2)
 
 
 def rotation_matrices(angles: FloatArray) -> FloatArray:

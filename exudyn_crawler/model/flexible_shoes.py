@@ -3,7 +3,8 @@
 The integrals over the body are those of the nodal-based floating frame of reference formulation with modal
 reduction (Zwölfer and Gerstmayr, Acta Mechanica 2020, doi 10.1007/s00707-020-02886-2), with the consistent
 mass matrix of the finite elements. Only a few massless nodes go along: four round every joint centre, which
-carry the motion of its spider, and one that moves as the mean of the top face.
+carry the motion of its spider, and three that move as means of the top face:
+of its right, of its left and of all of it.
 """
 
 from dataclasses import dataclass
@@ -13,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
+from exudyn_crawler.case.flexible import CONSTRAINT_MODES
+from exudyn_crawler.case.size import check_modes
+from exudyn_crawler.model.shoe_mesh import check_footprint, check_surfaces, pin_interfaces
 from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
-
-PIN_TOLERANCE = 1e-3
-"""m, between the axis of a bore and the pin."""
 
 ARM = 0.05
 """m, distance of a joint's massless nodes from its centre."""
@@ -38,7 +39,7 @@ class FloatingShoe:
     joints : tuple of str
         Names of the joint centres, in the order of their nodes.
     positions : array (nodes, 3)
-        Massless nodes, m: `NODES_A_JOINT` of every joint, then the top face's.
+        Massless nodes, m: `NODES_A_JOINT` of every joint, then the top face's (right, left, whole).
     modes : array (3 nodes, m)
         Their displacements.
     integrals : dict
@@ -65,6 +66,22 @@ class FloatingShoe:
         return len(self.positions) - 1
 
     @property
+    def side_nodes(self) -> tuple[int, int]:
+        """Massless nodes that move as the means of the top face weighted to the right and to the left."""
+        return self.top_node - 2, self.top_node - 1
+
+    @property
+    def reach(self) -> float:
+        """Distance across the shoe of these nodes from the top face's own, m."""
+        right, left = self.side_nodes
+        return float(self.positions[left, 1] - self.positions[right, 1]) / 2.0
+
+    @property
+    def mass(self) -> float:
+        """Mass of the mesh, kg."""
+        return float(self.integrals["mass"])
+
+    @property
     def mode_count(self) -> int:
         """Number of modes that answer dynamically."""
         return self.modes.shape[1]
@@ -77,23 +94,7 @@ def _material(flexible: FlexibleShoes) -> Material:
 @lru_cache(maxsize=4)
 def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[ElasticBody, list[Interface]]:
     mesh = mesh_named(mesh_name)
-    interfaces = []
-    for name, center in track.joint_centers.items():
-        if f"bore {name}" not in mesh.surfaces:
-            raise ValueError(
-                f"the mesh {mesh_name!r} must have the surface 'bore {name}', it has {sorted(mesh.surfaces)}"
-            )
-        nodes = mesh.nodes_of(f"bore {name}")
-        bore = mesh.nodes[nodes]
-        off = 0.5 * (bore.min(axis=0) + bore.max(axis=0)) - center
-        # a bore is as long as its lug is wide, of which the joint centre need not be the middle
-        if np.hypot(off[0], off[2]) > PIN_TOLERANCE or abs(off[1]) > 0.5 * np.ptp(bore[:, 1]):
-            raise ValueError(
-                f"the mesh {mesh_name!r} must meet the track's pins within {PIN_TOLERANCE} m: "
-                f"its bore {name!r} is off the pin by {off.round(4).tolist()} m"
-            )
-        interfaces.append(Interface(name, center, nodes))
-    return ElasticBody(mesh, material), interfaces
+    return ElasticBody(mesh, material), pin_interfaces(mesh, mesh_name, track)
 
 
 def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list[Interface]]:
@@ -102,14 +103,12 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list
     Raises
     ------
     ValueError
-        If the mesh has no bores where the track's pins are, or not the surface that is loaded.
+        If the mesh has no bores where the track's pins are, or lacks its underside or the surface that is
+        loaded.
     """
     body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track)
-    if flexible.load_surface not in body.mesh.surfaces:
-        raise ValueError(
-            f"load_surface must be a surface of the mesh {flexible.mesh!r}, which has "
-            f"{sorted(body.mesh.surfaces)}, got {flexible.load_surface!r}"
-        )
+    check_surfaces(body.mesh, flexible)
+    check_modes(len(body.mesh.nodes), CONSTRAINT_MODES + flexible.recovered_modes)
     return body, interfaces
 
 
@@ -137,6 +136,19 @@ def _reduction(
     return craig_bampton(body, interfaces, fixed_modes, loads, partition=_partition(mesh, material, track))
 
 
+def check_shoe(case: Case) -> None:
+    """Refuse a mesh of the flexible shoes that does not fit the track, its shoes or the machine's memory.
+
+    Raises
+    ------
+    ValueError
+        Naming what does not fit.
+    """
+    flexible = case.flexible_shoes()
+    body, _ = shoe_model(flexible, case.track)
+    check_footprint(body.mesh, flexible.mesh, case.shoe)
+
+
 def whole_basis(
     flexible: FlexibleShoes, track: Track, fixed_modes: int, pulled_node: int | None = None
 ) -> ReducedBody:
@@ -157,8 +169,9 @@ def floating_shoe(case: Case) -> FloatingShoe:
     Raises
     ------
     ValueError
-        If the case has no flexible shoes, their mesh does not meet the track's pins or no mode remains.
+        If the case has no flexible shoes, their mesh does not fit the track or no mode remains.
     """
+    check_shoe(case)
     return _floating_shoe(case.flexible_shoes(), case.track, tuple(case.shoe.footprint.tolist()))
 
 
@@ -202,9 +215,28 @@ def _massless_nodes(reduced: ReducedBody, loaded: str) -> tuple[NDArray, NDArray
             positions.append(interface.center + offset)
             rows.append(pilot[:3] + np.cross(pilot[3:], offset, axisa=0, axisc=0))
     weights = reduced.weights(loaded)
-    positions.append(weights @ reduced.nodes / weights.sum())
-    rows.append(reduced.mean_rows(weights))
+    for one in (*side_weights(weights, reduced.nodes), weights):
+        positions.append(one @ reduced.nodes / one.sum())
+        rows.append(reduced.mean_rows(one))
     return np.array(positions), np.array(rows)
+
+
+def side_weights(weights: NDArray, nodes: NDArray) -> tuple[NDArray, NDArray]:
+    """Weights (n,) of a surface that grow evenly from nothing at one side to the right and to the left.
+
+    Both together are the even ones twice. A load that both share in unequal parts presses with a pressure
+    that changes evenly across the shoe.
+
+    Parameters
+    ----------
+    weights : array (n,)
+        Even ones: shares of the surface's area.
+    nodes : array (n, 3)
+        m.
+    """
+    across = nodes[:, 1] - weights @ nodes[:, 1] / weights.sum()
+    part = across / np.abs(across[weights != 0.0]).max()
+    return weights * (1.0 - part), weights * (1.0 + part)
 
 
 def _skew(vectors: NDArray) -> NDArray:

@@ -10,18 +10,24 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.flexible_shoes import NODES_A_JOINT, FloatingShoe
 
+REACH = 1.0
+"""m, of the points on a rigid shoe that share a load beside its load point."""
+
 
 @dataclass(frozen=True)
 class ShoeBody:
     """A shoe in the multibody system: its body and the markers that others attach to.
 
     `pins` holds a marker for each (end, side), end being "front" or "rear"; `top` the marker of the machine
-    load; `modal_node` the node of the modal coordinates, None for a rigid shoe.
+    load; `sides` those at the right and at the left that share a load which acts beside it, `reach` (m) away
+    from it; `modal_node` the node of the modal coordinates, None for a rigid shoe.
     """
 
     node: int
     body: int
     top: int
+    sides: tuple[int, int]
+    reach: float
     pins: dict[tuple[str, str], int]
     modal_node: int | None
 
@@ -63,13 +69,18 @@ def _add_rigid(mbs: "exu.MainSystem", case: Case, number: int, node: int) -> Sho
         )
     )
     com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
-    mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0.0, 0.0, -shoe.mass * case.gravity]))
+    weight = shoe.mass * case.gravity_vector()
+    mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=weight.tolist()))
     pins = {}
     for joint, place in case.track.joint_centers.items():
         end, side = joint.split()
         pins[end, side] = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localPosition=place.tolist()))
-    top = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=list(shoe.load_point)))
-    return ShoeBody(node, body, top, pins, None)
+    x, y, z = shoe.load_point
+    top, right, left = (
+        mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=[x, y + beside, z]))
+        for beside in (0.0, -REACH, REACH)
+    )
+    return ShoeBody(node, body, top, (right, left), REACH, pins, None)
 
 
 def add_flexible(
@@ -102,7 +113,7 @@ def add_flexible(
         )
     )
     weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
-    mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=[0.0, 0.0, -case.gravity]))
+    mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=case.gravity_vector().tolist()))
     pins = {}
     for joint in floating.joints:
         end, side = joint.split()
@@ -113,12 +124,15 @@ def add_flexible(
                 weightingFactors=[1.0 / NODES_A_JOINT] * NODES_A_JOINT,
             )
         )
-    top = mbs.AddMarker(
-        items.MarkerSuperElementPosition(
-            bodyNumber=body, meshNodeNumbers=[floating.top_node], weightingFactors=[1.0]
+    top, right, left = (
+        mbs.AddMarker(
+            items.MarkerSuperElementPosition(
+                bodyNumber=body, meshNodeNumbers=[node_number], weightingFactors=[1.0]
+            )
         )
+        for node_number in (floating.top_node, *floating.side_nodes)
     )
-    return ShoeBody(node, body, top, pins, modal)
+    return ShoeBody(node, body, top, (right, left), floating.reach, pins, modal)
 
 
 def _diagonal(values: NDArray) -> "exu.MatrixContainer":

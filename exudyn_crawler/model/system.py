@@ -20,7 +20,7 @@ from exudyn_crawler.model.failure import engine_failure
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
 from exudyn_crawler.model.items import coordinate_marker
 from exudyn_crawler.model.links import add_links
-from exudyn_crawler.model.loads import add_loads
+from exudyn_crawler.model.loads import add_grip, add_loads
 from exudyn_crawler.model.shoes import add_shoe_bodies, add_shoe_nodes
 from exudyn_crawler.model.state import RATES, StateLayout
 from exudyn_crawler.model.terrain import add_terrain
@@ -158,7 +158,7 @@ def build(case: Case, static: bool = False) -> System:
     shoe_nodes = add_shoe_nodes(mbs, case)
     terrain_nodes, coordinates = add_terrain(mbs, case, ground)
     shoes = add_shoe_bodies(mbs, case, shoe_nodes, floating)
-    add_loads(mbs, case, shoes)
+    add_loads(mbs, case, shoes, static)
     add_links(mbs, shoes)
     contact = ground_contact(
         case,
@@ -178,6 +178,9 @@ def build(case: Case, static: bool = False) -> System:
     point = drive_point(case, floating.reduced if floating is not None and shoes[-1].is_flexible else None)
     if static:
         drives = add_holds(mbs, fixed, shoes[-1], point)
+        if case.terrain.down[2] > -1.0:
+            mass = case.shoe.mass if floating is None else floating.mass
+            add_grip(mbs, case, shoes, mass)
         if case.terrain.heights is not None:
             _add_dashpots(mbs, case, fixed, shoe_nodes)
     else:

@@ -50,7 +50,7 @@ def _add_reduced_terrain(mbs: "exu.MainSystem", case: Case) -> tuple[list[int], 
             massMatrix=_sparse(np.eye(modes.size)),
             stiffnessMatrix=_sparse(modes.stiffness),
             dampingMatrix=_sparse(modes.damping),
-            forceVector=case.gravity * modes.weight,
+            forceVector=-case.gravity_vector()[2] * modes.weight,
         )
     )
     return [node], coordinates
@@ -73,7 +73,9 @@ def _add_constrained_terrain(
         items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
     )
     nodes, bodies = [], []
-    weight = [0.0, 0.0, -terrain.unit_mass * case.gravity]
+    # on a slope the ground below holds each unit along it; the joints, which end at the one unit that is
+    # held, would hand the whole grid's share from unit to unit
+    weight = [0.0, 0.0, terrain.unit_mass * case.gravity_vector()[2]]
     across = np.eye(3)[0 if terrain.tilt == "pitch" else 1]
     springs = [0.0] if terrain.springs_per_unit == 1 else [-terrain.spring_offset, terrain.spring_offset]
     for number, center in enumerate(terrain.centers, start=1):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case, FlexibleShoes
 from exudyn_crawler.case.track import Track
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.flexible_shoes import shoe_model
+from exudyn_crawler.model.flexible_shoes import shoe_model, side_weights
 from exudyn_crawler.results.history import History
 
 
@@ -27,9 +27,18 @@ class AtInterface:
 
 @dataclass(frozen=True)
 class OverSurface:
-    """Enters a flexible shoe spread evenly over one of its named surfaces."""
+    """Enters a flexible shoe spread over one of its named surfaces.
+
+    Attributes
+    ----------
+    name : str
+    shift : array (times,), optional
+        m by which the load acts beside the surface's middle, to the left: its pressure changes evenly across
+        the shoe; None where it is even.
+    """
 
     name: str
+    shift: NDArray | None = None
 
 
 @dataclass(frozen=True)
@@ -102,25 +111,32 @@ class Action:
 
 @dataclass(frozen=True)
 class ShoeMass:
-    """Mass (kg) of a shoe and, in its frame, its centre and the point under the machine's load (3,), m."""
+    """Mass (kg) of a shoe and, in its frame, its centre and the point under the machine's load (3,), m.
+
+    `beside` (3,) is how far that point moves for each metre of a load's shift to the left.
+    """
 
     mass: float
     center: NDArray
     load_point: NDArray
+    beside: NDArray
 
 
 def shoe_mass(case: Case, shoe: int) -> ShoeMass:
     """Mass of a shoe of a case; a flexible one has that of its mesh."""
     if case.flexible is not None and shoe in case.flexible.shoes:
         return _mesh_mass(case.flexible, case.track)
-    return ShoeMass(case.shoe.mass, np.zeros(3), np.array(case.shoe.load_point))
+    return ShoeMass(case.shoe.mass, np.zeros(3), np.array(case.shoe.load_point), np.array([0.0, 1.0, 0.0]))
 
 
 @lru_cache(maxsize=4)
 def _mesh_mass(flexible: FlexibleShoes, track: Track) -> ShoeMass:
     body, _ = shoe_model(flexible, track)
     weights = body.surface_load(flexible.load_surface, np.array([0.0, 0.0, 1.0])).reshape(-1, 3)[:, 2]
-    return ShoeMass(body.mass, body.center_of_mass, weights @ body.mesh.nodes / weights.sum())
+    nodes = body.mesh.nodes
+    right, left = (one @ nodes / one.sum() for one in side_weights(weights, nodes))
+    beside = (left - right) / (left[1] - right[1])
+    return ShoeMass(body.mass, body.center_of_mass, weights @ nodes / weights.sum(), beside)
 
 
 def actions(history: History, shoe: int | None = None) -> list[Action]:
@@ -168,13 +184,16 @@ def _joints(history: History, shoe: int, position: NDArray, frames: NDArray) -> 
 def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
     own = shoe_mass(history.case, shoe)
     zero = np.zeros_like(position)
-    weight, load = zero.copy(), zero.copy()
-    weight[:, 2] = -own.mass * history.case.gravity
-    load[:, 2] = -history.shoe_load.sel(shoe=shoe).values
+    weight = zero + own.mass * history.case.gravity_vector()
+    load = history.shoe_load.sel(shoe=shoe).values[:, None] * history.case.terrain.down
     yield Action("weight", shoe, "COM", position + frames @ own.center, weight, zero, OverMass())
     flexible = history.case.flexible
     loaded = "top" if flexible is None else flexible.load_surface
-    yield Action("load", shoe, "top", position + frames @ own.load_point, load, zero, OverSurface(loaded))
+    shift = history.case.loads.side_shift.value(history.time.values)
+    place = own.load_point + shift[:, None] * own.beside
+    point = position + (frames @ place[..., None])[..., 0]
+    entry = OverSurface(loaded, shift if np.any(shift) else None)
+    yield Action("load", shoe, "top", point, load, zero, entry)
 
 
 def _contacts(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:

@@ -111,7 +111,7 @@ def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.
 def energies(history: History) -> xr.Dataset:
     """Stored energy of track and terrain over time, J: kinetic, gravitational and of the springs.
 
-    Each (time,). Heights count from z = 0 of the COMs of shoes and from free springs of the units.
+    Each (time,). Heights count from the origin of the COMs of shoes and from free springs of the units.
 
     Raises
     ------
@@ -130,10 +130,12 @@ def energies(history: History) -> xr.Dataset:
     moving += 0.5 * terrain.unit_mass * np.sum(history.unit_heave_rate.values**2, axis=1)
     tilting = terrain.unit_inertia[terrain.tilt_axis]
     moving += 0.5 * tilting * np.sum(history.unit_tilt_rate.values**2, axis=1)
-    height = shoe.mass * history.position.values[..., 2].sum(axis=1) + terrain.unit_mass * heave.sum(axis=1)
+    gravity = case.gravity_vector()
+    weight = shoe.mass * history.position.values.sum(axis=1) @ gravity
+    weight += terrain.unit_mass * heave.sum(axis=1) * gravity[2]
     springs = 0.5 * terrain.heave_stiffness * np.sum(heave**2, axis=1)
     springs += 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
-    return _over_time(history, "J", kinetic=moving, gravitational=case.gravity * height, springs=springs)
+    return _over_time(history, "J", kinetic=moving, gravitational=-weight, springs=springs)
 
 
 def powers(history: History) -> xr.Dataset:
@@ -158,8 +160,9 @@ def powers(history: History) -> xr.Dataset:
     # while it acts, its point moves at its speed
     driven = history.drive_force.values * case.drive.speed.value(history.time.values)
     driven += history.drive_torque.values * np.sum(frames[:, -1, :, 2] * omega[:, -1], axis=-1)
-    at_load = velocity + np.cross(omega, frames @ np.array(case.shoe.load_point))
-    loaded = -np.sum(history.shoe_load.values * at_load[..., 2], axis=1)
+    beside = case.loads.side_shift.value(history.time.values)[:, None, None] * frames[..., 1]
+    at_load = velocity + np.cross(omega, frames @ np.array(case.shoe.load_point) + beside)
+    loaded = np.sum(history.shoe_load.values * (at_load @ terrain.down), axis=1)
 
     depth, rate = history.penetration.values, history.penetration_rate.values
     normal = np.linalg.norm(history.normal_force.values, axis=-1)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import drive_point, pulled_node
-from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, whole_basis
+from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, side_weights, whole_basis
 from exudyn_crawler.results.actions import (
     Action,
     AtDrivePoint,
@@ -98,8 +98,11 @@ def _add_modal_loads(loads: NDArray, action: Action, frames: NDArray, basis: Str
         case AtInterface(name):
             number = [interface.name for interface in whole.interfaces].index(name)
             loads += np.hstack((force, _in_body(frames, action.moment))) @ whole.pilots[number]
-        case OverSurface(name):
-            loads += force @ whole.mean_rows(whole.weights(name))
+        case OverSurface(name, shift):
+            weights = whole.weights(name)
+            loads += force @ whole.mean_rows(weights)
+            if shift is not None:
+                loads += (shift[:, None] * force) @ _rows_a_metre(whole, weights)
         case OverRectangle(low, high, pressed):
             spread = rectangle_loads(basis.underside, force[pressed], low[pressed], high[pressed])
             loads[pressed] += spread
@@ -107,6 +110,13 @@ def _add_modal_loads(loads: NDArray, action: Action, frames: NDArray, basis: Str
             loads += force @ basis.pulled
         case OnFrame() | OverMass():
             pass
+
+
+def _rows_a_metre(whole: ReducedBody, weights: NDArray) -> NDArray:
+    """Displacement rows (3, M) that a load over a surface has more for each metre of shift to the left."""
+    right, left = side_weights(weights, whole.nodes)
+    apart = left @ whole.nodes[:, 1] / left.sum() - right @ whole.nodes[:, 1] / right.sum()
+    return (whole.mean_rows(left) - whole.mean_rows(right)) / apart
 
 
 def _in_body(frames: NDArray, vectors: NDArray) -> NDArray:

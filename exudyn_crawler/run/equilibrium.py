@@ -174,8 +174,8 @@ def _first_guess(system: TrackSystem) -> NDArray:
     case = system.case
     q = np.zeros(system.contact.size)
     shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
-    loads = case.loads.loads(0.0)[0] + case.shoe.mass * case.gravity
-    sag = case.terrain.unit_mass * case.gravity / case.terrain.heave_stiffness
+    loads = case.pressed(case.loads.loads(0.0)[0])
+    sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
     shoes[:, 2] = -sag - system.contact.settled_depth(loads)
     terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
     terrain[:] = system.contact.coordinates.sunk_evenly(-sag)

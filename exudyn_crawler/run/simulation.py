@@ -3,6 +3,8 @@
 import math
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.plausible import warn_implausible
+from exudyn_crawler.case.size import check_size
 from exudyn_crawler.model.formulation import track_system
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.checkpoints import Checkpoints
@@ -32,17 +34,24 @@ def simulate(
     Raises
     ------
     ValueError
-        Before anything runs, if `duration` is not positive and finite, the drive takes the track
-        off the terrain within it or the checkpoints come from other parameters.
+        Before anything runs, if `duration` is not positive and finite, the run would take more memory than
+        there is, the drive takes the track off the terrain or the checkpoints come from other parameters.
     EquilibriumError
         If the track finds no rest before t = 0.
     SimulationStopped
         If a step fails at its least size, if spheres of the second contact model sink through the ground,
         or on an interrupt; it carries the history up to there.
+
+    Warns
+    -----
+    ImplausibleWarning
+        Before anything runs, of what no machine and no ground is known to have.
     """
     if not (math.isfinite(duration) and duration > 0.0):
         raise ValueError(f"duration must be positive and finite, got {duration!r} s")
+    check_size(case, duration)
     case.check_support(duration)
+    warn_implausible(case, duration)
     if checkpoints is not None:
         checkpoints.load(case)
     system = track_system(case)

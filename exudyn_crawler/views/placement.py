@@ -97,4 +97,4 @@ def greatest_shoe_force(history: History) -> float:
 
 def unloaded_level(case: Case) -> float:
     """Heave of units that carry nothing but themselves, m."""
-    return -case.terrain.unit_mass * case.gravity / case.terrain.heave_stiffness
+    return case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness

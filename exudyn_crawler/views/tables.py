@@ -9,7 +9,7 @@ from rich.table import Table
 
 from exudyn_crawler.files import whole_file
 
-VERDICT_STYLES = {"yes": "green", "no": "red", "": ""}
+VERDICT_STYLES = {"yes": "green", "no": "red", "not reached": "", "": ""}
 
 
 def print_table(table: pd.DataFrame, title: str, console: Console | None = None) -> None:
@@ -47,9 +47,9 @@ def within_by_class(table: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     table : pandas.DataFrame
-        With the columns class and within: yes, no, or empty without a verdict.
+        With the columns class and within: yes, no, or else without a verdict.
     """
-    judged = table[table["within"] != ""]
+    judged = table[table["within"].isin(["yes", "no"])]
     grouped = judged.groupby("class", sort=False)["within"]
     counts = pd.DataFrame({"within": grouped.agg(lambda w: int((w == "yes").sum())), "of": grouped.size()})
     return counts.reset_index()

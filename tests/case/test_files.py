@@ -208,7 +208,7 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ('[shoe]\nmass = "4681"', "shoe.mass: Input should be a valid number, got '4681'"),
         ("[shoe]\nmass = true", "shoe.mass: Input should be a valid number, got True"),
         ("[shoe]\nmass = nan", "shoe.mass: Input should be a finite number, got nan"),
-        ("[shoe]\nmass = -1", "shoe.mass: Input should be greater than 0, got -1"),
+        ("[shoe]\nmass = -1", "shoe.mass: Input should be greater than or equal to 0.1, got -1"),
         ("[terrain]\ncolumns = 2.5", "terrain.columns: Input should be a valid integer"),
         ('[terrain]\ntilt = "yaw"', "terrain.tilt: Input should be 'pitch' or 'roll', got 'yaw'"),
         ("[terrain]\ncolumn_tilt = 1", "terrain.column_tilt: Input should be a valid boolean, got 1"),

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import LoadCycle
+from exudyn_crawler import LoadCycle, read_case
+from exudyn_crawler.errors import CaseFileError
 
 
 def test_the_shovel_cycle_keeps_every_sum_and_the_printed_loads():
@@ -41,3 +42,55 @@ def test_a_cycle_is_read_from_toml(tmp_path):
     path.write_text("[[phases")
     with pytest.raises(ValueError, match="is not TOML"):
         LoadCycle.from_toml(path)
+
+
+EVEN = '[[phases]]\nname = "propel"\nend = 2.0\nloads = 4e5\n'
+DIG = '[[phases]]\nname = "dig"\nend = 4.0\nloads = [3e5, 1e5, 2e5]\n'
+
+
+def test_one_number_loads_every_shoe_alike(tmp_path):
+    path = tmp_path / "cycle.toml"
+    path.write_text(EVEN)
+    assert LoadCycle.from_toml(path).phases[0].loads == (4e5,) * 13
+    path.write_text(EVEN + DIG)
+    assert LoadCycle.from_toml(path, shoe_count=3).loads(0.0).tolist() == [[4e5] * 3]
+    with pytest.raises(ValueError, match="every phase needs a load for every shoe"):
+        LoadCycle.from_toml(path)
+
+
+def test_a_case_file_names_a_cycle_beside_it(tmp_path):
+    (tmp_path / "loads").mkdir()
+    (tmp_path / "loads" / "cycle.toml").write_text(EVEN + DIG)
+    path = tmp_path / "case.toml"
+    path.write_text('base = "translation"\n[track]\nshoe_count = 3\n[loads]\nfile = "loads/cycle.toml"\n')
+    loads = read_case(path).case.loads
+    assert loads == LoadCycle.from_toml(tmp_path / "loads" / "cycle.toml", 3)
+    in_case = path.read_text().partition("[loads]")[0] + "".join(
+        phase.replace("[[phases]]", "[[loads.phases]]") for phase in (EVEN, DIG)
+    )
+    path.write_text(in_case)
+    assert read_case(path).case.loads == loads
+
+
+@pytest.mark.parametrize(
+    ("table", "told"),
+    [
+        (
+            'file = "cycle.toml"\nbase = "propel"',
+            "loads.file must be the name of a load cycle and stand alone",
+        ),
+        ("file = 3", "loads.file must be the name of a load cycle and stand alone"),
+        ('file = "nowhere.toml"', "no load cycle .*nowhere.toml"),
+        ('file = "broken.toml"', "broken.toml is not TOML"),
+        ('file = "odd.toml"', r"loads\.speed: unknown key"),
+        ('file = "short.toml"', r"loads\.phases\[0\]\.loads: Input should be a valid array, got True"),
+    ],
+)
+def test_cycles_that_cannot_be_are_refused_with_the_case(tmp_path, table, told):
+    (tmp_path / "broken.toml").write_text("[[phases")
+    (tmp_path / "odd.toml").write_text("speed = 1\n" + EVEN)
+    (tmp_path / "short.toml").write_text(EVEN.replace("4e5", "true"))
+    path = tmp_path / "case.toml"
+    path.write_text(f'base = "translation"\n[loads]\n{table}\n')
+    with pytest.raises(CaseFileError, match=told):
+        read_case(path)

@@ -30,6 +30,21 @@ def test_element_turned_inside_out_by_a_mid_side_node(cube: fem.Mesh) -> None:
         fem.Mesh(nodes, cube.elements, {})
 
 
+def test_elements_that_come_twice(cube: fem.Mesh) -> None:
+    turned = cube.elements[[5, 2]][:, [1, 2, 0, 3, *((5, 6, 4, 8, 9, 7) if cube.order == 2 else ())]]
+    told = rf"must be different, got 2 of {len(cube.elements)} more than once: 2, 5"
+    with pytest.raises(fem.MeshError, match=told):
+        fem.Mesh(cube.nodes, np.vstack([cube.elements, turned]), {})
+
+
+def test_volume_is_that_of_the_elements_curved_edges_included(cube: fem.Mesh) -> None:
+    assert cube.volume == pytest.approx(1.0, rel=1e-12)
+    # every node moves, so that edges bend; the mass matrix integrates the same determinant
+    bent = cube.nodes + 0.05 * np.sin(3.0 * cube.nodes[:, [1, 2, 0]])
+    mesh = fem.Mesh(bent, cube.elements, {})
+    assert mesh.volume * STEEL.density == pytest.approx(fem.ElasticBody(mesh, STEEL).mass, rel=1e-10)
+
+
 def test_loose_nodes(cube: fem.Mesh) -> None:
     with pytest.raises(fem.MeshError, match=f"got 1 loose ones: {len(cube.nodes)}"):
         fem.Mesh(np.vstack([cube.nodes, [9.0, 9.0, 9.0]]), cube.elements, {})

@@ -90,6 +90,7 @@ def stiff_and_rigid(folder, point):
 
 
 @pytest.mark.parametrize("point", ["frame", "front pins"])
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 def test_a_shoe_a_thousand_times_stiffer_follows_the_rigid_one(tmp_path, point):
     """From the first step on; measured: 2e-4 of the accelerations, 5e-5 else."""
     one, rigid = stiff_and_rigid(tmp_path, point)

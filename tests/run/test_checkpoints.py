@@ -75,6 +75,7 @@ def test_the_second_contact_model_goes_on_from_checkpoints_too(tmp_path):
     assert resumed.dataset.identical(whole.dataset)
 
 
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 def test_checkpoints_of_other_parameters_are_refused(tmp_path):
     case = staged()
     simulate(case, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))

@@ -69,6 +69,7 @@ def test_a_track_that_nothing_carries_is_singular(rest):
     assert fault == "the equations are singular, greatest residual at terrain (coordinate 1)"
 
 
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 def test_a_search_for_rest_names_what_does_not_come_to_rest():
     loads = LoadCycle.constant([-1e6] * 13)  # pulled up
     with pytest.raises(

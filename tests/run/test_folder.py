@@ -125,6 +125,7 @@ def test_overwriting_leaves_nothing_of_the_earlier_run_and_all_that_is_the_users
     assert read_case(tmp_path / "case.toml").case == Case.turning()
 
 
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 def test_overwriting_that_fails_keeps_the_earlier_results(tmp_path):
     run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=QUIET), tmp_path)
     lost = Case.translation().with_(terrain=Terrain.kinematics().with_(spring_stiffness=1.0))

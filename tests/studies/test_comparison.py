@@ -17,7 +17,7 @@ from studies.comparison import (
     statistic_of,
     time_mean,
 )
-from studies.reported import reported_values, verdict
+from studies.reported import needed_time, reported_values, verdict
 
 TIME = np.array([0.0, 1.0, 2.0, 5.0, 10.0])  # unequal on purpose
 
@@ -130,9 +130,29 @@ def test_the_table_has_its_columns_in_order():
     assert list(table.columns) == [
         "study", "case", "quantity", "statistic", "unit", "paper", "computed", "ratio", "class", "within",
     ]  # fmt: skip
-    assert table.loc[table["case"] == "turning", "within"].eq("").all()
+    assert table.loc[table["case"] == "turning", "within"].eq("not reached").all()
     known = table[table["case"] == "translation"]
     assert (known["ratio"] * known["paper"]).tolist() == pytest.approx(known["computed"].tolist(), rel=1e-12)
+
+
+def test_rows_that_a_shorter_run_does_not_reach_are_not_compared():
+    short = History(case=Case.translation(), dataset=by_hand().dataset.isel(time=slice(0, 4)))
+    table = compare_kinematics({"translation": short, "turning": by_hand()})
+    straight = table[table["case"] == "translation"]
+    reached = straight["statistic"] == "at t=5 s"
+    assert straight.loc[reached, "within"].isin(["yes", "no"]).all()
+    assert straight.loc[~reached, "within"].eq("not reached").all()
+    assert straight.loc[~reached, "ratio"].isna().all()
+    # what the run had stays to be read
+    assert straight.loc[straight["statistic"] == "max", "computed"].notna().all()
+    assert table.loc[table["case"] == "turning", "within"].ne("not reached").all()
+    assert within_by_class(straight)["of"].sum() == 1
+
+
+def test_every_row_says_how_far_a_run_has_to_go():
+    for study in ("kinematics", "forces", "stress"):
+        for row in reported_values(study).itertuples():
+            assert needed_time(study, row.case, row.statistic) in (0.0, 5.0, 10.0, 15.0, 40.0)
 
 
 def test_the_summary_counts_rows_with_a_verdict():

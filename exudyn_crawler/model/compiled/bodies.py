@@ -39,6 +39,8 @@ class Body(NamedTuple):
         Where the machine load acts, m.
     load_shapes : array (3, m)
         Displacement of that place by the modes.
+    side_place, side_shapes : array (3,), (3, m)
+        What both change by per metre that the load shifts to the left.
     """
 
     mass: float
@@ -51,6 +53,8 @@ class Body(NamedTuple):
     damping: FloatArray
     load_place: FloatArray
     load_shapes: FloatArray
+    side_place: FloatArray
+    side_shapes: FloatArray
 
 
 class Inertia(NamedTuple):
@@ -183,7 +187,7 @@ def body_residual(
     at: Attitude,
     state: FloatArray,
     gravity: Vector,
-    load: Vector,
+    load: tuple[Vector, float],
     residual: FloatArray,
     inertia: Inertia,
 ) -> None:
@@ -193,8 +197,10 @@ def body_residual(
     ----------
     state : array (3, 6 + m)
         Coordinates of the shoe and its modes, their rates and accelerations.
-    gravity, load : Vector
-        Acceleration of gravity, m/s2, and machine load, N; global.
+    gravity : Vector
+        Acceleration of gravity, m/s2, global.
+    load : tuple
+        Machine load, N, global, and how far it shifts to the left, m.
     residual : array (6 + m,)
         Generalized forces, N, N m and modal.
     """
@@ -215,12 +221,22 @@ def body_residual(
             for d in range(3):
                 tensor[a, c] += inertia.second[a, d] * motion.turning[c][d]
     _apply(at, force, _moment_of(tensor), residual)
-    push = turned_back(at.R, (-load[0], -load[1], -load[2]))
-    place = (body.load_place[0], body.load_place[1], body.load_place[2])
-    _apply(at, push, cross(moved(place, body.load_shapes, state[0]), push), residual)
+    _apply_load(body, at, state[0], load, residual)
+
+
+@solving
+def _apply_load(
+    body: Body, at: Attitude, own: FloatArray, load: tuple[Vector, float], residual: FloatArray
+) -> None:
+    """Take the machine load off the residual; it acts at a place that the modes move."""
+    (x, y, z), shift = load
+    push = turned_back(at.R, (-x, -y, -z))
+    place = moved((body.load_place[0], body.load_place[1], body.load_place[2]), body.load_shapes, own)
+    beside = moved((body.side_place[0], body.side_place[1], body.side_place[2]), body.side_shapes, own)
+    _apply(at, push, cross(along(place, shift, beside), push), residual)
     for k in range(body.stiffness.shape[0]):
         for a in range(3):
-            residual[6 + k] += body.load_shapes[a, k] * push[a]
+            residual[6 + k] += (body.load_shapes[a, k] + shift * body.side_shapes[a, k]) * push[a]
 
 
 @solving

@@ -93,12 +93,15 @@ class Inputs(NamedTuple):
         m/s2, global.
     loads : array (shoes, 3)
         Machine loads, N, global.
+    shift : float
+        How far they act to the left of their places, m.
     drive : array (2, 2)
         Of drive and turn: whether it acts (1 or 0), and the speed, m/s or rad/s.
     """
 
     gravity: Vector
     loads: FloatArray
+    shift: float
     drive: FloatArray
 
 
@@ -296,7 +299,8 @@ def _bodies(model: Model, state: FloatArray, inputs: Inputs, memory: Memory, res
             _own(s, modal, state[rate], own[rate])
         forces.fill(0.0)
         inertia = Inertia(memory.first[s], memory.second[s], memory.turning[s])
-        load, at = (inputs.loads[s, 0], inputs.loads[s, 1], inputs.loads[s, 2]), shoe_attitude(state, s)
+        load = ((inputs.loads[s, 0], inputs.loads[s, 1], inputs.loads[s, 2]), inputs.shift)
+        at = shoe_attitude(state, s)
         if modal >= 0:
             body_residual(model.flexible, at, own, inputs.gravity, load, forces, inertia)
         else:

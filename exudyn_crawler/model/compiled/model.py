@@ -33,6 +33,8 @@ def _rigid_body(case: Case) -> Body:
         damping=np.zeros(0),
         load_place=np.array(shoe.load_point, dtype=float),
         load_shapes=none,
+        side_place=np.array([0.0, 1.0, 0.0]),
+        side_shapes=none,
     )
 
 
@@ -46,6 +48,7 @@ def _flexible_body(case: Case, floating: FloatingShoe) -> Body:
     heavy_places = mass @ places
     heavy = np.stack([mass @ modes[:, c] for c in range(3)], axis=1)
     products = np.einsum("naj,nck->jakc", modes, heavy, optimize=True)
+    rows, (right, left) = floating.modes.reshape(-1, 3, count), floating.side_nodes
     omega = 2.0 * np.pi * floating.reduced.frequencies
     ratio = case.flexible_shoes().damping.value(floating.reduced.frequencies)
     return Body(
@@ -58,7 +61,9 @@ def _flexible_body(case: Case, floating: FloatingShoe) -> Body:
         stiffness=omega**2,
         damping=2.0 * ratio * omega,
         load_place=floating.positions[floating.top_node].copy(),
-        load_shapes=np.ascontiguousarray(floating.modes.reshape(-1, 3, count)[floating.top_node]),
+        load_shapes=np.ascontiguousarray(rows[floating.top_node]),
+        side_place=0.5 / floating.reach * (floating.positions[left] - floating.positions[right]),
+        side_shapes=0.5 / floating.reach * (rows[left] - rows[right]),
     )
 
 

@@ -15,6 +15,7 @@ from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.pair_stiffness import TouchingPairs
+from exudyn_crawler.ground.rotations import moments_on_angles
 from exudyn_crawler.model.compiled.elimination import eliminate, solve
 from exudyn_crawler.model.compiled.equations import STIFFNESS, Memory, Model, Weights, evaluate
 from exudyn_crawler.model.compiled.inputs import table_of, values_at
@@ -26,6 +27,7 @@ from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
+from exudyn_crawler.model.loads import grips
 from exudyn_crawler.model.state import RATES, StateLayout, pin_name
 from exudyn_crawler.model.terrain import reduced_coordinates
 
@@ -73,7 +75,11 @@ class CompiledSystem:
         self._scratch = (np.zeros(size + multipliers), np.zeros(model.fronts.size))
         self._memory = self._room(contact)
         self._loads = table_of([case.loads.profile(number) for number in case.track.shoes])
-        self._speeds = table_of([case.drive.speed, case.drive.turn_rate or StepProfile.constant(0.0)])
+        turn = case.drive.turn_rate or StepProfile.constant(0.0)
+        self._speeds = table_of([case.drive.speed, turn, case.loads.side_shift])
+        self._gravity, self._down = tuple(case.gravity_vector().tolist()), case.terrain.down
+        masses = np.where(contact.flexible_rows >= 0, model.flexible.mass, model.rigid.mass)
+        self._grip = grips(case, masses)
         self._turning = turning
         self._limits = (0.0, 0)
         self._singular = False
@@ -189,13 +195,18 @@ class CompiledSystem:
         direction : array (coordinates,)
             Generalized force of a unit force of the drive.
         """
-        gravity, loads, drive = self._inputs(0.0)
+        *given, drive = self._inputs(0.0)
         drive[:, 0] = 0.0
         state = np.zeros_like(self._state)
         state[0] = q
         none, residual = (0.0, 0.0, 0.0, False, 1.0), np.empty_like(self._scratch[0])
         both = np.concatenate((multipliers, np.zeros(2)))
-        evaluate(self._model, state, both, (gravity, loads, drive), none, self._memory, residual)
+        evaluate(self._model, state, both, (*given, drive), none, self._memory, residual)
+        if self._down[2] > -1.0:
+            shoes = residual[: 6 * self.layout.shoes].reshape(-1, 6)
+            angles = q[: shoes.size].reshape(-1, 6)[:, 3:]
+            shoes[:, :3] -= self._grip[0]
+            shoes[:, 3:] -= moments_on_angles(angles, self._grip[1])
         own = Memory(*self._memory).drive[0]
         direction = np.zeros(len(q))
         direction[6 * self.layout.shoes - 6 : 6 * self.layout.shoes] = own[:6]
@@ -248,13 +259,11 @@ class CompiledSystem:
         return True
 
     def _inputs(self, time: float) -> tuple:
-        down, speeds = np.zeros(self._sizes.shoes), np.zeros(2)
-        values_at(tuple(self._loads), time, down)
+        sizes, speeds = np.zeros(self._sizes.shoes), np.zeros(3)
+        values_at(tuple(self._loads), time, sizes)
         values_at(tuple(self._speeds), time, speeds)
-        loads = np.zeros((len(down), 3))
-        loads[:, 2] = -down
-        drive = np.column_stack(([self._on, self._on and self._turning], speeds))
-        return (0.0, 0.0, -self.case.gravity), loads, drive
+        drive = np.column_stack(([self._on, self._on and self._turning], speeds[:2]))
+        return self._gravity, np.outer(sizes, self._down), float(speeds[2]), drive
 
     def _accelerate(self, time: float) -> None:
         """Accelerations and multipliers of a track at rest."""

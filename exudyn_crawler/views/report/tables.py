@@ -10,15 +10,16 @@ from markupsafe import Markup
 
 from exudyn_crawler.views.scales import MEGA
 
-VERDICTS = {"yes": "within", "no": "outside", "": "none"}
+VERDICTS = {"yes": "within", "no": "outside"}
+WITHOUT_VERDICT = "none"
 
 
 def comparison_rows(table: pd.DataFrame) -> dict[str, Any]:
     """Columns and rows of the comparison, each row with its verdict."""
-    shown = table.assign(within=table["within"].map(VERDICTS))
-    shown["within"] = shown["within"].replace("none", "no verdict")
+    words = {"": "no verdict", **VERDICTS}
+    shown = table.assign(within=table["within"].map(lambda verdict: words.get(verdict, verdict)))
     rows = [
-        {"verdict": VERDICTS[verdict], "cells": [_cell(value) for value in row]}
+        {"verdict": VERDICTS.get(verdict, WITHOUT_VERDICT), "cells": [_cell(value) for value in row]}
         for verdict, row in zip(table["within"], shown.itertuples(index=False), strict=True)
     ]
     return {"columns": list(shown.columns), "rows": rows}

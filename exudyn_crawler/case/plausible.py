@@ -1,0 +1,180 @@
+"""What of a case no machine and no ground is known to have, with the likely cause.
+
+Single values are measured against what their fields call plausible; what only several together tell, such as
+how deep shoes sink, has a check of its own here.
+"""
+
+import logging
+import math
+import warnings
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from pydantic.fields import FieldInfo
+
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.fields import walk
+from exudyn_crawler.case.profile import StepProfile
+from exudyn_crawler.errors import ImplausibleWarning
+
+logger = logging.getLogger("exudyn_crawler")
+
+MISTAKEN: dict[str, dict[str, float]] = {
+    "": {"per cent": 0.01},
+    "m": {"mm": 1e-3, "inch": 0.0254},
+    "m/s": {"km/h": 1.0 / 3.6, "mm/s": 1e-3},
+    "m/s2": {"mm/s2": 1e-3},
+    "rad/s": {"deg/s": math.pi / 180.0},
+    "s": {"ms": 1e-3},
+    "kg": {"t": 1e3, "g": 1e-3},
+    "kg/m3": {"t/m3": 1e3, "t/mm3": 1e12},
+    "N": {"kN": 1e3},
+    "N/m": {"kN/m": 1e3, "MN/m": 1e6},
+    "N s/m": {"kN s/m": 1e3},
+    "Pa": {"MPa": 1e6, "GPa": 1e9, "kPa": 1e3},
+    "Hz": {"kHz": 1e3},
+}
+"""Units that numbers come in by mistake, with their size in that of the case."""
+
+LEAST_LOAD, GREATEST_LOAD = 1e3, 1e7
+"""N, mean load of the machine on a shoe."""
+LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0
+"""m, radii of gyration of a shoe."""
+DEEPEST = 0.5
+"""Of the way from a shoe's underside to its load point: how far it plausibly sinks into a unit."""
+GREATEST_SAG = 0.5
+"""Of a unit's height: how far its weight and its share of the track plausibly press it down."""
+
+
+def _loads(case: Case) -> Iterator[str]:
+    """Phases whose loads are next to nothing, or beyond any machine."""
+    for number, phase in enumerate(case.loads.phases):
+        whole, count = sum(phase.loads), len(phase.loads)
+        if LEAST_LOAD <= whole / count <= GREATEST_LOAD:
+            continue
+        if whole == 0.0:
+            cause = "nothing, so that the ground carries the shoes alone"
+        else:
+            cause = f"{_newtons(whole)} in all; loads are in N"
+        yield f"loads.phases[{number}].loads: {count} shoes carry {cause}"
+
+
+def _inertia(case: Case) -> Iterator[str]:
+    radii = np.sqrt(np.linalg.eigvalsh(case.shoe.inertia_tensor) / case.shoe.mass)
+    if radii[0] < LEAST_GYRATION or radii[-1] > GREATEST_GYRATION:
+        yield (
+            f"shoe.inertia: with a mass of {case.shoe.mass:g} kg it gives radii of gyration of "
+            f"{radii[0]:.3g} to {radii[-1]:.3g} m, outside of {LEAST_GYRATION} to {GREATEST_GYRATION} m; "
+            f"it is in kg m2"
+        )
+
+
+def _sinking(case: Case) -> Iterator[str]:
+    depth, height = case.settled_penetration, case.shoe.com_height + case.shoe.load_point[2]
+    if depth > DEEPEST * height:
+        yield (
+            f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(case.mean_load)}, more "
+            f"than half its height of {height:.3g} m; the stiffness is in N/m^exponent, loads are in N"
+        )
+
+
+def _sag(case: Case) -> Iterator[str]:
+    terrain = case.terrain
+    sag = (case.mean_load - terrain.unit_mass * case.gravity_vector()[2]) / terrain.heave_stiffness
+    if sag > GREATEST_SAG * terrain.unit_height:
+        yield (
+            f"terrain.spring_stiffness: a unit sinks by {sag:.3g} m under itself and one shoe, more than "
+            f"half its height of {terrain.unit_height:g} m; the stiffness is in N/m"
+        )
+
+
+def _newtons(force: float) -> str:
+    """Force for reading."""
+    for size, unit in ((1e9, "GN"), (1e6, "MN"), (1e3, "kN")):
+        if abs(force) >= size:
+            return f"{force / size:.4g} {unit}"
+    return f"{force:.4g} N"
+
+
+CHECKS: tuple[Callable[[Case], Iterator[str]], ...] = (_loads, _inertia, _sinking, _sag)
+"""What only several values together tell."""
+
+
+def warn_implausible(case: Case, duration: float | None = None) -> None:
+    """Warn of everything in a case that no machine and no ground is known to have.
+
+    Parameters
+    ----------
+    duration : float, optional
+        s, of the run that is to come.
+
+    Warns
+    -----
+    ImplausibleWarning
+        For each such thing, with the likely cause.
+    """
+    for line in implausible(case, duration):
+        logger.info("warning: %s", line)
+        warnings.warn(line, ImplausibleWarning, stacklevel=3)
+
+
+def implausible(case: Case, duration: float | None = None) -> Iterator[str]:
+    """Everything in a case that no machine and no ground is known to have, a line each."""
+    for entry in walk(case):
+        told = _out_of_range(entry.value, entry.field)
+        if told:
+            yield f"{entry.path}: {told}"
+    for check in CHECKS:
+        yield from check(case)
+    step = case.solver.step
+    if duration is not None and duration < step:
+        yield f"solver.step: {step:g} s is longer than the run of {duration:g} s"
+
+
+def _out_of_range(value: object, field: FieldInfo) -> str:
+    """What is to be said of a value outside of its plausible range; empty within it."""
+    plausible = plausible_range(field)
+    numbers = _numbers(value)
+    if plausible is None or not numbers:
+        return ""
+    least, greatest = plausible
+    worst = max(numbers, key=lambda one: max(least - one, one - greatest))
+    if least <= worst <= greatest:
+        return ""
+    unit = unit_of(field)
+    return f"{worst:g}{unit} is outside of {least:g} to {greatest:g}{unit}{likely_cause(worst, field)}"
+
+
+def plausible_range(field: FieldInfo) -> tuple[float, float] | None:
+    """Least and greatest plausible value of a field; None for one that has none."""
+    match field.json_schema_extra:
+        case {"plausible": [int() | float() as least, int() | float() as greatest]}:
+            return least, greatest
+    return None
+
+
+def unit_of(field: FieldInfo) -> str:
+    """Unit of a field after a number: with a space before it, or nothing."""
+    extra = field.json_schema_extra
+    unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+    return "" if unit in ("", "1") else f" {unit}"
+
+
+def likely_cause(value: float, field: FieldInfo) -> str:
+    """Hint at the unit in which a value would be plausible; empty if there is none."""
+    plausible = plausible_range(field)
+    if plausible is None or not value:
+        return ""
+    own = unit_of(field).strip()
+    for unit, size in MISTAKEN.get(own, {}).items():
+        if plausible[0] <= value * size <= plausible[1]:
+            return f"; is it in {unit}? It has to be {f'in {own}' if own else 'a fraction of 1'}"
+    return ""
+
+
+def _numbers(value: object) -> list[float]:
+    if isinstance(value, StepProfile):
+        return list(value.values)
+    if isinstance(value, tuple):
+        return [number for one in value for number in _numbers(one)]
+    return [float(value)] if isinstance(value, int | float) and not isinstance(value, bool) else []

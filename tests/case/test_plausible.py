@@ -1,0 +1,126 @@
+"""Values that no machine and no ground has: told with their likely cause, refused where nothing is meant."""
+
+import warnings
+
+import pytest
+from pydantic import ValidationError
+
+from exudyn_crawler import Case, LoadCycle, SphereContact
+from exudyn_crawler.case.faults import faults
+from exudyn_crawler.case.fields import walk
+from exudyn_crawler.case.plausible import implausible, plausible_range, warn_implausible
+from exudyn_crawler.errors import ImplausibleWarning
+
+STRAIGHT = Case.translation()
+
+
+def changed(part, case=STRAIGHT, **values):
+    return case.with_(**{part: getattr(case, part).with_(**values)})
+
+
+@pytest.mark.parametrize("case", [STRAIGHT, Case.turning(), Case.stress()])
+def test_the_papers_cases_are_plausible(case):
+    spheres = STRAIGHT.with_(contact=SphereContact.oil_sand())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warn_implausible(case, 10.0)
+        warn_implausible(spheres, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("case", "told"),
+    [
+        (
+            STRAIGHT.with_(loads=LoadCycle.constant([386.4] * 13)),
+            "loads.phases[0].loads: 13 shoes carry 5.023 kN in all; loads are in N",
+        ),
+        (
+            STRAIGHT.with_(loads=LoadCycle.constant([0.0] * 13)),
+            "loads.phases[0].loads: 13 shoes carry nothing, so that the ground carries the shoes alone",
+        ),
+        (
+            STRAIGHT.with_(loads=LoadCycle.constant([1e9] * 13)),
+            "loads.phases[0].loads: 13 shoes carry 13 GN in all; loads are in N",
+        ),
+        (STRAIGHT.with_(gravity=0.0), "gravity: 0 m/s2 is outside of 9.7 to 9.9 m/s2"),
+        (
+            changed("contact", static_friction=4.0),
+            "contact.static_friction: 4 is outside of 0 to 1.5; is it in per cent? "
+            "It has to be a fraction of 1",
+        ),
+        (changed("solver", step=0.5), "solver.step: 0.5 s is longer than the run of 0.1 s"),
+        (changed("terrain", density=1.6), "is it in t/m3? It has to be in kg/m3"),
+        (changed("terrain", spring_stiffness=20.0), "is it in MN/m? It has to be in N/m"),
+        (changed("terrain", spring_stiffness=2e5), "a unit sinks by 4.93 m under itself and one shoe"),
+        (changed("terrain", grade=8.0 / 12.0), "terrain.grade: 0.666667 is outside of -0.3 to 0.3"),
+        (changed("shoe", mass=4.68), "shoe.mass: 4.68 kg is outside of 50 to 20000 kg; is it in t?"),
+        (changed("shoe", inertia=(4e9, 2e8, 4e9, 0, 0, 0)), "gives radii of gyration of 207 to 924 m"),
+        (
+            changed("contact", stiffness=1e5),
+            "contact: a shoe sinks by 2.08 m under its mean load of 432.3 kN",
+        ),
+        (
+            changed("flexible", Case.stress(), youngs_modulus=200e3),
+            "flexible.youngs_modulus: 200000 Pa is outside of 5e+10 to 5e+11 Pa; is it in MPa? "
+            "It has to be in Pa",
+        ),
+    ],
+)
+def test_what_no_machine_has_is_told_with_its_likely_cause(case, told):
+    with pytest.warns(ImplausibleWarning) as caught:
+        warn_implausible(case, 0.1)
+    lines = [str(one.message) for one in caught]
+    assert any(told in line for line in lines), lines
+
+
+def test_only_what_is_wrong_is_told():
+    assert list(implausible(changed("solver", step=0.03), 10.0)) == [
+        "solver.step: 0.03 s is outside of 1e-05 to 0.02 s; is it in ms? It has to be in s"
+    ]
+
+
+def test_what_cannot_be_meant_is_refused_with_its_likely_cause():
+    with pytest.raises(ValidationError) as caught:
+        changed("contact", static_friction=40.0)
+    assert list(faults(caught.value, type(STRAIGHT.contact))) == [
+        "static_friction: Input should be less than or equal to 10, got 40.0; is it in per cent? "
+        "It has to be a fraction of 1"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("part", "values"),
+    [
+        ("terrain", {"unit_height": 1e300}),
+        ("terrain", {"density": 1e-300}),
+        ("terrain", {"columns": 10**10}),
+        ("terrain", {"origin": (1e300, 0.0)}),
+        ("solver", {"step": 1e300}),
+        ("solver", {"residual": 1e300}),
+        ("solver", {"checkpoint_interval": 1e-323}),
+        ("solver", {"maximum_iterations": 2**40}),
+        ("track", {"shoe_count": 10**9}),
+        ("shoe", {"inertia": (1e300, 1e300, 1e300, 0, 0, 0)}),
+        ("flexible", {"youngs_modulus": 1e300}),
+        ("flexible", {"recovered_modes": 2**63}),
+    ],
+)
+def test_what_numbers_cannot_hold_is_refused_by_its_bound(part, values):
+    with pytest.raises(ValidationError, match=r"Input should be (less|greater) than or equal to"):
+        changed(part, Case.stress(), **values)
+
+
+@pytest.mark.parametrize("name", ["", "n" * 100_000])
+def test_names_are_neither_empty_nor_endless(name):
+    with pytest.raises(ValidationError, match=r"String should have at (least|most)"):
+        STRAIGHT.with_(name=name)
+
+
+def test_plausible_ranges_lie_within_what_is_allowed():
+    for base in (Case.stress(), STRAIGHT.with_(contact=SphereContact.oil_sand())):
+        for entry in walk(base):
+            plausible = plausible_range(entry.field)
+            for bound in entry.field.metadata:
+                if plausible is not None:
+                    assert plausible[0] >= getattr(bound, "ge", plausible[0]), entry.path
+                    assert plausible[1] <= getattr(bound, "le", plausible[1]), entry.path

@@ -1,0 +1,78 @@
+"""Meshes of flexible shoes that do not fit their track or its rigid shoes are refused by name."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, CaseFile, Shoe, run_case
+from exudyn_crawler.model.flexible_shoes import check_shoe
+from fem import Mesh, write_mesh
+from meshes import shoe_mesh
+
+CASE = Case.stress("coarse")
+MESH = shoe_mesh("coarse")
+
+
+def of_mesh(folder, nodes=MESH.nodes, leave_out=""):
+    """The stress study's case with a changed mesh as a file."""
+    path = folder / "shoe.msh"
+    surfaces = {name: faces for name, faces in MESH.surfaces.items() if name != leave_out}
+    write_mesh(path, Mesh(nodes, MESH.elements, surfaces))
+    return CASE.with_(flexible=CASE.flexible_shoes().with_(mesh=str(path)))
+
+
+@pytest.mark.parametrize(
+    ("stretch", "told"),
+    [
+        ([1e3, 1e3, 1e3], r"must be in m and no larger than 50 m, it is 3505 m long; is it in mm\?"),
+        (
+            [1.0, 1.02, 1.0],
+            r"must have the underside of the case's shoes within 0\.005 m, .* it has .* y -1\.7",
+        ),
+        ([1.002, 1.0, 1.0], "must meet the track's pins within 0.001 m"),
+    ],
+)
+def test_a_mesh_of_other_size_is_refused(tmp_path, stretch, told):
+    with pytest.raises(ValueError, match=told):
+        check_shoe(of_mesh(tmp_path, MESH.nodes * stretch))
+
+
+@pytest.mark.parametrize(
+    ("surface", "told"),
+    [
+        ("underside", "must have the surface 'underside'"),
+        ("top", "'whole top', which follows from 'top'"),
+    ],
+)
+def test_a_mesh_without_a_surface_is_refused_before_anything_is_written(tmp_path, surface, told):
+    case = of_mesh(tmp_path, leave_out=surface)
+    with pytest.raises(ValueError, match=told):
+        run_case(CaseFile(case=case, duration=0.01), tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_shoe_as_its_mesh_has_it():
+    shoe = Shoe.from_mesh(MESH)
+    assert shoe == Shoe.from_mesh("coarse")
+    paper = CASE.shoe
+    assert shoe.mass == pytest.approx(MESH.volume * 7847.25, rel=1e-9)
+    assert shoe.mass == pytest.approx(paper.mass, rel=5e-3)
+    assert shoe.inertia_tensor == pytest.approx(paper.inertia_tensor, rel=0.02, abs=20.0)
+    assert shoe.footprint == pytest.approx(paper.footprint, abs=1e-4)
+    # the papers' load point is on the top without the wings, which are lower
+    assert Shoe.from_mesh(MESH, load_surface="top").load_point[2] == pytest.approx(
+        paper.load_point[2], abs=1e-3
+    )
+    assert shoe.load_point[2] < paper.load_point[2]
+    assert Shoe.from_mesh(MESH, density=7000.0).mass == pytest.approx(MESH.volume * 7000.0, rel=1e-9)
+
+
+def test_a_shoe_of_a_stretched_mesh_fits_it(tmp_path):
+    case = of_mesh(tmp_path, MESH.nodes * [1.0, 1.02, 1.0])
+    wider = case.with_(shoe=Shoe.from_mesh(case.flexible.mesh))
+    check_shoe(wider)
+    assert wider.shoe.width == pytest.approx(1.02 * CASE.shoe.width, rel=1e-6)
+
+
+def test_a_mesh_whose_origin_is_not_its_com_gives_no_shoe():
+    with pytest.raises(ValueError, match=r"mesh must have its origin at its COM within 0\.01 m"):
+        Shoe.from_mesh(Mesh(MESH.nodes + np.array([0.0, 0.0, 0.1]), MESH.elements, MESH.surfaces))

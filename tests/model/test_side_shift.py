@@ -1,0 +1,112 @@
+"""Loads that shift to a side over time: resultants, balances, and flexible shoes like rigid ones."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Phase, shoe_imbalance, simulate
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.flexible_shoes import floating_shoe, side_weights
+from exudyn_crawler.results.actions import actions, shoe_mass
+from exudyn_crawler.results.balance import energy_balance
+from exudyn_crawler.results.modal_coordinates import modal_loads, stress_basis
+from exudyn_crawler.run.equilibrium import static_equilibrium
+
+pytestmark = pytest.mark.simulation
+
+LOAD, SHIFT, END = 386.4e3, 0.3, 0.04
+LEANING = LoadCycle(
+    phases=(
+        Phase(name="even", end=0.0, loads=(LOAD,) * 3),
+        Phase(name="swing", end=END, loads=(LOAD,) * 3, side_shift=SHIFT),
+    )
+)
+
+FEW = FlexibleShoes.ph4100c("coarse").with_(shoes=(2,), fixed_modes=2, recovered_modes=4)
+
+
+def leaning(base, **changes):
+    return base.with_(
+        track=base.track.with_(shoe_count=3),
+        loads=LEANING,
+        drive=Drive.translation(),
+        solver=base.solver.with_(residual=1e-3),
+        **changes,
+    )
+
+
+@pytest.fixture(scope="module")
+def rigid():
+    return simulate(leaning(Case.translation()), END)
+
+
+@pytest.fixture(scope="module")
+def flexible():
+    return simulate(leaning(Case.stress("coarse"), flexible=FEW), END)
+
+
+def test_rest_is_that_of_the_loads_at_the_start():
+    """However soon they change."""
+    soon = LoadCycle(phases=tuple(phase.with_(end=phase.end / 100.0) for phase in LEANING.phases))
+    even = LoadCycle.constant([LOAD] * 3)
+    case = leaning(Case.translation())
+    at_rest = [static_equilibrium(case.with_(loads=loads)) for loads in (even, LEANING, soon)]
+    assert at_rest[1] == pytest.approx(at_rest[0], abs=1e-9)
+    assert at_rest[2] == pytest.approx(at_rest[0], abs=1e-9)
+
+
+def test_a_load_shifts_between_the_phases():
+    assert LEANING.side_shift.value([0.0, 0.5 * END, END]) == pytest.approx([0.0, 0.5 * SHIFT, SHIFT])
+    assert LoadCycle.shovel_cycle().side_shift.values == (0.0,) * 5
+
+
+@pytest.mark.parametrize("name", ["rigid", "flexible"])
+def test_balances_hold_while_a_load_shifts(name, request):
+    """The moment tells where the load acts; a flexible shoe's own has parts that are not stored."""
+    history = request.getfixturevalue(name)
+    balance = shoe_imbalance(history)
+    stiff = [shoe for shoe in (1, 2, 3) if name == "rigid" or shoe != 2]
+    assert float(np.abs(balance.force).max()) < 2.0
+    assert float(np.abs(balance.moment.sel(shoe=stiff)).max()) < 2.0
+    (load,) = (one for one in actions(history, 2) if one.kind == "load")
+    frames = rotation_matrices(history.angles.sel(shoe=2).values)
+    place = np.einsum("tji,tj->ti", frames, load.point - history.position.sel(shoe=2).values)
+    middle = shoe_mass(history.case, 2).load_point
+    assert place[0] == pytest.approx(middle, abs=1e-9)
+    assert place[-1, 1] == pytest.approx(middle[1] + SHIFT, abs=1e-9)
+
+
+def test_work_of_a_load_that_shifts_is_accounted_for(rigid):
+    balance = energy_balance(rigid)
+    assert float(np.abs(balance.imbalance).max()) < 0.02 * float(np.abs(balance.elastic_contact).max())
+
+
+def test_the_ground_presses_more_on_the_side_that_the_load_leans_to(rigid):
+    roll = rigid.angles.sel(shoe=2, axis="x").values
+    assert abs(roll[0]) < 1e-9
+    assert roll[-1] < -1e-3  # the left side down
+
+
+def test_pressure_that_grows_to_a_side_has_its_resultant_there():
+    floating = floating_shoe(leaning(Case.stress("coarse"), flexible=FEW))
+    reduced = floating.reduced
+    weights = reduced.weights("whole top")
+    right, left = side_weights(weights, reduced.nodes)
+    assert right + left == pytest.approx(2.0 * weights, abs=1e-15)
+    places = floating.positions[[*floating.side_nodes, floating.top_node]]
+    assert places[:2].mean(axis=0) == pytest.approx(places[2], abs=1e-12)
+    assert 0.3 < floating.reach == pytest.approx(places[2, 1] - places[0, 1], rel=1e-12)
+
+
+def test_modal_loads_follow_the_shift(flexible):
+    """Those of the shifted load are those of its two parts, as the run has them."""
+    basis, case = stress_basis(flexible), flexible.case
+    loads = modal_loads(flexible, basis, 2)
+    even = flexible.__class__(case=case.with_(loads=LoadCycle.constant([LOAD] * 3)), dataset=flexible.dataset)
+    difference = loads - modal_loads(even, basis, 2)
+    weights = basis.whole.weights("whole top")
+    right, left = side_weights(weights, basis.whole.nodes)
+    reach = floating_shoe(case).reach
+    force = rotation_matrices(flexible.angles.sel(shoe=2).values)[-1].T @ np.array([0.0, 0.0, -LOAD])
+    wanted = 0.5 * SHIFT / reach * force @ (basis.whole.mean_rows(left) - basis.whole.mean_rows(right))
+    assert np.abs(difference[0]).max() < 1e-9 * np.abs(loads[0]).max()
+    assert difference[-1] == pytest.approx(wanted, abs=1e-9 * np.abs(wanted).max())

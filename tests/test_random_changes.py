@@ -1,0 +1,93 @@
+"""Random changes of a valid case: whatever comes, the command ends in plain lines and a known exit code."""
+
+import random
+import sys
+
+import pytest
+
+from exudyn_crawler import Case, CaseFile, LoadCycle, Outputs, Terrain
+from exudyn_crawler.case.text import case_text
+from exudyn_crawler.cli import main
+
+SEED = 20160316
+ODD = (
+    "0",
+    "-1",
+    "1e300",
+    "-1e300",
+    "1e-300",
+    "nan",
+    "inf",
+    "99999999999999999999",
+    "true",
+    '""',
+    "[]",
+    "{}",
+    "x",
+)
+FACTORS = (0.0, 1e-6, 1e-3, 0.5, 0.9, 1.1, 2.0, 1e3, 1e6, -1.0)
+
+
+def tiny():
+    """Two shoes on a few units for two steps: a run that takes a moment, and leaves little."""
+    case = Case.translation()
+    terrain = Terrain.kinematics().with_(columns=4, rows=3)
+    track = case.track.with_(shoe_count=2)
+    solver = case.solver.with_(maximum_iterations=20, minimum_step=2e-4)
+    case = case.with_(track=track, terrain=terrain, loads=LoadCycle.propel(2), solver=solver)
+    outputs = Outputs(figures=False, tables=False, forces=False)
+    return CaseFile(case=case, duration=0.004, outputs=outputs)
+
+
+def changed_line(line, dice):
+    """Line of a case file with its value made odd, scaled, doubled, left out or misspelt."""
+    key, equals, rest = line.partition(" = ")
+    if not equals:
+        return dice.choice((line, "", line.replace("[", "[x")))
+    value, mark, comment = rest.partition(" # ")
+    kind = dice.choice(("odd", "scaled", "scaled", "scaled", "doubled", "left out", "misspelt"))
+    if kind == "odd":
+        value = dice.choice(ODD)
+    elif kind == "scaled":
+        try:
+            value = repr(dice.choice(FACTORS) * float(value))
+        except ValueError:
+            value = dice.choice(ODD)
+    elif kind == "doubled":
+        value = f"[{value}, {value}]"
+    elif kind == "left out":
+        return ""
+    else:
+        place = dice.randrange(len(key))
+        key = key[:place] + key[place + 1 :]
+    return f"{key} = {value}{mark}{comment}"
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+@pytest.mark.filterwarnings("ignore:.*old keys are read:FutureWarning")
+def test_no_change_of_a_case_ends_in_a_traceback(count, tmp_path, monkeypatch, capsys):
+    dice = random.Random(SEED)
+    lines = case_text(tiny()).splitlines()
+    monkeypatch.chdir(tmp_path)
+    ends = {0: 0, 2: 0, 3: 0}
+    for number in range(count):
+        own = list(lines)
+        for _ in range(dice.choice((1, 1, 1, 2))):
+            at = dice.randrange(len(own))
+            own[at] = changed_line(own[at], dice)
+        (tmp_path / "case.toml").write_text("\n".join(own) + "\n", encoding="utf-8")
+        monkeypatch.setattr(sys, "argv", ["exudyn-crawler", "run", "case.toml", "--out", f"run{number}"])
+        with pytest.raises(SystemExit) as end:
+            main()
+        told = capsys.readouterr().err
+        what = f"change {number}: exit {end.value.code}, {told}, {set(own) - set(lines)}"
+        assert end.value.code in ends, what
+        ends[end.value.code] += 1
+        assert "Traceback" not in told, what
+        assert "unexpected" not in told, what
+        assert all(line.startswith(("error: ", "warning: ")) for line in told.splitlines()), what
+        assert bool(told) or end.value.code == 0, what
+    # it is not the refusals alone that were tried
+    assert min(ends[0], ends[2]) > count // 10, ends
