@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, EquilibriumError, LoadCycle, SimulationStopped, simulate
+from exudyn_crawler.model.compiled import system as compiled
+from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.system import build
 from exudyn_crawler.run.equilibrium import static_equilibrium
 from exudyn_crawler.run.faults import at_fault
@@ -62,14 +65,38 @@ def test_a_track_that_nothing_carries_is_singular(rest):
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
-    with pytest.raises(exu.SolverError):
-        system.mbs.SolveStatic(settings)
+    with pytest.raises(NewtonError) as failed:
+        system.rest(settings)
     # the springs of the units push up what no shoe holds down
-    fault = at_fault(system, system.mbs.sys["staticSolver"])
+    fault = at_fault(system.layout, failed.value)
     assert fault == "the equations are singular, greatest residual at terrain (coordinate 1)"
 
 
-@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+@pytest.mark.parametrize(
+    ("equation", "name"),
+    [
+        (6 * 6 + 2, r"shoe 7 \(z\)"),
+        (6 * 13, r"terrain \(coordinate 1\)"),
+        (93 + 5 * 3 + 1, "right pin of link 4"),
+        (93 + 5 * 12, "drive"),
+    ],
+)
+def test_a_failed_step_of_the_compiled_equations_names_it_too(rest, equation, name, monkeypatch):
+    case = Case.translation()
+    system = compiled_system(case)
+    assert system.layout.coordinate_count == 93
+
+    def failing(_model, _state, _multipliers, _inputs, _weights, _limits, _memory, scratch):
+        scratch[0][:] = 1.0
+        scratch[0][equation] = 1e13
+        return False, 40, 3, 1e9
+
+    monkeypatch.setattr(compiled, "step", failing)
+    system.set_initial(rest)
+    with pytest.raises(SimulationStopped, match=f"least step 1e-06 s; greatest residual at {name}$"):
+        integrate(system, 0.1)
+
+
 def test_a_search_for_rest_names_what_does_not_come_to_rest():
     loads = LoadCycle.constant([-1e6] * 13)  # pulled up
     with pytest.raises(

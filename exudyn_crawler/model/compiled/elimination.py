@@ -17,10 +17,9 @@ from exudyn_crawler.ground.frames import SOURCES
 from exudyn_crawler.ground.rotations import FloatArray
 from fem.compiling import compiler
 
-solving = compiler(
-    Path(__file__).parent, *SOURCES, error_model="numpy", fastmath={"contract", "reassoc", "nsz"}
-)
-"""Compiles a function whose sums may be taken in any order."""
+solving = compiler(Path(__file__).parent, *SOURCES, error_model="numpy")
+"""Compiles a function of this room. Sums are taken in their order: where the compiler may choose, processes
+that compile apart from each other get other last digits."""
 
 IntArray = NDArray[np.int64]
 
