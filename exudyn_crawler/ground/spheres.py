@@ -91,12 +91,7 @@ def sphere_touch(
 ) -> Touch:
     """Force of a sphere on a unit's face; without depth it does not touch.
 
-    Parameters
-    ----------
-    center : Vector
-        Centre of the sphere, m, global.
-    above : Vector
-        The same in the unit's axes, from the nearest point `near`, m.
+    Its centre is `center` (m, global) and, in the unit's axes, `above` (m) the nearest point `near`.
     """
     distance = norm(above)
     normal = turned(unit.R, (above[0] / distance, above[1] / distance, above[2] / distance))
