@@ -18,8 +18,17 @@ if TYPE_CHECKING:
     from meshes.load_surfaces import LOAD_SURFACES, with_load_surfaces
     from meshes.shoe import SHOE_SIZES, STEEL, joint_interfaces, mesh_named, shoe_mesh, shoe_path
 
-_HOMES = {"LOAD_SURFACES": "load_surfaces", "with_load_surfaces": "load_surfaces"}
-"""Modules of the names that need finite elements and do not stand in `shoe`."""
+_HOMES = {
+    "LOAD_SURFACES": "load_surfaces",
+    "SHOE_SIZES": "shoe",
+    "STEEL": "shoe",
+    "joint_interfaces": "shoe",
+    "mesh_named": "shoe",
+    "shoe_mesh": "shoe",
+    "shoe_path": "shoe",
+    "with_load_surfaces": "load_surfaces",
+}
+"""Modules of the names that need finite elements."""
 
 __all__ = [
     "COM_HEIGHT",
@@ -43,6 +52,6 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Import finite elements when a mesh is asked for: whoever wants dimensions only does not wait."""
-    if name not in __all__:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES.get(name, 'shoe')}"), name)
+    if home := _HOMES.get(name):
+        return getattr(import_module(f"{__name__}.{home}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -46,7 +46,7 @@ ECCENTRICITY = 0.05
 
 def start() -> CaseFile:
     """Case to start from: propel with a turn."""
-    return case_files(["turning"])["turning"]
+    return CaseFile(case=Case.turning(), duration=DURATION)
 
 
 def study(
@@ -60,22 +60,17 @@ def study(
 ) -> Compared:
     """Run the cases, or take their histories, and compare their forces with the paper.
 
+    Parameters and errors are those of `kinematics.study`, and:
+
     Parameters
     ----------
     out : Path, optional
-        Folder of the study: a folder a case, `comparison.csv`, `turning_ratios.csv` and figures; None writes
-        nothing.
-    cases : sequence of str
-        Of "translation" and "turning".
-    duration : float
-        s.
+        Gets `turning_ratios.csv`, too.
     reuse : Path, optional
         Folder of a study whose histories take the place of runs where the parameters are the same.
     strict : bool
         Refuse histories in `reuse` that are missing or come from other parameters, instead of running
         these cases.
-    **how
-        Options `overwrite`, `progress` and `say` of `run_case`.
 
     Returns
     -------
@@ -85,10 +80,7 @@ def study(
     Raises
     ------
     FileNotFoundError, ValueError
-        For an unknown case, a bad duration or, if `strict`, a history that is missing or comes from other
-        parameters.
-    FileExistsError, BlockingIOError, EquilibriumError, SimulationStopped
-        As of `running.compare_cases`.
+        If `strict`, for a history that is missing or comes from other parameters.
     """
     files = case_files(cases, duration)
     sources = {name: _source(one, reuse, strict, how.get("say", quiet)) for name, one in files.items()}

@@ -3,20 +3,18 @@
 import numpy as np
 
 from exudyn_crawler.ground.frames import compiled, inlined, norm
-from exudyn_crawler.ground.grid import cell
 from exudyn_crawler.ground.laws import drag_ratio
 from exudyn_crawler.ground.overlap import Overlap
+from exudyn_crawler.ground.pair_overlaps import below, standing
 from exudyn_crawler.ground.pair_track import (
     STATE,
-    Bodies,
     PairForces,
     Track,
     bend,
-    cells_below,
     contact_at,
     forces_of,
     gather,
-    named_track,
+    named,
     patch_rows,
 )
 from exudyn_crawler.ground.pairs import FROM_CURVE, pair_overlap
@@ -109,29 +107,21 @@ def pair_derivatives(places: tuple, model: tuple, factors: tuple, out: tuple, wo
     One-sided differences: exact derivatives of the clipping would take as many lines as the
     clipping, and the error of 1e-6 relative costs Newton's method nothing.
     """
-    bodies, track, weights, blocks = Bodies(*places), named_track(model), Weights(*factors), PairBlocks(*out)
+    bodies, track = named(places, model)
+    weights, blocks = Weights(*factors), PairBlocks(*out)
     state = np.empty((2, STATE))
-    grid = track.grid
-    half = (0.5 * grid.length, 0.5 * grid.width, 0.5 * grid.height)
     count = 0
     for s in range(bodies.shoes.shape[0]):
-        f = track.flexible.row[s]
-        at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
-        shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
-        cells = cells_below(shoe, track.footprint, grid)
-        for k in range(cells.columns * cells.rows):
-            u = cell(grid, cells, k)
-            tilt = tilted(bodies.units[u, 3], grid.tilt_axis)
-            unit = unit_frame(bodies.units[u], bodies.unit_rates[u], grid.tilt_axis, tilt)
-            part = pair_overlap(shoe, unit, track.footprint, half, work)
+        shoe = standing(bodies, track, s)
+        coordinates = 8 if shoe.row < 0 else PAIR_COORDINATES
+        for k in range(shoe.cells.columns * shoe.cells.rows):
+            u, unit, part = below(bodies, track, shoe, k, work)
             if part.area <= 0.0 or count >= blocks.values.shape[0]:
                 continue
             gather(bodies, s, u, state)
-            coordinates = 8
-            if f >= 0:
-                patch_rows(part, shoe, unit, track, blocks.rows[count])
-                bend(bodies, f, blocks.rows[count], state)
-                coordinates = PAIR_COORDINATES
+            if shoe.row >= 0:
+                patch_rows(part, shoe.frame, unit, track, blocks.rows[count])
+                bend(bodies, shoe.row, blocks.rows[count], state)
             _block(part, state, coordinates, track, weights, blocks.values[count], work)
             blocks.pairs[count, 0], blocks.pairs[count, 1] = s, u
             count += 1

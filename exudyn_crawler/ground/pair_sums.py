@@ -5,20 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.frames import compiled
-from exudyn_crawler.ground.grid import cell
-from exudyn_crawler.ground.pair_track import (
-    STATE,
-    Bodies,
-    bend,
-    cells_below,
-    contact_at,
-    forces_of,
-    gather,
-    named_track,
-    patch_rows,
-)
-from exudyn_crawler.ground.pairs import FROM_CURVE, keep, pair_overlap
-from exudyn_crawler.ground.rotations import FloatArray, attitude, shoe_frame, tilted, unit_frame
+from exudyn_crawler.ground.pair_overlaps import below, standing
+from exudyn_crawler.ground.pair_track import STATE, bend, contact_at, forces_of, gather, named, patch_rows
+from exudyn_crawler.ground.pairs import FROM_CURVE, keep
+from exudyn_crawler.ground.rotations import FloatArray
 
 
 class Sums(NamedTuple):
@@ -58,33 +48,27 @@ def pair_forces(places: tuple, model: tuple, out: tuple, work: FloatArray) -> in
     int
         Number of contacts; more than ``Sums.results`` has rows where some did not fit in.
     """
-    bodies, track, sums = Bodies(*places), named_track(model), Sums(*out)
+    bodies, track = named(places, model)
+    sums = Sums(*out)
     sums.shoes.fill(0.0)
     sums.units.fill(0.0)
     sums.modal.fill(0.0)
     state = np.empty((2, STATE))
     rows = np.empty((3, bodies.modal.shape[1]))
-    grid = track.grid
-    half = (0.5 * grid.length, 0.5 * grid.width, 0.5 * grid.height)
     count = 0
     for s in range(bodies.shoes.shape[0]):
-        f = track.flexible.row[s]
-        at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
-        shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
-        cells = cells_below(shoe, track.footprint, grid)
-        for k in range(cells.columns * cells.rows):
-            u = cell(grid, cells, k)
-            tilt = tilted(bodies.units[u, 3], grid.tilt_axis)
-            unit = unit_frame(bodies.units[u], bodies.unit_rates[u], grid.tilt_axis, tilt)
-            part = pair_overlap(shoe, unit, track.footprint, half, work)
+        shoe = standing(bodies, track, s)
+        f = shoe.row
+        for k in range(shoe.cells.columns * shoe.cells.rows):
+            u, unit, part = below(bodies, track, shoe, k, work)
             if part.area <= 0.0:
                 continue
             gather(bodies, s, u, state)
             if f >= 0:
-                patch_rows(part, shoe, unit, track, rows)
+                patch_rows(part, shoe.frame, unit, track, rows)
                 bend(bodies, f, rows, state)
-            contact = contact_at(part, shoe, unit, state, track, FROM_CURVE)
-            forces = forces_of(contact, shoe, unit, at)
+            contact = contact_at(part, shoe.frame, unit, state, track, FROM_CURVE)
+            forces = forces_of(contact, shoe.frame, unit, shoe.at)
             if count < sums.results.shape[0]:
                 keep(contact, s, u, sums.results[count])
             count += 1

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.ground.frames import Frame, Vector, Wrench, compiled, inlined, turned_back
-from exudyn_crawler.ground.grid import Cells, Grid, cells_about
+from exudyn_crawler.ground.grid import Grid
 from exudyn_crawler.ground.laws import named_law
 from exudyn_crawler.ground.overlap import Overlap
 from exudyn_crawler.ground.pairs import (
@@ -76,24 +76,11 @@ class PairForces(NamedTuple):
 
 
 @inlined
-def named_track(track: tuple) -> Track:
-    """Track of its values as plain tuples."""
+def named(places: tuple, track: tuple) -> tuple[Bodies, Track]:
+    """Bodies and track of their values as plain tuples."""
     grid, footprint, flexible, (law, edge_width, whole_area) = track
     law = PairLaw(named_law(law), edge_width, whole_area)
-    return Track(Grid(*grid), Footprint(*footprint), Flexible(*flexible), law)
-
-
-@inlined
-def cells_below(shoe: Frame, footprint: Footprint, grid: Grid) -> Cells:
-    """Units that may lie under a shoe."""
-    x = max(abs(footprint.low_x), abs(footprint.high_x))
-    y = max(abs(footprint.low_y), abs(footprint.high_y))
-    # pitch and tilt move the underside's corners by their height times the angle
-    slack = 0.02 * grid.length
-    across, side = shoe.R[0], shoe.R[1]
-    reach_x = abs(across[0]) * x + abs(across[1]) * y + abs(across[2] * footprint.z) + slack
-    reach_y = abs(side[0]) * x + abs(side[1]) * y + abs(side[2] * footprint.z) + slack
-    return cells_about(grid, shoe.r[0], shoe.r[1], reach_x, reach_y)
+    return Bodies(*places), Track(Grid(*grid), Footprint(*footprint), Flexible(*flexible), law)
 
 
 @inlined

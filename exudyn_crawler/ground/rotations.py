@@ -67,6 +67,18 @@ def unit_frame(q: FloatArray, q_t: FloatArray, axis: int, at: Attitude) -> Frame
 
 
 @compiled
+def shoe_at(q: FloatArray, q_t: FloatArray) -> Frame:
+    """`shoe_frame` at the shoe's own attitude."""
+    return shoe_frame(q, q_t, attitude(q[3], q[4], q[5]))
+
+
+@compiled
+def unit_at(q: FloatArray, q_t: FloatArray, axis: int) -> Frame:
+    """`unit_frame` at the unit's own tilt."""
+    return unit_frame(q, q_t, axis, tilted(q[3], axis))
+
+
+@compiled
 def generalized_moment(moment: Vector, at: Attitude) -> Vector:
     """Generalized forces on a body's angles of a moment (N m): its parts along their axes."""
     return turned(at.axes, moment)

@@ -25,14 +25,7 @@ from exudyn_crawler.ground.frames import (
 )
 from exudyn_crawler.ground.grid import Grid, cell, cells_about
 from exudyn_crawler.ground.laws import Law, drag_ratio, named_law, normal_force
-from exudyn_crawler.ground.rotations import (
-    FloatArray,
-    attitude,
-    generalized_moment,
-    shoe_frame,
-    tilted,
-    unit_frame,
-)
+from exudyn_crawler.ground.rotations import FloatArray, attitude, generalized_moment, shoe_at, unit_at
 
 
 class SphereTrack(NamedTuple):
@@ -98,12 +91,7 @@ def sphere_touch(
 ) -> Touch:
     """Force of a sphere on a unit's face; without depth it does not touch.
 
-    Parameters
-    ----------
-    center : Vector
-        Centre of the sphere, m, global.
-    above : Vector
-        The same in the unit's axes, from the nearest point `near`, m.
+    Its centre is `center` (m, global) and, in the unit's axes, `above` (m) the nearest point `near`.
     """
     distance = norm(above)
     normal = turned(unit.R, (above[0] / distance, above[1] / distance, above[2] / distance))
@@ -156,7 +144,7 @@ def _shoe_touches(
         cells = cells_about(track.grid, center[0], center[1], radius, radius)
         for k in range(cells.columns * cells.rows):
             u = cell(track.grid, cells, k)
-            unit = unit_frame(bodies.units[u], bodies.unit_rates[u], axis, tilted(bodies.units[u, 3], axis))
+            unit = unit_at(bodies.units[u], bodies.unit_rates[u], axis)
             local = turned_back(unit.R, along(center, -1.0, unit.r))
             above = local[2] - track.tops[u]
             if above <= 0.0 or above >= radius:
@@ -191,8 +179,7 @@ def sphere_contacts(places: tuple, model: tuple, table: FloatArray) -> int:
     track = SphereTrack(Grid(*grid), tops, half_x, half_y, centers, radius, named_law(law))
     count = np.int64(0)
     for s in range(bodies.shoes.shape[0]):
-        at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
-        shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
+        shoe = shoe_at(bodies.shoes[s], bodies.shoe_rates[s])
         count = _shoe_touches(shoe, s, bodies, track, table, count)
     return int(count)
 

@@ -25,7 +25,7 @@ class Quantity:
     Attributes
     ----------
     name : str
-        Of the variable.
+        Of the variable in a dataset.
     symbol : str
         Of formulas, in plain text.
     unit : str
