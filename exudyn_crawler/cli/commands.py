@@ -62,6 +62,10 @@ def info(
 
     case_file = study_case(case) if case in registered(CASES) else read_case(case)
     print_table(case_table(case_file), case)
+    if case_file.case.flexible is not None:
+        from exudyn_crawler.model.reductions import reductions_line
+
+        typer.echo(reductions_line())
 
 
 @app.command()
