@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import xarray as xr
+
 from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.errors import SimulationStopped
@@ -165,12 +167,16 @@ def _simulated(
 
 
 def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
-    """Contact and joint forces with what derives from them, without the units of the terrain."""
+    """What derives from the forces of the history, which has them themselves."""
     if outputs.forces:
-        forces = history.dataset.drop_dims("unit").assign(
-            contact_force=contact_force(history), terrain_deformation=terrain_deformation(history)
+        derived = xr.Dataset(
+            {
+                "contact_force": contact_force(history),
+                "terrain_deformation": terrain_deformation(history),
+            },
+            attrs=history.dataset.attrs,
         )
-        write_netcdf(forces, folder / "forces.nc", overwrite)
+        write_netcdf(derived, folder / "forces.nc", overwrite)
 
 
 def write_extremes(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
