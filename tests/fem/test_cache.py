@@ -1,9 +1,10 @@
 """Reductions kept on disk: used only if all matches, safe among processes, made anew where broken."""
 
-import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
+from subprocess import PIPE
 
 import numpy as np
 import pytest
@@ -60,22 +61,18 @@ def test_two_processes_that_want_the_same_at_once(tmp_path: Path, small: fem.Red
     fem.save_reduced(given, small)
     folder = tmp_path / "kept"
     command = [sys.executable, "-c", IN_A_PROCESS, str(folder), str(given)]
-    root = str(Path(__file__).parents[2])
-    environment = os.environ | {"PYTHONPATH": root}
-    both = [
-        subprocess.Popen(
-            command, cwd=root, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
-        for _ in range(2)
-    ]
-    for process in both:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "ready\n"
-    for process in both:
-        assert process.stdin is not None
-        process.stdin.write("go\n")
-        process.stdin.flush()
-    answers = sorted(process.communicate(timeout=60)[0].strip() for process in both)
+    start = partial(
+        subprocess.Popen, command, cwd=Path(__file__).parents[2], stdin=PIPE, stdout=PIPE, text=True
+    )
+    with start() as one, start() as other:
+        for process in (one, other):
+            assert process.stdout is not None
+            assert process.stdout.readline() == "ready\n"
+        for process in (one, other):
+            assert process.stdin is not None
+            process.stdin.write("go\n")
+            process.stdin.flush()
+        answers = sorted(process.communicate(timeout=60)[0].strip() for process in (one, other))
     assert answers == ["False 26", "True 26"]
     (path,) = fem.kept_reductions(folder)
     np.testing.assert_allclose(fem.load_reduced(path).frequencies, small.frequencies, rtol=1e-9)
