@@ -6,6 +6,7 @@ that of the recovery the bare matrix product that it needs.
 
 import os
 import sys
+import tempfile
 import time
 
 import numpy as np
@@ -74,6 +75,42 @@ def main(*, yardstick: bool = True, size: str = "study") -> None:
         f"peaks of {ROWS} rows: {recovery:.2f} s, bare product of the six components "
         f"{product:.2f} s, ratio {recovery / product:.2f}"
     )
+    extremes(reduced)
+    kept(body, interfaces)
+
+
+def extremes(reduced: fem.ReducedBody) -> None:
+    """Print what a search of extremes takes at a reduced rank and at full rank, and how well they agree."""
+    rng = np.random.default_rng(1)
+    t = np.linspace(0.0, 1.0, ROWS)[:, None]
+    slow = np.sin(2 * np.pi * (t * np.arange(1, 31) + rng.random(30))) @ rng.standard_normal(
+        (30, len(reduced.frequencies))
+    )
+    q = (slow + 1e-3 * rng.standard_normal(slow.shape)) / reduced.frequencies**2
+    found, spent = {}, {}
+    for tolerance in (1e-3, None):
+        fem.recover_extremes(reduced.stress_modes[:600], q[:600], tolerance=tolerance)  # compiles
+        started = time.process_time()
+        found[tolerance] = fem.recover_extremes(reduced.stress_modes, q, tolerance=tolerance)
+        spent[tolerance] = time.process_time() - started
+    off = np.abs(found[1e-3].greatest / found[None].greatest - 1.0).max()
+    print(
+        f"extremes of {ROWS} rows, processor time: {spent[1e-3]:.2f} s at reduced rank, "
+        f"{spent[None]:.2f} s at full rank, ratio {spent[None] / spent[1e-3]:.1f}; peaks agree to {off:.0e}"
+    )
+
+
+def kept(body: fem.ElasticBody, interfaces: list[fem.Interface]) -> None:
+    """Print what a reduction from disk takes, and the reduction with fewer modes out of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        fem.cached_craig_bampton(folder, body, interfaces, 76)
+        started = time.perf_counter()
+        whole = fem.cached_craig_bampton(folder, body, interfaces, 76).body
+        taken = time.perf_counter() - started
+    started = time.perf_counter()
+    fem.nested_reduction(whole, 10)
+    nested = time.perf_counter() - started
+    print(f"94 modes from disk: {taken:.2f} s; 28 modes out of them: {nested:.2f} s")
 
 
 if __name__ == "__main__":

@@ -7,11 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from exudyn_crawler.case import CaseFile
+import xarray as xr
+
+from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import whole_file, write_netcdf
-from exudyn_crawler.model.flexible_shoes import check_shoe
+from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
+from exudyn_crawler.model.reductions import reductions_in
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
@@ -73,6 +76,7 @@ def run_case(
     reuse: str | Path | None = None,
     progress: bool | None = None,
     say: Callable[[str], None] = quiet,
+    reductions: str | Path | None = None,
 ) -> CaseRun:
     """Simulate a case and leave its folder: case, record, log, history, and what its outputs ask for.
 
@@ -92,6 +96,9 @@ def run_case(
         Show a progress bar; None shows it on a terminal only.
     say : callable
         Is told, in a line, what is going on.
+    reductions : path, optional
+        Folder in which reductions of flexible shoes are kept; `model.reductions.reductions_folder` says which
+        else.
 
     Raises
     ------
@@ -110,7 +117,9 @@ def run_case(
     reused = None if reuse is None else matching_history(Path(reuse), case_file)
     if case.flexible is not None:
         check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
-    with kept_run(folder, case_file, overwrite, say) as keeper:
+    with reductions_in(reductions), kept_run(folder, case_file, overwrite, say) as keeper:
+        if case.flexible is not None:
+            _reduce_shoe(case, keeper)
         if reused is None:
             history = _simulated(case_file, folder, overwrite, progress, keeper)
         else:
@@ -127,6 +136,14 @@ def run_case(
             with keeper.timed("tables and figures"):
                 write_outputs(history, stresses, folder, outputs, overwrite)
     return CaseRun(history, stresses, folder)
+
+
+def _reduce_shoe(case: Case, keeper: Keeper) -> None:
+    """Reduce the flexible shoe, which is remembered, and say so if it was on disk."""
+    with keeper.timed("reduce the flexible shoe"):
+        kept = whole_reduction(case)
+    if kept.found:
+        keeper.say(f"{case.name}: the reduced shoe is taken from {kept.path}")
 
 
 def _simulated(
@@ -150,12 +167,16 @@ def _simulated(
 
 
 def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
-    """Contact and joint forces with what derives from them, without the units of the terrain."""
+    """What derives from the forces of the history, which has them themselves."""
     if outputs.forces:
-        forces = history.dataset.drop_dims("unit").assign(
-            contact_force=contact_force(history), terrain_deformation=terrain_deformation(history)
+        derived = xr.Dataset(
+            {
+                "contact_force": contact_force(history),
+                "terrain_deformation": terrain_deformation(history),
+            },
+            attrs=history.dataset.attrs,
         )
-        write_netcdf(forces, folder / "forces.nc", overwrite)
+        write_netcdf(derived, folder / "forces.nc", overwrite)
 
 
 def write_extremes(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:

@@ -2,16 +2,18 @@
 
 from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.body import ElasticBody
+from fem.cache import Kept, cached_craig_bampton, kept_reductions
 from fem.elasticity import Material
 from fem.export import write_calculix, write_frame_vtu, write_modes_vtu, write_vtu
-from fem.files import StaleCacheError, cached_craig_bampton, load_reduced, save_reduced
+from fem.extremes import Extremes, recover_extremes
+from fem.files import StaleCacheError, load_reduced, save_reduced
 from fem.hotspots import Apart, OneARegion, hot_spots
 from fem.interfaces import Interface, center_loads
 from fem.mesh import Mesh, MeshError
 from fem.mesh_files import read_mesh, write_mesh
-from fem.recovery import Extremes, Peaks, recover_extremes, recover_peaks, shares
+from fem.recovery import Peaks, recover_peaks, shares
 from fem.reduced import ReducedBody
-from fem.reduction import Partition, craig_bampton
+from fem.reduction import Partition, craig_bampton, nested_reduction
 from fem.surfaces import faces_joined_to, faces_seen_from
 
 __all__ = [
@@ -20,6 +22,7 @@ __all__ = [
     "Extremes",
     "Fold",
     "Interface",
+    "Kept",
     "Material",
     "Mesh",
     "MeshError",
@@ -36,7 +39,9 @@ __all__ = [
     "faces_seen_from",
     "fold_stresses",
     "hot_spots",
+    "kept_reductions",
     "load_reduced",
+    "nested_reduction",
     "read_mesh",
     "recover_extremes",
     "recover_peaks",

@@ -9,11 +9,10 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from fem.mesh import Floats, Integers
-
-NODE_BLOCK, TIME_BLOCK = 512, 256
-"""Nodes and times of one product; its result stays in the processor's cache."""
+from fem.rank import TIME_BLOCK, StressHistory, full_rank, node_blocks, reduced_rank
 
 Result = TypeVar("Result", covariant=True)
 
@@ -29,11 +28,14 @@ class StressBlock(NamedTuple):
         Rows of the history.
     stress : array (k, c, t)
         The fold's components in Pa; reused, so that a fold copies what it keeps.
+    bound : array (k,)
+        Length in Pa by which the components of each node may be off at these times; 0 at full rank.
     """
 
     nodes: slice
     times: slice
     stress: Floats
+    bound: Floats
 
 
 class Fold(Protocol[Result]):
@@ -65,6 +67,7 @@ def fold_stresses(
     q: Floats | Iterable[Floats],
     fold: Fold[Result],
     nodes: Integers | None = None,
+    tolerance: float | None = None,
 ) -> Result:
     """Lead a fold over the stresses of a history.
 
@@ -78,6 +81,10 @@ def fold_stresses(
         What is kept.
     nodes : int array, optional
         Numbers of the nodes to look at, in any order; all if left out.
+    tolerance : float, optional
+        Fold stresses of a reduced rank, in single precision and several times as fast: what that leaves out
+        is at most this part of the highest stress, as of `rank.reduced_rank`, and each block has its bound.
+        At full rank and in double precision if left out.
 
     Returns
     -------
@@ -91,31 +98,25 @@ def fold_stresses(
     history = list(_checked_blocks(q, stress_modes.shape[2]))
     chosen = np.arange(len(stress_modes)) if nodes is None else np.asarray(nodes, dtype=np.int64)
     fold.start(chosen, sum(columns.shape[1] for columns in history))
-    for block in _stress_blocks(stress_modes, history, fold.components, chosen):
-        fold.add(block)
+    # products of this size gain nothing by threads, which would wait for each other thousands of times
+    with threadpool_limits(1, user_api="blas"):
+        source = full_rank(stress_modes if nodes is None else stress_modes[chosen], history, fold.components)
+        for block in _stress_blocks(source if tolerance is None else reduced_rank(source, tolerance)):
+            fold.add(block)
     return fold.finish()
 
 
-def _stress_blocks(
-    stress_modes: Floats, history: list[Floats], components: Floats | None, nodes: Integers
-) -> Iterator[StressBlock]:
-    """Stresses of blocks of nodes over a history of columns (m, t); times run fastest."""
-    for first in range(0, len(nodes), NODE_BLOCK):
-        places = slice(first, min(first + NODE_BLOCK, len(nodes)))
-        shapes = _shapes(stress_modes[nodes[places]], components)
+def _stress_blocks(source: StressHistory) -> Iterator[StressBlock]:
+    """Stresses of blocks of nodes over a history; times run fastest."""
+    for places in node_blocks(len(source.bound)):
+        shapes = source.shapes(places)
+        k, c, r = shapes.shape
         start = 0
-        for columns in history:
+        for number, columns in enumerate(source.history):
             times = slice(start, start + columns.shape[1])
-            stress = shapes.reshape(-1, shapes.shape[2]) @ columns
-            yield StressBlock(places, times, stress.reshape(*shapes.shape[:2], -1))
+            stress = shapes.reshape(k * c, r) @ columns
+            yield StressBlock(places, times, stress.reshape(k, c, -1), source.bound[places, number])
             start = times.stop
-
-
-def _shapes(stress_modes: Floats, components: Floats | None) -> Floats:
-    """Components (k, c, m) of the stress modes (k, 6, m) of a block of nodes."""
-    if components is None:
-        return stress_modes
-    return np.ascontiguousarray(np.einsum("ck,nkm->ncm", components, stress_modes, optimize=True))
 
 
 def _checked_blocks(q: Floats | Iterable[Floats], modes: int) -> Iterator[Floats]:

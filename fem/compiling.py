@@ -14,6 +14,15 @@ from typing import Any
 from numba import njit
 
 
+def source_digest(*folders: Path) -> str:
+    """SHA-256 of all Python sources in some folders."""
+    digest = hashlib.sha256()
+    for folder in folders:
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
 def compiler(*folders: Path, **options: Any) -> Callable[[Callable], Any]:
     """Decorator that compiles a function and keeps the result until a source in one of the folders changes.
 
@@ -24,11 +33,7 @@ def compiler(*folders: Path, **options: Any) -> Callable[[Callable], Any]:
     options :
         As of `numba.njit`.
     """
-    digest = hashlib.sha256()
-    for folder in folders:
-        for path in sorted(folder.rglob("*.py")):
-            digest.update(path.read_bytes())
-    stamp = digest.hexdigest()
+    stamp = source_digest(*folders)
 
     def compiled(function: Callable) -> Any:
         dispatcher = njit(cache=True, **options)(function)

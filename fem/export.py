@@ -12,13 +12,15 @@ from fem.reduced import ReducedBody
 from fem.stress import von_mises
 
 
-def write_vtu(path: str | Path, mesh: Mesh, fields: Mapping[str, Floats]) -> None:
-    """Write nodal fields (n,), (n, 3) or (n, 6) on a mesh, for ParaView."""
+def write_vtu(
+    path: str | Path, mesh: Mesh, fields: Mapping[str, Floats], nodes: Floats | None = None
+) -> None:
+    """Write nodal fields (n,), (n, 3) or (n, 6) on a mesh, for ParaView; `nodes` (n, 3) puts it elsewhere."""
     kind = "tetra" if mesh.order == 1 else "tetra10"
     point_data = {name: np.ascontiguousarray(field) for name, field in fields.items()}
     meshio.write(
         path,
-        meshio.Mesh(mesh.nodes, [(kind, mesh.elements)], point_data=point_data),
+        meshio.Mesh(mesh.nodes if nodes is None else nodes, [(kind, mesh.elements)], point_data=point_data),
         file_format="vtu",
     )
 

@@ -5,44 +5,23 @@ import io
 import json
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from fem.body import ElasticBody
 from fem.elasticity import Material
 from fem.interfaces import Interface
-from fem.mesh import Floats, Mesh
+from fem.mesh import Mesh
 from fem.reduced import ReducedBody
-from fem.reduction import craig_bampton
 
-FORMAT = "fem reduced body 1"
-_ARRAYS = ("frequencies", "modes", "stress_modes", "pilots", "center_of_mass", "inertia")
+FORMAT = "fem reduced body 2"
+_ARRAYS = ("frequencies", "modes", "stress_modes", "pilots", "center_of_mass", "inertia", "ritz")
 
 
 class StaleCacheError(ValueError):
     """A file of a reduced body that belongs to another mesh or to other parameters."""
-
-
-def reduction_digest(
-    body: ElasticBody,
-    interfaces: Sequence[Interface],
-    n_fixed_modes: int,
-    residual_loads: Mapping[str, Floats] | None = None,
-) -> str:
-    """SHA-256 of everything that a reduction depends on."""
-    sha = hashlib.sha256(FORMAT.encode())
-    sha.update(body.mesh.digest.encode())
-    sha.update(json.dumps([asdict(body.material), n_fixed_modes], sort_keys=True).encode())
-    for i in interfaces:
-        sha.update(json.dumps([i.name, i.spider]).encode())
-        sha.update(i.center.tobytes() + i.nodes.tobytes())
-    for name, load in (residual_loads or {}).items():
-        sha.update(name.encode() + np.ascontiguousarray(load, dtype=np.float64).tobytes())
-    return sha.hexdigest()
 
 
 def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
@@ -54,7 +33,7 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
         File to write, replaced only when complete.
     body : ReducedBody
     digest : str
-        Of `reduction_digest`, if the file is to serve as a cache.
+        Of `cache.reduction_digest`, if the file is to serve as a cache.
     """
     path = Path(path)
     # made in memory first: where a disk is full, HDF5 does not fail but ends the process
@@ -63,6 +42,7 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
         file.attrs["format"] = FORMAT
         file.attrs["mesh_digest"] = body.mesh.digest
         file.attrs["digest"] = digest
+        file.attrs["content"] = _content_digest(body)
         file.attrs["material"] = json.dumps(asdict(body.material))
         file.attrs["parameters"] = json.dumps(dict(body.parameters))
         file.attrs["mass"] = body.mass
@@ -101,7 +81,7 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
     mesh : Mesh, optional
         The mesh it must belong to, if given.
     digest : str, optional
-        Of `reduction_digest`, that it must have, if given.
+        Of `cache.reduction_digest`, that it must have, if given.
 
     Raises
     ------
@@ -141,7 +121,7 @@ def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) ->
         stored["elements"][()],
         {name: data[()] for name, data in stored["surfaces"].items()},
     )
-    return ReducedBody(
+    body = ReducedBody(
         mesh=own,
         material=Material(**json.loads(file.attrs["material"])),
         interfaces=tuple(
@@ -158,26 +138,18 @@ def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) ->
         parameters=json.loads(file.attrs["parameters"]),
         **{name: file[name][()] for name in _ARRAYS},
     )
+    if file.attrs["content"] != _content_digest(body):
+        raise ValueError(f"{path} must be whole, got content that its own digest does not confirm")
+    return body
 
 
-def cached_craig_bampton(
-    path: str | Path,
-    body: ElasticBody,
-    interfaces: Sequence[Interface],
-    n_fixed_modes: int = 76,
-    residual_loads: Mapping[str, Floats] | None = None,
-) -> ReducedBody:
-    """Reduced body from a file if mesh and parameters all match, else made anew and written.
-
-    Raises
-    ------
-    ValueError
-        If the file is broken or something else; it is left as it is.
-    """
-    digest = reduction_digest(body, interfaces, n_fixed_modes, residual_loads)
-    try:
-        return load_reduced(path, body.mesh, digest)
-    except (FileNotFoundError, StaleCacheError):
-        reduced = craig_bampton(body, interfaces, n_fixed_modes, residual_loads)
-        save_reduced(path, reduced, digest)
-        return reduced
+def _content_digest(body: ReducedBody) -> str:
+    """SHA-256 of all that a reduced body holds."""
+    sha = hashlib.sha256(body.mesh.digest.encode())
+    interfaces = [(i.name, i.spider, i.center.tolist(), i.nodes.tolist()) for i in body.interfaces]
+    described = [asdict(body.material), dict(body.parameters), body.mass, interfaces]
+    sha.update(json.dumps(described, sort_keys=True).encode())
+    weights = [array for _, array in sorted(body.surface_weights.items())]
+    for array in (*(getattr(body, name) for name in _ARRAYS), *weights):
+        sha.update(np.ascontiguousarray(array).data)
+    return sha.hexdigest()

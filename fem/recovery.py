@@ -1,4 +1,4 @@
-"""Stress peaks and extremes of long modal histories, as folds over blocks of their stresses.
+"""Stress peaks of long modal histories, as folds over blocks of their stresses.
 
 The von Mises stress is the Euclidean length of five linear combinations of the stress components,
 so that five products a node and time are enough where the tensor would take six.
@@ -7,7 +7,6 @@ so that five products a node and time are enough where the tensor would take six
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
 from fem.blocks import Fold, StressBlock, fold_stresses
@@ -55,38 +54,10 @@ class Peaks:
         return np.argsort(severity, kind="stable")
 
 
-@dataclass(frozen=True)
-class Extremes:
-    """Von Mises stress over a history: extremes of each node over time and the highest node at each time.
-
-    Parameters
-    ----------
-    greatest, least : array (n,)
-        In Pa.
-    greatest_at : int array (n,)
-        Rows of the history where the greatest occur; the first of equals.
-    highest : array (t,)
-        In Pa, over all nodes.
-    highest_nodes : int array (t,)
-        Their numbers; the first of equals.
-    """
-
-    greatest: Floats
-    greatest_at: Integers
-    least: Floats
-    highest: Floats
-    highest_nodes: Integers
-
-    @property
-    def peaks(self) -> Peaks:
-        """Greatest values as `recover_peaks` gives them."""
-        return Peaks("von mises", np.arange(len(self.greatest)), self.greatest, self.greatest_at)
-
-
-@compiler(FEM, parallel=True, fastmath={"contract", "reassoc"})
+@compiler(FEM, nogil=True, fastmath={"contract", "reassoc"})
 def _keep_greatest_length(parts, values, indices, start):
     """Update squared maxima (k,) and their rows from components (k, 5, t); rows count from `start`."""
-    for k in numba.prange(parts.shape[0]):
+    for k in range(parts.shape[0]):
         best, at = values[k], indices[k]
         a, b, c, d, e = parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3], parts[k, 4]
         greatest = 0.0
@@ -159,77 +130,6 @@ class GreatestOf(Fold[Peaks]):
     def finish(self) -> Peaks:
         """Peaks in Pa."""
         return Peaks(self._criterion, self._nodes, self._sense * self._values, self._rows)
-
-
-@compiler(FEM, parallel=True, fastmath={"contract", "reassoc"})
-def _keep_node_extremes(parts, squares, greatest, at, least, start):
-    """Square lengths of components (k, 5, t) into (k, t), with the extremes of each node over time."""
-    for k in numba.prange(squares.shape[0]):
-        a, b, c, d, e = parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3], parts[k, 4]
-        low, high = np.inf, -np.inf
-        for t in range(squares.shape[1]):
-            square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
-            squares[k, t] = square
-            low = min(low, square)
-            high = max(high, square)
-        least[k] = min(least[k], low)
-        if high > greatest[k]:
-            greatest[k] = high
-            for t in range(squares.shape[1]):
-                if squares[k, t] == high:
-                    at[k] = start + t
-                    break
-
-
-@compiler(FEM)
-def _keep_highest(squares, top, places, first):
-    """Update the highest square of each time and its place; the rows of `squares` count from `first`."""
-    for k in range(squares.shape[0]):
-        for t in range(squares.shape[1]):
-            if squares[k, t] > top[t]:
-                top[t] = squares[k, t]
-                places[t] = first + k
-
-
-class VonMisesExtremes(Fold[Extremes]):
-    """Extremes of the von Mises stress of each node over time, and over the nodes at each time."""
-
-    components = DEVIATOR
-
-    def start(self, nodes: Integers, times: int) -> None:
-        """Begin with no stress at all."""
-        self._nodes = nodes
-        self._greatest, self._least = np.full(len(nodes), -np.inf), np.full(len(nodes), np.inf)
-        self._rows = np.zeros(len(nodes), dtype=np.int64)
-        self._highest = np.full(times, -np.inf)
-        self._places = np.zeros(times, dtype=np.int64)
-
-    def add(self, block: StressBlock) -> None:
-        """Keep what is beyond the extremes so far."""
-        of, at = block.nodes, block.times
-        squares = np.empty((block.stress.shape[0], block.stress.shape[2]))
-        _keep_node_extremes(
-            block.stress, squares, self._greatest[of], self._rows[of], self._least[of], at.start
-        )
-        _keep_highest(squares, self._highest[at], self._places[at], of.start)
-
-    def finish(self) -> Extremes:
-        """Extremes in Pa."""
-        return Extremes(
-            np.sqrt(self._greatest),
-            self._rows,
-            np.sqrt(self._least),
-            np.sqrt(self._highest),
-            self._nodes[self._places],
-        )
-
-
-def recover_extremes(stress_modes: Floats, q: Floats | Iterable[Floats]) -> Extremes:
-    """Extremes of the von Mises stress at every node and at every time of a history.
-
-    Parameters and errors are those of `blocks.fold_stresses`.
-    """
-    return fold_stresses(stress_modes, q, VonMisesExtremes())
 
 
 def recover_peaks(

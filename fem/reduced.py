@@ -1,7 +1,7 @@
 """A reduced elastic body: modes, stress modes, interfaces, loads and what recovers stresses."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -44,6 +44,9 @@ class ReducedBody:
         Integrals of the shape functions in m2 by name of a surface.
     parameters : mapping
         What the reduction was asked for.
+    ritz : array (m, b)
+        Elastic part, in modal coordinates, of each vector that the modes are combined of: 6 i constraint
+        modes, the fixed-interface modes, one for each residual load. None, (m, 0), once modes were left out.
     """
 
     mesh: Mesh
@@ -58,6 +61,7 @@ class ReducedBody:
     inertia: Floats
     surface_weights: Mapping[str, Floats]
     parameters: Mapping[str, Any]
+    ritz: Floats
 
     @classmethod
     def from_modes(
@@ -68,6 +72,7 @@ class ReducedBody:
         modes: Floats,
         pilots: Floats,
         parameters: Mapping[str, Any],
+        ritz: Floats,
     ) -> Self:
         """Take a body's properties and recover the stress of its modes."""
         return cls(
@@ -83,6 +88,7 @@ class ReducedBody:
             body.inertia,
             {name: body.surface_weights(name) for name in body.mesh.surfaces},
             dict(parameters),
+            ritz,
         )
 
     @property
@@ -114,15 +120,15 @@ class ReducedBody:
             raise ValueError(f"modes must be different numbers, at least one, got {list(modes)}")
         if chosen.min() < 0 or chosen.max() >= count:
             raise ValueError(f"modes must lie in 0..{count - 1}, got {list(modes)}")
-        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        values |= {
-            "frequencies": self.frequencies[chosen],
-            "modes": self.modes[:, :, chosen],
-            "stress_modes": self.stress_modes[:, :, chosen],
-            "pilots": self.pilots[:, :, chosen],
-            "parameters": dict(self.parameters) | {"modes": chosen.tolist()},
-        }
-        return type(self)(**values)
+        return replace(
+            self,
+            frequencies=self.frequencies[chosen],
+            modes=self.modes[:, :, chosen],
+            stress_modes=self.stress_modes[:, :, chosen],
+            pilots=self.pilots[:, :, chosen],
+            parameters=dict(self.parameters) | {"modes": chosen.tolist()},
+            ritz=np.zeros((len(chosen), 0)),
+        )
 
     def weights(self, where: str | Integers) -> Floats:
         """Weights (n,) of a load: area shares of a named surface, equal ones of a list of nodes.

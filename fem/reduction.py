@@ -6,6 +6,7 @@ eigenvectors of the reduced pencil, their mass matrix is the identity, their sti
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -202,7 +203,7 @@ def craig_bampton(
     basis = np.column_stack(columns)
     centers = np.zeros((6 * len(partition.interfaces), basis.shape[1]))
     centers[:, : len(centers)] = np.eye(len(centers))
-    turn, eigenvalues = _elastic_combinations(body, basis, partition.interfaces)
+    turn, eigenvalues, ritz = _elastic_combinations(body, basis, partition.interfaces)
     modes = basis @ turn
     return ReducedBody.from_modes(
         body,
@@ -211,13 +212,81 @@ def craig_bampton(
         modes.reshape(-1, 3, modes.shape[1]),
         (centers @ turn).reshape(len(partition.interfaces), 6, -1),
         {"n_fixed_modes": n_fixed_modes, "residual_loads": list(loads)},
+        ritz,
     )
+
+
+def nested_reduction(
+    body: ReducedBody, n_fixed_modes: int, residual_loads: Sequence[str] = ()
+) -> ReducedBody:
+    """Reduce a body to fewer of the vectors that its modes are combined of.
+
+    Craig-Bampton bases nest: a reduction with fewer fixed-interface modes lies inside one with more, in whose
+    coordinates it is a Rayleigh-Ritz projection of its size alone. The answer is that of `craig_bampton`.
+
+    Parameters
+    ----------
+    body : ReducedBody
+        Of `craig_bampton`, with all of its modes.
+    n_fixed_modes : int
+        Number of its fixed-interface modes to keep.
+    residual_loads : sequence of str
+        Names of its residual loads to keep.
+
+    Raises
+    ------
+    ValueError
+        If the body has fewer fixed-interface modes or not these loads, or modes of it were left out.
+    """
+    most, loads = body.parameters["n_fixed_modes"], body.parameters["residual_loads"]
+    if body.ritz.shape[1] == 0:
+        raise ValueError("body must have all modes of its reduction, got one of which some were left out")
+    if not 0 <= n_fixed_modes <= most:
+        raise ValueError(f"n_fixed_modes must lie in 0..{most}, those of the body, got {n_fixed_modes}")
+    unknown = sorted(set(residual_loads) - set(loads))
+    if unknown:
+        raise ValueError(f"residual_loads must be among those of the body, {loads}, got {unknown}")
+    kept = [name in residual_loads for name in loads]
+    if n_fixed_modes == most and all(kept):
+        return body
+    constraints = 6 * len(body.interfaces)
+    chosen = np.r_[np.arange(constraints + n_fixed_modes), constraints + most + np.flatnonzero(kept)]
+    vectors = body.ritz[:, chosen]
+    # six combinations of the constraint modes are rigid: the elastic parts span six directions fewer
+    spanned = np.linalg.svd(vectors / np.linalg.norm(vectors, axis=0), full_matrices=False)[0]
+    spanned = spanned[:, : len(chosen) - 6]
+    eigenvalues, turn = np.linalg.eigh(spanned.T @ body.modal_stiffness @ spanned)
+    inside = spanned @ turn
+    inside = inside * _senses(body.pilots.reshape(constraints, -1) @ inside)
+    return replace(
+        body,
+        frequencies=np.sqrt(eigenvalues) / (2 * np.pi),
+        modes=body.modes @ inside,
+        stress_modes=body.stress_modes @ inside,
+        pilots=body.pilots @ inside,
+        parameters={"n_fixed_modes": n_fixed_modes, "residual_loads": list(residual_loads)},
+        ritz=inside.T @ vectors,
+    )
+
+
+def _senses(motions: Floats) -> Floats:
+    """Signs (m,) that make the first large one of the joint centres' motions (6 i, m) positive in every mode.
+
+    An eigenvector's sign is rounding's choice; a stored state of a mode has to mean the same tomorrow. The
+    greatest motion would not do: a symmetric body has two of one size.
+    """
+    large = np.abs(motions) > 0.9 * np.abs(motions).max(axis=0)
+    first = np.take_along_axis(motions, large.argmax(axis=0)[None], axis=0)[0]
+    return np.where(first < 0.0, -1.0, 1.0)
 
 
 def _elastic_combinations(
     body: ElasticBody, basis: Floats, interfaces: Sequence[Interface]
-) -> tuple[Floats, Floats]:
-    """Find the combinations (b, m) of a basis (3n, b) that are elastic modes; eigenvalues (m,)."""
+) -> tuple[Floats, Floats, Floats]:
+    """Find the combinations (b, m) of a basis (3n, b) that are elastic modes.
+
+    Beside them their eigenvalues (m,) and the basis' elastic part in their coordinates (m, b).
+    """
     mass = basis.T @ (body.mass_matrix @ basis)
     stiffness = basis.T @ (body.stiffness @ basis)
     scale = 1.0 / np.sqrt(np.diag(mass))
@@ -240,4 +309,6 @@ def _elastic_combinations(
             f"rigid-body modes have eigenvalues up to {np.abs(energy).max():.2e} 1/s2, the first "
             f"elastic one {eigenvalues[0]:.2e}: the body has a mechanism or the solution failed"
         )
-    return scale[:, None] * (elastic @ vectors), eigenvalues
+    turn = scale[:, None] * (elastic @ vectors)
+    turn = turn * _senses(turn[: 6 * len(interfaces)])
+    return turn, eigenvalues, (turn / scale[:, None]).T @ mass / scale

@@ -7,6 +7,7 @@ is extended linearly to its corners; a mid-side node has the mean of its edge's 
 the mesh has the plain mean over its elements. CalculiX has the same rule.
 """
 
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -46,8 +47,9 @@ def _extension(order: int) -> tuple[Floats, Floats]:
     return points, np.vstack([corners, corners[TETRA_EDGES].mean(axis=1)])
 
 
+@lru_cache(maxsize=1)
 def element_gradient_operator(mesh: Mesh) -> Floats:
-    """Gradients of the shape functions at the nodes of each element after extension.
+    """Gradients of the shape functions at the nodes of each element after extension; the last is remembered.
 
     Returns
     -------
@@ -55,7 +57,9 @@ def element_gradient_operator(mesh: Mesh) -> Floats:
         In 1/m.
     """
     points, extend = _extension(mesh.order)
-    return np.einsum("pq,bieq->epib", extend, shape_gradients(mesh, points), optimize=True)
+    operator = np.einsum("pq,bieq->epib", extend, shape_gradients(mesh, points), optimize=True)
+    operator.setflags(write=False)
+    return operator
 
 
 def nodal_gradient_operator(mesh: Mesh) -> csr_array:

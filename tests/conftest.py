@@ -1,5 +1,8 @@
 """Short runs of the papers' cases, shared by the tests: a run costs more than what is asked of it."""
 
+import os
+import shutil
+import tempfile
 from collections.abc import Generator
 
 import pandas as pd
@@ -9,6 +12,7 @@ from hypothesis import settings
 
 from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.reductions import VARIABLE
 from tests.stress_results import short_run, stress_results
 
 # the same examples in every run
@@ -17,6 +21,18 @@ settings.load_profile("reproducible")
 
 RUNS = {"translation", "turning", "constrained", "longer", "flexible_run", "reduced", "rigid_folders"}
 """Fixtures that simulate, or reduce a shoe for a run."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Keep reductions in a folder that all processes of this run of the tests share, and no other."""
+    if not hasattr(config, "workerinput"):
+        os.environ[VARIABLE] = tempfile.mkdtemp(prefix="exudyn-crawler-tests-")
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Remove that folder."""
+    if not hasattr(config, "workerinput"):
+        shutil.rmtree(os.environ[VARIABLE], ignore_errors=True)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -72,6 +72,10 @@ def info(
     if weights := shoe_weights(case_file.case):
         typer.echo(weights)
     warn_implausible(case_file.case, case_file.duration)
+    if case_file.case.flexible is not None:
+        from exudyn_crawler.model.reductions import reductions_line
+
+        typer.echo(reductions_line())
 
 
 @app.command()

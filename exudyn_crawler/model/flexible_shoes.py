@@ -16,10 +16,15 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case, FlexibleShoes, Track
 from exudyn_crawler.case.flexible import CONSTRAINT_MODES
 from exudyn_crawler.case.size import check_modes
+from exudyn_crawler.model.drive_point import pulled_node
+from exudyn_crawler.model.reductions import kept_reduction
 from exudyn_crawler.model.shoe_mesh import check_footprint, check_surfaces, pin_interfaces
-from fem import ElasticBody, Interface, Material, Partition, ReducedBody, craig_bampton
+from fem import ElasticBody, Interface, Kept, Material, ReducedBody, nested_reduction
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
+
+MACHINE_LOAD, DRIVE = "machine load", "drive"
+"""Loads whose static answers may join the modes."""
 
 ARM = 0.05
 """m, distance of a joint's massless nodes from its centre."""
@@ -112,11 +117,6 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list
     return body, interfaces
 
 
-@lru_cache(maxsize=2)
-def _partition(mesh: str, material: Material, track: Track) -> Partition:
-    return Partition(*_finite_elements(mesh, material, track))
-
-
 @lru_cache(maxsize=4)
 def _reduction(
     mesh: str,
@@ -124,16 +124,16 @@ def _reduction(
     track: Track,
     fixed_modes: int,
     load_surface: str | None,
-    pulled_node: int | None,
-) -> ReducedBody:
+    node: int | None,
+) -> Kept:
     body, interfaces = _finite_elements(mesh, material, track)
     loads = {}
     if load_surface is not None:
-        loads["machine load"] = body.surface_load(load_surface, np.array([0.0, 0.0, -1.0]))
-    if pulled_node is not None:
-        loads["drive"] = np.zeros_like(body.mesh.nodes)
-        loads["drive"][pulled_node, 0] = 1.0
-    return craig_bampton(body, interfaces, fixed_modes, loads, partition=_partition(mesh, material, track))
+        loads[MACHINE_LOAD] = body.surface_load(load_surface, np.array([0.0, 0.0, -1.0]))
+    if node is not None:
+        loads[DRIVE] = np.zeros_like(body.mesh.nodes)
+        loads[DRIVE][node, 0] = 1.0
+    return kept_reduction(body, interfaces, fixed_modes, loads)
 
 
 def check_shoe(case: Case) -> None:
@@ -149,16 +149,23 @@ def check_shoe(case: Case) -> None:
     check_footprint(body.mesh, flexible.mesh, case.shoe)
 
 
-def whole_basis(
-    flexible: FlexibleShoes, track: Track, fixed_modes: int, pulled_node: int | None = None
-) -> ReducedBody:
-    """Reduce a flexible shoe to its constraint modes and some fixed-interface modes; remembered.
+def whole_reduction(case: Case) -> Kept:
+    """Reduce the shoe of a case to all the modes that its stress is made of; remembered, and kept on disk.
 
-    The static answer to a force along x on a node joins them if it is given: no fixed-interface mode knows
-    of a force on a single node.
+    They are the constraint modes and `recovered_modes` fixed-interface modes. The static answer to a force
+    along x on the node that the drive pulls joins them, if there is one: no fixed-interface mode knows of a
+    force on a single node.
+
+    Raises
+    ------
+    ValueError
+        If the case has no flexible shoes or their mesh does not fit the track.
     """
+    flexible = case.flexible_shoes()
+    body, _ = shoe_model(flexible, case.track)
     loaded = flexible.load_surface if flexible.load_mode else None
-    return _reduction(flexible.mesh, _material(flexible), track, fixed_modes, loaded, pulled_node)
+    node = pulled_node(case, body.mesh)
+    return _reduction(flexible.mesh, _material(flexible), case.track, flexible.recovered_modes, loaded, node)
 
 
 def floating_shoe(case: Case) -> FloatingShoe:
@@ -172,14 +179,18 @@ def floating_shoe(case: Case) -> FloatingShoe:
         If the case has no flexible shoes, their mesh does not fit the track or no mode remains.
     """
     check_shoe(case)
-    return _floating_shoe(case.flexible_shoes(), case.track, tuple(case.shoe.footprint.tolist()))
+    whole = whole_reduction(case).body
+    return _floating_shoe(case.flexible_shoes(), case.track, tuple(case.shoe.footprint.tolist()), whole)
 
 
 @lru_cache(maxsize=4)
-def _floating_shoe(flexible: FlexibleShoes, track: Track, footprint: tuple[float, ...]) -> FloatingShoe:
+def _floating_shoe(
+    flexible: FlexibleShoes, track: Track, footprint: tuple[float, ...], whole: ReducedBody
+) -> FloatingShoe:
     body, interfaces = shoe_model(flexible, track)
     mesh = body.mesh
-    reduced = _integrated_modes(flexible, whole_basis(flexible, track, flexible.fixed_modes))
+    loads = [MACHINE_LOAD] if flexible.load_mode else []
+    reduced = _integrated_modes(flexible, nested_reduction(whole, flexible.fixed_modes, loads))
     positions, rows = _massless_nodes(reduced, flexible.load_surface)
     under = mesh.nodes_of("underside")
     return FloatingShoe(

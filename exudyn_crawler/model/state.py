@@ -16,7 +16,7 @@ from typing import Any, NoReturn, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-VERSION = 1
+VERSION = 2
 """Of the layout's own form; another one is refused."""
 
 RATES = ("", " rate", " acceleration")

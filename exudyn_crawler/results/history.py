@@ -15,6 +15,8 @@ from exudyn_crawler.model.state import VERSION
 
 LAYOUT_VERSION = "layout_version"
 """Attribute of the version of the states that a history was made of; the first histories have none."""
+UNSIGNED = 1
+"""Version whose modes had the signs that rounding gave them: of flexible shoes it says nothing."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +79,8 @@ class History:
         try:
             # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
             with h5py.File(path, "r") as file:
-                found = np.asarray(file.attrs.get(LAYOUT_VERSION, VERSION)).item()
-                if found != VERSION:
+                found = np.asarray(file.attrs.get(LAYOUT_VERSION, UNSIGNED)).item()
+                if found != VERSION and (found != UNSIGNED or "modal_coordinate" in file):
                     raise ValueError(f"its states have layout version {found}, this program reads {VERSION}")
                 case = saved_case(file.attrs["case"], path)
             dataset = xr.load_dataset(path, engine="h5netcdf")

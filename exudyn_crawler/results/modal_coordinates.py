@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.drive_point import drive_point, pulled_node
-from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, side_weights, whole_basis
+from exudyn_crawler.model.drive_point import drive_point
+from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, side_weights, whole_reduction
 from exudyn_crawler.results.actions import (
     Action,
     AtDrivePoint,
@@ -52,7 +52,7 @@ class StressBasis:
 
 
 def stress_basis(history: History) -> StressBasis:
-    """Reduce the shoe of a history again, with all the modes that its stress is to have.
+    """Modes that the stress of a history's flexible shoes is made of, and where the integrated ones lie.
 
     Raises
     ------
@@ -64,8 +64,7 @@ def stress_basis(history: History) -> StressBasis:
         raise ValueError("the history has no flexible shoes")
     floating = floating_shoe(history.case)
     body, _ = shoe_model(flexible, history.case.track)
-    pulled = pulled_node(history.case, body.mesh)
-    whole = whole_basis(flexible, history.case.track, flexible.recovered_modes, pulled)
+    whole = whole_reduction(history.case).body
     count = len(whole.frequencies)
     modes = whole.modes.reshape(-1, count)
     mass = body.mass_matrix

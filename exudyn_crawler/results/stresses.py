@@ -1,7 +1,7 @@
 """Stresses of the flexible shoes over a run: histories, fields and chosen instants as one dataset."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -83,7 +83,7 @@ def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -
         q = whole_coordinates(history, basis, shoe)
         at_load = _at_load(history, basis.whole, shoe)
         away = np.flatnonzero(~at_load)
-        extremes = _highest_of(away, basis.whole, q, recover_extremes(basis.whole.stress_modes, q))
+        extremes = recover_extremes(basis.whole.stress_modes, q, ranked=away)
         found.append(
             _of_shoe(history, basis, q, extremes, frames).assign(
                 at_load=variable("at_load", at_load, without=("shoe",))
@@ -120,17 +120,6 @@ def _at_load(history: History, whole: ReducedBody, shoe: int) -> NDArray:
         elements = whole.mesh.elements
         marked[elements[(elements == node).any(axis=1)]] = True
     return marked
-
-
-def _highest_of(nodes: NDArray, whole: ReducedBody, q: NDArray, found: Extremes) -> Extremes:
-    """Extremes whose highest stress of each time is that of some of the nodes only."""
-    rows = np.flatnonzero(~np.isin(found.highest_nodes, nodes))
-    if len(rows) == 0:
-        return found
-    again = recover_extremes(whole.stress_modes[nodes], q[rows])
-    highest, highest_nodes = found.highest.copy(), found.highest_nodes.copy()
-    highest[rows], highest_nodes[rows] = again.highest, nodes[again.highest_nodes]
-    return replace(found, highest=highest, highest_nodes=highest_nodes)
 
 
 def _of_shoe(

@@ -79,7 +79,8 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
     return path
 
 
-Content: TypeAlias = "meshio.Mesh | tuple[Mesh, dict[str, NDArray]]"
+Content: TypeAlias = "meshio.Mesh | tuple[Mesh, dict[str, NDArray], NDArray]"
+"""Pieces of the track, or the flexible shoes' mesh with its fields and where its nodes are, m."""
 
 
 def _write(content: Content, path: Path) -> None:
@@ -115,7 +116,7 @@ def _flexible_shoes(
             ),
             "von mises": chosen.frame_von_mises.values.astype("f4"),
         }
-        yield f"shoe {shoe}", (Mesh(pose.place(mesh.nodes), mesh.elements, {}), fields)
+        yield f"shoe {shoe}", (mesh, fields, pose.place(mesh.nodes))
 
 
 def _surroundings(case: Case, now: xr.Dataset) -> Iterator[tuple[str, Content]]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem
-from fem.blocks import NODE_BLOCK, TIME_BLOCK
+from fem.rank import NODE_BLOCK, TIME_BLOCK
 
 
 def test_faulty_histories(small: fem.ReducedBody, history: np.ndarray) -> None:

@@ -1,4 +1,4 @@
-"""Reduced bodies in files: round trips, stale and broken caches."""
+"""Reduced bodies in files: round trips, files of others and broken ones."""
 
 from pathlib import Path
 
@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import fem
-from tests.fem.bodies import beam_interfaces
 
 
 def test_file_round_trip_and_stale_cache(
@@ -15,7 +14,7 @@ def test_file_round_trip_and_stale_cache(
     path = tmp_path / "beam.h5"
     fem.save_reduced(path, small, "abc")
     back = fem.load_reduced(path, beam.mesh, "abc")
-    for name in ("frequencies", "modes", "stress_modes", "pilots", "inertia"):
+    for name in ("frequencies", "modes", "stress_modes", "pilots", "inertia", "ritz"):
         np.testing.assert_array_equal(getattr(back, name), getattr(small, name))
     assert fem.load_reduced(path).mesh.digest == beam.mesh.digest
     assert [i.name for i in back.interfaces] == ["left", "right"]
@@ -29,34 +28,29 @@ def test_file_round_trip_and_stale_cache(
         fem.load_reduced(tmp_path / "no.h5")
 
 
-def test_cache_is_used_only_if_all_matches(tmp_path: Path, beam: fem.ElasticBody) -> None:
-    path, ends = tmp_path / "cache.h5", beam_interfaces(beam)
-    first = fem.cached_craig_bampton(path, beam, ends, 4)
-    stamp = path.stat().st_mtime_ns
-    again = fem.cached_craig_bampton(path, beam, ends, 4)
-    np.testing.assert_array_equal(first.modes, again.modes)
-    assert path.stat().st_mtime_ns == stamp
-    more = fem.cached_craig_bampton(path, beam, ends, 5)
-    assert len(more.frequencies) == len(first.frequencies) + 1
-
-
-def test_a_broken_cache_is_named_and_left_as_it_is(tmp_path: Path, beam: fem.ElasticBody) -> None:
-    path, ends = tmp_path / "cache.h5", beam_interfaces(beam)
-    fem.cached_craig_bampton(path, beam, ends, 4)
+def test_broken_files_are_named(tmp_path: Path, small: fem.ReducedBody) -> None:
+    path = tmp_path / "beam.h5"
+    fem.save_reduced(path, small)
     whole = path.read_bytes()
-    for broken in (b"", b"nothing", whole[: len(whole) // 2], whole[:100] + b"x" * 5000 + whole[5100:]):
+    modes = whole.index(small.modes.tobytes())
+    changed = whole[: modes + 64] + bytes(8) + whole[modes + 72 :]
+    for broken in (
+        b"",
+        b"nothing",
+        whole[: len(whole) // 2],
+        whole[:100] + b"x" * 5000 + whole[5100:],
+        changed,
+    ):
         path.write_bytes(broken)
-        with pytest.raises(ValueError, match=r"cache\.h5 must be (an HDF5|whole|a 'fem reduced body 1')"):
-            fem.cached_craig_bampton(path, beam, ends, 4)
-        assert path.read_bytes() == broken
-    assert list(tmp_path.iterdir()) == [path]
+        with pytest.raises(ValueError, match=r"beam\.h5 must be (an HDF5|whole|a 'fem reduced body 2')"):
+            fem.load_reduced(path)
 
 
-def test_a_cache_that_finds_no_room_leaves_the_old_one(
-    tmp_path: Path, beam: fem.ElasticBody, monkeypatch: pytest.MonkeyPatch
+def test_a_file_that_finds_no_room_leaves_the_old_one(
+    tmp_path: Path, small: fem.ReducedBody, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path, ends = tmp_path / "cache.h5", beam_interfaces(beam)
-    fem.cached_craig_bampton(path, beam, ends, 4)
+    path = tmp_path / "beam.h5"
+    fem.save_reduced(path, small)
     whole = path.read_bytes()
 
     def full(*_args: object) -> None:
@@ -64,6 +58,6 @@ def test_a_cache_that_finds_no_room_leaves_the_old_one(
 
     monkeypatch.setattr("os.replace", full)
     with pytest.raises(OSError, match="No space left"):
-        fem.cached_craig_bampton(path, beam, ends, 5)
+        fem.save_reduced(path, small.with_modes([0]))
     assert path.read_bytes() == whole
     assert list(tmp_path.iterdir()) == [path]

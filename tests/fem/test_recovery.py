@@ -28,22 +28,6 @@ def test_shares_add_up(small: fem.ReducedBody, history: np.ndarray) -> None:
     assert parts.sum() == pytest.approx(small.von_mises(history[5], np.array([17]))[0, 0])
 
 
-def test_extremes_are_those_of_the_whole_field(reduced: fem.ReducedBody) -> None:
-    q = np.random.default_rng(5).normal(size=(600, len(reduced.frequencies)))
-    q /= (2 * np.pi * reduced.frequencies) ** 2
-    found = fem.recover_extremes(reduced.stress_modes, q)
-    field = np.concatenate([reduced.von_mises(part) for part in np.array_split(q, 12)])
-    np.testing.assert_allclose(found.greatest, field.max(axis=0), rtol=1e-9)
-    np.testing.assert_array_equal(found.greatest_at, field.argmax(axis=0))
-    np.testing.assert_allclose(found.least, field.min(axis=0), rtol=1e-6, atol=1.0)
-    np.testing.assert_allclose(found.highest, field.max(axis=1), rtol=1e-9)
-    np.testing.assert_array_equal(found.highest_nodes, field.argmax(axis=1))
-    table = fem.hot_spots(reduced, np.arange(600.0), q)
-    known = fem.hot_spots(reduced, np.arange(600.0), q, peaks=found.peaks)
-    np.testing.assert_array_equal(known["node"], table["node"])
-    np.testing.assert_allclose(known["value"], table["value"], rtol=1e-9)
-
-
 def test_unknown_criterion(small: fem.ReducedBody, history: np.ndarray) -> None:
     with pytest.raises(ValueError, match=r"criterion must be one of .* got 'tresca'"):
         fem.recover_peaks(small.stress_modes, history, "tresca")  # type: ignore[arg-type]

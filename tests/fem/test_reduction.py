@@ -38,6 +38,43 @@ def test_pilots_are_the_motion_of_the_bores(reduced: fem.ReducedBody) -> None:
         np.testing.assert_allclose(pilot, rows, atol=1e-9 * np.abs(rows).max())
 
 
+def test_a_shoes_reduction_is_the_projection_of_a_greater_one(
+    shoe: fem.ElasticBody, partition: fem.Partition, reduced: fem.ReducedBody
+) -> None:
+    """Mode by mode and sign by sign."""
+    direct = fem.craig_bampton(shoe, partition.interfaces, 10, partition=partition)
+    inside = fem.nested_reduction(reduced, 10)
+    np.testing.assert_allclose(inside.frequencies, direct.frequencies, rtol=1e-9)
+    for name in ("modes", "stress_modes", "pilots"):
+        expected = getattr(direct, name)
+        np.testing.assert_allclose(getattr(inside, name), expected, atol=1e-7 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("spider", ["rigid", "averaging"])
+def test_fewer_modes_lie_inside_more_of_them(beam: fem.ElasticBody, spider: str) -> None:
+    interfaces = beam_interfaces(beam, spider)
+    partition = fem.Partition(beam, interfaces)
+    loads = {name: np.zeros_like(beam.mesh.nodes) for name in ("pull", "push")}
+    loads["pull"][7, 0] = loads["push"][31, 2] = 1.0
+    whole = fem.craig_bampton(beam, interfaces, 12, loads, partition=partition)
+    push = {"push": loads["push"]}
+    for count, kept in ((5, {}), (0, {}), (5, push), (12, push)):
+        direct = fem.craig_bampton(beam, interfaces, count, kept, partition=partition)
+        inside = fem.nested_reduction(whole, count, list(kept))
+        again = fem.nested_reduction(inside, 0)
+        np.testing.assert_allclose(inside.frequencies, direct.frequencies, rtol=1e-7)
+        assert inside.parameters == direct.parameters
+        constraints_alone = fem.nested_reduction(whole, 0).frequencies
+        np.testing.assert_allclose(again.frequencies, constraints_alone, rtol=1e-7)
+    assert fem.nested_reduction(whole, 12, ["pull", "push"]) is whole
+    with pytest.raises(ValueError, match=r"n_fixed_modes must lie in 0\.\.12, those of the body, got 13"):
+        fem.nested_reduction(whole, 13)
+    with pytest.raises(ValueError, match=r"residual_loads must be among .* got \['lift'\]"):
+        fem.nested_reduction(whole, 5, ["lift"])
+    with pytest.raises(ValueError, match="some were left out"):
+        fem.nested_reduction(whole.with_modes([0, 1]), 5)
+
+
 @pytest.mark.parametrize("spider", ["rigid", "averaging"])
 def test_statics_of_interface_loads_are_exact(beam: fem.ElasticBody, spider: str) -> None:
     interfaces = beam_interfaces(beam, spider)

@@ -90,7 +90,7 @@ def test_a_layout_comes_back_from_text_and_others_are_told_apart():
         ("nothing", "not a layout of a state"),
         ("[]", "not a layout of a state"),
         ("{}", "not a layout of a state: 'version'"),
-        (LAYOUT.to_json().replace('"version": 1', '"version": 2'), "its version is 2, not 1"),
+        (LAYOUT.to_json().replace('"version": 2', '"version": 3'), "its version is 3, not 2"),
         (LAYOUT.to_json().replace("shoes", "wheels"), "not a layout of a state"),
     ],
 )

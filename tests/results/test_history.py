@@ -6,7 +6,7 @@ import xarray as xr
 
 from exudyn_crawler import History
 from exudyn_crawler.model.state import VERSION
-from exudyn_crawler.results.history import LAYOUT_VERSION
+from exudyn_crawler.results.history import LAYOUT_VERSION, UNSIGNED
 
 
 def test_a_history_comes_back_as_it_was_saved(turning, tmp_path):
@@ -67,6 +67,13 @@ def test_a_file_of_other_states_is_refused_and_one_of_before_is_read(translation
     del dataset.attrs[LAYOUT_VERSION]
     before = History.load(History(translation.case, dataset).save(tmp_path / "before.nc"))
     assert before.position.equals(translation.position)
+
+
+def test_modes_of_an_unknown_sign_are_refused(translation, tmp_path):
+    modes = translation.dataset.assign(modal_coordinate=("time", translation.time.values))
+    before = History(translation.case, modes.assign_attrs({LAYOUT_VERSION: UNSIGNED}))
+    with pytest.raises(ValueError, match=f"layout version {UNSIGNED}, this program reads {VERSION}$"):
+        History.load(before.save(tmp_path / "before.nc"))
 
 
 def test_results_are_selected_by_name(translation):

@@ -110,9 +110,9 @@ def test_a_checkpoint_without_a_layout_or_of_another_version_is_refused(tmp_path
     simulate(case, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
     path = tmp_path / "stage_0000.npz"
     content = dict(np.load(path))
-    newer = str(content["layout"]).replace('"version": 1', '"version": 7')
+    newer = str(content["layout"]).replace('"version": 2', '"version": 7')
     np.savez(path, **(content | {"layout": np.array(newer)}))
-    with pytest.raises(ValueError, match=r"cannot be read: .*its version is 7, not 1; delete it to go on"):
+    with pytest.raises(ValueError, match=r"cannot be read: .*its version is 7, not 2; delete it to go on"):
         Checkpoints(tmp_path).load(case)
     del content["layout"]
     np.savez(path, **content)

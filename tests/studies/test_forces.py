@@ -98,7 +98,11 @@ def test_a_study_reuses_a_history_of_the_same_parameters(translation, tmp_path):
     assert "turning_ratios.csv" not in names
     assert len(pd.read_csv(out / "comparison.csv")) == len(table)
     forces = xr.load_dataset(out / "translation" / "forces.nc")
-    assert {"penetration", "contact_force", "joint_torque", "terrain_deformation"} <= set(forces)
+    assert set(forces) == {"contact_force", "terrain_deformation"}
+    history = runs["translation"].history
+    assert forces.contact_force.values == pytest.approx(
+        (history.normal_force + history.friction_force).values
+    )
 
 
 def test_histories_are_found_where_runs_and_studies_keep_them(translation, tmp_path):

@@ -1,0 +1,57 @@
+"""Where reductions of flexible shoes are kept between runs."""
+
+import logging
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+
+from numpy.typing import NDArray
+from platformdirs import user_cache_path
+
+from fem import ElasticBody, Interface, Kept, cached_craig_bampton, kept_reductions
+
+VARIABLE = "EXUDYN_CRAWLER_CACHE"
+"""Environment variable that names the folder of caches in place of the user's own."""
+
+logger = logging.getLogger("exudyn_crawler")
+
+_chosen: ContextVar[Path | None] = ContextVar("folder of reductions", default=None)
+
+
+def reductions_folder() -> Path:
+    """Folder that reductions are kept in: that of `reductions_in`, of the environment, or the user's own."""
+    chosen = _chosen.get()
+    if chosen is not None:
+        return chosen
+    named = os.environ.get(VARIABLE)
+    base = Path(named) if named else user_cache_path("exudyn-crawler", appauthor=False)
+    return base / "reductions"
+
+
+@contextmanager
+def reductions_in(folder: str | Path | None) -> Iterator[None]:
+    """Keep reductions in another folder meanwhile; None changes nothing."""
+    token = _chosen.set(_chosen.get() if folder is None else Path(folder))
+    try:
+        yield
+    finally:
+        _chosen.reset(token)
+
+
+def kept_reduction(
+    body: ElasticBody, interfaces: Sequence[Interface], fixed_modes: int, loads: Mapping[str, NDArray]
+) -> Kept:
+    """Reduction of a body as of `fem.cached_craig_bampton`; what is wrong with a kept one goes to the log."""
+    return cached_craig_bampton(
+        reductions_folder(), body, interfaces, fixed_modes, loads, warn=logger.warning
+    )
+
+
+def reductions_line() -> str:
+    """What is kept, in a line."""
+    folder = reductions_folder()
+    kept = kept_reductions(folder)
+    size = sum(path.stat().st_size for path in kept)
+    return f"{len(kept)} reduced shoes are kept in {folder} ({size / 1e6:.0f} MB), to be removed at will"

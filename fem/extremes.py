@@ -1,0 +1,301 @@
+"""Extremes of the von Mises stress over a history: of each node over time, and over the nodes at each time.
+
+The whole history is searched at a reduced rank in single precision. Where the bound of that leaves open which
+time or node is the greatest, all that may be are evaluated again at full rank in double precision: the answer
+is that of a search at full rank.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.blocks import Fold, StressBlock, fold_stresses
+from fem.compiling import FEM, compiler
+from fem.mesh import Floats, Integers
+from fem.rank import TIME_BLOCK
+from fem.recovery import DEVIATOR, Peaks
+
+Singles = NDArray[np.float32]
+
+TOLERANCE = 1e-3
+"""Of `fold_stresses`: lower ones keep more directions, higher ones leave more to be evaluated again."""
+CELL = 32
+"""Successive times, or nodes, that are evaluated again together; a divisor of the blocks' sizes."""
+MOST = 0.25
+"""Part of all cells beyond which the whole search at full rank is the quicker way."""
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """Von Mises stress over a history: extremes of each node over time and the highest node at each time.
+
+    Parameters
+    ----------
+    greatest, least : array (n,)
+        In Pa. The least is the stress of an instant, but another may be lower by twice the bound.
+    greatest_at : int array (n,)
+        Rows of the history where the greatest occur; the first of equals.
+    highest : array (t,)
+        In Pa, over the nodes that were ranked.
+    highest_nodes : int array (t,)
+        Their numbers; the first of equals.
+    bound : array (n,)
+        Error in Pa that the search's reduced rank may have had at each node, 0 at full rank.
+    """
+
+    greatest: Floats
+    greatest_at: Integers
+    least: Floats
+    highest: Floats
+    highest_nodes: Integers
+    bound: Floats
+
+    @property
+    def peaks(self) -> Peaks:
+        """Greatest values as `recover_peaks` gives them."""
+        return Peaks("von mises", np.arange(len(self.greatest)), self.greatest, self.greatest_at)
+
+
+def recover_extremes(
+    stress_modes: Floats,
+    q: Floats | Iterable[Floats],
+    *,
+    ranked: Integers | None = None,
+    tolerance: float | None = TOLERANCE,
+) -> Extremes:
+    """Extremes of the von Mises stress at every node and at every time of a history.
+
+    Parameters
+    ----------
+    stress_modes, q
+        As of `blocks.fold_stresses`, whose errors this has too.
+    ranked : int array, optional
+        Numbers of the nodes, at least one, among which the highest of each time is sought; all if left out.
+    tolerance : float, optional
+        Of the search; None searches at full rank.
+    """
+    parts = [np.atleast_2d(part) for part in ([q] if isinstance(q, np.ndarray) else q)]
+    rows = np.concatenate(parts) if parts else np.zeros((0, stress_modes.shape[2]))
+    chosen = np.ones(len(stress_modes), dtype=bool)
+    if ranked is not None:
+        chosen[:] = False
+        chosen[ranked] = True
+    if not chosen.any():
+        raise ValueError("ranked must be at least one node, got none")
+    if tolerance is not None and len(rows) > TIME_BLOCK:
+        likely = fold_stresses(stress_modes, rows, _LikelyExtremes(chosen), tolerance=tolerance)
+        open_times, open_nodes = likely.open_cells()
+        if open_times.mean() < MOST and open_nodes.mean() < MOST:
+            return _evaluated(np.ascontiguousarray(stress_modes), rows, likely, chosen)
+    return fold_stresses(stress_modes, rows, VonMisesExtremes(chosen))
+
+
+@compiler(FEM, nogil=True, fastmath={"contract", "reassoc"})
+def _keep_node_extremes(parts, squares, greatest, at, least, start):
+    """Square lengths of components (k, 5, t) into (k, t), with the extremes of each node over time."""
+    for k in range(squares.shape[0]):
+        a, b, c, d, e = parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3], parts[k, 4]
+        low, high = np.inf, -np.inf
+        for t in range(squares.shape[1]):
+            square = a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t]
+            squares[k, t] = square
+            low = min(low, square)
+            high = max(high, square)
+        least[k] = min(least[k], low)
+        if high > greatest[k]:
+            greatest[k] = high
+            for t in range(squares.shape[1]):
+                if squares[k, t] == high:
+                    at[k] = start + t
+                    break
+
+
+@compiler(FEM, nogil=True)
+def _keep_highest(squares, ranked, top, places, first):
+    """Update the highest square of each time and its place; the rows of `squares` count from `first`."""
+    for k in range(squares.shape[0]):
+        for t in range(squares.shape[1] if ranked[k] else 0):
+            if squares[k, t] > top[t]:
+                top[t] = squares[k, t]
+                places[t] = first + k
+
+
+class VonMisesExtremes(Fold[Extremes]):
+    """Extremes of the von Mises stress of each node over time, and over the nodes at each time.
+
+    Parameters
+    ----------
+    ranked : bool array (n,)
+        Nodes among which the highest of each time is sought.
+    """
+
+    components = DEVIATOR
+
+    def __init__(self, ranked: NDArray[np.bool_]) -> None:
+        self._ranked = ranked
+
+    def start(self, nodes: Integers, times: int) -> None:
+        """Begin with no stress at all."""
+        self._nodes = nodes
+        self._greatest, self._least = np.full(len(nodes), -np.inf), np.full(len(nodes), np.inf)
+        self._rows = np.zeros(len(nodes), dtype=np.int64)
+        self._highest = np.full(times, -np.inf)
+        self._places = np.zeros(times, dtype=np.int64)
+
+    def add(self, block: StressBlock) -> None:
+        """Keep what is beyond the extremes so far."""
+        of, at = block.nodes, block.times
+        squares = np.empty((block.stress.shape[0], block.stress.shape[2]))
+        _keep_node_extremes(
+            block.stress, squares, self._greatest[of], self._rows[of], self._least[of], at.start
+        )
+        _keep_highest(squares, self._ranked[of], self._highest[at], self._places[at], of.start)
+
+    def finish(self) -> Extremes:
+        """Extremes in Pa."""
+        return Extremes(
+            np.sqrt(self._greatest),
+            self._rows,
+            np.sqrt(self._least),
+            np.sqrt(self._highest),
+            self._nodes[self._places],
+            np.zeros(len(self._nodes)),
+        )
+
+
+class _Likely(NamedTuple):
+    """Where extremes may be; cells are `CELL` successive times or nodes.
+
+    Attributes
+    ----------
+    upper, lower : array (n, cells), (n,)
+        What a node's stress is below in each cell of times, and what its greatest is above.
+    least : array (n, cells)
+        A node's least stress in each cell of times, within the bound.
+    node_upper, node_lower : array (cells, t), (t,)
+        What the ranked nodes of a cell are below at each time, and what the highest is above.
+    bound : array (n,)
+    """
+
+    upper: Singles
+    lower: Singles
+    least: Singles
+    node_upper: Singles
+    node_lower: Singles
+    bound: Singles
+
+    def open_cells(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Cells of times (n, cells) that may hold a node's greatest, of nodes (cells, t) the highest."""
+        return self.upper >= self.lower[:, None], self.node_upper >= self.node_lower
+
+
+@compiler(FEM, nogil=True, fastmath={"contract", "reassoc"})
+def _keep_likely(parts, bound, ranked, upper, least, node_upper, node_lower):
+    """Bounds of a block: of its nodes in cells of times, and of its cells of nodes at each time."""
+    lengths = np.empty(CELL, dtype=np.float32)
+    for k in range(parts.shape[0]):
+        a, b, c, d, e = parts[k, 0], parts[k, 1], parts[k, 2], parts[k, 3], parts[k, 4]
+        off = bound[k]
+        for first in range(0, parts.shape[2], CELL):
+            low, high = np.float32(np.inf), np.float32(0.0)
+            count = min(CELL, parts.shape[2] - first)
+            for i in range(count):
+                t = first + i
+                length = np.sqrt(a[t] * a[t] + b[t] * b[t] + c[t] * c[t] + d[t] * d[t] + e[t] * e[t])
+                lengths[i] = length
+                low = min(low, length)
+                high = max(high, length)
+            upper[k, first // CELL], least[k, first // CELL] = high + off, low
+            for i in range(count if ranked[k] else 0):
+                t = first + i
+                node_upper[k // CELL, t] = max(node_upper[k // CELL, t], lengths[i] + off)
+                node_lower[t] = max(node_lower[t], lengths[i] - off)
+
+
+class _LikelyExtremes(Fold[_Likely]):
+    """Where the extremes of the von Mises stress may be, from stresses with bounds."""
+
+    components = DEVIATOR
+
+    def __init__(self, ranked: NDArray[np.bool_]) -> None:
+        self._ranked = ranked
+
+    def start(self, nodes: Integers, times: int) -> None:
+        """Begin with nothing known."""
+        cells, single = -(-times // CELL), np.float32
+        self._upper, self._least = (np.empty((len(nodes), cells), dtype=single) for _ in range(2))
+        self._lower, self._bound = (np.zeros(len(nodes), dtype=single) for _ in range(2))
+        self._node_upper = np.full((-(-len(nodes) // CELL), times), -np.inf, dtype=single)
+        self._node_lower = np.full(times, -np.inf, dtype=single)
+
+    def add(self, block: StressBlock) -> None:
+        """Take over a block's bounds."""
+        of, at = block.nodes, block.times
+        cells = slice(at.start // CELL, -(-at.stop // CELL))
+        groups = slice(of.start // CELL, -(-of.stop // CELL))
+        bound = block.bound.astype(np.float32)
+        upper = self._upper[of, cells]
+        node_upper, node_lower = self._node_upper[groups, at], self._node_lower[at]
+        _keep_likely(
+            block.stress, bound, self._ranked[of], upper, self._least[of, cells], node_upper, node_lower
+        )
+        self._lower[of] = np.maximum(self._lower[of], upper.max(axis=1) - np.float32(2.0) * bound)
+        self._bound[of] = np.maximum(self._bound[of], bound)
+
+    def finish(self) -> _Likely:
+        """All bounds in Pa."""
+        return _Likely(self._upper, self._lower, self._least, self._node_upper, self._node_lower, self._bound)
+
+
+@compiler(FEM, nogil=True, fastmath={"contract", "reassoc"})
+def _square(shapes, q):
+    """Square of the von Mises stress of shapes (6, m) with coordinates (m,)."""
+    xx, yy, zz, xy, yz, xz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(len(q)):
+        xx += shapes[0, k] * q[k]
+        yy += shapes[1, k] * q[k]
+        zz += shapes[2, k] * q[k]
+        xy += shapes[3, k] * q[k]
+        yz += shapes[4, k] * q[k]
+        xz += shapes[5, k] * q[k]
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return 0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)
+
+
+@compiler(FEM, nogil=True)
+def _search_times(stress_modes, q, nodes, cells, sense, best, at):
+    """Greatest square, times a sense, of nodes in cells of times, and the row of the first of equals."""
+    for node, cell in zip(nodes, cells):  # noqa: B905 - compiled
+        for row in range(CELL * cell, min(CELL * (cell + 1), len(q))):
+            square = sense * _square(stress_modes[node], q[row])
+            if square > best[node]:
+                best[node], at[node] = square, row
+
+
+@compiler(FEM, nogil=True)
+def _search_nodes(stress_modes, q, cells, rows, ranked, best, at):
+    """Highest square of rows in cells of nodes, and the node of the first of equals."""
+    for cell, row in zip(cells, rows):  # noqa: B905 - compiled
+        for node in range(CELL * cell, min(CELL * (cell + 1), len(stress_modes))):
+            if ranked[node]:
+                square = _square(stress_modes[node], q[row])
+                if square > best[row]:
+                    best[row], at[row] = square, node
+
+
+def _evaluated(stress_modes: Floats, q: Floats, likely: _Likely, ranked: NDArray[np.bool_]) -> Extremes:
+    """Extremes at full rank, of all nodes and times that may hold them."""
+    open_times, open_nodes = likely.open_cells()
+    n, t = len(stress_modes), len(q)
+    greatest, least, highest = np.full(n, -np.inf), np.full(n, -np.inf), np.full(t, -np.inf)
+    at, places = np.zeros(n, dtype=np.int64), np.zeros(t, dtype=np.int64)
+    rows = np.ascontiguousarray(q)
+    _search_times(stress_modes, rows, *np.nonzero(open_times), 1.0, greatest, at)
+    lowest = likely.least.argmin(axis=1)
+    _search_times(stress_modes, rows, np.arange(n), lowest, -1.0, least, np.zeros(n, dtype=np.int64))
+    _search_nodes(stress_modes, rows, *np.nonzero(open_nodes), ranked, highest, places)
+    bound = likely.bound.astype(float)
+    return Extremes(np.sqrt(greatest), at, np.sqrt(-least), np.sqrt(highest), places, bound)

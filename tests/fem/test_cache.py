@@ -1,0 +1,104 @@
+"""Reductions kept on disk: used only if all matches, safe among processes, made anew where broken."""
+
+import subprocess
+import sys
+from functools import partial
+from pathlib import Path
+from subprocess import PIPE
+
+import numpy as np
+import pytest
+
+import fem
+from tests.fem.bodies import beam_interfaces
+
+IN_A_PROCESS = """
+import sys
+import fem
+from meshes import STEEL
+from tests.fem.bodies import beam_interfaces
+body = fem.ElasticBody(fem.load_reduced(sys.argv[2]).mesh, STEEL)
+print("ready", flush=True)
+sys.stdin.readline()
+kept = fem.cached_craig_bampton(sys.argv[1], body, beam_interfaces(body), 20)
+print(kept.found, len(kept.body.frequencies))
+"""
+
+
+def test_a_reduction_is_taken_only_if_all_matches(tmp_path: Path, beam: fem.ElasticBody) -> None:
+    ends = beam_interfaces(beam)
+    first = fem.cached_craig_bampton(tmp_path, beam, ends, 4)
+    again = fem.cached_craig_bampton(tmp_path, beam, ends, 4)
+    assert (first.found, again.found) == (False, True)
+    assert first.path == again.path
+    np.testing.assert_array_equal(first.body.modes, again.body.modes)
+    push = np.ones_like(beam.mesh.nodes)
+    softer = fem.ElasticBody(beam.mesh, fem.Material(1e9, 0.3, 7800.0))
+    moved = fem.ElasticBody(
+        fem.Mesh(beam.mesh.nodes * 1.01, beam.mesh.elements, beam.mesh.surfaces), beam.material
+    )
+    renamed = fem.ElasticBody(
+        fem.Mesh(
+            beam.mesh.nodes, beam.mesh.elements, beam.mesh.surfaces | {"end": beam.mesh.surface("left")}
+        ),
+        beam.material,
+    )
+    others = [
+        fem.cached_craig_bampton(tmp_path, beam, ends, 5),
+        fem.cached_craig_bampton(tmp_path, beam, ends, 4, {"push": push * beam.mesh.nodes}),
+        fem.cached_craig_bampton(tmp_path, beam, beam_interfaces(beam, "averaging"), 4),
+        *(fem.cached_craig_bampton(tmp_path, body, ends, 4) for body in (softer, moved, renamed)),
+    ]
+    assert not any(other.found for other in others)
+    assert len({first.path, *(other.path for other in others)}) == 7
+    assert fem.kept_reductions(tmp_path)[-1].parent == tmp_path
+    assert len(fem.kept_reductions(tmp_path)) == 7
+
+
+def test_two_processes_that_want_the_same_at_once(tmp_path: Path, small: fem.ReducedBody) -> None:
+    """One of them reduces, the other waits and takes it; neither sees half a file."""
+    given = tmp_path / "beam.h5"
+    fem.save_reduced(given, small)
+    folder = tmp_path / "kept"
+    command = [sys.executable, "-c", IN_A_PROCESS, str(folder), str(given)]
+    start = partial(
+        subprocess.Popen, command, cwd=Path(__file__).parents[2], stdin=PIPE, stdout=PIPE, text=True
+    )
+    with start() as one, start() as other:
+        for process in (one, other):
+            assert process.stdout is not None
+            assert process.stdout.readline() == "ready\n"
+        for process in (one, other):
+            assert process.stdin is not None
+            process.stdin.write("go\n")
+            process.stdin.flush()
+        answers = sorted(process.communicate(timeout=60)[0].strip() for process in (one, other))
+    assert answers == ["False 26", "True 26"]
+    (path,) = fem.kept_reductions(folder)
+    np.testing.assert_allclose(fem.load_reduced(path).frequencies, small.frequencies, rtol=1e-9)
+
+
+def test_a_broken_file_is_made_anew_with_a_warning(tmp_path: Path, beam: fem.ElasticBody) -> None:
+    ends = beam_interfaces(beam)
+    kept = fem.cached_craig_bampton(tmp_path, beam, ends, 4)
+    kept.path.write_bytes(kept.path.read_bytes()[:5000])
+    told: list[str] = []
+    again = fem.cached_craig_bampton(tmp_path, beam, ends, 4, warn=told.append)
+    assert not again.found
+    (line,) = told
+    assert line.startswith(f"the reduction is made anew: {kept.path} must be")
+    assert fem.cached_craig_bampton(tmp_path, beam, ends, 4).found
+
+
+def test_a_folder_that_cannot_be_written_to_costs_the_keeping_only(
+    tmp_path: Path, beam: fem.ElasticBody, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    taken = tmp_path / "file"
+    taken.write_text("no folder")
+    kept = fem.cached_craig_bampton(taken, beam, beam_interfaces(beam), 4, warn=told.append)
+    assert len(kept.body.frequencies) == 10
+    assert [str(taken) in line for line in told] == [True, True]
+    monkeypatch.setattr("fem.cache.LIMIT", 0)
+    fem.cached_craig_bampton(tmp_path, beam, beam_interfaces(beam), 4)
+    assert fem.kept_reductions(tmp_path) == []
