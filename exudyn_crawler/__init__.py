@@ -7,6 +7,8 @@
 """
 
 from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
     from exudyn_crawler.results.history import History
     from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+    from exudyn_crawler.results.pins import pin_forces
     from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
     from exudyn_crawler.run.track_modes import track_modes
@@ -44,6 +47,22 @@ if TYPE_CHECKING:
     from exudyn_crawler.views.paraview import write_paraview
     from exudyn_crawler.views.report.page import write_report
     from exudyn_crawler.views.series import history_series
+
+
+def _check_neighbours() -> None:
+    """Refuse to work with other packages of the names of those that are installed beside this one."""
+    beside = Path(__file__).resolve().parents[1]
+    for name in ("fem", "meshes", "studies"):
+        found = find_spec(name)
+        origin = None if found is None else found.origin
+        if origin is None or Path(origin).resolve().parent != beside / name:
+            raise ImportError(
+                f"the package {name!r} must be that in {beside}, which comes with {__name__}, got "
+                f"{origin or 'none'}: move the other away, or out of the folders where Python looks first"
+            )
+
+
+_check_neighbours()
 
 _HOMES = {
     "CaseFileError": "errors",
@@ -59,6 +78,7 @@ _HOMES = {
     "mode_figure": "views.mode_shapes",
     "mode_table": "views.mode_shapes",
     "panel_figure": "views.curves",
+    "pin_forces": "results.pins",
     "recover_stresses": "results.stresses",
     "run_case": "case_run",
     "shoe_imbalance": "results.balance",
@@ -101,6 +121,7 @@ __all__ = [
     "mode_figure",
     "mode_table",
     "panel_figure",
+    "pin_forces",
     "read_case",
     "recover_stresses",
     "run_case",
@@ -122,3 +143,8 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_HOMES.get(name, 'case')}"), name)
+
+
+def __dir__() -> list[str]:
+    """Public names, for completion: they are not here before they are asked for."""
+    return [*__all__, *(name for name in globals() if name.startswith("__"))]

@@ -37,3 +37,25 @@ def test_importing_the_package_loads_nothing_heavy():
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_completion_shows_the_public_names_and_no_helpers():
+    shown = dir(exudyn_crawler)
+    assert set(exudyn_crawler.__all__) <= set(shown)
+    assert not {"import_module", "Any", "find_spec"} & set(shown)
+
+
+@pytest.mark.parametrize("name", ["fem", "meshes", "studies"])
+def test_a_stranger_of_a_neighbours_name_is_refused_by_its_place(tmp_path, name):
+    (tmp_path / name).mkdir()
+    (tmp_path / name / "__init__.py").touch()
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import exudyn_crawler"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith(f"ImportError: the package {name!r} must be that in ")
+    assert f"got {tmp_path / name}" in last

@@ -165,7 +165,7 @@ _HISTORY = (
         "pin_force",
         "F_p",
         "N",
-        "force at the pin on the rear shoe; rigid links have one joint",
+        "force at the pin on the rear shoe; NaN for rigid links, which have one joint",
         _PIN,
         "pin force",
     ),
