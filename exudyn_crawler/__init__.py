@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
     from exudyn_crawler.results.history import History
     from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+    from exudyn_crawler.results.node_stress import node_stress
     from exudyn_crawler.results.pins import pin_forces
     from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
@@ -77,6 +78,7 @@ _HOMES = {
     "history_series": "views.series",
     "mode_figure": "views.mode_shapes",
     "mode_table": "views.mode_shapes",
+    "node_stress": "results.node_stress",
     "panel_figure": "views.curves",
     "pin_forces": "results.pins",
     "recover_stresses": "results.stresses",
@@ -120,6 +122,7 @@ __all__ = [
     "history_series",
     "mode_figure",
     "mode_table",
+    "node_stress",
     "panel_figure",
     "pin_forces",
     "read_case",

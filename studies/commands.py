@@ -3,6 +3,7 @@
 Nothing heavy is imported before a command needs it, so that help comes at once.
 """
 
+import math
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -34,8 +35,15 @@ class GroundChoice(StrEnum):
     rough = "rough"
 
 
+def _positive(duration: float) -> float:
+    """Refuse a duration before a study is loaded, which takes two seconds."""
+    if not (math.isfinite(duration) and duration > 0.0):
+        raise typer.BadParameter(f"duration must be positive and finite, got {duration!r} s")
+    return duration
+
+
 Chosen = Annotated[CaseChoice, typer.Option(help="what to run")]
-Duration = Annotated[float, typer.Option(help="simulated time in s")]
+Duration = Annotated[float, typer.Option(help="simulated time in s", callback=_positive)]
 
 
 def kinematics(

@@ -23,11 +23,6 @@ RUN = "cycle"
 """Folder of the run in the folder of the study."""
 
 
-def start() -> CaseFile:
-    """Case to start from: the whole cycle with six flexible shoes."""
-    return CaseFile(case=Case.stress(), duration=CYCLE_DURATION)
-
-
 def study(
     out: Path | None = None,
     case: Case | None = None,

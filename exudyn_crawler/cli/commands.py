@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from exudyn_crawler.cli.errors import readable
-from exudyn_crawler.cli.options import RESULTS, Debug, Overwrite
+from exudyn_crawler.cli.options import RESULTS, Debug, Overwrite, Run
+from exudyn_crawler.cli.places import history_path, loaded, run_folder
 from exudyn_crawler.cli.registered import CASES, Commands, registered, study_case
 
 START = "kinematics"
@@ -21,6 +22,27 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
+
+
+def _tell_versions(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+        from platform import python_version
+
+        names = ("exudyn-crawler", "exudyn")
+        told = [f"{name} {version(name)}" for name in names]
+        typer.echo(", ".join([*told, f"Python {python_version()}"]))
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    _version: Annotated[
+        bool,
+        typer.Option("--version", help="show the versions", callback=_tell_versions, is_eager=True),
+    ] = False,
+) -> None:
+    """Options before the name of a command."""
 
 
 @app.command()
@@ -52,16 +74,18 @@ def info(
     ] = START,
     debug: Debug = False,
 ) -> None:
-    """Show a case with everything filled in: every value with its unit and meaning.
+    """Show a case with everything filled in, and what differs from the papers' case that is nearest.
 
     Example: exudyn-crawler info soft_ground.toml
     """
+    from exudyn_crawler.case.differences import table_beside_base
     from exudyn_crawler.case.files import read_case
-    from exudyn_crawler.case.text import case_table
     from exudyn_crawler.views.tables import print_table
 
     case_file = study_case(case) if case in registered(CASES) else read_case(case)
-    print_table(case_table(case_file), case)
+    base, table = table_beside_base(case_file)
+    differing = int((table["in the base"] != "").sum())
+    print_table(table, f"{case}: {differing} of {len(table)} values differ from the case {base!r}")
 
 
 @app.command()
@@ -92,7 +116,7 @@ def run(
 @app.command()
 @readable
 def report(
-    folder: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
+    run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
     out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
     overwrite: Overwrite = False,
     debug: Debug = False,
@@ -101,6 +125,7 @@ def report(
 
     Example: exudyn-crawler report results/stress
     """
+    folder = run_folder(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder import note_file
     from exudyn_crawler.views.report.page import write_report
 
@@ -112,9 +137,9 @@ def report(
 @app.command()
 @readable
 def animate(
-    history: Annotated[Path, typer.Argument(help="history of a run (NetCDF)", metavar="HISTORY.nc")],
+    run: Run,
     out: Annotated[
-        Path | None, typer.Option(help=".mp4 or .gif file to write; HISTORY.mp4, if not given")
+        Path | None, typer.Option(help=".mp4 or .gif file to write; RUN/history.mp4, if not given")
     ] = None,
     scale: Annotated[
         float | None, typer.Option(help="magnification of the ground's displacements; fitting, if not given")
@@ -126,13 +151,13 @@ def animate(
 ) -> None:
     """Animate the track on the deforming terrain, without a display.
 
-    Example: exudyn-crawler animate results/kinematics/translation/history.nc --end 5
+    Example: exudyn-crawler animate results/kinematics/translation --end 5
     """
-    from exudyn_crawler.results.history import History
+    path = history_path(run).with_suffix(".mp4") if out is None else out
+    history = loaded(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder import note_file
     from exudyn_crawler.views.animation import write_animation
 
-    path = history.with_suffix(".mp4") if out is None else out
-    write_animation(History.load(history), path, overwrite, scale, start=start, end=end)
+    write_animation(history, path, overwrite, scale, start=start, end=end)
     note_file(path)
     typer.echo(path)

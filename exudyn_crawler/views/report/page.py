@@ -14,7 +14,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from exudyn_crawler.case.text import case_table
-from exudyn_crawler.files import whole_file
+from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.report.pictures import embedded_picture
@@ -80,8 +80,7 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
     if not folder.is_dir():
         raise NotADirectoryError(f"no folder {folder}")
     out = folder / REPORT if out is None else Path(out)
-    if out.exists() and not overwrite:
-        raise FileExistsError(f"{out} exists; ask for overwriting to replace it")
+    refuse_existing(out, overwrite)
     page = report_page(folder)
     with whole_file(out, overwrite) as temporary:
         temporary.write_text(page, encoding="utf-8")

@@ -1,0 +1,84 @@
+"""The commands that look into a run: stress at a place, forces at the pins."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from exudyn_crawler.cli.commands import app
+from exudyn_crawler.cli.errors import readable
+from exudyn_crawler.cli.options import Debug, Overwrite, Run
+from exudyn_crawler.cli.places import history_path, loaded
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Shoe = Annotated[int, typer.Option(help="number of the shoe")]
+Out = Annotated[Path | None, typer.Option(help="file to write; one beside the history, if not given")]
+
+
+@app.command()
+@readable
+def node_stress(
+    run: Run,
+    shoe: Shoe,
+    near: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(help="place in the shoe's frame, m; the nearest node is taken", metavar="X Y Z"),
+    ] = None,
+    node: Annotated[int | None, typer.Option(help="number of the node, in place of --near")] = None,
+    out: Out = None,
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Write the stress at a place of a flexible shoe over time: tensor, principal stresses, von Mises.
+
+    Example: exudyn-crawler node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05
+    """
+    history = loaded(run)
+    from exudyn_crawler.results.node_stress import node_stress as stress_at
+    from exudyn_crawler.results.node_stress import node_stress_table
+
+    found = stress_at(history, shoe, near, node)
+    number = found.attrs["node"]
+    place = ", ".join(f"{value:.4f}" for value in found.place.values)
+    typer.echo(
+        f"shoe {shoe}, node {number} at ({place}) m in the shoe's frame, "
+        f"{found.attrs['distance_m']:.4f} m from the place asked for"
+    )
+    if found.attrs["in_spider"]:
+        typer.echo("the node is held by a joint's rigid spider: its stress is that beside a rigid ring")
+    table = node_stress_table(found)
+    greatest = table.loc[table["von Mises in MPa"].idxmax()]
+    typer.echo(f"greatest von Mises stress {greatest.iloc[-1]:.4g} MPa at t = {greatest.iloc[0]:g} s")
+    default = history_path(run).parent / f"stress_shoe_{shoe}_node_{number}.csv"
+    _write(table, default if out is None else out, overwrite)
+
+
+@app.command()
+@readable
+def pin_forces(
+    run: Run,
+    shoe: Shoe,
+    out: Out = None,
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Write the forces and moments of a shoe's pins over time, in the shoe's axes.
+
+    Example: exudyn-crawler pin-forces results/stress/cycle --shoe 13
+    """
+    history = loaded(run)
+    from exudyn_crawler.results.pins import pin_table
+
+    default = history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
+    _write(pin_table(history, shoe), default if out is None else out, overwrite)
+
+
+def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
+    """Write a table and tell where it is."""
+    from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.views.tables import write_table
+
+    note_file(write_table(table, path, overwrite))
+    typer.echo(path)
