@@ -15,8 +15,8 @@ from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.propel import highest_in_propel_and_loading
 from exudyn_crawler.results.stresses import PICTURE_TIMES, StressResults, recover_stresses
+from exudyn_crawler.results.tables import highest_by_phase, hot_spot_table, load_table
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.folder import Keeper, kept_run, quiet
 from exudyn_crawler.run.histories import HISTORY, STOPPED_HISTORY, keep_history, matching_history
@@ -165,9 +165,9 @@ def write_extremes(history: History, folder: Path, outputs: Outputs, overwrite: 
 
 
 def write_loads(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
-    """Loads on the shoes at the ends of the phases."""
+    """Loads on the shoes at the ends of the phases, as far as the run goes."""
     if outputs.tables:
-        write_table(history.case.loads.table(), folder / "loads.csv", overwrite)
+        write_table(load_table(history), folder / "loads.csv", overwrite)
 
 
 def write_motion(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
@@ -212,13 +212,15 @@ def write_stresses(
 def write_hot_spots(
     history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
 ) -> None:
-    """Highest stresses of every shoe, and where they are."""
+    """Highest stresses of every shoe by phase and over the run, and where they are."""
     if not outputs.tables:
         return
-    table = highest_in_propel_and_loading(history, stresses)
+    table = highest_by_phase(history, stresses.dataset)
     write_table(table, folder / "highest_stresses.csv", overwrite)
     for shoe, hot_spots in stresses.hot_spots.items():
-        write_table(hot_spots, folder / f"hot_spots_shoe_{shoe}.csv", overwrite)
+        write_table(
+            hot_spot_table(hot_spots, stresses.dataset), folder / f"hot_spots_shoe_{shoe}.csv", overwrite
+        )
 
 
 def write_flexible_shoes(

@@ -310,7 +310,9 @@ def test_a_track_of_another_length_has_all_figures(call, tmp_path):
     table = pd.read_csv(tmp_path / "out" / "extremes.csv").set_index(["variable", "axis"])
     load = table.loc[("shoe_load", float("nan"))]
     assert (load["least"], load["greatest"], load["unit"]) == (4e5, 4e5, "N")
-    assert pd.read_csv(tmp_path / "out" / "loads.csv")["shoe"].tolist() == ["1", "2", "3", "sum"]
+    loads = pd.read_csv(tmp_path / "out" / "loads.csv")
+    assert loads["shoe"].tolist() == ["1", "2", "3", "sum"]
+    assert list(loads.columns[1:]) == ["begin (0 s) in N", "constant (0.01 s) in N"]
 
 
 @pytest.mark.simulation

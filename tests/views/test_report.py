@@ -17,7 +17,7 @@ from exudyn_crawler import History
 from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
 from exudyn_crawler.results.contacts import contacts_of
 from exudyn_crawler.views.report.packing import thinned
-from exudyn_crawler.views.report.page import hot_spot_tables, report_page, write_report
+from exudyn_crawler.views.report.page import LONGEST_TABLE, report_page, write_report
 from exudyn_crawler.views.series import dataset_series
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
@@ -97,27 +97,19 @@ def test_the_page_has_every_section_and_its_numbers(stress_folder, stress_page):
     for verdict, name in (("yes", "within"), ("no", "outside"), ("", "none")):
         assert stress_page.count(f'<tr class="{name}">') == (table["within"] == verdict).sum() > 0
     spots = pd.read_csv(stress_folder / "hot_spots_shoe_13.csv")
-    assert f"<td>{spots['value'][0] / 1e6:.5g}</td>" in stress_page
+    assert f"<td>{spots['von Mises in MPa'][0]:.5g}</td>" in stress_page
     assert stress_page.count("data:image/webp;base64,") == 2
     assert "{&#34;wall time&#34;: &#34;&lt;1 s&#34;}" in stress_page
     assert "Every stored time is drawn." in stress_page
 
 
-def test_places_of_hot_spots_are_given_in_the_shoe_whatever_the_table_has(flexible_run, tmp_path):
-    history, stress, hot_spots = flexible_run
-    history.save(tmp_path / "history.nc")
-    stress.to_netcdf(tmp_path / "stress.nc", engine="h5netcdf")
-    local = hot_spots[7].copy()
-    local[["x", "y", "z"]] = stress.node_position.values[local["node"]]
-    in_track = local.assign(x=local["x"] + 13.8)
-    write_table(local, tmp_path / "hot_spots_shoe_7.csv")
-    write_table(in_track, tmp_path / "hot_spots_shoe_13.csv")
-    of_shoe, of_track = (table["html"] for table in hot_spot_tables(tmp_path, stress))
-    x, y, z = local.loc[0, ["x", "y", "z"]]
-    for html in (of_shoe, of_track):
-        assert f"<td>{x:.4f}, {y:.4f}, {z:.4f}</td>" in html
-    assert f"<td>{x + 13.8:.4f}, {y:.4f}, {z:.4f}</td>" in of_track
-    assert "at t = 0" not in of_shoe
+def test_long_tables_are_left_to_the_plots(flexible_run, tmp_path):
+    flexible_run[0].save(tmp_path / "history.nc")
+    for name, rows in (("short", LONGEST_TABLE), ("long", LONGEST_TABLE + 1)):
+        write_table(pd.DataFrame({"time in s": np.arange(rows)}), tmp_path / f"{name}.csv")
+    page = report_page(tmp_path)
+    assert "<summary>short.csv</summary>" in page
+    assert "long.csv" not in page
 
 
 def test_the_case_is_listed_with_units(flexible_run, tmp_path):

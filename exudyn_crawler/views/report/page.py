@@ -26,13 +26,15 @@ from exudyn_crawler.views.report.plots import (
     thinning,
 )
 from exudyn_crawler.views.report.shoes import packed_shoes
-from exudyn_crawler.views.report.tables import comparison_rows, hot_spot_table, html_table
+from exudyn_crawler.views.report.tables import comparison_rows, html_table
 from exudyn_crawler.views.series import dataset_series
 from exudyn_crawler.views.stress_pictures import PICTURES, write_stress_pictures
 from exudyn_crawler.views.tables import within_by_class
 
 REPORT = "report.html"
 STRESSES = "stress.nc"
+LONGEST_TABLE = 300
+"""Rows of a table on the page; longer ones are series, which plots show."""
 SECTIONS = (
     ("comparison", "Paper against computed", "comparison"),
     ("histories", "Time histories", "has_series"),
@@ -123,13 +125,13 @@ def report_page(folder: Path) -> str:
         "comparison": None if comparison is None else comparison_rows(comparison),
         "has_series": bool(variables),
         "thinning": thinning(variables, points),
-        "hot_spots": hot_spot_tables(stressed, stress),
+        "hot_spots": hot_spot_tables(stressed),
         "has_shoes": data["shoes"] is not None,
         "pictures": _pictures(stressed, stress, owner),
         "tables": [
-            html_table(path.relative_to(folder).as_posix(), pd.read_csv(path))
+            html_table(path.relative_to(folder).as_posix(), table)
             for one in folders
-            for path in _further(one)
+            for path, table in _further(one)
         ],
         "cases": [
             {"title": name, "rows": case_table(one.case).to_dict("records")}
@@ -211,9 +213,12 @@ def _summary_rows(table: pd.DataFrame) -> list[dict[str, Any]]:
     ]
 
 
-def hot_spot_tables(folder: Path, stress: xr.Dataset | None) -> list[dict[str, Any]]:
+def hot_spot_tables(folder: Path) -> list[dict[str, Any]]:
     """Titles and HTML of the hot spots' tables of a folder, in the order of the shoes."""
-    return [hot_spot_table(path, stress) for path in _by_number(folder.glob("hot_spots_*.csv"))]
+    return [
+        html_table(path.stem.removeprefix("hot_spots_").replace("_", " "), pd.read_csv(path))
+        for path in _by_number(folder.glob("hot_spots_*.csv"))
+    ]
 
 
 def _by_number(paths: Iterator[Path]) -> list[Path]:
@@ -221,13 +226,13 @@ def _by_number(paths: Iterator[Path]) -> list[Path]:
     return sorted(paths, key=lambda p: (int("".join(filter(str.isdigit, p.stem)) or 0), p.name))
 
 
-def _further(folder: Path) -> list[Path]:
-    """Tables that have no section of their own."""
-    return sorted(
-        path
-        for path in folder.glob("*.csv")
-        if path.name != "comparison.csv" and not path.name.startswith("hot_spots_")
-    )
+def _further(folder: Path) -> Iterator[tuple[Path, pd.DataFrame]]:
+    """Tables that have no section of their own and are short enough to be read."""
+    for path in sorted(folder.glob("*.csv")):
+        if path.name != "comparison.csv" and not path.name.startswith("hot_spots_"):
+            table = pd.read_csv(path)
+            if len(table) <= LONGEST_TABLE:
+                yield path, table
 
 
 def _pictures(folder: Path, stress: xr.Dataset | None, history: History | None) -> list[dict[str, str]]:
