@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
     from exudyn_crawler.results.node_stress import node_stress
     from exudyn_crawler.results.pins import pin_forces
+    from exudyn_crawler.results.shoe_loads import ShoeLoads, action_table, peak_time, shoe_loads
     from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
     from exudyn_crawler.run.track_modes import track_modes
@@ -72,7 +73,9 @@ _HOMES = {
     "EquilibriumError": "errors",
     "History": "results.history",
     "SimulationStopped": "errors",
+    "ShoeLoads": "results.shoe_loads",
     "StressResults": "results.stresses",
+    "action_table": "results.shoe_loads",
     "actions": "results.actions",
     "contacts_by_shoe": "results.contacts",
     "history_series": "views.series",
@@ -80,10 +83,12 @@ _HOMES = {
     "mode_table": "views.mode_shapes",
     "node_stress": "results.node_stress",
     "panel_figure": "views.curves",
+    "peak_time": "results.shoe_loads",
     "pin_forces": "results.pins",
     "recover_stresses": "results.stresses",
     "run_case": "case_run",
     "shoe_imbalance": "results.balance",
+    "shoe_loads": "results.shoe_loads",
     "simulate": "run.simulation",
     "stress_basis": "results.modal_coordinates",
     "terrain_deformation": "results.contacts",
@@ -110,6 +115,7 @@ __all__ = [
     "PairContact",
     "Phase",
     "Shoe",
+    "ShoeLoads",
     "SimulationStopped",
     "Solver",
     "SphereContact",
@@ -117,6 +123,7 @@ __all__ = [
     "StressResults",
     "Terrain",
     "Track",
+    "action_table",
     "actions",
     "contacts_by_shoe",
     "history_series",
@@ -124,11 +131,13 @@ __all__ = [
     "mode_table",
     "node_stress",
     "panel_figure",
+    "peak_time",
     "pin_forces",
     "read_case",
     "recover_stresses",
     "run_case",
     "shoe_imbalance",
+    "shoe_loads",
     "simulate",
     "stress_basis",
     "terrain_deformation",

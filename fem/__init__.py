@@ -3,7 +3,7 @@
 from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.body import ElasticBody
 from fem.elasticity import Material
-from fem.export import write_calculix, write_frame_vtu, write_modes_vtu, write_vtu
+from fem.export import Program, write_calculix, write_frame_vtu, write_load_deck, write_modes_vtu, write_vtu
 from fem.files import StaleCacheError, cached_craig_bampton, load_reduced, save_reduced
 from fem.hotspots import Apart, OneARegion, hot_spots
 from fem.interfaces import Interface, center_loads
@@ -26,6 +26,7 @@ __all__ = [
     "OneARegion",
     "Partition",
     "Peaks",
+    "Program",
     "ReducedBody",
     "StaleCacheError",
     "StressBlock",
@@ -44,6 +45,7 @@ __all__ = [
     "shares",
     "write_calculix",
     "write_frame_vtu",
+    "write_load_deck",
     "write_mesh",
     "write_modes_vtu",
     "write_vtu",

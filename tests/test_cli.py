@@ -32,6 +32,7 @@ COMMANDS = (
     "animate",
     "node-stress",
     "pin-forces",
+    "shoe-loads",
 )
 
 
@@ -92,7 +93,7 @@ def test_help_shows_an_example(call, command):
 def test_every_command_is_among_those_tested(call):
     _, out, _ = call("--help")
     own = {command.callback.__name__.replace("_", "-") for command in cli.app.registered_commands}
-    assert own == {"init", "info", "run", "report", "animate", "node-stress", "pin-forces"}
+    assert own == {"init", "info", "run", "report", "animate", "node-stress", "pin-forces", "shoe-loads"}
     assert own | set(registered(GROUP)) == set(COMMANDS)
     assert all(name in out for name in COMMANDS)
 
@@ -170,6 +171,17 @@ def test_stress_and_pin_forces_are_asked_of_a_run(call, flexible_run, tmp_path):
     code, _, err = call("pin-forces", "run", "--shoe", "7")
     assert code == 2
     assert_one_line(err, "pin_forces_shoe_7.csv exists", "--overwrite")
+    code, out, _ = call("shoe-loads", "run", "--shoe", "13", "--program", "abaqus")
+    assert code == 0
+    (deck,) = (tmp_path / "run").glob("loads_shoe_13_0.*s_abaqus.inp")
+    assert str(deck.relative_to(tmp_path)) in out
+    assert "*RIGID BODY, TIE NSET=FRONT_RIGHT" in deck.read_text()
+    (table,) = (tmp_path / "run").glob("loads_shoe_13_0.*s.csv")
+    assert pd.read_csv(table)["kind"].iloc[-1] == "sum"
+    assert call("shoe-loads", "run", "--shoe", "5", "--time", "0.03")[0] == 0
+    code, _, err = call("shoe-loads", "run", "--shoe", "5")
+    assert code == 2
+    assert_one_line(err, "time must be given for shoe 5")
 
 
 def test_a_study_of_several_runs_names_them(call, tmp_path):

@@ -1,5 +1,6 @@
-"""The commands that look into a run: stress at a place, forces at the pins."""
+"""The commands that look into a run: stress at a place, forces at the pins, loads for other programs."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +13,14 @@ from exudyn_crawler.cli.places import history_path, loaded
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+class Program(StrEnum):
+    """Finite-element programs that decks are written for."""
+
+    calculix = "calculix"
+    abaqus = "abaqus"
+
 
 Shoe = Annotated[int, typer.Option(help="number of the shoe")]
 Out = Annotated[Path | None, typer.Option(help="file to write; one beside the history, if not given")]
@@ -73,6 +82,42 @@ def pin_forces(
 
     default = history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
     _write(pin_table(history, shoe), default if out is None else out, overwrite)
+
+
+@app.command()
+@readable
+def shoe_loads(
+    run: Run,
+    shoe: Shoe,
+    time: Annotated[
+        float | None, typer.Option(help="s; that of the shoe's highest stress, if not given")
+    ] = None,
+    program: Annotated[Program, typer.Option(help="finite-element program of the deck")] = Program.calculix,
+    out: Annotated[Path | None, typer.Option(help="folder; that of the history, if not given")] = None,
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Write all that acts on a shoe at one instant, in balance: a table, and a deck if it is flexible.
+
+    Example: exudyn-crawler shoe-loads results/stress/cycle --shoe 13 --program abaqus
+    """
+    history = loaded(run)
+    from exudyn_crawler.results import shoe_loads as found
+    from exudyn_crawler.run.folder import note_file
+
+    flexible = history.case.flexible is not None and shoe in history.case.flexible.shoes
+    if time is None:
+        if not flexible:
+            raise ValueError(f"time must be given for shoe {shoe}, which is rigid and has no highest stress")
+        time = found.peak_time(history, shoe)
+    folder = history_path(run).parent if out is None else out
+    table = found.action_table(history, shoe, time)
+    name = f"loads_shoe_{shoe}_{found.at_instant(history, time).duration:.4f}s"
+    if flexible:
+        deck = folder / f"{name}_{program.value}.inp"
+        note_file(found.shoe_loads(history, shoe, time).write(deck, program.value, overwrite))
+        typer.echo(deck)
+    _write(table, folder / f"{name}.csv", overwrite)
 
 
 def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
