@@ -33,6 +33,7 @@ COMMANDS = (
     "node-stress",
     "pin-forces",
     "shoe-loads",
+    "compare",
 )
 
 
@@ -93,7 +94,8 @@ def test_help_shows_an_example(call, command):
 def test_every_command_is_among_those_tested(call):
     _, out, _ = call("--help")
     own = {command.callback.__name__.replace("_", "-") for command in cli.app.registered_commands}
-    assert own == {"init", "info", "run", "report", "animate", "node-stress", "pin-forces", "shoe-loads"}
+    looking = {"report", "animate", "node-stress", "pin-forces", "shoe-loads", "compare"}
+    assert own == {"init", "info", "run"} | looking
     assert own | set(registered(GROUP)) == set(COMMANDS)
     assert all(name in out for name in COMMANDS)
 
@@ -182,6 +184,23 @@ def test_stress_and_pin_forces_are_asked_of_a_run(call, flexible_run, tmp_path):
     code, _, err = call("shoe-loads", "run", "--shoe", "5")
     assert code == 2
     assert_one_line(err, "time must be given for shoe 5")
+
+
+@pytest.mark.simulation
+def test_two_runs_are_compared(call, translation, turning, tmp_path):
+    for name, history in (("straight", translation), ("turning", turning)):
+        (tmp_path / name).mkdir()
+        history.save(tmp_path / name / "history.nc")
+    code, out, err = call("compare", "straight", "turning")
+    assert (code, err) == (0, "")
+    assert "A is straight, B is turning" in out
+    assert "drive.turn_rate" in out
+    assert (tmp_path / "straight_turning.html").is_file()
+    table = pd.read_csv(tmp_path / "straight_turning.csv")
+    assert "angular_velocity" in set(table["quantity"])
+    code, _, err = call("compare", "straight", "nowhere")
+    assert code == 2
+    assert_one_line(err, "no folder nowhere")
 
 
 def test_a_study_of_several_runs_names_them(call, tmp_path):

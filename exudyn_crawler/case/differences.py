@@ -1,4 +1,4 @@
-"""What a case has otherwise than the papers' case that is nearest to it."""
+"""What cases have otherwise than others: than the papers' case that is nearest, or than any."""
 
 import pandas as pd
 
@@ -35,3 +35,18 @@ def table_beside_base(case_file: CaseFile) -> tuple[str, pd.DataFrame]:
     base = min(found, key=lambda name: found[name][0])
     own.insert(2, "in the base", found[base][1])
     return base, own
+
+
+def parameter_differences(first: Case, second: Case) -> pd.DataFrame:
+    """Values in which two cases differ: columns key, A, B, unit; their names are not compared."""
+    a, b = (case_table(case).set_index("key") for case in (first, second))
+    keys = [key for key in dict.fromkeys([*a.index, *b.index]) if key != "name"]
+    table = pd.DataFrame(
+        {
+            "key": keys,
+            "A": a["value"].reindex(keys).fillna(ABSENT).tolist(),
+            "B": b["value"].reindex(keys).fillna(ABSENT).tolist(),
+            "unit": a["unit"].reindex(keys).fillna(b["unit"].reindex(keys)).tolist(),
+        }
+    )
+    return table[table["A"] != table["B"]].reset_index(drop=True)

@@ -9,7 +9,7 @@ import typer
 from exudyn_crawler.cli.commands import app
 from exudyn_crawler.cli.errors import readable
 from exudyn_crawler.cli.options import Debug, Overwrite, Run
-from exudyn_crawler.cli.places import history_path, loaded
+from exudyn_crawler.cli.places import history_path, loaded, run_folder
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -118,6 +118,48 @@ def shoe_loads(
         note_file(found.shoe_loads(history, shoe, time).write(deck, program.value, overwrite))
         typer.echo(deck)
     _write(table, folder / f"{name}.csv", overwrite)
+
+
+@app.command()
+@readable
+def compare(
+    first: Annotated[Path, typer.Argument(help="folder of a run, or its history", metavar="A")],
+    second: Annotated[Path, typer.Argument(help="same of another", metavar="B")],
+    out: Annotated[
+        Path | None, typer.Option(help="page to write, its tables beside it; A_B.html, if not given")
+    ] = None,
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Lay two runs over each other: what differs in their cases and results, and their main curves.
+
+    Example: exudyn-crawler compare results/soft_ground results/hard_ground --out soft_and_hard.html
+    """
+    runs = dict(zip(_names(first, second), (first, second), strict=True))
+    histories = {name: loaded(run) for name, run in runs.items()}
+    from exudyn_crawler.views.comparison import comparison_tables, write_comparison
+    from exudyn_crawler.views.report.page import stress_of
+    from exudyn_crawler.views.tables import print_table, write_table
+
+    found = {name: stress_of(run_folder(run)) for name, run in runs.items()}
+    stresses = {name: stress for name, stress in found.items() if stress is not None}
+    page = Path("_".join(runs) + ".html") if out is None else out
+    write_comparison(histories, page, stresses, overwrite)
+    parameters, results = comparison_tables(histories, stresses)
+    print_table(
+        parameters,
+        "What differs in the cases: "
+        + ", ".join(f"{letter} is {name}" for letter, name in zip("AB", runs, strict=True)),
+    )
+    print_table(results, "What differs in the results")
+    write_table(results, page.with_suffix(".csv"), overwrite)
+    typer.echo(f"{page}: open it in a browser; {page.with_suffix('.csv')}: the table of results")
+
+
+def _names(first: Path, second: Path) -> tuple[str, str]:
+    """Names of two runs: of their folders where these differ, else their paths."""
+    names = [run_folder(run).resolve().name for run in (first, second)]
+    return (names[0], names[1]) if names[0] != names[1] else ("A", "B")
 
 
 def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:

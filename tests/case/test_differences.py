@@ -3,7 +3,7 @@
 import pytest
 
 from exudyn_crawler import Case, CaseFile
-from exudyn_crawler.case.differences import table_beside_base
+from exudyn_crawler.case.differences import parameter_differences, table_beside_base
 
 
 @pytest.mark.parametrize("name", ["translation", "turning", "stress"])
@@ -29,3 +29,14 @@ def test_what_the_base_has_not_is_marked_too():
     base, table = table_beside_base(CaseFile(case=case, duration=1.0))
     marked = table[table["in the base"] != ""].set_index("key")["in the base"]
     assert (base, marked.to_dict()) == ("stress", {"flexible": "-"})
+
+
+def test_two_cases_differ_in_what_was_changed_and_not_in_their_names():
+    case = Case.translation()
+    other = case.with_(name="other", gravity=1.62, terrain=case.terrain.with_(spring_damping=0.0))
+    table = parameter_differences(case, other).set_index("key")
+    assert table.loc["gravity"].tolist() == ["9.81", "1.62", "m/s2"]
+    assert set(table.index) == {"gravity", "terrain.spring_damping"}
+    assert parameter_differences(case, case).empty
+    lost = parameter_differences(Case.stress("coarse"), Case.stress("coarse").with_(flexible=None))
+    assert lost.set_index("key").loc["flexible.mesh", "B"] == "-"

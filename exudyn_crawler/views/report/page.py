@@ -2,14 +2,12 @@
 
 import json
 from collections.abc import Iterator
-from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
 import xarray as xr
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
@@ -27,6 +25,7 @@ from exudyn_crawler.views.report.plots import (
 )
 from exudyn_crawler.views.report.shoes import packed_shoes
 from exudyn_crawler.views.report.tables import comparison_rows, html_table
+from exudyn_crawler.views.report.templating import rendered_page, template_text
 from exudyn_crawler.views.series import dataset_series
 from exudyn_crawler.views.stress_pictures import PICTURES, write_stress_pictures
 from exudyn_crawler.views.tables import within_by_class
@@ -98,7 +97,7 @@ def report_page(folder: Path) -> str:
         for name, one in histories.items()
     }
     stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
-    stress, comparison = _stress(stressed), _comparison(folder)
+    stress, comparison = stress_of(stressed), _comparison(folder)
     if not variables and comparison is None:
         raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
     bent = next((n for n in histories if places[n] == stressed and histories[n].case.flexible), None)
@@ -144,16 +143,10 @@ def report_page(folder: Path) -> str:
 
 def _rendered(content: dict[str, Any], data: dict[str, Any]) -> str:
     """Page of what its sections show and of the data that its script draws."""
-    environment = Environment(
-        loader=FileSystemLoader(str(files("exudyn_crawler.views.report").joinpath("templates"))),
-        autoescape=select_autoescape(default=True),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-    )
-    return environment.get_template("report.html").render(
-        content,
-        style=Markup(_template("report.css")),
-        script=Markup(_template("report.js")),
+    return rendered_page(
+        "report.html",
+        **content,
+        script=template_text("report.js"),
         plotly=Markup(get_plotlyjs()) if content["has_series"] else "",
         # the page's own parser must not find the end of a script in the data
         data=Markup(json.dumps(data, separators=(",", ":")).replace("</", "<\\/")),
@@ -161,10 +154,6 @@ def _rendered(content: dict[str, Any], data: dict[str, Any]) -> str:
             (anchor, heading) for anchor, heading, shown in SECTIONS if shown is None or content[shown]
         ],
     )
-
-
-def _template(name: str) -> str:
-    return files("exudyn_crawler.views.report").joinpath("templates", name).read_text(encoding="utf-8")
 
 
 def _run_folders(folder: Path) -> list[Path]:
@@ -190,7 +179,8 @@ def _histories(folders: list[Path]) -> tuple[dict[str, History], dict[str, Path]
     return histories, places
 
 
-def _stress(folder: Path) -> xr.Dataset | None:
+def stress_of(folder: Path) -> xr.Dataset | None:
+    """Stresses that a run has left in a folder; None if there are none."""
     path = folder / STRESSES
     return xr.load_dataset(path, engine="h5netcdf") if path.is_file() else None
 
