@@ -15,7 +15,7 @@ from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.stresses import PICTURE_TIMES, StressResults, recover_stresses
+from exudyn_crawler.results.stresses import StressResults, recover_stresses
 from exudyn_crawler.results.tables import highest_by_phase, hot_spot_table, load_table
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.folder import Keeper, kept_run, quiet
@@ -122,7 +122,7 @@ def run_case(
         stresses = None
         if case.flexible is not None:
             with keeper.timed("recover stresses"):
-                stresses = recover_stresses(history, outputs.picture_times or PICTURE_TIMES)
+                stresses = recover_stresses(history, outputs.picture_times)
         if folder is not None:
             with keeper.timed("tables and figures"):
                 write_outputs(history, stresses, folder, outputs, overwrite)

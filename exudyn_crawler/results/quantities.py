@@ -217,6 +217,7 @@ _STRESS = (
         _NODE,
         "at the load",
     ),
+    Quantity("frame_name", "", "", "what the chosen instant is", ("frame",), "instant"),
     Quantity("node_position", "X", "m", "place in the shoe's frame", ("node", "axis"), "place"),
     Quantity("triangle", "", "", "nodes of the surface", ("face", "corner"), "node"),
     Quantity("in_spider", "", "", "whether a joint's rigid spider holds the node", ("node",), "in a spider"),

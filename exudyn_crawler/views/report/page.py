@@ -15,7 +15,8 @@ from exudyn_crawler.case.text import case_table
 from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
-from exudyn_crawler.views.report.pictures import embedded_picture
+from exudyn_crawler.views.report.heading import key_rows, provenance
+from exudyn_crawler.views.report.pictures import embedded_pictures, first_picture
 from exudyn_crawler.views.report.plots import (
     first_plots,
     packed_case,
@@ -106,27 +107,26 @@ def report_page(folder: Path) -> str:
         name: dataset_series(dataset, stress if name == bent else None) for name, dataset in variables.items()
     }
     points = points_a_series(found)
+    pictures, first = _pictures(stressed, stress, owner)
     data = {
+        "first_picture": first,
         "cases": {name: packed_case(one, points) for name, one in found.items()},
         "shoes": None if stress is None or owner is None else packed_shoes(stress, owner),
         "first": first_plots(found),
         **page_colours(),
     }
     title = " and ".join(variables) if variables else folder.resolve().name
-    lead = [
-        f"{name}: {float(one.time[-1]):.4g} s, {one.sizes['time']} stored times"
-        for name, one in variables.items()
-    ]
     content = {
         "title": f"Crawler track: {title}",
-        "lead": "; ".join(lead),
+        "lead": provenance(folder, histories),
+        "key_results": key_rows(histories, {} if bent is None or stress is None else {bent: stress}),
         "summary": [] if comparison is None else _summary_rows(comparison),
         "comparison": None if comparison is None else comparison_rows(comparison),
         "has_series": bool(variables),
         "thinning": thinning(variables, points),
         "hot_spots": hot_spot_tables(stressed),
         "has_shoes": data["shoes"] is not None,
-        "pictures": _pictures(stressed, stress, owner),
+        "pictures": pictures,
         "tables": [
             html_table(path.relative_to(folder).as_posix(), table)
             for one in folders
@@ -225,13 +225,16 @@ def _further(folder: Path) -> Iterator[tuple[Path, pd.DataFrame]]:
                 yield path, table
 
 
-def _pictures(folder: Path, stress: xr.Dataset | None, history: History | None) -> list[dict[str, str]]:
-    """Stress pictures of the folder, or new ones where it has none."""
+def _pictures(
+    folder: Path, stress: xr.Dataset | None, history: History | None
+) -> tuple[list[dict[str, str]], int]:
+    """Stress pictures of the folder, or new ones where it has none, and which of them is shown first."""
     kept = sorted(folder.glob(PICTURES))
     if kept or stress is None or history is None:
-        return [embedded_picture(path) for path in kept]
+        return embedded_pictures(kept, stress), first_picture(kept, stress)
     with TemporaryDirectory() as temporary:
-        return [embedded_picture(path) for path in write_stress_pictures(stress, history, Path(temporary))]
+        made = write_stress_pictures(stress, history, Path(temporary))
+        return embedded_pictures(made, stress), first_picture(made, stress)
 
 
 def _texts(folder: Path) -> list[dict[str, str]]:
