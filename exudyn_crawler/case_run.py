@@ -5,6 +5,7 @@ The module is not named after its function, which would hide it behind the packa
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 
 from exudyn_crawler.case import CaseFile
@@ -20,6 +21,7 @@ from exudyn_crawler.results.tables import highest_by_phase, hot_spot_table, load
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.folder import Keeper, kept_run, quiet
 from exudyn_crawler.run.histories import HISTORY, STOPPED_HISTORY, keep_history, matching_history
+from exudyn_crawler.run.progress import heartbeat
 from exudyn_crawler.run.simulation import simulate
 from exudyn_crawler.views.animation import write_animation
 from exudyn_crawler.views.curves import KINEMATICS, kinematic_figure, save_figure
@@ -51,6 +53,13 @@ class CaseRun:
     history: History
     stresses: StressResults | None
     folder: Path | None
+
+    def _repr_html_(self) -> str:
+        """Folder, hot spots if there are any, and history, for notebooks."""
+        where = "kept nowhere" if self.folder is None else f"kept in {escape(str(self.folder))}"
+        spots = {} if self.stresses is None else self.stresses.hot_spots
+        tables = [f"<p>Shoe {shoe}</p>" + table.to_html(index=False) for shoe, table in spots.items()]
+        return "".join([f"<p>Run {where}</p>", *tables, self.history._repr_html_()])
 
     def recovered(self) -> StressResults:
         """Stresses of a run with flexible shoes.
@@ -89,7 +98,7 @@ def run_case(
     reuse : path, optional
         Folder of an earlier run whose history takes the place of the simulation.
     progress : bool, optional
-        Show a progress bar; None shows it on a terminal only.
+        Show a progress bar; None shows one on a terminal and a line every 10 s elsewhere.
     say : callable
         Is told, in a line, what is going on.
 
@@ -121,10 +130,10 @@ def run_case(
             Checkpoints(folder / CHECKPOINTS).remove()
         stresses = None
         if case.flexible is not None:
-            with keeper.timed("recover stresses"):
+            with keeper.timed("recover stresses"), heartbeat(f"{case.name}: recovering stresses"):
                 stresses = recover_stresses(history, outputs.picture_times)
         if folder is not None:
-            with keeper.timed("tables and figures"):
+            with keeper.timed("tables and figures"), heartbeat(f"{case.name}: tables and figures"):
                 write_outputs(history, stresses, folder, outputs, overwrite)
     return CaseRun(history, stresses, folder)
 

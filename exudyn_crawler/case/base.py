@@ -4,6 +4,8 @@ from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from exudyn_crawler.case.html import parameter_html
+
 
 class Parameters(BaseModel):
     """Frozen, validated group of parameters.
@@ -20,6 +22,10 @@ class Parameters(BaseModel):
         """Copy with some fields changed, validated anew."""
         values = {name: getattr(self, name) for name in type(self).model_fields}
         return type(self)(**(values | changes))
+
+    def _repr_html_(self) -> str:
+        """Table of every value with unit and meaning, for notebooks."""
+        return parameter_html(self)
 
 
 def quantity(unit: str, description: str, **bounds: Any) -> Any:

@@ -127,9 +127,11 @@ def report(
     """
     folder = run_folder(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.run.progress import heartbeat
     from exudyn_crawler.views.report.page import write_report
 
-    page = write_report(folder, out, overwrite)
+    with heartbeat(f"report of {folder}"):
+        page = write_report(folder, out, overwrite)
     note_file(page)
     typer.echo(f"{page}: open it in a browser")
 
@@ -156,8 +158,10 @@ def animate(
     path = history_path(run).with_suffix(".mp4") if out is None else out
     history = loaded(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.run.progress import heartbeat
     from exudyn_crawler.views.animation import write_animation
 
-    write_animation(history, path, overwrite, scale, start=start, end=end)
+    with heartbeat(f"animation of {run}"):
+        write_animation(history, path, overwrite, scale, start=start, end=end)
     note_file(path)
     typer.echo(path)

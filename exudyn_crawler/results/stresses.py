@@ -51,6 +51,15 @@ class StressResults:
     hot_spots: Mapping[int, pd.DataFrame]
     whole: ReducedBody
 
+    def _repr_html_(self) -> str:
+        """Hot spots of every shoe and the dataset, for notebooks."""
+        tables = [
+            f"<p>Shoe {shoe}: highest von Mises stresses (Pa; places in m at t = 0)</p>"
+            + table.to_html(index=False)
+            for shoe, table in self.hot_spots.items()
+        ]
+        return "".join([*tables, self.dataset._repr_html_()])
+
     def save(self, path: Path, overwrite: bool = False) -> Path:
         """Write the dataset to a NetCDF file, whole or not at all.
 
