@@ -39,6 +39,8 @@ def room_of(module: str) -> str:
     parts = module.split(".")
     if parts[0] != PACKAGE:
         return parts[0]
+    if module == f"{PACKAGE}.__main__":
+        return "cli"
     return parts[1] if len(parts) > 1 else FACE
 
 

@@ -7,6 +7,8 @@
 """
 
 from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -35,6 +37,9 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
     from exudyn_crawler.results.history import History
     from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+    from exudyn_crawler.results.node_stress import node_stress
+    from exudyn_crawler.results.pins import pin_forces
+    from exudyn_crawler.results.shoe_loads import ShoeLoads, action_table, peak_time, shoe_loads
     from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
     from exudyn_crawler.run.track_modes import track_modes
@@ -45,6 +50,22 @@ if TYPE_CHECKING:
     from exudyn_crawler.views.report.page import write_report
     from exudyn_crawler.views.series import history_series
 
+
+def _check_neighbours() -> None:
+    """Refuse to work with other packages of the names of those that are installed beside this one."""
+    beside = Path(__file__).resolve().parents[1]
+    for name in ("fem", "meshes", "studies"):
+        found = find_spec(name)
+        origin = None if found is None else found.origin
+        if origin is None or Path(origin).resolve().parent != beside / name:
+            raise ImportError(
+                f"the package {name!r} must be that in {beside}, which comes with {__name__}, got "
+                f"{origin or 'none'}: move the other away, or out of the folders where Python looks first"
+            )
+
+
+_check_neighbours()
+
 _HOMES = {
     "CaseFileError": "errors",
     "CaseRun": "case_run",
@@ -52,16 +73,22 @@ _HOMES = {
     "EquilibriumError": "errors",
     "History": "results.history",
     "SimulationStopped": "errors",
+    "ShoeLoads": "results.shoe_loads",
     "StressResults": "results.stresses",
+    "action_table": "results.shoe_loads",
     "actions": "results.actions",
     "contacts_by_shoe": "results.contacts",
     "history_series": "views.series",
     "mode_figure": "views.mode_shapes",
     "mode_table": "views.mode_shapes",
+    "node_stress": "results.node_stress",
     "panel_figure": "views.curves",
+    "peak_time": "results.shoe_loads",
+    "pin_forces": "results.pins",
     "recover_stresses": "results.stresses",
     "run_case": "case_run",
     "shoe_imbalance": "results.balance",
+    "shoe_loads": "results.shoe_loads",
     "simulate": "run.simulation",
     "stress_basis": "results.modal_coordinates",
     "terrain_deformation": "results.contacts",
@@ -88,6 +115,7 @@ __all__ = [
     "PairContact",
     "Phase",
     "Shoe",
+    "ShoeLoads",
     "SimulationStopped",
     "Solver",
     "SphereContact",
@@ -95,16 +123,21 @@ __all__ = [
     "StressResults",
     "Terrain",
     "Track",
+    "action_table",
     "actions",
     "contacts_by_shoe",
     "history_series",
     "mode_figure",
     "mode_table",
+    "node_stress",
     "panel_figure",
+    "peak_time",
+    "pin_forces",
     "read_case",
     "recover_stresses",
     "run_case",
     "shoe_imbalance",
+    "shoe_loads",
     "simulate",
     "stress_basis",
     "terrain_deformation",
@@ -122,3 +155,8 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_HOMES.get(name, 'case')}"), name)
+
+
+def __dir__() -> list[str]:
+    """Public names, for completion: they are not here before they are asked for."""
+    return [*__all__, *(name for name in globals() if name.startswith("__"))]

@@ -5,6 +5,7 @@ The module is not named after its function, which would hide it behind the packa
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 
 import xarray as xr
@@ -18,11 +19,12 @@ from exudyn_crawler.model.reductions import reductions_in
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.propel import highest_in_propel_and_loading
-from exudyn_crawler.results.stresses import PICTURE_TIMES, StressResults, recover_stresses
+from exudyn_crawler.results.stresses import StressResults, recover_stresses
+from exudyn_crawler.results.tables import highest_by_phase, hot_spot_table, load_table
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.folder import Keeper, kept_run, quiet
 from exudyn_crawler.run.histories import HISTORY, STOPPED_HISTORY, keep_history, matching_history
+from exudyn_crawler.run.progress import heartbeat
 from exudyn_crawler.run.simulation import simulate
 from exudyn_crawler.views.animation import write_animation
 from exudyn_crawler.views.curves import KINEMATICS, kinematic_figure, save_figure
@@ -54,6 +56,13 @@ class CaseRun:
     history: History
     stresses: StressResults | None
     folder: Path | None
+
+    def _repr_html_(self) -> str:
+        """Folder, hot spots if there are any, and history, for notebooks."""
+        where = "kept nowhere" if self.folder is None else f"kept in {escape(str(self.folder))}"
+        spots = {} if self.stresses is None else self.stresses.hot_spots
+        tables = [f"<p>Shoe {shoe}</p>" + table.to_html(index=False) for shoe, table in spots.items()]
+        return "".join([f"<p>Run {where}</p>", *tables, self.history._repr_html_()])
 
     def recovered(self) -> StressResults:
         """Stresses of a run with flexible shoes.
@@ -93,7 +102,7 @@ def run_case(
     reuse : path, optional
         Folder of an earlier run whose history takes the place of the simulation.
     progress : bool, optional
-        Show a progress bar; None shows it on a terminal only.
+        Show a progress bar; None shows one on a terminal and a line every 10 s elsewhere.
     say : callable
         Is told, in a line, what is going on.
     reductions : path, optional
@@ -130,10 +139,10 @@ def run_case(
             Checkpoints(folder / CHECKPOINTS).remove()
         stresses = None
         if case.flexible is not None:
-            with keeper.timed("recover stresses"):
-                stresses = recover_stresses(history, outputs.picture_times or PICTURE_TIMES)
+            with keeper.timed("recover stresses"), heartbeat(f"{case.name}: recovering stresses"):
+                stresses = recover_stresses(history, outputs.picture_times)
         if folder is not None:
-            with keeper.timed("tables and figures"):
+            with keeper.timed("tables and figures"), heartbeat(f"{case.name}: tables and figures"):
                 write_outputs(history, stresses, folder, outputs, overwrite)
     return CaseRun(history, stresses, folder)
 
@@ -186,9 +195,9 @@ def write_extremes(history: History, folder: Path, outputs: Outputs, overwrite: 
 
 
 def write_loads(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
-    """Loads on the shoes at the ends of the phases."""
+    """Loads on the shoes at the ends of the phases, as far as the run goes."""
     if outputs.tables:
-        write_table(history.case.loads.table(), folder / "loads.csv", overwrite)
+        write_table(load_table(history), folder / "loads.csv", overwrite)
 
 
 def write_motion(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
@@ -233,13 +242,15 @@ def write_stresses(
 def write_hot_spots(
     history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
 ) -> None:
-    """Highest stresses of every shoe, and where they are."""
+    """Highest stresses of every shoe by phase and over the run, and where they are."""
     if not outputs.tables:
         return
-    table = highest_in_propel_and_loading(history, stresses)
+    table = highest_by_phase(history, stresses.dataset)
     write_table(table, folder / "highest_stresses.csv", overwrite)
     for shoe, hot_spots in stresses.hot_spots.items():
-        write_table(hot_spots, folder / f"hot_spots_shoe_{shoe}.csv", overwrite)
+        write_table(
+            hot_spot_table(hot_spots, stresses.dataset), folder / f"hot_spots_shoe_{shoe}.csv", overwrite
+        )
 
 
 def write_flexible_shoes(

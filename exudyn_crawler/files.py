@@ -11,6 +11,18 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+def refuse_existing(path: Path, overwrite: bool = False) -> None:
+    """Refuse to write over a file.
+
+    Raises
+    ------
+    FileExistsError
+        If `path` exists and `overwrite` is false.
+    """
+    if path.exists() and not overwrite:
+        raise FileExistsError(f"{path} exists; ask for overwriting (--overwrite) to replace it")
+
+
 @contextmanager
 def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
     """Write to a temporary file beside `path` that takes its place when the block ends well.
@@ -22,8 +34,7 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
     OSError
         Naming `path`, if it cannot be written: the disk is full, say.
     """
-    if path.exists() and not overwrite:
-        raise FileExistsError(f"{path} exists; ask for overwriting to replace it")
+    refuse_existing(path, overwrite)
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
     except OSError as error:

@@ -4,7 +4,7 @@ from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.body import ElasticBody
 from fem.cache import Kept, cached_craig_bampton, kept_reductions
 from fem.elasticity import Material
-from fem.export import write_calculix, write_frame_vtu, write_modes_vtu, write_vtu
+from fem.export import Program, write_calculix, write_frame_vtu, write_load_deck, write_modes_vtu, write_vtu
 from fem.extremes import Extremes, recover_extremes
 from fem.files import StaleCacheError, load_reduced, save_reduced
 from fem.hotspots import Apart, OneARegion, hot_spots
@@ -29,6 +29,7 @@ __all__ = [
     "OneARegion",
     "Partition",
     "Peaks",
+    "Program",
     "ReducedBody",
     "StaleCacheError",
     "StressBlock",
@@ -49,6 +50,7 @@ __all__ = [
     "shares",
     "write_calculix",
     "write_frame_vtu",
+    "write_load_deck",
     "write_mesh",
     "write_modes_vtu",
     "write_vtu",

@@ -174,14 +174,18 @@ class ElasticBody:
     @cached_property
     def statically_determinate(self) -> Integers:
         """Six degrees of freedom of three far-apart nodes that hold the body without stress."""
-        nodes = self.mesh.nodes
-        first = int(np.argmin(nodes @ np.ones(3)))
-        arm = nodes - nodes[first]
+        return self.determinate_of(np.arange(len(self.mesh.nodes)))
+
+    def determinate_of(self, nodes: Integers) -> Integers:
+        """Six degrees of freedom (3 node + axis) of some nodes that hold the body without stress."""
+        places = self.mesh.nodes[nodes]
+        first = int(np.argmin(places @ np.ones(3)))
+        arm = places - places[first]
         second = int(np.argmax(np.linalg.norm(arm, axis=1)))
         axis = arm[second] / np.linalg.norm(arm[second])
         third = int(np.argmax(np.linalg.norm(np.cross(arm, axis), axis=1)))
-        candidates = np.concatenate([3 * k + np.arange(3) for k in (first, second, third)])
+        candidates = np.concatenate([3 * nodes[k] + np.arange(3) for k in (first, second, third)])
         rows = self.rigid_modes[candidates]
-        scale = np.array([1, 1, 1, *([1 / np.ptp(nodes, axis=0).max()] * 3)])
+        scale = np.array([1, 1, 1, *([1 / np.ptp(places, axis=0).max()] * 3)])
         *_, order = scipy.linalg.qr((rows * scale).T, mode="economic", pivoting=True)
         return np.sort(candidates[order[:6]])

@@ -11,12 +11,13 @@ from meshes.geometry import (
     PIN_Y,
     PITCH,
     REAR_PIN_X,
+    SHOE_SIZES,
     ShoeDimensions,
 )
 
 if TYPE_CHECKING:
     from meshes.load_surfaces import LOAD_SURFACES, with_load_surfaces
-    from meshes.shoe import SHOE_SIZES, STEEL, joint_interfaces, mesh_named, shoe_mesh, shoe_path
+    from meshes.shoe import STEEL, joint_interfaces, mesh_named, shoe_mesh, shoe_path
 
 _HOMES = {
     "LOAD_SURFACES": "load_surfaces",

@@ -5,6 +5,9 @@ Shoe axes: x along the propel direction, y lateral, z up; origin at the nominal 
 
 from dataclasses import dataclass
 
+SHOE_SIZES = ("coarse", "study", "fine")
+"""Ready meshes of the shoe."""
+
 PITCH = 0.655742
 """Distance between the pins of neighbouring shoes in m (spacing of the papers' centres of mass)."""
 

@@ -8,10 +8,8 @@ from fem.elasticity import Material
 from fem.interfaces import Interface, Spider
 from fem.mesh import Mesh
 from fem.mesh_files import read_mesh
-from meshes.geometry import JOINT_CENTERS
+from meshes.geometry import JOINT_CENTERS, SHOE_SIZES
 from meshes.load_surfaces import with_load_surfaces
-
-SHOE_SIZES = ("coarse", "study", "fine")
 
 STEEL = Material(youngs_modulus=200e9, poissons_ratio=0.3, density=7847.25)
 """Steel to which all numbers of the meshes' README belong."""

@@ -3,6 +3,7 @@
 Nothing heavy is imported before a command needs it, so that help comes at once.
 """
 
+import math
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -37,8 +38,15 @@ class GroundChoice(StrEnum):
     rough = "rough"
 
 
+def _positive(duration: float) -> float:
+    """Refuse a duration before a study is loaded, which takes two seconds."""
+    if not (math.isfinite(duration) and duration > 0.0):
+        raise typer.BadParameter(f"duration must be positive and finite, got {duration!r} s")
+    return duration
+
+
 Chosen = Annotated[CaseChoice, typer.Option(help="what to run")]
-Duration = Annotated[float, typer.Option(help="simulated time in s")]
+Duration = Annotated[float, typer.Option(help="simulated time in s", callback=_positive)]
 Lateral = Annotated[bool, typer.Option("--lateral", help="show instead what moves a straight track sideways")]
 Choices = Annotated[
     bool, typer.Option("--choices", help="show instead what the study's open choices do, over 8 s")

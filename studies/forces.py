@@ -44,11 +44,6 @@ ECCENTRICITY = 0.05
 """m, offset of the machine load along y that `lateral_effects` shows."""
 
 
-def start() -> CaseFile:
-    """Case to start from: propel with a turn."""
-    return CaseFile(case=Case.turning(), duration=DURATION)
-
-
 def study(
     out: Path | None = None,
     cases: Sequence[str] = tuple(CASES),

@@ -37,11 +37,6 @@ def case_files(names: Sequence[str] = tuple(CASES), duration: float = DURATION) 
     return {name: CaseFile(case=CASES[name](), duration=duration) for name in names}
 
 
-def start() -> CaseFile:
-    """Case to start from: straight propel."""
-    return case_files(["translation"])["translation"]
-
-
 def study(
     out: Path | None = None,
     cases: Sequence[str] = tuple(CASES),

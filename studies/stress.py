@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from exudyn_crawler import Case, CaseFile, CaseRun, run_case
+from exudyn_crawler import Case, CaseFile, CaseRun, Outputs, run_case
 from exudyn_crawler.case.flexible import ADAMS_DAMPING
 from exudyn_crawler.model.flexible_shoes import check_shoe
 from exudyn_crawler.run.folder import kept_run, quiet
@@ -21,11 +21,8 @@ from studies.stress_comparison import compare_stresses
 
 RUN = "cycle"
 """Folder of the run in the folder of the study."""
-
-
-def start() -> CaseFile:
-    """Case to start from: the whole cycle with six flexible shoes."""
-    return CaseFile(case=Case.stress(), duration=CYCLE_DURATION)
+PICTURE_TIMES = (0.0, 5.0, 10.0, 15.0, 22.5, 30.0, 33.5, 40.0)
+"""s, instants at which the S-paper shows the stressed shoes."""
 
 
 def study(
@@ -68,7 +65,8 @@ def study(
         As of `run_case`.
     """
     case = Case.stress() if case is None else case
-    case_file = CaseFile(case=case, duration=duration)
+    shown = tuple(time for time in PICTURE_TIMES if time <= duration) or None
+    case_file = CaseFile(case=case, duration=duration, outputs=Outputs(picture_times=shown))
     check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
     with kept_run(out, overwrite=overwrite, tell=say) as keeper:
         run = run_case(case_file, out and out / RUN, overwrite=overwrite, progress=progress, say=keeper.say)

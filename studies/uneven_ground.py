@@ -62,11 +62,6 @@ def uneven_case(ground: str) -> Case:
     return Case.translation().with_(name=ground, terrain=GROUNDS[ground](), contact=spheres)
 
 
-def start() -> CaseFile:
-    """Case to start from: random roughness."""
-    return CaseFile(case=uneven_case("rough"), duration=DURATION)
-
-
 def study(
     out: Path | None = None,
     grounds: Sequence[str] = tuple(GROUNDS),

@@ -22,5 +22,5 @@ def short_run(
 
 def stress_results(history: History, frames: list[float]) -> tuple[xr.Dataset, dict[int, pd.DataFrame]]:
     """Stress dataset of a history and the tables of hot spots by shoe."""
-    results = recover_stresses(history, frames)
+    results = recover_stresses(history, frames, peak=False)
     return results.dataset, dict(results.hot_spots)

@@ -1,6 +1,7 @@
 """The command as a user meets it: help, exit codes, errors in one line."""
 
 import importlib
+import importlib.metadata
 import json
 import runpy
 import subprocess
@@ -29,6 +30,10 @@ COMMANDS = (
     "info",
     "report",
     "animate",
+    "node-stress",
+    "pin-forces",
+    "shoe-loads",
+    "compare",
 )
 
 
@@ -88,24 +93,123 @@ def test_help_shows_an_example(call, command):
 
 def test_every_command_is_among_those_tested(call):
     _, out, _ = call("--help")
-    own = {command.callback.__name__ for command in cli.app.registered_commands}
-    assert own == {"init", "info", "run", "report", "animate"}
+    own = {command.callback.__name__.replace("_", "-") for command in cli.app.registered_commands}
+    looking = {"report", "animate", "node-stress", "pin-forces", "shoe-loads", "compare"}
+    assert own == {"init", "info", "run"} | looking
     assert own | set(registered(GROUP)) == set(COMMANDS)
     assert all(name in out for name in COMMANDS)
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"]])
-def test_help_loads_nothing_heavy(arguments):
+ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso"}
+NUMBERS = {"numpy", "xarray", "pandas", "scipy"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "heavy"),
+    [
+        (["--help"], ENGINE_AND_FIGURES | NUMBERS),
+        (["--version"], ENGINE_AND_FIGURES | NUMBERS),
+        (["run", "--help"], ENGINE_AND_FIGURES | NUMBERS),
+        (["info"], ENGINE_AND_FIGURES),
+        (["info", "stress"], ENGINE_AND_FIGURES),
+        (["run", "nowhere.toml"], ENGINE_AND_FIGURES),
+        (["init", "own", "--study", "opera"], ENGINE_AND_FIGURES),
+        (["report", "nowhere"], ENGINE_AND_FIGURES | NUMBERS),
+        (["animate", "nowhere"], ENGINE_AND_FIGURES | NUMBERS),
+        (["kinematics", "--duration=-1"], ENGINE_AND_FIGURES | NUMBERS),
+    ],
+)
+def test_help_a_case_and_a_refusal_load_nothing_heavy(arguments, heavy):
     script = (
         f"import sys; sys.argv = ['exudyn-crawler', *{arguments}]\n"
         "from exudyn_crawler.cli import main\n"
         "try: main()\n"
         "except SystemExit: pass\n"
-        "heavy = {'exudyn', 'numba', 'matplotlib', 'numpy', 'xarray', 'pandas', 'scipy'} & set(sys.modules)\n"
+        f"heavy = {heavy} & set(sys.modules)\n"
         "sys.exit(str(heavy) if heavy else 0)"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode == 0, done.stderr
+
+
+def test_versions_are_told(call):
+    code, out, err = call("--version")
+    assert (code, err) == (0, "")
+    assert out.startswith(f"exudyn-crawler {importlib.metadata.version('exudyn-crawler')}, exudyn 1.")
+
+
+def test_the_package_is_the_command_too():
+    line = [sys.executable, "-m", "exudyn_crawler", "--version"]
+    done = subprocess.run(line, capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("exudyn-crawler ")
+
+
+def test_info_marks_what_differs_from_the_base(call, tmp_path):
+    (tmp_path / "own.toml").write_text('base = "turning"\n[contact]\nstatic_friction = 0.55\n')
+    code, out, _ = call("info", "own.toml")
+    assert code == 0
+    assert "1 of " in out
+    assert "values differ from the case 'turning'" in out
+    row = next(line for line in out.splitlines() if "contact.static_friction" in line)
+    assert "0.55" in row
+    assert str(Case.turning().pair_contact().static_friction) in row
+
+
+@pytest.mark.simulation
+def test_stress_and_pin_forces_are_asked_of_a_run(call, flexible_run, tmp_path):
+    (tmp_path / "run").mkdir()
+    flexible_run[0].save(tmp_path / "run" / "history.nc")
+    code, out, err = call("node-stress", "run", "--shoe", "13", "--near", "0.2", "-0.3", "0.1")
+    assert (code, err) == (0, "")
+    assert "m from the place asked for" in out
+    assert "greatest von Mises stress" in out
+    (written,) = (tmp_path / "run").glob("stress_shoe_13_node_*.csv")
+    assert pd.read_csv(written)["von Mises in MPa"].gt(0.0).all()
+    code, _, err = call("node-stress", "run", "--shoe", "5", "--node", "1")
+    assert code == 2
+    assert_one_line(err, "shoe must be a flexible one of the history, of [7, 13], got 5")
+    assert call("pin-forces", "run/history.nc", "--shoe", "7")[0] == 0
+    assert len(pd.read_csv(tmp_path / "run" / "pin_forces_shoe_7.csv").columns) == 25
+    code, _, err = call("pin-forces", "run", "--shoe", "7")
+    assert code == 2
+    assert_one_line(err, "pin_forces_shoe_7.csv exists", "--overwrite")
+    code, out, _ = call("shoe-loads", "run", "--shoe", "13", "--program", "abaqus")
+    assert code == 0
+    (deck,) = (tmp_path / "run").glob("loads_shoe_13_0.*s_abaqus.inp")
+    assert str(deck.relative_to(tmp_path)) in out
+    assert "*RIGID BODY, TIE NSET=FRONT_RIGHT" in deck.read_text()
+    (table,) = (tmp_path / "run").glob("loads_shoe_13_0.*s.csv")
+    assert pd.read_csv(table)["kind"].iloc[-1] == "sum"
+    assert call("shoe-loads", "run", "--shoe", "5", "--time", "0.03")[0] == 0
+    code, _, err = call("shoe-loads", "run", "--shoe", "5")
+    assert code == 2
+    assert_one_line(err, "time must be given for shoe 5")
+
+
+@pytest.mark.simulation
+def test_two_runs_are_compared(call, translation, turning, tmp_path):
+    for name, history in (("straight", translation), ("turning", turning)):
+        (tmp_path / name).mkdir()
+        history.save(tmp_path / name / "history.nc")
+    code, out, err = call("compare", "straight", "turning")
+    assert (code, err) == (0, "")
+    assert "A is straight, B is turning" in out
+    assert "drive.turn_rate" in out
+    assert (tmp_path / "straight_turning.html").is_file()
+    table = pd.read_csv(tmp_path / "straight_turning.csv")
+    assert "angular_velocity" in set(table["quantity"])
+    code, _, err = call("compare", "straight", "nowhere")
+    assert code == 2
+    assert_one_line(err, "no folder nowhere")
+
+
+def test_a_study_of_several_runs_names_them(call, tmp_path):
+    for name in ("straight", "turning"):
+        (tmp_path / "study" / name).mkdir(parents=True)
+        (tmp_path / "study" / name / "history.nc").touch()
+    code, _, err = call("animate", "study")
+    assert code == 2
+    assert_one_line(err, "no history at study/history.nc; name one of study/straight, study/turning")
 
 
 @pytest.mark.parametrize(
@@ -237,7 +341,9 @@ def test_a_track_of_another_length_has_all_figures(call, tmp_path):
     table = pd.read_csv(tmp_path / "out" / "extremes.csv").set_index(["variable", "axis"])
     load = table.loc[("shoe_load", float("nan"))]
     assert (load["least"], load["greatest"], load["unit"]) == (4e5, 4e5, "N")
-    assert pd.read_csv(tmp_path / "out" / "loads.csv")["shoe"].tolist() == ["1", "2", "3", "sum"]
+    loads = pd.read_csv(tmp_path / "out" / "loads.csv")
+    assert loads["shoe"].tolist() == ["1", "2", "3", "sum"]
+    assert list(loads.columns[1:]) == ["begin (0 s) in N", "constant (0.01 s) in N"]
 
 
 @pytest.mark.simulation
@@ -311,8 +417,8 @@ def test_a_load_cycle_that_is_no_toml_is_named(call, tmp_path, content):
 @pytest.mark.simulation
 def test_overwriting_a_run_removes_the_report_of_the_earlier_one(call, short, tmp_path):
     assert call("run", short, "--out", "out")[0] == 0
-    assert call("report", "out")[0] == 0
-    assert call("animate", "out/history.nc", "--out", "out/track.gif")[0] == 0
+    assert call("report", "out/history.nc")[0] == 0
+    assert call("animate", "out", "--out", "out/track.gif")[0] == 0
     (tmp_path / "out" / "notes.html").write_text("mine")
     record = json.loads((tmp_path / "out" / "run.json").read_text())
     assert record["status"] == "done"

@@ -37,3 +37,49 @@ def test_importing_the_package_loads_nothing_heavy():
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_completion_shows_the_public_names_and_no_helpers():
+    shown = dir(exudyn_crawler)
+    assert set(exudyn_crawler.__all__) <= set(shown)
+    assert not {"import_module", "Any", "find_spec"} & set(shown)
+
+
+@pytest.mark.parametrize("name", ["fem", "meshes", "studies"])
+def test_a_stranger_of_a_neighbours_name_is_refused_by_its_place(tmp_path, name):
+    (tmp_path / name).mkdir()
+    (tmp_path / name / "__init__.py").touch()
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import exudyn_crawler"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith(f"ImportError: the package {name!r} must be that in ")
+    assert f"got {tmp_path / name}" in last
+
+
+def test_objects_of_a_notebook_show_themselves(flexible_run):
+    history, stress, hot_spots = flexible_run
+    results = exudyn_crawler.StressResults(stress, hot_spots, whole=None)
+    run = exudyn_crawler.CaseRun(history, results, folder=None)
+    shown = {
+        "case": (history.case, ["terrain.spring_stiffness", "N/m", "stiffness of each spring"]),
+        "history": (history, ["&#x27;stress&#x27; over 0.06 s", "joint_force"]),
+        "stresses": (results, ["Shoe 13", "highest_von_mises"]),
+        "run": (run, ["kept nowhere", "Shoe 7", "joint_force"]),
+        "loads": (exudyn_crawler.shoe_loads(history, 7, 0.0), ["Shoe 7 at t = 0 s", "inertia"]),
+    }
+    for one, words in shown.values():
+        html = one._repr_html_()
+        assert [word for word in words if word not in html] == []
+
+
+def test_names_in_a_notebook_cannot_be_markup():
+    assert "<b>" not in exudyn_crawler.Case.translation().with_(name="<b>loud</b>")._repr_html_()
+
+
+def test_completion_shows_the_variables_of_a_history(translation):
+    assert {"position", "case", "save", "duration"} <= set(dir(translation))

@@ -5,6 +5,8 @@ from typing import Annotated, Any, Self
 from annotated_types import Ge, Le, MaxLen, MinLen
 from pydantic import BaseModel, ConfigDict, Field
 
+from exudyn_crawler.case.html import parameter_html
+
 FAR = 1e6
 """m, beyond which places are no longer exact to a tenth of a micrometre."""
 Place = Annotated[float, Ge(-FAR), Le(FAR)]
@@ -27,6 +29,10 @@ class Parameters(BaseModel):
         """Copy with some fields changed, validated anew."""
         values = {name: getattr(self, name) for name in type(self).model_fields}
         return type(self)(**(values | changes))
+
+    def _repr_html_(self) -> str:
+        """Table of every value with unit and meaning, for notebooks."""
+        return parameter_html(self)
 
 
 def quantity(unit: str, description: str, plausible: tuple[float, float] | None = None, **bounds: Any) -> Any:

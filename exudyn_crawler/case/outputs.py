@@ -19,8 +19,8 @@ class Outputs(Parameters):
     forces: bool = Field(default=True, description="whether forces derived from the history are written")
     picture_times: tuple[float, ...] | None = quantity(
         "s",
-        "times at which the stress of flexible shoes is kept whole and drawn; none: those of the papers, as "
-        "far as the run goes",
+        "times at which the stress of flexible shoes is kept whole and drawn, beside that of the highest; "
+        "none: begin and ends of the load cycle's phases, as far as the run goes",
         min_length=1,
         default=None,
     )

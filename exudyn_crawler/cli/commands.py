@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from exudyn_crawler.cli.errors import readable
-from exudyn_crawler.cli.options import RESULTS, Changes, Debug, Overwrite
+from exudyn_crawler.cli.options import RESULTS, Changes, Debug, Overwrite, Run
+from exudyn_crawler.cli.places import history_path, loaded, run_folder
 from exudyn_crawler.cli.registered import CASES, Commands, registered, study_case
 
 START = "kinematics"
@@ -21,6 +22,27 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
+
+
+def _tell_versions(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+        from platform import python_version
+
+        names = ("exudyn-crawler", "exudyn")
+        told = [f"{name} {version(name)}" for name in names]
+        typer.echo(", ".join([*told, f"Python {python_version()}"]))
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    _version: Annotated[
+        bool,
+        typer.Option("--version", help="show the versions", callback=_tell_versions, is_eager=True),
+    ] = False,
+) -> None:
+    """Options before the name of a command."""
 
 
 @app.command()
@@ -53,13 +75,14 @@ def info(
     changes: Changes = None,
     debug: Debug = False,
 ) -> None:
-    """Show a case with everything filled in: every value with its unit and meaning.
+    """Show a case with everything filled in, and what differs from the papers' case that is nearest.
 
     Example: exudyn-crawler info soft_ground.toml
     """
+    from exudyn_crawler.case.differences import table_beside_base
     from exudyn_crawler.case.files import read_case
     from exudyn_crawler.case.plausible import warn_implausible
-    from exudyn_crawler.case.text import case_table, shoe_weights
+    from exudyn_crawler.case.text import shoe_weights
     from exudyn_crawler.views.tables import print_table
 
     if case in registered(CASES):
@@ -68,7 +91,9 @@ def info(
         case_file = study_case(case)
     else:
         case_file = read_case(case, changes or ())
-    print_table(case_table(case_file), case)
+    base, table = table_beside_base(case_file)
+    differing = int((table["in the base"] != "").sum())
+    print_table(table, f"{case}: {differing} of {len(table)} values differ from the case {base!r}")
     if weights := shoe_weights(case_file.case):
         typer.echo(weights)
     warn_implausible(case_file.case, case_file.duration)
@@ -107,7 +132,7 @@ def run(
 @app.command()
 @readable
 def report(
-    folder: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
+    run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
     out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
     overwrite: Overwrite = False,
     debug: Debug = False,
@@ -116,10 +141,13 @@ def report(
 
     Example: exudyn-crawler report results/stress
     """
+    folder = run_folder(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.run.progress import heartbeat
     from exudyn_crawler.views.report.page import write_report
 
-    page = write_report(folder, out, overwrite)
+    with heartbeat(f"report of {folder}"):
+        page = write_report(folder, out, overwrite)
     note_file(page)
     typer.echo(f"{page}: open it in a browser")
 
@@ -127,9 +155,9 @@ def report(
 @app.command()
 @readable
 def animate(
-    history: Annotated[Path, typer.Argument(help="history of a run (NetCDF)", metavar="HISTORY.nc")],
+    run: Run,
     out: Annotated[
-        Path | None, typer.Option(help=".mp4 or .gif file to write; HISTORY.mp4, if not given")
+        Path | None, typer.Option(help=".mp4 or .gif file to write; RUN/history.mp4, if not given")
     ] = None,
     scale: Annotated[
         float | None, typer.Option(help="magnification of the ground's displacements; fitting, if not given")
@@ -141,13 +169,15 @@ def animate(
 ) -> None:
     """Animate the track on the deforming terrain, without a display.
 
-    Example: exudyn-crawler animate results/kinematics/translation/history.nc --end 5
+    Example: exudyn-crawler animate results/kinematics/translation --end 5
     """
-    from exudyn_crawler.results.history import History
+    path = history_path(run).with_suffix(".mp4") if out is None else out
+    history = loaded(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.run.progress import heartbeat
     from exudyn_crawler.views.animation import write_animation
 
-    path = history.with_suffix(".mp4") if out is None else out
-    write_animation(History.load(history), path, overwrite, scale, start=start, end=end)
+    with heartbeat(f"animation of {run}"):
+        write_animation(history, path, overwrite, scale, start=start, end=end)
     note_file(path)
     typer.echo(path)

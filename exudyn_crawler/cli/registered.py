@@ -6,7 +6,7 @@ A package, the studies first of all, registers them in the metadata that it is i
     stress = "studies.commands:stress"
 
     [project.entry-points."exudyn_crawler.cases"]
-    stress = "studies.stress:start"
+    stress = "studies.cases:stress"
 
 A command is a function as Typer takes it; its options `debug`, `out` and `overwrite` are those of
 `cli.options`. A case is a function without arguments that gives a `CaseFile`, to start from with ``init

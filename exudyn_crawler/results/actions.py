@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, FlexibleShoes
-from exudyn_crawler.case.track import Track
+from exudyn_crawler.case.track import SIDES, Track
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import shoe_model, side_weights
 from exudyn_crawler.results.history import History
@@ -155,30 +155,32 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
         yield from _drive(history, shoe, position, frames)
 
 
+def link_reactions(history: History, joint: int) -> list[tuple[str, NDArray, NDArray]]:
+    """Side, force and torque (times, 3) on the rear shoe of each joint of a link, global, N and N m.
+
+    A link of two rigid shoes has one joint, at its right pin.
+    """
+    chosen = history.dataset.sel(joint=joint)
+    if "pin_force" in chosen and bool(chosen.pin_force.notnull().all()):
+        sides = [str(side) for side in chosen.pin.values]
+        return [
+            (side, chosen.pin_force.sel(pin=side).values, chosen.pin_torque.sel(pin=side).values)
+            for side in sides
+        ]
+    return [(SIDES[0], chosen.joint_force.values, chosen.joint_torque.values)]
+
+
 def _joints(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
     """Joints of both links; a link of two rigid shoes has one, at its right pin."""
-    track, dataset = history.case.track, history.dataset
+    track = history.case.track
     # the link ahead acts on its rear shoe as stored, the link behind with the opposite
     for end, joint, sign in (("front", shoe, 1.0), ("rear", shoe - 1, -1.0)):
         if not 1 <= joint < track.shoe_count:
             continue
-        if "pin_force" in dataset:
-            chosen = dataset[["pin_force", "pin_torque"]].sel(joint=joint)
-            reactions = [
-                (str(pin), chosen.pin_force.sel(pin=pin), chosen.pin_torque.sel(pin=pin))
-                for pin in dataset.pin.values
-            ]
-        else:
-            chosen = dataset.sel(joint=joint)
-            reactions = [("right", chosen.joint_force, chosen.joint_torque)]
-        for side, force, torque in reactions:
-            if np.isnan(force.values).all():
-                continue
+        for side, force, torque in link_reactions(history, joint):
             where = f"{end} {side}"
             point = position + frames @ track.joint_centers[where]
-            yield Action(
-                "joint", shoe, where, point, sign * force.values, sign * torque.values, AtInterface(where)
-            )
+            yield Action("joint", shoe, where, point, sign * force, sign * torque, AtInterface(where))
 
 
 def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:

@@ -12,10 +12,10 @@ COLUMNS = (
     "unit",
     "least",
     "least_of",
-    "least_at",
+    "least_at in s",
     "greatest",
     "greatest_of",
-    "greatest_at",
+    "greatest_at in s",
 )
 
 
@@ -50,7 +50,7 @@ def _extreme(history: History, values: xr.DataArray, which: str) -> dict[str, ob
     return {
         which: float(values.isel(place)),
         f"{which}_of": of,
-        f"{which}_at": float(values.time[place["time"]]),
+        f"{which}_at in s": float(values.time[place["time"]]),
     }
 
 

@@ -189,8 +189,10 @@ def _flexible(states: _States) -> dict[str, Variable]:
     force = np.full((len(states.rows), len(states.case.track.joints), len(SIDES), 3), np.nan)
     torque = np.full_like(force, np.nan)
     for link, side, pin_force, pin_torque in _pins(states):
-        force[:, link, side] = pin_force
-        torque[:, link, side] = pin_torque
+        # a rigid link has one joint, whose reaction is no pin's
+        if states.layout.has(pin_name(SIDES[-1], int(states.case.track.joints[link]))):
+            force[:, link, side] = pin_force
+            torque[:, link, side] = pin_torque
     named = {
         "modal_coordinate": states.part("modes"),
         "modal_velocity": states.part("modes rate"),

@@ -1,6 +1,7 @@
 """Results of a run: named arrays over time that know their units and where they come from."""
 
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import Self
 
@@ -44,6 +45,15 @@ class History:
                 f"a history has no {name!r}; it has {sorted(map(str, self.dataset.variables))}"
             )
         return self.dataset[name]
+
+    def __dir__(self) -> list[str]:
+        """Attributes, for completion: those of every object and the variables."""
+        return [*super().__dir__(), *map(str, self.dataset.variables)]
+
+    def _repr_html_(self) -> str:
+        """Case in a line and the dataset, for notebooks."""
+        shown = f"<p>History of the case {escape(repr(self.case.name))} over {self.duration:g} s</p>"
+        return shown + self.dataset._repr_html_()
 
     @property
     def duration(self) -> float:

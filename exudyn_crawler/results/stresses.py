@@ -13,11 +13,10 @@ from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import StressBasis, stress_basis, whole_coordinates
+from exudyn_crawler.results.phases import phases
 from exudyn_crawler.results.quantities import variable
 from fem import Extremes, ReducedBody, hot_spots, recover_extremes
 
-PICTURE_TIMES = (0.0, 5.0, 10.0, 15.0, 22.5, 30.0, 33.5, 40.0)
-"""s, instants at which the S-paper shows the stressed shoes."""
 HOT_SPOTS = 5
 """Rows of the S-paper's hot-spot tables."""
 
@@ -34,7 +33,8 @@ class StressResults:
 
         - highest_von_mises (time, shoe) and highest_node (time, shoe), away from a pulled node
         - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
-        - frame_von_mises (frame, shoe, node)
+        - frame_von_mises (frame, shoe, node), and frame_name (frame): "begin", "end of dig" or "peak", each
+          as far as it is one
         - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
         - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices
         - in_spider (node), whether a node is held by a joint's rigid spider
@@ -51,6 +51,15 @@ class StressResults:
     hot_spots: Mapping[int, pd.DataFrame]
     whole: ReducedBody
 
+    def _repr_html_(self) -> str:
+        """Hot spots of every shoe and the dataset, for notebooks."""
+        tables = [
+            f"<p>Shoe {shoe}: highest von Mises stresses (Pa; places in m at t = 0)</p>"
+            + table.to_html(index=False)
+            for shoe, table in self.hot_spots.items()
+        ]
+        return "".join([*tables, self.dataset._repr_html_()])
+
     def save(self, path: Path, overwrite: bool = False) -> Path:
         """Write the dataset to a NetCDF file, whole or not at all.
 
@@ -62,13 +71,18 @@ class StressResults:
         return write_netcdf(self.dataset, path, overwrite)
 
 
-def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -> StressResults:
+def recover_stresses(
+    history: History, times: Sequence[float] | None = None, peak: bool = True
+) -> StressResults:
     """Recover the stresses of all flexible shoes from a run.
 
     Parameters
     ----------
-    times : sequence of float
-        s, instants of which whole fields are kept: the stored ones nearest to them, as far as the run goes.
+    times : sequence of float, optional
+        s, instants of which whole fields are kept: the stored ones nearest to them, as far as the run goes;
+        begin and ends of the load cycle's phases, if not given.
+    peak : bool
+        Keep that of the highest stress of all shoes, too.
 
     Raises
     ------
@@ -77,13 +91,19 @@ def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -
     """
     basis = stress_basis(history)
     shoes = list(history.case.flexible_shoes().shoes)
-    frames = _frames(history, times)
-    found, tables = [], {}
+    named = _named_times(history, times)
+    coordinates, reached, found, tables = {}, {}, [], {}
     for shoe in shoes:
-        q = whole_coordinates(history, basis, shoe)
-        at_load = _at_load(history, basis.whole, shoe)
+        q = coordinates[shoe] = whole_coordinates(history, basis, shoe)
+        away = np.flatnonzero(~_at_load(history, basis.whole, shoe))
+        reached[shoe] = recover_extremes(basis.whole.stress_modes, q, ranked=away)
+    if peak:
+        highest = np.max([one.highest for one in reached.values()], axis=0)
+        named.append((float(history.time[int(highest.argmax())]), "peak"))
+    frames, names = _frames(history, named)
+    for shoe, q in coordinates.items():
+        extremes, at_load = reached[shoe], _at_load(history, basis.whole, shoe)
         away = np.flatnonzero(~at_load)
-        extremes = recover_extremes(basis.whole.stress_modes, q, ranked=away)
         found.append(
             _of_shoe(history, basis, q, extremes, frames).assign(
                 at_load=variable("at_load", at_load, without=("shoe",))
@@ -99,17 +119,33 @@ def recover_stresses(history: History, times: Sequence[float] = PICTURE_TIMES) -
         node_position=variable("node_position", whole.nodes),
         triangle=variable("triangle", whole.mesh.boundary[:, :3]),
         in_spider=variable("in_spider", spider),
+        frame_name=variable("frame_name", np.array(names, dtype=object)),
     ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
     return StressResults(dataset, tables, whole)
 
 
-def _frames(history: History, times: Sequence[float]) -> NDArray:
-    """Indices of the stored instants nearest to the times that lie within the run."""
-    stored = history.time.values
-    within = [time for time in times if time <= stored[-1] * (1.0 + 1e-9)]
+def _named_times(history: History, times: Sequence[float] | None) -> list[tuple[float, str]]:
+    """Times (s) with their names: those that are given, as far as the run goes, or those of its phases."""
+    duration = history.duration
+    parts = phases(history.case.loads, duration)
+    ends = [(0.0, "begin"), *((part.end, f"end of {part.name}") for part in parts)]
+    if times is None:
+        return ends
+    within = [time for time in times if time <= duration * (1.0 + 1e-9)]
     if not within:
-        raise ValueError(f"none of the times {list(times)} s lies within the run of {stored[-1]:g} s")
-    return np.unique([int(np.argmin(np.abs(stored - time))) for time in within])
+        raise ValueError(f"none of the times {list(times)} s lies within the run of {duration:g} s")
+    known = {round(time, 9): name for time, name in ends}
+    return [(time, known.get(round(time, 9), "")) for time in within]
+
+
+def _frames(history: History, named: Sequence[tuple[float, str]]) -> tuple[NDArray, list[str]]:
+    """Indices of the stored instants nearest to named times, rising, and the names of each."""
+    stored = history.time.values
+    names: dict[int, list[str]] = {}
+    for time, name in named:
+        names.setdefault(int(np.argmin(np.abs(stored - time))), []).append(name)
+    rows = sorted(names)
+    return np.array(rows), [", ".join(filter(None, names[row])) for row in rows]
 
 
 def _at_load(history: History, whole: ReducedBody, shoe: int) -> NDArray:

@@ -88,7 +88,7 @@ class Checkpoints:
             if saved != case:
                 raise ValueError(
                     f"checkpoint {path} comes from other parameters: choose another folder "
-                    f"or ask for overwriting"
+                    f"or ask for overwriting (--overwrite)"
                 )
             if layout is not None and (differences := layout.differences(own)):
                 raise ValueError(

@@ -131,7 +131,7 @@ def refuse_results(out: Path, below: bool = False) -> None:
     if found:
         raise FileExistsError(
             f"{out} holds results already ({', '.join(found[:3])}, ...): "
-            f"choose another folder or ask for overwriting"
+            f"choose another folder or ask for overwriting (--overwrite)"
         )
 
 
@@ -174,7 +174,7 @@ def _keep_case(path: Path, case_file: CaseFile, overwrite: bool) -> None:
         same = False
     if path.exists() and not same and not overwrite:
         raise FileExistsError(
-            f"{path} is the case of another run: choose another folder or ask for overwriting"
+            f"{path} is the case of another run: choose another folder or ask for overwriting (--overwrite)"
         )
     if not same:
         write_case(case_file, path, overwrite)

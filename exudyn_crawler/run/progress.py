@@ -1,5 +1,7 @@
-"""Progress of a run on a terminal."""
+"""Progress of a run: a bar on a terminal, elsewhere a line now and then."""
 
+import sys
+import threading
 import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,7 +10,9 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 REFRESH = 0.2
-"""s of wall time between updates; an update costs more than a time step."""
+"""s of wall time between updates of a bar; an update costs more than a time step."""
+LINE_EVERY = 10.0
+"""s of wall time between lines where there is no terminal."""
 
 
 @contextmanager
@@ -18,30 +22,84 @@ def progress_bar(title: str, duration: float, show: bool | None = None) -> Itera
     Parameters
     ----------
     show : bool, optional
-        None shows it on a terminal only.
+        None shows a bar on a terminal, and a line every `LINE_EVERY` where stderr is something else.
     """
     console = Console(stderr=True)
-    if not (console.is_terminal if show is None else show):
+    if show is False:
         yield lambda _time: None
-        return
+    elif show or console.is_terminal:
+        with _bar(title, duration, console) as tell:
+            yield tell
+    else:
+        yield _lines(title, duration)
+
+
+@contextmanager
+def _bar(title: str, duration: float, console: Console) -> Iterator[Callable[[float], None]]:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         TextColumn("{task.completed:.2f} of {task.total:g} s"),
-        TextColumn("{task.fields[speed]:.2f} s wall per s"),
+        TextColumn("{task.fields[speed]}"),
         TimeRemainingColumn(),
     )
-    start = clock.perf_counter()
-    last = start
+    start = last = clock.perf_counter()
+    first: float | None = None
     with Progress(*columns, console=console, transient=False) as bar:
-        task = bar.add_task(title, total=duration, speed=float("nan"))
+        task = bar.add_task(title, total=duration, speed="")
 
         def tell(time: float) -> None:
-            nonlocal last
+            nonlocal last, first
             now = clock.perf_counter()
+            first = time if first is None else first
             if now - last < REFRESH and time < duration:
                 return
             last = now
-            bar.update(task, completed=time, speed=(now - start) / max(time, 1e-12))
+            bar.update(task, completed=time, speed=_speed(now - start, time - first))
 
         yield tell
+
+
+def _lines(title: str, duration: float) -> Callable[[float], None]:
+    """Function that writes a line every `LINE_EVERY` until the run's end."""
+    start = last = clock.perf_counter()
+    first: float | None = None
+
+    def tell(time: float) -> None:
+        nonlocal last, first
+        now = clock.perf_counter()
+        first = time if first is None else first
+        if now - last < LINE_EVERY or time >= duration:
+            return
+        last = now
+        parts = [f"{title}: {time:.4g} of {duration:g} s", _speed(now - start, time - first)]
+        if time > first:
+            left = (now - start) / (time - first) * (duration - time)
+            parts.append(f"about {left:.0f} s left")
+        print(", ".join(filter(None, parts)), file=sys.stderr, flush=True)
+
+    return tell
+
+
+def _speed(wall: float, simulated: float) -> str:
+    """Wall time for a simulated second; empty as long as nothing was simulated."""
+    return f"{wall / simulated:.3g} s wall per s" if simulated > 0.0 else ""
+
+
+@contextmanager
+def heartbeat(title: str) -> Iterator[None]:
+    """Write every `LINE_EVERY` how long a block has taken, to stderr."""
+    start = clock.perf_counter()
+    ended = threading.Event()
+
+    def beat() -> None:
+        while not ended.wait(LINE_EVERY):
+            print(f"{title}: {clock.perf_counter() - start:.0f} s so far", file=sys.stderr, flush=True)
+
+    thread = threading.Thread(target=beat, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()

@@ -27,7 +27,7 @@ def simulate(
     duration : float
         s, simulated time.
     progress : bool, optional
-        Show a progress bar; None shows it on a terminal only.
+        Show a progress bar; None shows one on a terminal and a line every 10 s elsewhere.
     checkpoints : Checkpoints, optional
         Keeps every stage but the last; the run goes on behind those that are there.
 

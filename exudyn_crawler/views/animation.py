@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 from PIL import Image
 
-from exudyn_crawler.files import whole_file
+from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.curves import STYLE
 from exudyn_crawler.views.placement import greatest_shoe_force, instant
@@ -146,8 +146,7 @@ def write_animation(
     end = history.duration if end is None else end
     if path.suffix not in (".mp4", ".gif"):
         raise ValueError(f"an animation is an .mp4 or .gif file, got {path}")
-    if path.exists() and not overwrite:
-        raise FileExistsError(f"{path} exists; ask for overwriting to replace it")
+    refuse_existing(path, overwrite)
     if not 0.0 <= start < end <= history.duration + 1e-9:
         raise ValueError(f"start and end must lie in 0..{history.duration:g} s, got {start:g}..{end:g} s")
     scale = ground_scale(history) if scale is None else scale

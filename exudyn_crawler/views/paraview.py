@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.files import refuse_existing, whole_file, writable_folder
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.placement import Pose, instant, touching
@@ -52,8 +52,7 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
         If the series exists and `overwrite` is false.
     """
     path = folder / SERIES
-    if path.exists() and not overwrite:
-        raise FileExistsError(f"{path} exists; ask for overwriting to replace it")
+    refuse_existing(path, overwrite)
     mesh = _mesh(stress, history.case)
     parts = writable_folder(folder / PARTS)
     series = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")

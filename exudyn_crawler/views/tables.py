@@ -34,10 +34,14 @@ def _cell(value: object) -> str:
     return str(value)
 
 
+DIGITS = 10
+"""Of a number in a CSV file: the last ones of sixteen are rounding alone, 1.5860000000000005 for 1.586."""
+
+
 def write_table(table: pd.DataFrame, path: Path, overwrite: bool = False) -> Path:
     """Write a table as CSV, whole or not at all."""
     with whole_file(path, overwrite) as temporary:
-        table.to_csv(temporary, index=False)
+        table.to_csv(temporary, index=False, float_format=f"%.{DIGITS}g")
     return path
 
 

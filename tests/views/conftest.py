@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from exudyn_crawler.results.tables import hot_spot_table
 from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
@@ -19,7 +20,7 @@ def stress_folder(flexible_run, tmp_path_factory):
     history.save(folder / "history.nc")
     stress.to_netcdf(folder / "stress.nc", engine="h5netcdf")
     for shoe, table in hot_spots.items():
-        write_table(table, folder / f"hot_spots_shoe_{shoe}.csv")
+        write_table(hot_spot_table(table, stress), folder / f"hot_spots_shoe_{shoe}.csv")
     reported = reported_values("stress")
     # within, without verdict and outside; the rest was not computed
     computed = [value * (1.0 if row % 3 else 10.0) for row, value in enumerate(reported["value"])]

@@ -13,11 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from exudyn_crawler import History
+from exudyn_crawler import History, recover_stresses
 from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
 from exudyn_crawler.results.contacts import contacts_of
+from exudyn_crawler.views.report.frames import first_frame, frame_titles
+from exudyn_crawler.views.report.heading import provenance
 from exudyn_crawler.views.report.packing import thinned
-from exudyn_crawler.views.report.page import hot_spot_tables, report_page, write_report
+from exudyn_crawler.views.report.page import LONGEST_TABLE, report_page, write_report
 from exudyn_crawler.views.series import dataset_series
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
@@ -97,27 +99,62 @@ def test_the_page_has_every_section_and_its_numbers(stress_folder, stress_page):
     for verdict, name in (("yes", "within"), ("no", "outside"), ("", "none")):
         assert stress_page.count(f'<tr class="{name}">') == (table["within"] == verdict).sum() > 0
     spots = pd.read_csv(stress_folder / "hot_spots_shoe_13.csv")
-    assert f"<td>{spots['value'][0] / 1e6:.5g}</td>" in stress_page
+    assert f"<td>{spots['von Mises in MPa'][0]:.5g}</td>" in stress_page
     assert stress_page.count("data:image/webp;base64,") == 2
     assert "{&#34;wall time&#34;: &#34;&lt;1 s&#34;}" in stress_page
     assert "Every stored time is drawn." in stress_page
 
 
-def test_places_of_hot_spots_are_given_in_the_shoe_whatever_the_table_has(flexible_run, tmp_path):
-    history, stress, hot_spots = flexible_run
-    history.save(tmp_path / "history.nc")
-    stress.to_netcdf(tmp_path / "stress.nc", engine="h5netcdf")
-    local = hot_spots[7].copy()
-    local[["x", "y", "z"]] = stress.node_position.values[local["node"]]
-    in_track = local.assign(x=local["x"] + 13.8)
-    write_table(local, tmp_path / "hot_spots_shoe_7.csv")
-    write_table(in_track, tmp_path / "hot_spots_shoe_13.csv")
-    of_shoe, of_track = (table["html"] for table in hot_spot_tables(tmp_path, stress))
-    x, y, z = local.loc[0, ["x", "y", "z"]]
-    for html in (of_shoe, of_track):
-        assert f"<td>{x:.4f}, {y:.4f}, {z:.4f}</td>" in html
-    assert f"<td>{x + 13.8:.4f}, {y:.4f}, {z:.4f}</td>" in of_track
-    assert "at t = 0" not in of_shoe
+def test_the_page_opens_with_key_results_versions_and_dates(stress_folder, flexible_run, tmp_path):
+    history, stress, _ = flexible_run
+    shutil.copytree(stress_folder, tmp_path, dirs_exist_ok=True)
+    record = {"status": "done", "finished": "2026-03-01T10:20:30+00:00", "wall_time_s": 81.4}
+    (tmp_path / "run.json").write_text(json.dumps(record))
+    head = report_page(tmp_path).split("<main>")[0]
+    assert f"stress: 0.06 s, {history.time.size} stored times" in head
+    assert f"exudyn-crawler {history.dataset.attrs['exudyn_crawler_version']}; exudyn 1." in head
+    assert "done 2026-03-01 10:20 UTC after 81 s, page made 20" in head
+    highest = float(stress.highest_von_mises.max()) / 1e6
+    assert (
+        f'<td>highest von Mises stress</td><td class="number">{highest:.4g} MPa</td><td>shoe 13, t = ' in head
+    )
+
+
+@pytest.mark.parametrize(
+    "record", ["", "[]", "{", '{"finished": 3}', '{"finished": "soon", "status": "done"}']
+)
+def test_a_broken_record_leaves_only_its_date_out(flexible_run, tmp_path, record):
+    flexible_run[0].save(tmp_path / "history.nc")
+    (tmp_path / "run.json").write_text(record)
+    lines = provenance(tmp_path, {"stress": flexible_run[0]})
+    assert len(lines) == 2
+    assert "page made" in lines[1]
+    assert "after" not in lines[1]
+
+
+def test_the_peak_is_shown_first_and_named_after_the_phases(flexible_run):
+    history, stress, _ = flexible_run
+    assert frame_titles(stress) == ["t = 0 s, begin", "t = 0.06 s, end of constant"]
+    results = recover_stresses(history)
+    highest = results.dataset.highest_von_mises.max("shoe")
+    peak = float(history.time[int(highest.values.argmax())])
+    at = first_frame(results.dataset)
+    assert float(results.dataset.frame[at]) == pytest.approx(peak)
+    assert "peak" in frame_titles(results.dataset)[at].split(", ")
+    shown = results.dataset.frame_von_mises.isel(frame=at).where(~results.dataset.at_load).max()
+    assert float(shown) == pytest.approx(float(highest.max()), rel=1e-6)
+    unnamed = stress.drop_vars("frame_name")
+    assert frame_titles(unnamed) == ["t = 0 s", "t = 0.06 s"]
+    assert first_frame(unnamed) == int(stress.frame_von_mises.max(["shoe", "node"]).values.argmax())
+
+
+def test_long_tables_are_left_to_the_plots(flexible_run, tmp_path):
+    flexible_run[0].save(tmp_path / "history.nc")
+    for name, rows in (("short", LONGEST_TABLE), ("long", LONGEST_TABLE + 1)):
+        write_table(pd.DataFrame({"time in s": np.arange(rows)}), tmp_path / f"{name}.csv")
+    page = report_page(tmp_path)
+    assert "<summary>short.csv</summary>" in page
+    assert "long.csv" not in page
 
 
 def test_the_case_is_listed_with_units(flexible_run, tmp_path):

@@ -2,22 +2,21 @@
 
 import json
 from collections.abc import Iterator
-from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
 import xarray as xr
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from exudyn_crawler.case.text import case_table
-from exudyn_crawler.files import whole_file
+from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
-from exudyn_crawler.views.report.pictures import embedded_picture
+from exudyn_crawler.views.report.heading import key_rows, provenance
+from exudyn_crawler.views.report.pictures import embedded_pictures, first_picture
 from exudyn_crawler.views.report.plots import (
     first_plots,
     packed_case,
@@ -26,13 +25,16 @@ from exudyn_crawler.views.report.plots import (
     thinning,
 )
 from exudyn_crawler.views.report.shoes import packed_shoes
-from exudyn_crawler.views.report.tables import comparison_rows, hot_spot_table, html_table
+from exudyn_crawler.views.report.tables import comparison_rows, html_table
+from exudyn_crawler.views.report.templating import rendered_page, template_text
 from exudyn_crawler.views.series import dataset_series
 from exudyn_crawler.views.stress_pictures import PICTURES, write_stress_pictures
 from exudyn_crawler.views.tables import within_by_class
 
 REPORT = "report.html"
 STRESSES = "stress.nc"
+LONGEST_TABLE = 300
+"""Rows of a table on the page; longer ones are series, which plots show."""
 SECTIONS = (
     ("comparison", "Paper against computed", "comparison"),
     ("histories", "Time histories", "has_series"),
@@ -80,8 +82,7 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
     if not folder.is_dir():
         raise NotADirectoryError(f"no folder {folder}")
     out = folder / REPORT if out is None else Path(out)
-    if out.exists() and not overwrite:
-        raise FileExistsError(f"{out} exists; ask for overwriting to replace it")
+    refuse_existing(out, overwrite)
     page = report_page(folder)
     with whole_file(out, overwrite) as temporary:
         temporary.write_text(page, encoding="utf-8")
@@ -97,7 +98,7 @@ def report_page(folder: Path) -> str:
         for name, one in histories.items()
     }
     stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
-    stress, comparison = _stress(stressed), _comparison(folder)
+    stress, comparison = stress_of(stressed), _comparison(folder)
     if not variables and comparison is None:
         raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
     bent = next((n for n in histories if places[n] == stressed and histories[n].case.flexible), None)
@@ -106,31 +107,30 @@ def report_page(folder: Path) -> str:
         name: dataset_series(dataset, stress if name == bent else None) for name, dataset in variables.items()
     }
     points = points_a_series(found)
+    pictures, first = _pictures(stressed, stress, owner)
     data = {
+        "first_picture": first,
         "cases": {name: packed_case(one, points) for name, one in found.items()},
         "shoes": None if stress is None or owner is None else packed_shoes(stress, owner),
         "first": first_plots(found),
         **page_colours(),
     }
     title = " and ".join(variables) if variables else folder.resolve().name
-    lead = [
-        f"{name}: {float(one.time[-1]):.4g} s, {one.sizes['time']} stored times"
-        for name, one in variables.items()
-    ]
     content = {
         "title": f"Crawler track: {title}",
-        "lead": "; ".join(lead),
+        "lead": provenance(folder, histories),
+        "key_results": key_rows(histories, {} if bent is None or stress is None else {bent: stress}),
         "summary": [] if comparison is None else _summary_rows(comparison),
         "comparison": None if comparison is None else comparison_rows(comparison),
         "has_series": bool(variables),
         "thinning": thinning(variables, points),
-        "hot_spots": hot_spot_tables(stressed, stress),
+        "hot_spots": hot_spot_tables(stressed),
         "has_shoes": data["shoes"] is not None,
-        "pictures": _pictures(stressed, stress, owner),
+        "pictures": pictures,
         "tables": [
-            html_table(path.relative_to(folder).as_posix(), pd.read_csv(path))
+            html_table(path.relative_to(folder).as_posix(), table)
             for one in folders
-            for path in _further(one)
+            for path, table in _further(one)
         ],
         "cases": [
             {"title": name, "rows": case_table(one.case).to_dict("records")}
@@ -143,16 +143,10 @@ def report_page(folder: Path) -> str:
 
 def _rendered(content: dict[str, Any], data: dict[str, Any]) -> str:
     """Page of what its sections show and of the data that its script draws."""
-    environment = Environment(
-        loader=FileSystemLoader(str(files("exudyn_crawler.views.report").joinpath("templates"))),
-        autoescape=select_autoescape(default=True),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-    )
-    return environment.get_template("report.html").render(
-        content,
-        style=Markup(_template("report.css")),
-        script=Markup(_template("report.js")),
+    return rendered_page(
+        "report.html",
+        **content,
+        script=template_text("report.js"),
         plotly=Markup(get_plotlyjs()) if content["has_series"] else "",
         # the page's own parser must not find the end of a script in the data
         data=Markup(json.dumps(data, separators=(",", ":")).replace("</", "<\\/")),
@@ -160,10 +154,6 @@ def _rendered(content: dict[str, Any], data: dict[str, Any]) -> str:
             (anchor, heading) for anchor, heading, shown in SECTIONS if shown is None or content[shown]
         ],
     )
-
-
-def _template(name: str) -> str:
-    return files("exudyn_crawler.views.report").joinpath("templates", name).read_text(encoding="utf-8")
 
 
 def _run_folders(folder: Path) -> list[Path]:
@@ -189,7 +179,8 @@ def _histories(folders: list[Path]) -> tuple[dict[str, History], dict[str, Path]
     return histories, places
 
 
-def _stress(folder: Path) -> xr.Dataset | None:
+def stress_of(folder: Path) -> xr.Dataset | None:
+    """Stresses that a run has left in a folder; None if there are none."""
     path = folder / STRESSES
     return xr.load_dataset(path, engine="h5netcdf") if path.is_file() else None
 
@@ -212,9 +203,12 @@ def _summary_rows(table: pd.DataFrame) -> list[dict[str, Any]]:
     ]
 
 
-def hot_spot_tables(folder: Path, stress: xr.Dataset | None) -> list[dict[str, Any]]:
+def hot_spot_tables(folder: Path) -> list[dict[str, Any]]:
     """Titles and HTML of the hot spots' tables of a folder, in the order of the shoes."""
-    return [hot_spot_table(path, stress) for path in _by_number(folder.glob("hot_spots_*.csv"))]
+    return [
+        html_table(path.stem.removeprefix("hot_spots_").replace("_", " "), pd.read_csv(path))
+        for path in _by_number(folder.glob("hot_spots_*.csv"))
+    ]
 
 
 def _by_number(paths: Iterator[Path]) -> list[Path]:
@@ -222,22 +216,25 @@ def _by_number(paths: Iterator[Path]) -> list[Path]:
     return sorted(paths, key=lambda p: (int("".join(filter(str.isdigit, p.stem)) or 0), p.name))
 
 
-def _further(folder: Path) -> list[Path]:
-    """Tables that have no section of their own."""
-    return sorted(
-        path
-        for path in folder.glob("*.csv")
-        if path.name != "comparison.csv" and not path.name.startswith("hot_spots_")
-    )
+def _further(folder: Path) -> Iterator[tuple[Path, pd.DataFrame]]:
+    """Tables that have no section of their own and are short enough to be read."""
+    for path in sorted(folder.glob("*.csv")):
+        if path.name != "comparison.csv" and not path.name.startswith("hot_spots_"):
+            table = pd.read_csv(path)
+            if len(table) <= LONGEST_TABLE:
+                yield path, table
 
 
-def _pictures(folder: Path, stress: xr.Dataset | None, history: History | None) -> list[dict[str, str]]:
-    """Stress pictures of the folder, or new ones where it has none."""
+def _pictures(
+    folder: Path, stress: xr.Dataset | None, history: History | None
+) -> tuple[list[dict[str, str]], int]:
+    """Stress pictures of the folder, or new ones where it has none, and which of them is shown first."""
     kept = sorted(folder.glob(PICTURES))
     if kept or stress is None or history is None:
-        return [embedded_picture(path) for path in kept]
+        return embedded_pictures(kept, stress), first_picture(kept, stress)
     with TemporaryDirectory() as temporary:
-        return [embedded_picture(path) for path in write_stress_pictures(stress, history, Path(temporary))]
+        made = write_stress_pictures(stress, history, Path(temporary))
+        return embedded_pictures(made, stress), first_picture(made, stress)
 
 
 def _texts(folder: Path) -> list[dict[str, str]]:

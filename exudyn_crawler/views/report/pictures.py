@@ -2,17 +2,42 @@
 
 import base64
 import io
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+import xarray as xr
 from PIL import Image
 
+from exudyn_crawler.views.report.frames import first_frame, frame_at, frame_titles
 from exudyn_crawler.views.stress_pictures import picture_time
 
 WIDTH = 1500
 """Pixels of a picture on the page."""
 
 
-def embedded_picture(path: Path) -> dict[str, str]:
+def embedded_pictures(paths: Sequence[Path], stress: xr.Dataset | None) -> list[dict[str, str]]:
+    """Pictures of stress with what their times are, as far as that is known."""
+    titles = [] if stress is None else frame_titles(stress)
+    found = []
+    for path in paths:
+        time = picture_time(path)
+        title = f"t = {time:.6g} s"
+        if stress is not None and abs(float(stress.frame[at := frame_at(stress, time)]) - time) < 1e-4:
+            title = titles[at]
+        found.append(_embedded(path, title))
+    return found
+
+
+def first_picture(paths: Sequence[Path], stress: xr.Dataset | None) -> int:
+    """Index of the picture that is shown first: that of the highest stress."""
+    if stress is None or not paths:
+        return 0
+    shown = float(stress.frame[first_frame(stress)])
+    return int(np.argmin([abs(picture_time(path) - shown) for path in paths]))
+
+
+def _embedded(path: Path, title: str) -> dict[str, str]:
     """Picture as a data URI, no wider than the page needs."""
     with Image.open(path) as opened:
         image = opened.convert("RGB")
@@ -22,4 +47,4 @@ def embedded_picture(path: Path) -> dict[str, str]:
     memory = io.BytesIO()
     image.save(memory, format="webp", quality=85)
     encoded = base64.b64encode(memory.getvalue()).decode("ascii")
-    return {"time": f"{picture_time(path):g}", "uri": f"data:image/webp;base64,{encoded}"}
+    return {"title": title, "uri": f"data:image/webp;base64,{encoded}"}

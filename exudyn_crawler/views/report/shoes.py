@@ -8,6 +8,7 @@ import xarray as xr
 
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.placement import Pose, instant, touching
+from exudyn_crawler.views.report.frames import first_frame, frame_titles
 from exudyn_crawler.views.report.packing import packed
 from exudyn_crawler.views.scales import MEGA, Scales
 
@@ -25,7 +26,7 @@ def packed_shoes(stress: xr.Dataset, history: History) -> dict[str, Any]:
     bend_step = max(float(np.abs(bend).max()), 1e-12) / 32767.0
     mises_step = max(float(mises.max()), 1e-12) / 65535.0
     shoes = [int(shoe) for shoe in stress.shoe.values]
-    frames = []
+    frames, titles = [], frame_titles(stress)
     for number, time in enumerate(stress.frame.values):
         highest = (stress.frame_von_mises.isel(frame=number).max("node") / MEGA).values.tolist()
         fields = {
@@ -33,7 +34,7 @@ def packed_shoes(stress: xr.Dataset, history: History) -> dict[str, Any]:
             "mises": [packed(np.rint(one / mises_step), "u2") for one in mises[number]],
             "highest": highest,
         }
-        frames.append({"time": float(time)} | _placed(instant(history, float(time)), shoes) | fields)
+        frames.append({"title": titles[number]} | _placed(instant(history, float(time)), shoes) | fields)
     return {
         "shoes": shoes,
         "position": packed(stress.node_position.transpose("node", "axis").values[used], "f4"),
@@ -43,6 +44,7 @@ def packed_shoes(stress: xr.Dataset, history: History) -> dict[str, Any]:
         "limit": scales.stress / MEGA,
         "magnification": scales.displacement,
         "force_scale": scales.pair_force,
+        "first": first_frame(stress),
         "frames": frames,
     }
 

@@ -6,6 +6,8 @@ const COLOURS = ["#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b
   "#bcbd22", "#17becf", "#393b79", "#637939", "#111111"];
 const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["sendDataToCloud", "lasso2d", "select2d"] };
 
+const NARROW = window.matchMedia("(max-width: 640px)");
+
 function unpack(text, kind) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   return new KINDS[kind](bytes.buffer);
@@ -119,10 +121,10 @@ class SeriesPlot {
     const traces = [];
     const layout = {
       height: 90 + 230 * Math.max(chosenAxes.length, 1),
-      margin: { l: 80, r: 20, t: 20, b: 50 },
+      margin: { l: NARROW.matches ? 58 : 80, r: NARROW.matches ? 6 : 20, t: 20, b: 50 },
       grid: { rows: Math.max(chosenAxes.length, 1), columns: 1, pattern: "coupled" },
       xaxis: { title: { text: "time in s" } },
-      legend: { tracegroupgap: 0 },
+      legend: NARROW.matches ? { orientation: "h", y: -0.15, tracegroupgap: 0 } : { tracegroupgap: 0 },
       showlegend: chosenItems.length > 1,
       hovermode: "x",
       uirevision: `${this.case}|${label}|${chosenAxes}`,
@@ -165,6 +167,7 @@ class ShoeView {
     this.forces = control("shoe-forces");
     this.shown = control("shoe-time-shown");
     this.time.max = shoes.frames.length - 1;
+    this.time.value = shoes.first;
     this.bend.value = shoes.magnification;
     this.limit.value = shoes.limit;
     for (const input of [this.time, this.bend, this.gap, this.limit, this.forces]) input.oninput = () => this.draw();
@@ -232,7 +235,7 @@ class ShoeView {
 
   draw() {
     const frame = this.shoes.frames[Number(this.time.value)];
-    this.shown.textContent = `t = ${Number(frame.time.toFixed(4))} s`;
+    this.shown.textContent = frame.title;
     const traces = this.shoes.shoes.map((_, index) => this.surface(frame, index));
     if (this.forces.checked) traces.push(...this.arrows(frame));
     const layout = {
@@ -257,7 +260,7 @@ function showPictures() {
     buttons.forEach((button, index) => button.setAttribute("aria-pressed", String(index === chosen)));
   };
   buttons.forEach((button, index) => { button.onclick = () => show(index); });
-  if (figures.length) show(0);
+  if (figures.length) show(data.first_picture);
 }
 
 function filterComparison() {

@@ -1,0 +1,171 @@
+"""The commands that look into a run: stress at a place, forces at the pins, loads for other programs."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from exudyn_crawler.cli.commands import app
+from exudyn_crawler.cli.errors import readable
+from exudyn_crawler.cli.options import Debug, Overwrite, Run
+from exudyn_crawler.cli.places import history_path, loaded, run_folder
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Program(StrEnum):
+    """Finite-element programs that decks are written for."""
+
+    calculix = "calculix"
+    abaqus = "abaqus"
+
+
+Shoe = Annotated[int, typer.Option(help="number of the shoe")]
+Out = Annotated[Path | None, typer.Option(help="file to write; one beside the history, if not given")]
+
+
+@app.command()
+@readable
+def node_stress(
+    run: Run,
+    shoe: Shoe,
+    near: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(help="place in the shoe's frame, m; the nearest node is taken", metavar="X Y Z"),
+    ] = None,
+    node: Annotated[int | None, typer.Option(help="number of the node, in place of --near")] = None,
+    out: Out = None,
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Write the stress at a place of a flexible shoe over time: tensor, principal stresses, von Mises.
+
+    Example: exudyn-crawler node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05
+    """
+    history = loaded(run)
+    from exudyn_crawler.results.node_stress import node_stress as stress_at
+    from exudyn_crawler.results.node_stress import node_stress_table
+
+    found = stress_at(history, shoe, near, node)
+    number = found.attrs["node"]
+    place = ", ".join(f"{value:.4f}" for value in found.place.values)
+    typer.echo(
+        f"shoe {shoe}, node {number} at ({place}) m in the shoe's frame, "
+        f"{found.attrs['distance_m']:.4f} m from the place asked for"
+    )
+    if found.attrs["in_spider"]:
+        typer.echo("the node is held by a joint's rigid spider: its stress is that beside a rigid ring")
+    table = node_stress_table(found)
+    greatest = table.loc[table["von Mises in MPa"].idxmax()]
+    typer.echo(f"greatest von Mises stress {greatest.iloc[-1]:.4g} MPa at t = {greatest.iloc[0]:g} s")
+    default = history_path(run).parent / f"stress_shoe_{shoe}_node_{number}.csv"
+    _write(table, default if out is None else out, overwrite)
+
+
+@app.command()
+@readable
+def pin_forces(
+    run: Run,
+    shoe: Shoe,
+    out: Out = None,
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Write the forces and moments of a shoe's pins over time, in the shoe's axes.
+
+    Example: exudyn-crawler pin-forces results/stress/cycle --shoe 13
+    """
+    history = loaded(run)
+    from exudyn_crawler.results.pins import pin_table
+
+    default = history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
+    _write(pin_table(history, shoe), default if out is None else out, overwrite)
+
+
+@app.command()
+@readable
+def shoe_loads(
+    run: Run,
+    shoe: Shoe,
+    time: Annotated[
+        float | None, typer.Option(help="s; that of the shoe's highest stress, if not given")
+    ] = None,
+    program: Annotated[Program, typer.Option(help="finite-element program of the deck")] = Program.calculix,
+    out: Annotated[Path | None, typer.Option(help="folder; that of the history, if not given")] = None,
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Write all that acts on a shoe at one instant, in balance: a table, and a deck if it is flexible.
+
+    Example: exudyn-crawler shoe-loads results/stress/cycle --shoe 13 --program abaqus
+    """
+    history = loaded(run)
+    from exudyn_crawler.results import shoe_loads as found
+    from exudyn_crawler.run.folder import note_file
+
+    flexible = history.case.flexible is not None and shoe in history.case.flexible.shoes
+    if time is None:
+        if not flexible:
+            raise ValueError(f"time must be given for shoe {shoe}, which is rigid and has no highest stress")
+        time = found.peak_time(history, shoe)
+    folder = history_path(run).parent if out is None else out
+    table = found.action_table(history, shoe, time)
+    name = f"loads_shoe_{shoe}_{found.at_instant(history, time).duration:.4f}s"
+    if flexible:
+        deck = folder / f"{name}_{program.value}.inp"
+        note_file(found.shoe_loads(history, shoe, time).write(deck, program.value, overwrite))
+        typer.echo(deck)
+    _write(table, folder / f"{name}.csv", overwrite)
+
+
+@app.command()
+@readable
+def compare(
+    first: Annotated[Path, typer.Argument(help="folder of a run, or its history", metavar="A")],
+    second: Annotated[Path, typer.Argument(help="same of another", metavar="B")],
+    out: Annotated[
+        Path | None, typer.Option(help="page to write, its tables beside it; A_B.html, if not given")
+    ] = None,
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Lay two runs over each other: what differs in their cases and results, and their main curves.
+
+    Example: exudyn-crawler compare results/soft_ground results/hard_ground --out soft_and_hard.html
+    """
+    runs = dict(zip(_names(first, second), (first, second), strict=True))
+    histories = {name: loaded(run) for name, run in runs.items()}
+    from exudyn_crawler.views.comparison import comparison_tables, write_comparison
+    from exudyn_crawler.views.report.page import stress_of
+    from exudyn_crawler.views.tables import print_table, write_table
+
+    found = {name: stress_of(run_folder(run)) for name, run in runs.items()}
+    stresses = {name: stress for name, stress in found.items() if stress is not None}
+    page = Path("_".join(runs) + ".html") if out is None else out
+    write_comparison(histories, page, stresses, overwrite)
+    parameters, results = comparison_tables(histories, stresses)
+    print_table(
+        parameters,
+        "What differs in the cases: "
+        + ", ".join(f"{letter} is {name}" for letter, name in zip("AB", runs, strict=True)),
+    )
+    print_table(results, "What differs in the results")
+    write_table(results, page.with_suffix(".csv"), overwrite)
+    typer.echo(f"{page}: open it in a browser; {page.with_suffix('.csv')}: the table of results")
+
+
+def _names(first: Path, second: Path) -> tuple[str, str]:
+    """Names of two runs: of their folders where these differ, else their paths."""
+    names = [run_folder(run).resolve().name for run in (first, second)]
+    return (names[0], names[1]) if names[0] != names[1] else ("A", "B")
+
+
+def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
+    """Write a table and tell where it is."""
+    from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.views.tables import write_table
+
+    note_file(write_table(table, path, overwrite))
+    typer.echo(path)

@@ -1,0 +1,52 @@
+"""Runs as a command line names them: by their folder or by their history."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from exudyn_crawler.results.history import History
+
+
+def run_folder(run: Path) -> Path:
+    """Folder of a run, named itself or by a file in it.
+
+    Raises
+    ------
+    NotADirectoryError
+        If there is neither.
+    """
+    if run.is_file():
+        return run.parent
+    if not run.is_dir():
+        raise NotADirectoryError(f"no folder {run}")
+    return run
+
+
+def history_path(run: Path) -> Path:
+    """History of a run, named itself or by its folder.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is none, naming those in the folders below.
+    """
+    if run.is_file():
+        return run
+    if not run.is_dir():
+        raise FileNotFoundError(f"no history at {run}")
+    from exudyn_crawler.run.histories import HISTORY, STOPPED_HISTORY
+
+    for name in (HISTORY, STOPPED_HISTORY):
+        if (run / name).is_file():
+            return run / name
+    below = sorted(str(path.parent) for path in run.glob(f"*/{HISTORY}"))
+    told = f"; name one of {', '.join(below)}" if below else ""
+    raise FileNotFoundError(f"no history at {run / HISTORY}{told}")
+
+
+def loaded(run: Path) -> "History":
+    """History of a run, named itself or by its folder; errors are those of `history_path` and loading."""
+    path = history_path(run)
+    from exudyn_crawler.results.history import History
+
+    return History.load(path)

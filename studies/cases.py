@@ -1,0 +1,26 @@
+"""Cases of the studies to start from, as `pyproject.toml` registers them; runs stay unloaded."""
+
+from exudyn_crawler import Case, CaseFile
+from studies.defaults import CYCLE_DURATION, DURATION
+
+
+def kinematics() -> CaseFile:
+    """Straight propel."""
+    return CaseFile(case=Case.translation(), duration=DURATION)
+
+
+def forces() -> CaseFile:
+    """Propel with a turn."""
+    return CaseFile(case=Case.turning(), duration=DURATION)
+
+
+def stress() -> CaseFile:
+    """Whole cycle with six flexible shoes."""
+    return CaseFile(case=Case.stress(), duration=CYCLE_DURATION)
+
+
+def uneven() -> CaseFile:
+    """Straight propel over random roughness."""
+    from studies.uneven_ground import uneven_case
+
+    return CaseFile(case=uneven_case("rough"), duration=DURATION)

@@ -1,0 +1,62 @@
+"""Stress at a place: the node nearest to it, and the same numbers as the recovery of all nodes."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import node_stress
+from exudyn_crawler.results.node_stress import node_stress_table
+
+
+def test_the_highest_node_has_the_stress_that_the_recovery_found(flexible_run):
+    history, stress, hot_spots = flexible_run
+    first = hot_spots[13].iloc[0]
+    found = node_stress(history, 13, node=int(first["node"]))
+    assert float(found.von_mises.max()) == pytest.approx(first["value"], rel=1e-6)
+    assert float(found.time[int(found.von_mises.values.argmax())]) == pytest.approx(first["time"])
+    assert found.attrs["in_spider"] == bool(stress.in_spider[int(first["node"])])
+    assert found.attrs["distance_m"] == 0.0
+
+
+def test_the_nearest_node_is_found_and_its_distance_told(flexible_run):
+    history, stress, _ = flexible_run
+    node = 200
+    place = stress.node_position.values[node]
+    found = node_stress(history, 7, near=place + np.array([0.0, 1e-4, 0.0]))
+    assert found.attrs["node"] == node
+    assert found.attrs["distance_m"] == pytest.approx(1e-4, rel=1e-9)
+    assert found.place.values == pytest.approx(place)
+
+
+def test_principal_stresses_belong_to_the_tensor(flexible_run):
+    found = node_stress(flexible_run[0], 7, near=(0.0, 0.0, 0.1))
+    one, two, three = (found.principal.sel(order=k).values for k in (1, 2, 3))
+    assert (one >= two).all()
+    assert (two >= three).all()
+    trace = found.stress.sel(component=["xx", "yy", "zz"]).sum("component").values
+    assert one + two + three == pytest.approx(trace, abs=1.0)
+    mises = np.sqrt(0.5 * ((one - two) ** 2 + (two - three) ** 2 + (three - one) ** 2))
+    assert mises == pytest.approx(found.von_mises.values, rel=1e-9)
+    table = node_stress_table(found)
+    assert table["von Mises in MPa"].to_numpy() == pytest.approx(mises / 1e6)
+    assert list(table.columns[:2]) == ["time in s", "xx in MPa"]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"shoe": 5, "near": (0, 0, 0)}, r"of \[7, 13\], got 5"),
+        ({"shoe": 7}, "near or node must be given"),
+        ({"shoe": 7, "near": (0, 0)}, "near must be three finite numbers"),
+        ({"shoe": 7, "near": (0, 0, np.nan)}, "near must be three finite numbers"),
+        ({"shoe": 7, "node": 10**9}, "node must be in 0"),
+        ({"shoe": 7, "node": -1}, "node must be in 0"),
+    ],
+)
+def test_what_is_no_place_is_refused(flexible_run, options, words):
+    with pytest.raises(ValueError, match=words):
+        node_stress(flexible_run[0], **options)
+
+
+def test_rigid_runs_have_no_stress(translation):
+    with pytest.raises(ValueError, match=r"of \[\], got 13"):
+        node_stress(translation, 13, near=(0, 0, 0))

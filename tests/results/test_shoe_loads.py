@@ -1,0 +1,90 @@
+"""All that acts on a shoe at one instant: in balance, and with the stress that the run has."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import action_table, peak_time, shoe_loads, stress_basis, whole_coordinates
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.results.balance import shoe_momentum_rates
+from fem import Partition
+from fem.stress import von_mises
+
+TIME = 0.05
+
+
+@pytest.fixture(scope="module")
+def front(flexible_run):
+    """Loads of the front shoe, which the drive pulls, while it is set going."""
+    return shoe_loads(flexible_run[0], 13, TIME)
+
+
+@pytest.mark.parametrize("shoe", [7, 13])
+def test_forces_and_moments_of_a_deck_are_in_balance(flexible_run, shoe):
+    loads = shoe_loads(flexible_run[0], shoe, TIME)
+    assert loads.time == pytest.approx(TIME)
+    size = np.abs(loads.nodal).sum() + np.abs(loads.centers).sum()
+    assert size > 1e5
+    assert np.abs(loads.residual).max() < 1e-10 * size
+
+
+def test_loads_do_the_elastic_forces_work_on_every_mode(flexible_run, front):
+    history = flexible_run[0]
+    basis = stress_basis(history)
+    row = int(np.abs(history.time.values - TIME).argmin())
+    q = whole_coordinates(history, basis, 13)[row]
+    elastic = (2.0 * np.pi * basis.whole.frequencies) ** 2 * q
+    found = np.einsum("nk,nkm->m", front.nodal, basis.whole.modes)
+    found += np.einsum("ik,ikm->m", front.centers, basis.whole.pilots)
+    assert found == pytest.approx(elastic, abs=1e-6 * np.abs(elastic).max())
+
+
+def test_a_static_solution_has_the_stress_of_the_run(flexible_run, front):
+    history, _, _ = flexible_run
+    basis = stress_basis(history)
+    row = int(np.abs(history.time.values - TIME).argmin())
+    modal = von_mises(basis.whole.stress(whole_coordinates(history, basis, 13)[row])[0])
+    partition = Partition(front.body, front.interfaces)
+    shape = partition.static_response(front.nodal.reshape(-1, 1), front.centers.reshape(-1, 1))
+    static = von_mises(front.body.stress(shape.reshape(-1, 3, 1))[:, :, 0])
+    # what the modal basis leaves out of the contacts' local stress
+    assert np.linalg.norm(modal - static) < 0.06 * np.linalg.norm(static)
+    assert modal.max() == pytest.approx(static.max(), rel=0.02)
+
+
+@pytest.mark.parametrize("shoe", [1, 7, 12, 13])
+def test_the_table_sums_to_zero_and_inertia_is_mass_times_acceleration(flexible_run, shoe):
+    history = flexible_run[0]
+    table = action_table(history, shoe, TIME).set_index("kind")
+    numbers = table.drop(columns="where")
+    assert np.abs(numbers.loc["sum"].to_numpy()).max() < 1e-6 * np.abs(numbers.to_numpy()).max()
+    frame = rotation_matrices(history.angles.sel(shoe=shoe, time=TIME, method="nearest").values)
+    rate = shoe_momentum_rates(history).force.sel(shoe=shoe, time=TIME, method="nearest").values
+    inertia = numbers.loc["inertia", ["Fx in N", "Fy in N", "Fz in N"]].to_numpy(dtype=float)
+    assert frame @ inertia == pytest.approx(-rate, abs=5.0)
+
+
+def test_the_peak_is_that_of_the_recovered_stress(flexible_run):
+    history, stress, _ = flexible_run
+    highest = stress.highest_von_mises.sel(shoe=7)
+    assert peak_time(history, 7) == pytest.approx(float(highest.time[int(highest.values.argmax())]))
+
+
+@pytest.mark.parametrize("program", ["calculix", "abaqus"])
+def test_a_deck_is_written_with_its_table(front, tmp_path, program):
+    text = front.write(tmp_path / "deck.inp", program).read_text()
+    assert text.startswith("** shoe 13 at t = 0.05 s; N, m, Pa")
+    assert "** " in text
+    assert "com node" in text
+    assert text.count("*RIGID BODY") == 4
+    with pytest.raises(FileExistsError, match=r"deck\.inp exists"):
+        front.write(tmp_path / "deck.inp", program)
+
+
+def test_what_is_no_shoe_or_time_of_the_run_is_refused(flexible_run):
+    history = flexible_run[0]
+    with pytest.raises(ValueError, match=r"of \[7, 13\], got 5"):
+        shoe_loads(history, 5, 0.0)
+    with pytest.raises(ValueError, match=r"time must be in 0\.\.0\.06 s, got 1 s"):
+        shoe_loads(history, 13, 1.0)
+    with pytest.raises(ValueError, match=r"shoe must be in 1\.\.13, got 0"):
+        action_table(history, 0, 0.0)

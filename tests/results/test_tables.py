@@ -1,0 +1,84 @@
+"""Tables of a run: by its own phases, as far as it goes, with units in their headers."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from exudyn_crawler import Case, History, LoadCycle, Phase
+from exudyn_crawler.results.phases import phase_ends, phases
+from exudyn_crawler.results.tables import highest_by_phase, hot_spot_table, load_table
+from exudyn_crawler.views.tables import write_table
+
+OWN = LoadCycle(
+    phases=(
+        Phase(name="rest", end=0.02, loads=(4e5,) * 13),
+        Phase(name="tip over", end=0.05, loads=(3e5,) * 13),
+        Phase(name="never", end=0.2, loads=(9e5,) * 13),
+        Phase(name="nor this", end=0.3, loads=(0.0,) * 13),
+    )
+)
+
+
+def test_phases_end_where_the_run_ends():
+    assert phases(OWN, 0.06) == [("rest", 0.0, 0.02), ("tip over", 0.02, 0.05), ("never", 0.05, 0.06)]
+    assert phases(OWN, 0.05) == [("rest", 0.0, 0.02), ("tip over", 0.02, 0.05)]
+    # loads stay after the last phase
+    assert phases(OWN, 1.0)[-1] == ("nor this", 0.2, 1.0)
+    assert phases(LoadCycle.propel(), 2.0) == [("constant", 0.0, 2.0)]
+    assert phase_ends(OWN, 0.06) == [0.0, 0.02, 0.05, 0.06]
+
+
+@pytest.mark.parametrize("duration", [0.05, 0.06, 1.0])
+def test_every_time_belongs_to_one_phase(duration):
+    time = np.linspace(0.0, duration, 101)
+    assert np.sum([phase.rows(time) for phase in phases(OWN, duration)], axis=0).tolist() == [1] * 101
+
+
+def with_loads(history: History, loads: LoadCycle) -> History:
+    return History(history.case.with_(loads=loads), history.dataset)
+
+
+def test_loads_are_those_at_the_ends_of_what_was_run(flexible_run):
+    table = load_table(with_loads(flexible_run[0], OWN))
+    assert list(table.columns) == [
+        "shoe",
+        "begin (0 s) in N",
+        "rest (0.02 s) in N",
+        "tip over (0.05 s) in N",
+        "never (0.06 s) in N",
+    ]
+    assert table["tip over (0.05 s) in N"].tolist() == pytest.approx([3e5] * 13 + [39e5])
+    # a cubic step, a fifteenth of the way
+    s = 0.01 / 0.15
+    assert table["never (0.06 s) in N"][0] == pytest.approx(3e5 + 6e5 * s**2 * (3.0 - 2.0 * s))
+
+
+def test_highest_stresses_are_by_the_phases_of_the_case_whatever_their_names(flexible_run):
+    history, stress, _ = flexible_run
+    table = highest_by_phase(with_loads(history, OWN), stress)
+    assert table["phase"].tolist() == ["rest", "tip over", "never"] * 2
+    for shoe in (7, 13):
+        own = table[table["shoe"] == shoe]
+        highest = stress.highest_von_mises.sel(shoe=shoe)
+        assert own["highest von Mises in MPa"].max() == pytest.approx(float(highest.max()) / 1e6)
+        assert (own["begin in s"] < own["time in s"] + 1e-9).all()
+        assert (own["time in s"] < own["end in s"] + 1e-9).all()
+    place = stress.node_position.values[table["node"][0]]
+    assert table.filter(like="in the shoe in m").iloc[0].tolist() == pytest.approx(place.tolist())
+
+
+def test_hot_spots_are_in_megapascal_and_in_both_frames(flexible_run):
+    history, stress, hot_spots = flexible_run
+    table = hot_spot_table(hot_spots[13], stress)
+    assert table["von Mises in MPa"].to_numpy() == pytest.approx(hot_spots[13]["value"].to_numpy() / 1e6)
+    assert all(" in " in name or name in ("rank", "node", "flag") for name in table.columns)
+    start = Case.stress().track.com_positions(history.case.shoe.com_height)[12]
+    for k, axis in enumerate("xyz"):
+        moved = table[f"{axis} in the track at t = 0 in m"] - table[f"{axis} in the shoe in m"]
+        assert moved.to_numpy() == pytest.approx(start[k])
+
+
+def test_numbers_in_files_have_no_digits_of_rounding(tmp_path):
+    table = pd.DataFrame({"time in s": [1.586 + 4e-16, 0.1 + 0.2, 1.0, 1.23456789e-7]})
+    text = write_table(table, tmp_path / "table.csv").read_text()
+    assert text.split() == ["time", "in", "s", "1.586", "0.3", "1", "1.23456789e-07"]
