@@ -23,22 +23,12 @@ from exudyn_crawler.ground.frames import (
     turned,
     upward,
 )
-from exudyn_crawler.ground.grid import cell
 from exudyn_crawler.ground.laws import drag_ratio, normal_force, spin_torque
 from exudyn_crawler.ground.overlap import Overlap
-from exudyn_crawler.ground.pair_track import (
-    STATE,
-    Bodies,
-    Track,
-    bend,
-    cells_below,
-    contact_at,
-    gather,
-    named_track,
-    patch_rows,
-)
-from exudyn_crawler.ground.pairs import FROM_CURVE, Contact, pair_overlap, share_of
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude, shoe_frame, tilted, unit_frame
+from exudyn_crawler.ground.pair_overlaps import below, standing
+from exudyn_crawler.ground.pair_track import STATE, Track, bend, contact_at, gather, named, patch_rows
+from exudyn_crawler.ground.pairs import FROM_CURVE, Contact, share_of
+from exudyn_crawler.ground.rotations import Attitude, FloatArray
 from exudyn_crawler.ground.triplets import Weights
 
 MOTIONS = 4
@@ -181,38 +171,30 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
     int
         Number of contacts, in the order of the shoes.
     """
-    bodies, track, weights = Bodies(*places), named_track(model), Weights(*factors)
-    found = TouchingPairs(*out)
+    bodies, track = named(places, model)
+    weights, found = Weights(*factors), TouchingPairs(*out)
     derive = weights.position != 0.0 or weights.velocity != 0.0
     state = np.empty((2, STATE))
-    grid = track.grid
-    half = (0.5 * grid.length, 0.5 * grid.width, 0.5 * grid.height)
     count = 0
     for s in range(bodies.shoes.shape[0]):
-        f = track.flexible.row[s]
-        at = attitude(bodies.shoes[s, 3], bodies.shoes[s, 4], bodies.shoes[s, 5])
-        shoe = shoe_frame(bodies.shoes[s], bodies.shoe_rates[s], at)
-        cells = cells_below(shoe, track.footprint, grid)
-        for k in range(cells.columns * cells.rows):
-            u = cell(grid, cells, k)
-            tilt = tilted(bodies.units[u, 3], grid.tilt_axis)
-            unit = unit_frame(bodies.units[u], bodies.unit_rates[u], grid.tilt_axis, tilt)
-            part = pair_overlap(shoe, unit, track.footprint, half, work)
+        shoe = standing(bodies, track, s)
+        for k in range(shoe.cells.columns * shoe.cells.rows):
+            u, unit, part = below(bodies, track, shoe, k, work)
             if part.area <= 0.0 or count >= found.pairs.shape[0]:
                 continue
             gather(bodies, s, u, state)
-            if f >= 0:
-                patch_rows(part, shoe, unit, track, found.rows[count])
-                bend(bodies, f, found.rows[count], state)
-            contact = contact_at(part, shoe, unit, state, track, FROM_CURVE)
-            _write_motion(contact, shoe, unit, at, grid.tilt_axis, found.motion[count])
+            if shoe.row >= 0:
+                patch_rows(part, shoe.frame, unit, track, found.rows[count])
+                bend(bodies, shoe.row, found.rows[count], state)
+            contact = contact_at(part, shoe.frame, unit, state, track, FROM_CURVE)
+            _write_motion(contact, shoe.frame, unit, shoe.at, track.grid.tilt_axis, found.motion[count])
             normal = upward(unit.R)
             force = along(contact.normal_force, 1.0, contact.friction_force)
             for c in range(3):
                 found.wrench[count, c] = force[c]
             found.wrench[count, 3] = dot(contact.friction_torque, normal)
             if derive:
-                spin = _spin(shoe, unit)
+                spin = _spin(shoe.frame, unit)
                 _write_stiffness(part, contact, normal, spin, track, weights, found.stiffness[count])
             found.pairs[count, 0], found.pairs[count, 1] = s, u
             count += 1

@@ -15,24 +15,27 @@ from exudyn_crawler.model.system import build
 
 
 class TrackSystem(Protocol):
-    """What a run asks of a multibody system, of Exudyn's items or of compiled equations.
+    """What a run asks of a multibody system, of Exudyn's items or of compiled equations."""
 
-    Attributes
-    ----------
-    case : Case
-        What it was built of.
-    contact : GroundContact
-        Contact forces as functions of its coordinates.
-    point : DrivePoint
-        Point of the front shoe that the drive moves.
-    layout : StateLayout
-        What the numbers of a state are.
-    """
+    @property
+    def case(self) -> Case:
+        """What it was built of."""
+        ...
 
-    case: Case
-    contact: GroundContact
-    point: DrivePoint
-    layout: StateLayout
+    @property
+    def contact(self) -> GroundContact:
+        """Contact forces as functions of its coordinates."""
+        ...
+
+    @property
+    def point(self) -> DrivePoint:
+        """Point of the front shoe that the drive moves."""
+        ...
+
+    @property
+    def layout(self) -> StateLayout:
+        """What the numbers of a state are."""
+        ...
 
     @property
     def frequencies(self) -> NDArray | None:

@@ -5,6 +5,7 @@ is a single object that has the coordinates and nothing else.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -163,7 +164,8 @@ class CompiledSystem:
         if settings.timeIntegration.generalizedAlpha.computeInitialAccelerations:
             self._accelerate(settings.timeIntegration.startTime)
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
-        solver = exu.MainSolverImplicitSecondOrder()
+        # Exudyn's stub gives a solver's methods without self
+        solver: Any = exu.MainSolverImplicitSecondOrder()
         solver.SetUserFunctionNewton(self.mbs, self._newton)
         if not solver.SolveSystem(self.mbs, settings):
             raise NewtonError(self.in_layout(self._scratch[0]), self._singular)
@@ -226,7 +228,7 @@ class CompiledSystem:
         equations[len(coordinates) + pins.size :][: len(drives)] = drives
         return equations
 
-    def _newton(self, solver, _mbs, settings) -> bool:
+    def _newton(self, solver: Any, _mbs: "exu.MainSystem", settings: "exu.SimulationSettings") -> bool:
         """Predict and solve a step; Exudyn calls it anew with half the step where it fails."""
         predict(solver, self.mbs, settings, self._state)
         h, beta, gamma = solver.it.currentStepSize, solver.newmarkBeta, solver.newmarkGamma
@@ -292,7 +294,7 @@ class CompiledSystem:
 
 
 def predict(
-    solver: "exu.MainSolverImplicitSecondOrder",
+    solver: Any,
     mbs: "exu.MainSystem",
     settings: "exu.SimulationSettings",
     state: NDArray,
@@ -303,7 +305,8 @@ def predict(
     step that failed has left Exudyn's algorithmic acceleration as it would be at the step's end, whatever its
     size; Exudyn itself would take it for that of the start when the step is tried again.
     """
-    data, h = mbs.systemData, solver.it.currentStepSize
+    data: Any = mbs.systemData
+    h = solver.it.currentStepSize
     before, after = solver.GetStartOfStepStateAAlgorithmic(), solver.GetAAlgorithmic()
     if np.array_equal(before, after):
         solver.ComputeNewtonUpdate(mbs, settings, True)
