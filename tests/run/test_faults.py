@@ -97,6 +97,7 @@ def test_a_failed_step_of_the_compiled_equations_names_it_too(rest, equation, na
         integrate(system, 0.1)
 
 
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 def test_a_search_for_rest_names_what_does_not_come_to_rest():
     loads = LoadCycle.constant([-1e6] * 13)  # pulled up
     with pytest.raises(
