@@ -6,11 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from numpy.typing import NDArray
 from platformdirs import user_cache_path
 
-from fem import ElasticBody, Interface, Kept, cached_craig_bampton, kept_reductions
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from fem import ElasticBody, Interface, Kept
 
 VARIABLE = "EXUDYN_CRAWLER_CACHE"
 """Environment variable that names the folder of caches in place of the user's own."""
@@ -41,9 +44,15 @@ def reductions_in(folder: str | Path | None) -> Iterator[None]:
 
 
 def kept_reduction(
-    body: ElasticBody, interfaces: Sequence[Interface], fixed_modes: int, loads: Mapping[str, NDArray]
-) -> Kept:
+    body: "ElasticBody",
+    interfaces: "Sequence[Interface]",
+    fixed_modes: int,
+    loads: "Mapping[str, NDArray]",
+) -> "Kept":
     """Reduction of a body as of `fem.cached_craig_bampton`; what is wrong with a kept one goes to the log."""
+    # saying what is kept must not wait for finite elements
+    from fem import cached_craig_bampton
+
     return cached_craig_bampton(
         reductions_folder(), body, interfaces, fixed_modes, loads, warn=logger.warning
     )
@@ -52,6 +61,7 @@ def kept_reduction(
 def reductions_line() -> str:
     """What is kept, in a line."""
     folder = reductions_folder()
-    kept = kept_reductions(folder)
-    size = sum(path.stat().st_size for path in kept)
-    return f"{len(kept)} reduced shoes are kept in {folder} ({size / 1e6:.0f} MB), to be removed at will"
+    sizes = [path.stat().st_size for path in folder.glob("[!.]*.h5")]  # a dot before what is being written
+    return (
+        f"{len(sizes)} reduced shoes are kept in {folder} ({sum(sizes) / 1e6:.0f} MB), to be removed at will"
+    )

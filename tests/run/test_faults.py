@@ -100,7 +100,6 @@ def test_a_failed_step_of_the_compiled_equations_names_it_too(rest, equation, na
 @pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 def test_a_search_for_rest_names_what_does_not_come_to_rest():
     loads = LoadCycle.constant([-1e6] * 13)  # pulled up
-    with pytest.raises(
-        EquilibriumError, match=r"Newton's method failed, greatest residual at shoe \d+ \(z\)"
-    ):
+    said = r"failed, the equations are singular, greatest residual at shoe \d+ \(z\)"
+    with pytest.raises(EquilibriumError, match=said):
         simulate(Case.translation().with_(loads=loads), 0.01)
