@@ -17,16 +17,16 @@ from meshes.geometry import (
 
 if TYPE_CHECKING:
     from meshes.load_surfaces import LOAD_SURFACES, with_load_surfaces
-    from meshes.shoe import STEEL, joint_interfaces, mesh_named, shoe_mesh, shoe_path
+    from meshes.ready import mesh_named, shoe_mesh, shoe_path
+    from meshes.shoe import STEEL, joint_interfaces
 
 _HOMES = {
     "LOAD_SURFACES": "load_surfaces",
-    "SHOE_SIZES": "shoe",
     "STEEL": "shoe",
     "joint_interfaces": "shoe",
-    "mesh_named": "shoe",
-    "shoe_mesh": "shoe",
-    "shoe_path": "shoe",
+    "mesh_named": "ready",
+    "shoe_mesh": "ready",
+    "shoe_path": "ready",
     "with_load_surfaces": "load_surfaces",
 }
 """Modules of the names that need finite elements."""
