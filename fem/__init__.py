@@ -27,46 +27,24 @@ if TYPE_CHECKING:
     from fem.reduction import Partition, craig_bampton, nested_reduction
     from fem.surfaces import faces_joined_to, faces_seen_from
 
-_HOMES = {
-    "Apart": "hotspots",
-    "ElasticBody": "body",
-    "Extremes": "extremes",
-    "Fold": "blocks",
-    "Interface": "interfaces",
-    "Kept": "cache",
-    "Material": "elasticity",
-    "Mesh": "mesh",
-    "MeshError": "mesh",
-    "OneARegion": "hotspots",
-    "Partition": "reduction",
-    "Peaks": "recovery",
-    "Program": "export",
-    "ReducedBody": "reduced",
-    "StaleCacheError": "files",
-    "StressBlock": "blocks",
-    "cached_craig_bampton": "cache",
-    "center_loads": "interfaces",
-    "craig_bampton": "reduction",
-    "faces_joined_to": "surfaces",
-    "faces_seen_from": "surfaces",
-    "fold_stresses": "blocks",
-    "hot_spots": "hotspots",
-    "kept_reductions": "cache",
-    "load_reduced": "files",
-    "nested_reduction": "reduction",
-    "read_mesh": "mesh_files",
-    "recover_extremes": "extremes",
-    "recover_peaks": "recovery",
-    "save_reduced": "files",
-    "shares": "recovery",
-    "write_calculix": "export",
-    "write_frame_vtu": "export",
-    "write_load_deck": "export",
-    "write_mesh": "mesh_files",
-    "write_modes_vtu": "export",
-    "write_vtu": "export",
+_NAMES = {
+    "blocks": "Fold StressBlock fold_stresses",
+    "body": "ElasticBody",
+    "cache": "Kept cached_craig_bampton kept_reductions",
+    "elasticity": "Material",
+    "export": "Program write_calculix write_frame_vtu write_load_deck write_modes_vtu write_vtu",
+    "extremes": "Extremes recover_extremes",
+    "files": "StaleCacheError load_reduced save_reduced",
+    "hotspots": "Apart OneARegion hot_spots",
+    "interfaces": "Interface center_loads",
+    "mesh": "Mesh MeshError",
+    "mesh_files": "read_mesh write_mesh",
+    "recovery": "Peaks recover_peaks shares",
+    "reduced": "ReducedBody",
+    "reduction": "Partition craig_bampton nested_reduction",
+    "surfaces": "faces_joined_to faces_seen_from",
 }
-"""Modules of the public names."""
+"""Public names of each module."""
 
 __all__ = [
     "Apart",
@@ -111,9 +89,10 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Import a module when it is asked for: a mesh alone needs neither solver nor compiler."""
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"fem.{_HOMES[name]}"), name)
+    for module, names in _NAMES.items():
+        if name in names.split():
+            return getattr(import_module(f"fem.{module}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -26,8 +26,8 @@ from exudyn_crawler.ground.frames import (
 from exudyn_crawler.ground.laws import drag_ratio, normal_force, spin_torque
 from exudyn_crawler.ground.overlap import Overlap
 from exudyn_crawler.ground.pair_overlaps import below, standing
-from exudyn_crawler.ground.pair_track import STATE, Track, bend, contact_at, gather, named, patch_rows
-from exudyn_crawler.ground.pairs import FROM_CURVE, Contact, share_of
+from exudyn_crawler.ground.pair_track import Bodies, Track, named, patch_rows
+from exudyn_crawler.ground.pairs import FROM_CURVE, RIGID, Contact, Patch, pair_contact, share_of
 from exudyn_crawler.ground.rotations import Attitude, FloatArray
 from exudyn_crawler.ground.triplets import Weights
 
@@ -110,17 +110,18 @@ def _spin(shoe: Frame, unit: Frame) -> float:
 def _write_stiffness(
     part: Overlap,
     contact: Contact,
-    normal: Vector,
-    spin: float,
+    turning: tuple[Vector, float],
     track: Track,
     weights: Weights,
     out: FloatArray,
 ) -> None:
     """Write the weighted derivative of a contact's wrench (MOTIONS, MOTIONS).
 
+    `turning` are the contact's normal and the rate of turning about it, rad/s.
     The outline of the overlap and the directions of normal and axes stay as they are. Under an even
     displacement along the normal the depth at the centroid of the volume V changes by ``2 - depth A / V``.
     """
+    normal, spin = turning
     law = track.law.law
     share = share_of(part, track.law)
     depth, rate = contact.penetration, contact.penetration_rate
@@ -155,6 +156,25 @@ def _write_stiffness(
 
 
 @compiled
+def _write_wrench(contact: Contact, normal: Vector, wrench: FloatArray) -> None:
+    """Write force and torque of a contact on its shoe (MOTIONS,)."""
+    force = along(contact.normal_force, 1.0, contact.friction_force)
+    for c in range(3):
+        wrench[c] = force[c]
+    wrench[3] = dot(contact.friction_torque, normal)
+
+
+@compiled
+def _patch(bodies: Bodies, f: int, rows: FloatArray) -> Patch:
+    """Mean motion of the patch that has these rows (3, modes) on the flexible shoe in row f."""
+    moved, moving = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(rows.shape[1]):
+        row = (rows[0, k], rows[1, k], rows[2, k])
+        moved, moving = along(moved, bodies.modal[f, k], row), along(moving, bodies.modal_rates[f, k], row)
+    return Patch(moved, moving)
+
+
+@compiled
 def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work: FloatArray) -> int:
     """Wrenches of all contacts, their derivatives and how the coordinates move them.
 
@@ -174,28 +194,24 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
     bodies, track = named(places, model)
     weights, found = Weights(*factors), TouchingPairs(*out)
     derive = weights.position != 0.0 or weights.velocity != 0.0
-    state = np.empty((2, STATE))
-    count = 0
+    room, count = found.pairs.shape[0], 0
     for s in range(bodies.shoes.shape[0]):
         shoe = standing(bodies, track, s)
         for k in range(shoe.cells.columns * shoe.cells.rows):
             u, unit, part = below(bodies, track, shoe, k, work)
-            if part.area <= 0.0 or count >= found.pairs.shape[0]:
-                continue
-            gather(bodies, s, u, state)
-            if shoe.row >= 0:
-                patch_rows(part, shoe.frame, unit, track, found.rows[count])
-                bend(bodies, shoe.row, found.rows[count], state)
-            contact = contact_at(part, shoe.frame, unit, state, track, FROM_CURVE)
-            _write_motion(contact, shoe.frame, unit, shoe.at, track.grid.tilt_axis, found.motion[count])
-            normal = upward(unit.R)
-            force = along(contact.normal_force, 1.0, contact.friction_force)
-            for c in range(3):
-                found.wrench[count, c] = force[c]
-            found.wrench[count, 3] = dot(contact.friction_torque, normal)
-            if derive:
-                spin = _spin(shoe.frame, unit)
-                _write_stiffness(part, contact, normal, spin, track, weights, found.stiffness[count])
-            found.pairs[count, 0], found.pairs[count, 1] = s, u
-            count += 1
+            if part.area > 0.0 and count < room:
+                found.pairs[count, 0], found.pairs[count, 1] = s, u
+                patch = RIGID
+                if shoe.row >= 0:
+                    patch_rows(part, shoe.frame, unit, track, found.rows[count])
+                    patch = _patch(bodies, shoe.row, found.rows[count])
+                top = 0.5 * track.grid.height
+                contact = pair_contact(part, shoe.frame, unit, patch, top, track.law, FROM_CURVE)
+                _write_wrench(contact, upward(unit.R), found.wrench[count])
+                axis = track.grid.tilt_axis
+                _write_motion(contact, shoe.frame, unit, shoe.at, axis, found.motion[count])
+                if derive:
+                    turning = (upward(unit.R), _spin(shoe.frame, unit))
+                    _write_stiffness(part, contact, turning, track, weights, found.stiffness[count])
+                count += 1
     return count

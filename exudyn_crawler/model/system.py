@@ -4,7 +4,7 @@ Its coordinates are those of `state.StateLayout`. It carries every case; `model.
 in less time.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.failure import engine_failure
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
+from exudyn_crawler.model.integrated import Integrated
 from exudyn_crawler.model.items import coordinate_marker
 from exudyn_crawler.model.links import add_links
 from exudyn_crawler.model.loads import add_grip, add_loads
@@ -27,7 +28,7 @@ from exudyn_crawler.model.terrain import add_terrain
 
 
 @dataclass
-class System:
+class System(Integrated):
     """Multibody system of a case, assembled, with what is needed to read it.
 
     Attributes
@@ -58,11 +59,6 @@ class System:
     layout: StateLayout
     drives: tuple[int, ...]
 
-    @property
-    def frequencies(self) -> NDArray | None:
-        """Of the flexible shoes' modes, Hz: array (modes,); None without flexible shoes."""
-        return None if self.floating is None else self.floating.reduced.frequencies
-
     def sunken(self) -> list[int]:
         """Numbers of the shoes that have sunk through the ground in the current state."""
         if self.contact.spheres is None:
@@ -90,18 +86,8 @@ class System:
         data.SetODE2Coordinates_tt(q_tt.tolist(), exu.ConfigurationType.Initial)
         self._find_contacts(q)
 
-    def after_step(self, told: Callable[[float], bool]) -> None:
-        """Call a function with the time after each step; the run ends where it gives False."""
-        self.mbs.SetPostStepUserFunction(lambda _mbs, time: told(time))
-
     def solve(self, settings: "exu.SimulationSettings") -> None:
-        """Integrate between the times of the settings.
-
-        Raises
-        ------
-        NewtonError
-            If Newton's method fails at the least step.
-        """
+        """Integrate between the times of the settings; errors as of `formulation.TrackSystem.solve`."""
         try:
             self.mbs.SolveDynamic(settings)
         except exu.SolverError as error:

@@ -4,7 +4,6 @@ Exudyn's generalized-alpha method predicts a step, accepts or halves it and says
 is a single object that has the coordinates and nothing else.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -28,6 +27,7 @@ from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
+from exudyn_crawler.model.integrated import Integrated
 from exudyn_crawler.model.loads import grips
 from exudyn_crawler.model.state import RATES, StateLayout, pin_name
 from exudyn_crawler.model.terrain import reduced_coordinates
@@ -38,7 +38,7 @@ HELD = [0, 1, 2, 3, 5]
 """Which of them constrain."""
 
 
-class CompiledSystem:
+class CompiledSystem(Integrated):
     """Multibody system of a case by compiled equations; a `formulation.TrackSystem`.
 
     Attributes
@@ -103,11 +103,6 @@ class CompiledSystem:
             )
         )
 
-    @property
-    def frequencies(self) -> NDArray | None:
-        """Of the flexible shoes' modes, Hz: array (modes,); None without flexible shoes."""
-        return None if self.floating is None else self.floating.reduced.frequencies
-
     def sunken(self) -> list[int]:
         """None: the pair law pushes a shoe up from any depth."""
         return []
@@ -147,18 +142,8 @@ class CompiledSystem:
         }
         return self.layout.pack(parts)
 
-    def after_step(self, told: Callable[[float], bool]) -> None:
-        """Call a function with the time after each step; the run ends where it gives False."""
-        self.mbs.SetPostStepUserFunction(lambda _mbs, time: told(time))
-
     def solve(self, settings: "exu.SimulationSettings") -> None:
-        """Integrate between the times of the settings.
-
-        Raises
-        ------
-        NewtonError
-            If Newton's method fails at the least step.
-        """
+        """Integrate between the times of the settings; errors as of `formulation.TrackSystem.solve`."""
         newton = settings.timeIntegration.newton
         self._limits = (newton.absoluteTolerance, newton.maxIterations)
         if settings.timeIntegration.generalizedAlpha.computeInitialAccelerations:
