@@ -122,7 +122,7 @@ def assemble(
     weights, memory = Weights(*factors), Memory(*kept)
     values.fill(0.0)
     found = TouchingPairs(*memory.touching)
-    first = 0
+    first = np.int64(0)
     for s in range(model.sizes.shoes):
         modes, at = model.sizes.modes if model.row[s] >= 0 else 0, shoe_attitude(state, s)
         matrix = front(model.fronts, values, s)

@@ -62,8 +62,9 @@ def step(
         weights.acceleration,
         weights.level,
     )
-    tangent = (by_place, by_rate, by_acceleration, False, level)
-    none = (0.0, 0.0, 0.0, False, level)
+    # a literal among them would compile the equations once more
+    tangent = (by_place, by_rate, by_acceleration, weights.secant, level)
+    none = (0.0, 0.0, 0.0, weights.secant, level)
     iterations = matrices = 0
     contacts = evaluate(model, state, multipliers, inputs, tangent, memory, residual)
     derived, needed, old = True, True, 0
