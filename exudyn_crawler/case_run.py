@@ -4,13 +4,14 @@ The module is not named after its function, which would hide it behind the packa
 """
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.files import whole_file, write_netcdf
+from exudyn_crawler.files import move_file, note_written, whole_file, write_netcdf
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
@@ -19,8 +20,10 @@ from exudyn_crawler.results.propel import highest_in_propel_and_loading
 from exudyn_crawler.results.stresses import PICTURE_TIMES, StressResults, recover_stresses
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.folder import Keeper, kept_run, quiet
-from exudyn_crawler.run.histories import HISTORY, STOPPED_HISTORY, keep_history, matching_history
+from exudyn_crawler.run.histories import HISTORY, STOPPED_HISTORY, matching_history
+from exudyn_crawler.run.record import earlier_record
 from exudyn_crawler.run.simulation import simulate
+from exudyn_crawler.run.standing import Standing, standing
 from exudyn_crawler.views.animation import write_animation
 from exudyn_crawler.views.curves import KINEMATICS, kinematic_figure, save_figure
 from exudyn_crawler.views.force_figures import force_figures
@@ -32,6 +35,8 @@ from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
 CHECKPOINTS = "checkpoints"
+END = "checkpoint.npz"
+"""What a longer run goes on with, where a finished one had more than one stage."""
 ANIMATION = "track.mp4"
 
 
@@ -70,13 +75,15 @@ def run_case(
     out: str | Path | None = None,
     *,
     overwrite: bool = False,
+    finished_since: str | None = None,
     reuse: str | Path | None = None,
     progress: bool | None = None,
     say: Callable[[str], None] = quiet,
 ) -> CaseRun:
     """Simulate a case and leave its folder: case, record, log, history, and what its outputs ask for.
 
-    A run that was killed goes on from its last checkpoint when the same case is run into the same folder.
+    A run that was stopped goes on when the same case is run into the same folder, whatever it was at, and
+    gives what it would have given; with a longer duration a finished run goes on, too.
 
     Parameters
     ----------
@@ -86,6 +93,9 @@ def run_case(
         Folder of the run; None writes nothing.
     overwrite : bool
         Replace an earlier run.
+    finished_since : str, optional
+        Take a run of the same case that has finished in `out` as it is, if it was begun since then (time as
+        in records; "" is any), in place of refusing or overwriting it.
     reuse : path, optional
         Folder of an earlier run whose history takes the place of the simulation.
     progress : bool, optional
@@ -110,43 +120,78 @@ def run_case(
     reused = None if reuse is None else matching_history(Path(reuse), case_file)
     if case.flexible is not None:
         shoe_model(case.flexible, case.track)  # refuses a mesh that does not fit while nothing is written yet
+    if folder is not None and finished_since is not None and _finished(folder, case_file, finished_since):
+        say(f"{case.name}: finished already, in {folder}")
+        history = matching_history(folder, case_file)
+        return CaseRun(history, _stresses(history, outputs), folder)
     with kept_run(folder, case_file, overwrite, say) as keeper:
         if reused is None:
-            history = _simulated(case_file, folder, overwrite, progress, keeper)
+            history = _simulated(case_file, folder, progress, keeper)
         else:
             keeper.say(f"{case.name}: reusing the history in {reuse}, whose parameters are the same")
             history = reused
-        if folder is not None:
-            keep_history(history, folder / HISTORY, overwrite)
-            Checkpoints(folder / CHECKPOINTS).remove()
-        stresses = None
-        if case.flexible is not None:
-            with keeper.timed("recover stresses"):
-                stresses = recover_stresses(history, outputs.picture_times or PICTURE_TIMES)
+            if folder is not None:
+                history.save(folder / HISTORY, keeper.replaces)
+        with keeper.timed("recover stresses") if case.flexible else nullcontext():
+            stresses = _stresses(history, outputs)
         if folder is not None:
             with keeper.timed("tables and figures"):
-                write_outputs(history, stresses, folder, outputs, overwrite)
+                write_outputs(history, stresses, folder, outputs, keeper.replaces)
     return CaseRun(history, stresses, folder)
 
 
-def _simulated(
-    case_file: CaseFile, folder: Path | None, overwrite: bool, progress: bool | None, keeper: Keeper
-) -> History:
+def _finished(folder: Path, case_file: CaseFile, since: str) -> bool:
+    """Whether a run of a case that was begun since a time has finished in a folder."""
+    begun = str(earlier_record(folder).get("begun", ""))
+    return begun >= since and standing(folder, case_file) is Standing.FINISHED
+
+
+def _stresses(history: History, outputs: Outputs) -> StressResults | None:
+    """Stresses of the flexible shoes, if there are any."""
+    if history.case.flexible is None:
+        return None
+    return recover_stresses(history, outputs.picture_times or PICTURE_TIMES)
+
+
+def _simulated(case_file: CaseFile, folder: Path | None, progress: bool | None, keeper: Keeper) -> History:
     """Simulate a case, from its last checkpoint if there is one; what a run that stops early has is kept."""
-    case, checkpoints = case_file.case, None
-    if folder is not None:
-        checkpoints = Checkpoints(folder / CHECKPOINTS)
-        if overwrite:
-            checkpoints.clear()
-        elif kept := checkpoints.load(case):
-            keeper.say(f"{case.name}: going on from the checkpoint at t = {kept[-1].time:g} s")
+    case, duration = case_file.case, case_file.duration
+    if folder is None:
+        with keeper.timed("simulate"):
+            return simulate(case, duration, progress)
+    checkpoints = Checkpoints(folder / CHECKPOINTS, keeper.say)
+    if keeper.simulated:
+        keeper.say(f"{case.name}: simulated already, going on with what is made of it")
+        history = matching_history(folder, case_file)
+    else:
+        history = _simulated_into(case_file, folder, progress, keeper, checkpoints)
+    checkpoints.settle(case, folder / END)
+    # these are the run's, also where it was stopped after them
+    for path in (folder / HISTORY, folder / END):
+        note_written(path)
+    return history
+
+
+def _simulated_into(
+    case_file: CaseFile, folder: Path, progress: bool | None, keeper: Keeper, checkpoints: Checkpoints
+) -> History:
+    """Simulate a case into its folder."""
+    case, end = case_file.case, folder / END
+    if keeper.anew and keeper.replaces:
+        checkpoints.remove()
+    elif keeper.extends and end.is_file() and not checkpoints.load(case):
+        checkpoints.begin_from(end, folder / HISTORY)
     with keeper.timed("simulate"):
         try:
-            return simulate(case, case_file.duration, progress, checkpoints)
+            history = simulate(case, case_file.duration, progress, checkpoints)
         except SimulationStopped as stop:
-            if folder is not None:
-                keep_history(stop.history, folder / STOPPED_HISTORY, overwrite=True)
+            if stop.history is not None:
+                move_file(checkpoints.history, folder / STOPPED_HISTORY, overwrite=True)
             raise
+    move_file(checkpoints.history, folder / HISTORY, keeper.replaces)
+    keeper.note_history()
+    (folder / STOPPED_HISTORY).unlink(missing_ok=True)
+    return history
 
 
 def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:

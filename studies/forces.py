@@ -14,9 +14,9 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from exudyn_crawler import Case, CaseFile, CaseRun, History, run_case, simulate
+from exudyn_crawler import Case, CaseFile, CaseRun, History, simulate
 from exudyn_crawler.results.contacts import contact_force
-from exudyn_crawler.run.folder import kept_run, quiet
+from exudyn_crawler.run.folder import quiet
 from exudyn_crawler.run.histories import matching_history
 from exudyn_crawler.views.curves import Panel, panel_figure, save_figure
 from exudyn_crawler.views.series import (
@@ -33,6 +33,7 @@ from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
 from studies.force_comparison import compare_forces, turning_ratios
 from studies.kinematics import CASES, case_files
+from studies.running import kept_study
 
 CROSSING_SHOE = 7
 """Shoe that stands on two units, which the F-paper draws apart."""
@@ -96,26 +97,16 @@ def study(
     """
     files = case_files(cases, duration)
     sources = {name: _source(one, reuse, strict, say) for name, one in files.items()}
-    with kept_run(out, overwrite=overwrite, tell=say) as keeper:
-        runs = {
-            name: run_case(
-                one,
-                out and out / name,
-                overwrite=overwrite,
-                reuse=sources[name],
-                progress=progress,
-                say=keeper.say,
-            )
-            for name, one in files.items()
-        }
+    held = kept_study(out, files, overwrite=overwrite, progress=progress, say=say, reuse=sources)
+    with held as (runs, keeper):
         histories = {name: run.history for name, run in runs.items()}
         table = compare_forces(histories)
         if out is not None:
-            write_table(table, out / "comparison.csv", overwrite)
-            write_figures(histories, out, overwrite)
+            write_table(table, out / "comparison.csv", keeper.replaces)
+            write_figures(histories, out, keeper.replaces)
             if len(histories) > 1:
                 ratios = turning_ratios(histories["translation"], histories["turning"])
-                write_table(ratios, out / "turning_ratios.csv", overwrite)
+                write_table(ratios, out / "turning_ratios.csv", keeper.replaces)
     return runs, table
 
 

@@ -13,12 +13,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from exudyn_crawler import Case, CaseFile, CaseRun, History, run_case
-from exudyn_crawler.run.folder import kept_run, quiet
+from exudyn_crawler import Case, CaseFile, CaseRun, History
+from exudyn_crawler.run.folder import quiet
 from exudyn_crawler.views.curves import KINEMATICS, comparison_figure, save_figure
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
+from studies.running import kept_study
 
 CASES = {"translation": Case.translation, "turning": Case.turning}
 """Cases of the rigid studies by name."""
@@ -83,16 +84,12 @@ def study(
         As of `run_case`.
     """
     files = case_files(cases, duration)
-    with kept_run(out, overwrite=overwrite, tell=say) as keeper:
-        runs = {
-            name: run_case(one, out and out / name, overwrite=overwrite, progress=progress, say=keeper.say)
-            for name, one in files.items()
-        }
+    with kept_study(out, files, overwrite=overwrite, progress=progress, say=say) as (runs, keeper):
         histories = {name: run.history for name, run in runs.items()}
         table = compare_kinematics(histories)
         if out is not None:
-            write_table(table, out / "comparison.csv", overwrite)
-            write_figures(histories, out, overwrite)
+            write_table(table, out / "comparison.csv", keeper.replaces)
+            write_figures(histories, out, keeper.replaces)
     return runs, table
 
 

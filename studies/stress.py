@@ -11,12 +11,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from exudyn_crawler import Case, CaseFile, CaseRun, run_case
+from exudyn_crawler import Case, CaseFile, CaseRun
 from exudyn_crawler.case.flexible import ADAMS_DAMPING
 from exudyn_crawler.model.flexible_shoes import shoe_model
-from exudyn_crawler.run.folder import kept_run, quiet
+from exudyn_crawler.run.folder import quiet
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
+from studies.running import kept_study
 from studies.stress_comparison import compare_stresses
 
 RUN = "cycle"
@@ -71,11 +72,11 @@ def study(
     flexible = case.flexible_shoes()
     case_file = CaseFile(case=case, duration=duration)
     shoe_model(flexible, case.track)  # refuses a mesh that does not fit while nothing is written yet
-    with kept_run(out, overwrite=overwrite, tell=say) as keeper:
-        run = run_case(case_file, out and out / RUN, overwrite=overwrite, progress=progress, say=keeper.say)
+    with kept_study(out, {RUN: case_file}, overwrite=overwrite, progress=progress, say=say) as (runs, keeper):
+        run = runs[RUN]
         table = compare_stresses(run.history, run.recovered())
         if out is not None:
-            write_table(table, out / "comparison.csv", overwrite)
+            write_table(table, out / "comparison.csv", keeper.replaces)
     return run, table
 
 

@@ -7,9 +7,10 @@ heights, with the second contact model.
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from exudyn_crawler import Case, CaseFile, CaseRun, SphereContact, Terrain, run_case
+from exudyn_crawler import Case, CaseFile, CaseRun, SphereContact, Terrain
 from exudyn_crawler.run.folder import quiet
 from studies.defaults import DURATION
+from studies.running import kept_study
 
 STEP_PLACE, STEP_HEIGHT = 14.0, 0.1
 """m: below the middle of the track at t = 0; height."""
@@ -103,10 +104,8 @@ def study(
         As of `run_case`.
     """
     files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
-    return {
-        ground: run_case(one, out and out / ground, overwrite=overwrite, progress=progress, say=say)
-        for ground, one in files.items()
-    }
+    with kept_study(out, files, overwrite=overwrite, progress=progress, say=say) as (runs, _):
+        return runs
 
 
 if __name__ == "__main__":
