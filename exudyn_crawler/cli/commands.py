@@ -104,7 +104,7 @@ def report(
     from exudyn_crawler.run.folder import note_file
     from exudyn_crawler.views.report.page import write_report
 
-    page = write_report(folder, out, overwrite)
+    page = write_report(folder, out, overwrite, typer.echo)
     note_file(page)
     typer.echo(f"{page}: open it in a browser")
 

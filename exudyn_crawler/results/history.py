@@ -15,7 +15,7 @@ from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.files import write_netcdf_along
 from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.results.pieces import blocks
-from exudyn_crawler.results.quantities import QUANTITIES
+from exudyn_crawler.results.quantities import check_dimensions
 
 LAYOUT_VERSION = "layout_version"
 """Attribute of the version of the states that a history was made of; the first histories have none."""
@@ -113,10 +113,7 @@ def _no_history(path: Path, reason: str) -> ValueError:
 
 def _check(case: Case, dataset: xr.Dataset) -> None:
     """Refuse a dataset whose variables are not those of a history of the case."""
-    for name, variable in dataset.data_vars.items():
-        quantity = QUANTITIES.get(str(name))
-        if quantity is not None and variable.dims != quantity.dimensions:
-            raise ValueError(f"{name} has dimensions {variable.dims}, not {quantity.dimensions}")
+    check_dimensions(dataset)
     missing = [name for name in NEEDED if name not in dataset.variables]
     if missing:
         raise ValueError(f"it has no {missing[0]}")

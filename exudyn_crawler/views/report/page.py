@@ -1,12 +1,13 @@
 """One self-contained page of a run's folder, to be read offline in a browser."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import h5py
 import pandas as pd
 import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
@@ -17,6 +18,8 @@ from exudyn_crawler.case.text import case_table
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.quantities import check_dimensions
+from exudyn_crawler.views.report.left_out import LeftOut
 from exudyn_crawler.views.report.pictures import embedded_picture
 from exudyn_crawler.views.report.plots import (
     first_plots,
@@ -45,7 +48,12 @@ SECTIONS = (
 """Anchor and heading of each section, and what there must be for it to be shown."""
 
 
-def write_report(folder: Path, out: Path | None = None, overwrite: bool = False) -> Path:
+def write_report(
+    folder: Path,
+    out: Path | None = None,
+    overwrite: bool = False,
+    say: Callable[[str], None] = lambda _text: None,
+) -> Path:
     """Write the report of a run's folder: whatever of comparison, histories, stresses and case is there.
 
     Of a study's folder the runs in its folders are shown together; pictures, hot spots and the 3D view are
@@ -59,6 +67,8 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
         File to write; `report.html` in the folder if not given.
     overwrite : bool
         Replace an earlier report.
+    say : callable
+        Is told of the files beside the histories that cannot be read; the report goes on without them.
 
     Returns
     -------
@@ -74,7 +84,7 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
     FileExistsError
         If the report exists and `overwrite` is false.
     ValueError
-        If a file of the folder does not hold what its name says.
+        If a history cannot be read, or nothing else can.
     """
     folder = Path(folder)
     if not folder.is_dir():
@@ -82,23 +92,27 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
     out = folder / REPORT if out is None else Path(out)
     if out.exists() and not overwrite:
         raise FileExistsError(f"{out} exists; ask for overwriting to replace it")
-    page = report_page(folder)
+    page = report_page(folder, say)
     with whole_file(out, overwrite) as temporary:
         temporary.write_text(page, encoding="utf-8")
     return out
 
 
-def report_page(folder: Path) -> str:
+def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -> str:
     """HTML of the report; raises as `write_report`."""
     folders = _run_folders(folder)
-    histories, places = _histories(folders)
+    left_out = LeftOut()
+    histories, places = _histories(folders, left_out)
     variables = {
         name: one.dataset.assign(terrain_deformation=terrain_deformation(one))
         for name, one in histories.items()
     }
     stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
-    stress, comparison = _stress(stressed), _comparison(folder)
+    stress = left_out.unless_broken(stressed / STRESSES, _stress)
+    comparison = left_out.unless_broken(folder / "comparison.csv", _comparison)
     if not variables and comparison is None:
+        if left_out:
+            raise ValueError("; ".join(left_out))
         raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
     bent = next((n for n in histories if places[n] == stressed and histories[n].case.flexible), None)
     owner = None if bent is None else histories[bent]
@@ -108,7 +122,7 @@ def report_page(folder: Path) -> str:
     points = points_a_series(found)
     data = {
         "cases": {name: packed_case(one, points) for name, one in found.items()},
-        "shoes": None if stress is None or owner is None else packed_shoes(stress, owner),
+        "shoes": left_out.unless_broken(stressed / STRESSES, lambda _: _shoes(stress, owner)),
         "first": first_plots(found),
         **page_colours(),
     }
@@ -117,27 +131,29 @@ def report_page(folder: Path) -> str:
         f"{name}: {float(one.time[-1]):.4g} s, {one.sizes['time']} stored times"
         for name, one in variables.items()
     ]
-    content = {
+    content: dict[str, Any] = {
         "title": f"Crawler track: {title}",
         "lead": "; ".join(lead),
         "summary": [] if comparison is None else _summary_rows(comparison),
         "comparison": None if comparison is None else comparison_rows(comparison),
         "has_series": bool(variables),
         "thinning": thinning(variables, points),
-        "hot_spots": hot_spot_tables(stressed, stress),
+        "hot_spots": hot_spot_tables(stressed, stress, left_out),
         "has_shoes": data["shoes"] is not None,
-        "pictures": _pictures(stressed, stress, owner),
-        "tables": [
-            html_table(path.relative_to(folder).as_posix(), pd.read_csv(path))
-            for one in folders
-            for path in _further(one)
-        ],
+        "pictures": _pictures(stressed, stress, owner, left_out),
+        "tables": left_out.of_all(
+            [path for one in folders for path in _further(one)],
+            lambda path: html_table(path.relative_to(folder).as_posix(), pd.read_csv(path)),
+        ),
         "cases": [
             {"title": name, "rows": case_table(one.case).to_dict("records")}
             for name, one in histories.items()
         ],
-        "texts": _texts(folder),
+        "texts": left_out.of_all([folder / "case.toml", folder / "run.json"], _text),
     }
+    for line in left_out:
+        say(f"{line}; left out")
+    content["left_out"] = left_out
     return _rendered(content, data)
 
 
@@ -171,15 +187,13 @@ def _run_folders(folder: Path) -> list[Path]:
     return [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
 
 
-def _histories(folders: list[Path]) -> tuple[dict[str, History], dict[str, Path]]:
+def _histories(folders: list[Path], left_out: LeftOut) -> tuple[dict[str, History], dict[str, Path]]:
     """Histories of some folders by case, and the folder of each."""
     histories: dict[str, History] = {}
     places: dict[str, Path] = {}
     for folder in folders:
         for path in sorted(folder.glob("*.nc")):
-            with xr.open_dataset(path, engine="h5netcdf") as dataset:
-                kept = "case" in dataset.attrs
-            if not kept:
+            if not path.name.startswith("history") and not left_out.unless_broken(path, _holds_a_case):
                 continue
             history = History.load(path)
             name = history.case.name
@@ -189,13 +203,26 @@ def _histories(folders: list[Path]) -> tuple[dict[str, History], dict[str, Path]
     return histories, places
 
 
-def _stress(folder: Path) -> xr.Dataset | None:
-    path = folder / STRESSES
-    return xr.load_dataset(path, engine="h5netcdf") if path.is_file() else None
+def _holds_a_case(path: Path) -> bool:
+    # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
+    with h5py.File(path, "r") as file:
+        return "case" in file.attrs
 
 
-def _comparison(folder: Path) -> pd.DataFrame | None:
-    path = folder / "comparison.csv"
+def _stress(path: Path) -> xr.Dataset | None:
+    if not path.is_file():
+        return None
+    _holds_a_case(path)
+    dataset = xr.load_dataset(path, engine="h5netcdf")
+    check_dimensions(dataset)
+    return dataset
+
+
+def _shoes(stress: xr.Dataset | None, owner: History | None) -> dict[str, Any] | None:
+    return None if stress is None or owner is None else packed_shoes(stress, owner)
+
+
+def _comparison(path: Path) -> pd.DataFrame | None:
     if not path.is_file():
         return None
     table = pd.read_csv(path, dtype={"within": str})
@@ -212,9 +239,10 @@ def _summary_rows(table: pd.DataFrame) -> list[dict[str, Any]]:
     ]
 
 
-def hot_spot_tables(folder: Path, stress: xr.Dataset | None) -> list[dict[str, Any]]:
+def hot_spot_tables(folder: Path, stress: xr.Dataset | None, left_out: LeftOut) -> list[dict[str, Any]]:
     """Titles and HTML of the hot spots' tables of a folder, in the order of the shoes."""
-    return [hot_spot_table(path, stress) for path in _by_number(folder.glob("hot_spots_*.csv"))]
+    paths = _by_number(folder.glob("hot_spots_*.csv"))
+    return left_out.of_all(paths, lambda path: hot_spot_table(path, stress))
 
 
 def _by_number(paths: Iterator[Path]) -> list[Path]:
@@ -231,18 +259,22 @@ def _further(folder: Path) -> list[Path]:
     )
 
 
-def _pictures(folder: Path, stress: xr.Dataset | None, history: History | None) -> list[dict[str, str]]:
+def _pictures(
+    folder: Path, stress: xr.Dataset | None, history: History | None, left_out: LeftOut
+) -> list[dict[str, str]]:
     """Stress pictures of the folder, or new ones where it has none."""
     kept = sorted(folder.glob(PICTURES))
     if kept or stress is None or history is None:
-        return [embedded_picture(path) for path in kept]
+        return left_out.of_all(kept, embedded_picture)
     with TemporaryDirectory() as temporary:
         return [embedded_picture(path) for path in write_stress_pictures(stress, history, Path(temporary))]
 
 
-def _texts(folder: Path) -> list[dict[str, str]]:
-    """Files about the run that are shown as they are."""
-    found = [folder / name for name in ("case.toml", "run.json")]
-    return [
-        {"title": path.name, "content": path.read_text(encoding="utf-8")} for path in found if path.is_file()
-    ]
+def _text(path: Path) -> dict[str, str] | None:
+    """File about the run that is shown as it is."""
+    if not path.is_file():
+        return None
+    content = path.read_text(encoding="utf-8")
+    if path.suffix == ".json":
+        json.loads(content)
+    return {"title": path.name, "content": content}
