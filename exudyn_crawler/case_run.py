@@ -11,11 +11,12 @@ from pathlib import Path
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.files import move_file, note_written, whole_file, write_netcdf
+from exudyn_crawler.files import move_file, note_written, whole_file, write_netcdf_along
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.pieces import blocks
 from exudyn_crawler.results.propel import highest_in_propel_and_loading
 from exudyn_crawler.results.stresses import PICTURE_TIMES, StressResults, recover_stresses
 from exudyn_crawler.run.checkpoints import Checkpoints
@@ -197,10 +198,15 @@ def _simulated_into(
 def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
     """Contact and joint forces with what derives from them, without the units of the terrain."""
     if outputs.forces:
-        forces = history.dataset.drop_dims("unit").assign(
-            contact_force=contact_force(history), terrain_deformation=terrain_deformation(history)
+        deformation = terrain_deformation(history)
+        parts = (
+            part.drop_dims("unit").assign(
+                contact_force=contact_force(History(history.case, part)),
+                terrain_deformation=deformation.sel(time=part.time),
+            )
+            for part in blocks(history.dataset)
         )
-        write_netcdf(forces, folder / "forces.nc", overwrite)
+        write_netcdf_along("time", history.time.size, parts, folder / "forces.nc", overwrite)
 
 
 def write_extremes(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:

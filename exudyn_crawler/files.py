@@ -1,7 +1,9 @@
 """Files that appear whole or not at all, and are never overwritten unasked."""
 
 import os
+import signal
 import tempfile
+import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from itertools import chain
@@ -96,6 +98,29 @@ def clear_partial_files(folder: Path, below: bool = True) -> None:
         path.unlink(missing_ok=True)
 
 
+@contextmanager
+def interrupts_wait() -> Iterator[list[int]]:
+    """Let Ctrl-C and requests to terminate wait for the end of the block, in a list that it gives.
+
+    One that comes while HDF5 writes to a Python file would end the process or be lost with what was written.
+    """
+    waiting: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield waiting
+        return
+    before = {
+        number: signal.signal(number, lambda number, _frame: waiting.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield waiting
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+        if waiting:
+            signal.raise_signal(waiting[0])
+
+
 COMPRESSION = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 """Of every variable of a NetCDF file; higher levels take longer and save little. A checksum tells of altered
 bytes."""
@@ -108,7 +133,7 @@ def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> 
 
     The file is made in memory first: where a disk is full, HDF5 does not fail but ends the process.
     """
-    with whole_file(path, overwrite) as temporary:
+    with whole_file(path, overwrite) as temporary, interrupts_wait():
         temporary.write_bytes(_netcdf_bytes(dataset))
     return path
 
@@ -143,7 +168,11 @@ def write_netcdf_along(
     remaining = iter(parts)
     first = next(remaining)
     along = [name for name, variable in first.variables.items() if dimension in variable.dims]
-    with whole_file(path, overwrite) as temporary, _Disk.opened(temporary) as disk:
+    with (
+        whole_file(path, overwrite) as temporary,
+        interrupts_wait() as waiting,
+        _Disk.opened(temporary) as disk,
+    ):
         disk.write(_netcdf_bytes(first.drop_vars(along)))
         disk.check()
         with h5netcdf.File(disk, "r+") as file:
@@ -156,12 +185,17 @@ def write_netcdf_along(
                 for name in along:
                     file.variables[name][start:end] = part.variables[name].values
                 disk.check()
+                if waiting:
+                    break
                 start = end
     return path
 
 
 def _create(file: Any, name: str, variable: "xr.Variable", size: int) -> None:
     """Add an empty variable of `size` rows to an open file."""
+    for dimension, length in zip(variable.dims, variable.shape, strict=True):
+        if dimension not in file.dimensions:
+            file.dimensions[dimension] = length
     row_bytes = max(1, variable.dtype.itemsize * int(variable[0].size))
     rows = min(size, max(1, CHUNK_BYTES // row_bytes))
     filters = {"compression": "gzip", "compression_opts": COMPRESSION["complevel"]}
@@ -174,14 +208,11 @@ def _create(file: Any, name: str, variable: "xr.Variable", size: int) -> None:
 
 
 class _Disk:
-    """File for HDF5 that keeps the first failure to itself until HDF5 has let go of it.
-
-    HDF5 does not survive a write that fails, a full disk or an interrupt, say.
-    """
+    """File for HDF5, which does not survive a write that fails: it is told of none, and `check` is."""
 
     def __init__(self, file: IO[bytes]) -> None:
         self._file = file
-        self._failure: BaseException | None = None
+        self._failure: OSError | None = None
         self.seek, self.tell, self.readinto = file.seek, file.tell, file.readinto  # type: ignore[attr-defined]
         self.read, self.truncate, self.flush = file.read, file.truncate, file.flush
 
@@ -200,7 +231,7 @@ class _Disk:
             rest = memoryview(content)
             while self._failure is None and len(rest):
                 rest = rest[self._file.write(rest) :]
-        except BaseException as error:
+        except OSError as error:
             self._failure = error
         return len(content)
 

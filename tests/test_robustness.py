@@ -18,7 +18,6 @@ from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.case.text import case_text
 from exudyn_crawler.cli import main
 from exudyn_crawler.errors import CaseFileError
-from exudyn_crawler.run.histories import keep_history
 from studies.stress import study as stress_study
 from tests.case.strategies import TOML
 
@@ -116,36 +115,10 @@ def test_a_file_that_finds_no_room_is_one_line_and_leaves_nothing_half(tmp_path,
     assert done.stderr.startswith("error: ")
     assert done.stderr.count("\n") == 1
     assert "could not be written: File too large" in done.stderr
-    names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names <= {".lock", "case.toml", "run.json", "run.log"}
+    names = {path.name for path in (tmp_path / "out").rglob("*")}
+    assert names <= {".lock", "case.toml", "run.json", "run.log", "checkpoints"}
     if "case.toml" in names:
         assert read_case(tmp_path / "out" / "case.toml").duration == 0.05
-
-
-def test_a_history_that_finds_no_room_is_kept_elsewhere(translation, tmp_path, monkeypatch):
-    (tmp_path / "spare").mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "spare"))
-    lost = tmp_path / "gone" / "history.nc"
-    with pytest.raises(
-        OSError, match=r"history\.nc could not be written: .*the history was kept as "
-    ) as caught:
-        keep_history(translation, lost)
-    spare = str(caught.value).rpartition(" kept as ")[2]
-    assert History.load(spare).dataset.identical(translation.dataset)
-
-
-def test_a_history_that_finds_no_room_anywhere_says_so(translation, tmp_path, monkeypatch):
-    (tmp_path / "spare").mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "spare"))
-
-    def full(_history, path, _overwrite=False):
-        raise OSError(28, "No space left on device", str(path))
-
-    monkeypatch.setattr(History, "save", full)
-    with pytest.raises(OSError, match="No space left on device") as caught:
-        keep_history(translation, tmp_path / "history.nc")
-    assert "kept" not in str(caught.value)
-    assert list((tmp_path / "spare").iterdir()) == []
 
 
 @pytest.mark.parametrize("place", ["file", "file/below", "/proc/nowhere"])
@@ -183,36 +156,6 @@ def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
     done = command("run", "case.toml", "--out", "out", "--overwrite", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert History.load(tmp_path / "out" / "history.nc").duration == pytest.approx(0.05, rel=1e-9)
-
-
-@pytest.mark.simulation
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-def test_a_killed_run_goes_on_in_its_folder_and_gives_the_same_numbers(tmp_path):
-    # stages long enough that the kill falls into the middle
-    text = SHORT.replace("0.05", "2.0") + "[solver]\ncheckpoint_interval = 0.5\n"
-    (tmp_path / "case.toml").write_text(text)
-    line = [sys.executable, "-m", "exudyn_crawler.cli", "run", "case.toml", "--out", "out"]
-    checkpoints = tmp_path / "out" / "checkpoints"
-    with subprocess.Popen(line, cwd=tmp_path) as run:
-        try:
-            end = time.monotonic() + 60.0
-            while not list(checkpoints.glob("stage_*.npz")):
-                assert time.monotonic() < end
-                assert run.poll() is None
-                time.sleep(0.02)
-        finally:
-            run.send_signal(signal.SIGKILL)
-    assert not (tmp_path / "out" / "history.nc").exists()
-    done = command("run", "case.toml", "--out", "out", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "going on from the checkpoint at t = " in done.stdout
-    assert json.loads((tmp_path / "out" / "run.json").read_text())["status"] == "done"
-    assert not checkpoints.exists()
-    whole = command("run", "case.toml", "--out", "whole", cwd=tmp_path)
-    assert whole.returncode == 0
-    resumed, unbroken = (History.load(tmp_path / name / "history.nc").dataset for name in ("out", "whole"))
-    for name in unbroken.variables:
-        assert resumed[name].values.tobytes() == unbroken[name].values.tobytes(), name
 
 
 @pytest.mark.simulation

@@ -81,7 +81,7 @@ class Checkpoints:
     @property
     def history(self) -> Path:
         """Where `save_history` writes."""
-        return self.folder / "history.nc"
+        return self.folder / "assembled.nc"
 
     @property
     def _earlier(self) -> Path:

@@ -192,7 +192,7 @@ def _histories(folders: list[Path], left_out: LeftOut) -> tuple[dict[str, Histor
     histories: dict[str, History] = {}
     places: dict[str, Path] = {}
     for folder in folders:
-        for path in sorted(folder.glob("*.nc")):
+        for path in sorted(folder.glob("[!.]*.nc")):
             if not path.name.startswith("history") and not left_out.unless_broken(path, _holds_a_case):
                 continue
             history = History.load(path)
@@ -254,7 +254,7 @@ def _further(folder: Path) -> list[Path]:
     """Tables that have no section of their own."""
     return sorted(
         path
-        for path in folder.glob("*.csv")
+        for path in folder.glob("[!.]*.csv")
         if path.name != "comparison.csv" and not path.name.startswith("hot_spots_")
     )
 
