@@ -15,7 +15,7 @@ from exudyn_crawler.files import move_file, note_written, whole_file, write_netc
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history import MOST_IN_MEMORY, History
 from exudyn_crawler.results.pieces import blocks
 from exudyn_crawler.results.propel import highest_in_propel_and_loading
 from exudyn_crawler.results.stresses import PICTURE_TIMES, StressResults, recover_stresses
@@ -192,7 +192,8 @@ def _simulated_into(
     move_file(checkpoints.history, folder / HISTORY, keeper.replaces)
     keeper.note_history()
     (folder / STOPPED_HISTORY).unlink(missing_ok=True)
-    return history
+    # a large one is read from its file time and again
+    return History.load(folder / HISTORY) if history.dataset.nbytes > MOST_IN_MEMORY else history
 
 
 def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:

@@ -139,7 +139,9 @@ def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> 
 
 
 def _netcdf_bytes(dataset: "xr.Dataset") -> bytes | memoryview:
-    encoding = dict.fromkeys(dataset.data_vars, COMPRESSION)
+    encoding = {
+        name: COMPRESSION for name, one in dataset.variables.items() if one.ndim and one.dtype.kind in "biuf"
+    }
     # what was read from a file remembers how it was kept there
     return dataset.drop_encoding().to_netcdf(None, engine="h5netcdf", encoding=encoding)
 

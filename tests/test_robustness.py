@@ -195,14 +195,15 @@ def test_a_killed_study_goes_on_too(tmp_path):
 @pytest.fixture(scope="module")
 def short_file(tmp_path_factory):
     history = simulate(Case.translation(), 0.01)
-    return history.save(tmp_path_factory.mktemp("file") / "history.nc").read_bytes()
+    path = history.save(tmp_path_factory.mktemp("file") / "history.nc")
+    return path.read_bytes(), path
 
 
 @pytest.mark.simulation
 @SAME_FOLDER
 @given(st.data())
 def test_a_broken_history_is_refused_by_name(tmp_path, short_file, data):
-    content = bytearray(short_file)
+    content = bytearray(short_file[0])
     if data.draw(st.booleans()):
         content = content[: data.draw(st.integers(0, len(content) - 1))]
     else:
@@ -212,18 +213,24 @@ def test_a_broken_history_is_refused_by_name(tmp_path, short_file, data):
     path.write_bytes(content)
     message = ""
     try:
-        History.load(path)
+        history = History.load(path)
     except ValueError as error:
         message = str(error)
     assert not message or message.startswith(f"{path} does not hold a history: ")
+    assert len(message.splitlines()) <= 1
     assert path.read_bytes() == content
+    if not message:
+        assert history.case == Case.translation()
+        whole = History.load(short_file[1]).dataset
+        for name in history.dataset.variables.keys() & whole.variables.keys():
+            assert history.dataset[name].values.tobytes() == whole[name].values.tobytes(), name
 
 
 @pytest.mark.simulation
 def test_reusing_a_broken_history_is_one_line_and_runs_nothing(tmp_path, short_file):
     (tmp_path / "case.toml").write_text(SHORT)
     (tmp_path / "old").mkdir()
-    (tmp_path / "old" / "history.nc").write_bytes(short_file[:5000])
+    (tmp_path / "old" / "history.nc").write_bytes(short_file[0][:5000])
     done = command("run", "case.toml", "--out", "out", "--reuse", "old", cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.startswith("error: old/history.nc does not hold a history: ")

@@ -1,5 +1,6 @@
 """Histories in pieces along time, such as the stages of a run leave, joined in memory or in one file."""
 
+import hashlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,8 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import write_netcdf_along
 
+CASE, CASE_DIGEST = "case", "case_digest"
+"""Attributes of a file; the first histories have no digest."""
 TIMES_AT_ONCE = 1000
 """Stored times of a file that are held in memory together."""
 
@@ -48,8 +51,7 @@ class Piece:
 
         def parts() -> Iterator[xr.Dataset]:
             with xr.open_dataset(path, engine="h5netcdf", cache=False) as dataset:
-                del dataset.attrs["case"]
-                yield from blocks(dataset.isel(time=slice(times)))
+                yield from blocks(without_case(dataset).isel(time=slice(times)))
 
         return cls(times, pairs, parts)
 
@@ -62,6 +64,23 @@ def blocks(dataset: xr.Dataset) -> Iterator[xr.Dataset]:
 
 def _pairs(dataset: xr.Dataset) -> NDArray:
     return np.column_stack((dataset.contact_shoe.values, dataset.contact_unit.values))
+
+
+def with_case(dataset: xr.Dataset, case: Case) -> xr.Dataset:
+    """Dataset of a history as a file holds it: with its case, and a digest of that."""
+    text = case.model_dump_json()
+    return dataset.assign_attrs({CASE: text, CASE_DIGEST: case_digest(text)})
+
+
+def without_case(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset of a history from that of a file."""
+    kept = {name: value for name, value in dataset.attrs.items() if name not in (CASE, CASE_DIGEST)}
+    return dataset.drop_attrs(deep=False).assign_attrs(kept)
+
+
+def case_digest(text: str) -> str:
+    """SHA-256 of a case as JSON."""
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def joined(pieces: Sequence[Piece]) -> xr.Dataset:
@@ -82,7 +101,7 @@ def save_joined(case: Case, pieces: Sequence[Piece], path: Path, overwrite: bool
     FileExistsError, OSError
         As of `files.whole_file`.
     """
-    whole = (part.assign_attrs(case=case.model_dump_json()) for part in _parts(pieces))
+    whole = (with_case(part, case) for part in _parts(pieces))
     times = sum(piece.times for piece in pieces)
     return write_netcdf_along("time", times, whole, path, overwrite)
 

@@ -206,6 +206,13 @@ def test_a_study_that_was_stopped_while_overwriting_runs_all_its_cases_anew(
     assert (tmp_path / "turning" / "loads.csv").exists()
 
 
+def test_a_history_too_large_for_memory_gives_the_same_files(staged, tmp_path, monkeypatch):
+    monkeypatch.setattr("exudyn_crawler.results.history.MOST_IN_MEMORY", 0)
+    monkeypatch.setattr(case_run_module, "MOST_IN_MEMORY", 0)
+    run_case(STAGED, tmp_path)
+    assert_same(tmp_path, staged)
+
+
 RIGID = CaseFile(case=STAGED.case, duration=0.3, outputs=Outputs(shoes=(7,)))
 
 
