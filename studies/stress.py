@@ -44,7 +44,7 @@ def study(
     ----------
     out : Path, optional
         Folder of the study: the run in a folder named "cycle", and `comparison.csv`; None writes nothing. A
-        study that was killed goes on: the same call takes up where it ended.
+        study that was stopped goes on: the same call takes up where it ended.
     case : Case, optional
         With flexible shoes; `Case.stress()` if left out.
     duration : float
