@@ -10,18 +10,18 @@ from pathlib import Path
 
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.outputs import Outputs
-from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.files import move_file, note_written, whole_file, write_netcdf_along
+from exudyn_crawler.files import whole_file, write_netcdf_along
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
-from exudyn_crawler.results.history import MOST_IN_MEMORY, History
+from exudyn_crawler.results.history import History
 from exudyn_crawler.results.pieces import blocks
 from exudyn_crawler.results.propel import highest_in_propel_and_loading
 from exudyn_crawler.results.stresses import PICTURE_TIMES, StressResults, recover_stresses
-from exudyn_crawler.run.checkpoints import Checkpoints
-from exudyn_crawler.run.folder import Keeper, kept_run, quiet
-from exudyn_crawler.run.histories import HISTORY, STOPPED_HISTORY, matching_history
+from exudyn_crawler.run.folder import kept_run
+from exudyn_crawler.run.histories import HISTORY, matching_history
+from exudyn_crawler.run.into_folder import simulate_into
+from exudyn_crawler.run.keeper import Keeper, quiet
 from exudyn_crawler.run.record import earlier_record
 from exudyn_crawler.run.simulation import simulate
 from exudyn_crawler.run.standing import Standing, standing
@@ -35,9 +35,6 @@ from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
-CHECKPOINTS = "checkpoints"
-END = "checkpoint.npz"
-"""What a longer run goes on with, where a finished one had more than one stage."""
 ANIMATION = "track.mp4"
 
 
@@ -155,45 +152,11 @@ def _stresses(history: History, outputs: Outputs) -> StressResults | None:
 
 
 def _simulated(case_file: CaseFile, folder: Path | None, progress: bool | None, keeper: Keeper) -> History:
-    """Simulate a case, from its last checkpoint if there is one; what a run that stops early has is kept."""
-    case, duration = case_file.case, case_file.duration
-    if folder is None:
-        with keeper.timed("simulate"):
-            return simulate(case, duration, progress)
-    checkpoints = Checkpoints(folder / CHECKPOINTS, keeper.say)
-    if keeper.simulated:
-        keeper.say(f"{case.name}: simulated already, going on with what is made of it")
-        history = matching_history(folder, case_file)
-    else:
-        history = _simulated_into(case_file, folder, progress, keeper, checkpoints)
-    checkpoints.settle(case, folder / END)
-    # these are the run's, also where it was stopped after them
-    for path in (folder / HISTORY, folder / END):
-        note_written(path)
-    return history
-
-
-def _simulated_into(
-    case_file: CaseFile, folder: Path, progress: bool | None, keeper: Keeper, checkpoints: Checkpoints
-) -> History:
-    """Simulate a case into its folder."""
-    case, end = case_file.case, folder / END
-    if keeper.anew and keeper.replaces:
-        checkpoints.remove()
-    elif keeper.extends and end.is_file() and not checkpoints.load(case):
-        checkpoints.begin_from(end, folder / HISTORY)
+    """Simulate a case, or what is missing of it in its folder."""
+    if folder is not None:
+        return simulate_into(folder, case_file, progress, keeper)
     with keeper.timed("simulate"):
-        try:
-            history = simulate(case, case_file.duration, progress, checkpoints)
-        except SimulationStopped as stop:
-            if stop.history is not None:
-                move_file(checkpoints.history, folder / STOPPED_HISTORY, overwrite=True)
-            raise
-    move_file(checkpoints.history, folder / HISTORY, keeper.replaces)
-    keeper.note_history()
-    (folder / STOPPED_HISTORY).unlink(missing_ok=True)
-    # a large one is read from its file time and again
-    return History.load(folder / HISTORY) if history.dataset.nbytes > MOST_IN_MEMORY else history
+        return simulate(case_file.case, case_file.duration, progress)
 
 
 def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:

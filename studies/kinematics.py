@@ -14,7 +14,7 @@ from pathlib import Path
 import pandas as pd
 
 from exudyn_crawler import Case, CaseFile, CaseRun, History
-from exudyn_crawler.run.folder import quiet
+from exudyn_crawler.run.keeper import quiet
 from exudyn_crawler.views.curves import KINEMATICS, comparison_figure, save_figure
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import compare_kinematics

@@ -5,7 +5,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from exudyn_crawler import CaseFile, CaseRun, run_case
-from exudyn_crawler.run.folder import Keeper, kept_run
+from exudyn_crawler.run.folder import kept_run
+from exudyn_crawler.run.keeper import Keeper
 
 
 @contextmanager

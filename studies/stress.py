@@ -14,7 +14,7 @@ import pandas as pd
 from exudyn_crawler import Case, CaseFile, CaseRun
 from exudyn_crawler.case.flexible import ADAMS_DAMPING
 from exudyn_crawler.model.flexible_shoes import shoe_model
-from exudyn_crawler.run.folder import quiet
+from exudyn_crawler.run.keeper import quiet
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
 from studies.running import kept_study

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from exudyn_crawler import Case, CaseFile, CaseRun, SphereContact, Terrain
-from exudyn_crawler.run.folder import quiet
+from exudyn_crawler.run.keeper import quiet
 from studies.defaults import DURATION
 from studies.running import kept_study
 

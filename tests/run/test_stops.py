@@ -12,7 +12,7 @@ import pytest
 from exudyn_crawler import Case, CaseFile, History, Outputs, SimulationStopped, run_case
 from exudyn_crawler.case import write_case
 from exudyn_crawler.errors import INTERRUPTED
-from exudyn_crawler.run import integration
+from exudyn_crawler.run import integration, into_folder
 from exudyn_crawler.run.folder import note_file
 from studies.kinematics import study as kinematics_study
 from tests.run.test_folder import record, visible
@@ -64,7 +64,7 @@ def stopped_at(place, monkeypatch, call, stop=interrupt):
 
 
 def not_again(monkeypatch):
-    monkeypatch.setattr(case_run_module, "simulate", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr(into_folder, "simulate", lambda *_: pytest.fail("it ran"))
 
 
 @pytest.mark.parametrize(
@@ -72,7 +72,7 @@ def not_again(monkeypatch):
     [
         ("run.checkpoints._write", interrupt),
         ("run.checkpoints.save_joined", no_room),
-        ("case_run.move_file", interrupt),
+        ("run.into_folder.move_file", interrupt),
         ("run.checkpoints.Checkpoints.settle", interrupt),
         ("run.checkpoints.Checkpoints.remove", interrupt),
         ("case_run.write_table", no_room),
@@ -164,14 +164,14 @@ def bare_study(monkeypatch):
 def test_a_study_goes_on_with_the_case_that_it_was_stopped_in(bare_study, tmp_path, monkeypatch):
     ended = []
 
-    def second_fails(case, *arguments, simulate=case_run_module.simulate):
+    def second_fails(case, *arguments, simulate=into_folder.simulate):
         if case.name == "turning":
             raise KeyboardInterrupt
         ended.append(case.name)
         return simulate(case, *arguments)
 
     with monkeypatch.context() as patch:
-        patch.setattr(case_run_module, "simulate", second_fails)
+        patch.setattr(into_folder, "simulate", second_fails)
         with pytest.raises(KeyboardInterrupt):
             bare_study(tmp_path)
     assert record(tmp_path / "translation")["status"] == "done"
@@ -208,7 +208,7 @@ def test_a_study_that_was_stopped_while_overwriting_runs_all_its_cases_anew(
 
 def test_a_history_too_large_for_memory_gives_the_same_files(staged, tmp_path, monkeypatch):
     monkeypatch.setattr("exudyn_crawler.results.history.MOST_IN_MEMORY", 0)
-    monkeypatch.setattr(case_run_module, "MOST_IN_MEMORY", 0)
+    monkeypatch.setattr(into_folder, "MOST_IN_MEMORY", 0)
     run_case(STAGED, tmp_path)
     assert_same(tmp_path, staged)
 
