@@ -232,15 +232,16 @@ def random_stops(case_file, folder, count, seed):
     trials = json.loads(done.stdout)
     for trial in trials:
         assert trial["differs"] == [], trial
-        assert (trial["then"] or 0, trial["status"]) == (0, "done"), trial
-        if trial["signal"] != "SIGKILL" and trial["ended"] != 0:
+        assert (trial["then"], trial["status"]) == (0, "done"), trial
+        if trial["signal"] != "SIGKILL":
             assert "the same command goes on" in trial["told"] or trial["ended"] == -15, trial
-    return [trial for trial in trials if trial["ended"] != 0]
+        assert trial["ended"] != 0, trial
+    assert len(trials) == count
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_the_command_finishes_what_a_signal_stopped(tmp_path):
-    assert len(random_stops(RIGID.with_(outputs=QUIET), tmp_path, 3, 5)) >= 2
+    random_stops(RIGID.with_(outputs=QUIET), tmp_path, 3, 5)
 
 
 @pytest.mark.slow
@@ -248,4 +249,4 @@ def test_the_command_finishes_what_a_signal_stopped(tmp_path):
 @pytest.mark.parametrize("shoes", ["rigid", "flexible"])
 def test_the_command_finishes_what_was_stopped_at_any_of_forty_moments(tmp_path, shoes):
     case_file = RIGID.with_(duration=1.0) if shoes == "rigid" else flexible()
-    assert len(random_stops(case_file, tmp_path, 40, 2026)) >= 30
+    random_stops(case_file, tmp_path, 40, 2026)
