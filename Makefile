@@ -30,7 +30,7 @@ forces: $(INSTALLED)  ## the forces study; reuses the histories of the kinematic
 uneven: $(INSTALLED)  ## the track over a step, a ramp and rough ground, with the second contact model
 	$(BIN)/python -m studies.uneven_ground --out $(OUT)/uneven $(ARGS)
 
-stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on where it was killed
+stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on where it was stopped
 	$(BIN)/python -m studies.stress --out $(OUT)/stress $(ARGS)
 
 verify: $(INSTALLED)  ## the two-body problem against its hand solution

@@ -12,20 +12,23 @@ import xarray as xr
 
 from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.outputs import Outputs
-from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.files import whole_file, write_netcdf
+from exudyn_crawler.files import whole_file, write_netcdf_along
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.model.reductions import reductions_in
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.pieces import blocks
 from exudyn_crawler.results.stresses import StressResults, recover_stresses
 from exudyn_crawler.results.tables import highest_by_phase, hot_spot_table, load_table
-from exudyn_crawler.run.checkpoints import Checkpoints
-from exudyn_crawler.run.folder import Keeper, kept_run, quiet
-from exudyn_crawler.run.histories import HISTORY, STOPPED_HISTORY, keep_history, matching_history
+from exudyn_crawler.run.folder import kept_run
+from exudyn_crawler.run.histories import HISTORY, matching_history
+from exudyn_crawler.run.into_folder import simulate_into
+from exudyn_crawler.run.keeper import Keeper, quiet
 from exudyn_crawler.run.progress import heartbeat
+from exudyn_crawler.run.record import earlier_record
 from exudyn_crawler.run.simulation import simulate
+from exudyn_crawler.run.standing import Standing, standing
 from exudyn_crawler.views.animation import write_animation
 from exudyn_crawler.views.curves import KINEMATICS, kinematic_figure, save_figure
 from exudyn_crawler.views.force_figures import force_figures
@@ -36,7 +39,6 @@ from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
-CHECKPOINTS = "checkpoints"
 ANIMATION = "track.mp4"
 
 
@@ -82,6 +84,7 @@ def run_case(
     out: str | Path | None = None,
     *,
     overwrite: bool = False,
+    finished_since: str | None = None,
     reuse: str | Path | None = None,
     progress: bool | None = None,
     say: Callable[[str], None] = quiet,
@@ -89,7 +92,8 @@ def run_case(
 ) -> CaseRun:
     """Simulate a case and leave its folder: case, record, log, history, and what its outputs ask for.
 
-    A run that was killed goes on from its last checkpoint when the same case is run into the same folder.
+    A run that was stopped goes on when the same case is run into the same folder, whatever it was at, and
+    gives what it would have given; with a longer duration a finished run goes on, too.
 
     Parameters
     ----------
@@ -99,6 +103,9 @@ def run_case(
         Folder of the run; None writes nothing.
     overwrite : bool
         Replace an earlier run.
+    finished_since : str, optional
+        Take a run of the same case that has finished in `out` as it is, if it was begun since then (time as
+        in records; "" is any), in place of refusing or overwriting it.
     reuse : path, optional
         Folder of an earlier run whose history takes the place of the simulation.
     progress : bool, optional
@@ -126,25 +133,37 @@ def run_case(
     reused = None if reuse is None else matching_history(Path(reuse), case_file)
     if case.flexible is not None:
         check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
+    if folder is not None and finished_since is not None and _finished(folder, case_file, finished_since):
+        say(f"{case.name}: finished already, in {folder}")
+        with reductions_in(reductions):
+            return _finished_run(case_file, folder, Keeper(say))
     with reductions_in(reductions), kept_run(folder, case_file, overwrite, say) as keeper:
         if case.flexible is not None:
             _reduce_shoe(case, keeper)
         if reused is None:
-            history = _simulated(case_file, folder, overwrite, progress, keeper)
+            history = _simulated(case_file, folder, progress, keeper)
         else:
             keeper.say(f"{case.name}: reusing the history in {reuse}, whose parameters are the same")
             history = reused
-        if folder is not None:
-            keep_history(history, folder / HISTORY, overwrite)
-            Checkpoints(folder / CHECKPOINTS).remove()
-        stresses = None
-        if case.flexible is not None:
-            with keeper.timed("recover stresses"), heartbeat(f"{case.name}: recovering stresses"):
-                stresses = recover_stresses(history, outputs.picture_times)
+            if folder is not None:
+                history.save(folder / HISTORY, keeper.replaces)
+        stresses = _stresses(history, outputs, keeper)
         if folder is not None:
             with keeper.timed("tables and figures"), heartbeat(f"{case.name}: tables and figures"):
-                write_outputs(history, stresses, folder, outputs, overwrite)
+                write_outputs(history, stresses, folder, outputs, keeper.replaces)
     return CaseRun(history, stresses, folder)
+
+
+def _finished(folder: Path, case_file: CaseFile, since: str) -> bool:
+    """Whether a run of a case that was begun since a time has finished in a folder."""
+    begun = str(earlier_record(folder).get("begun", ""))
+    return begun >= since and standing(folder, case_file) is Standing.FINISHED
+
+
+def _finished_run(case_file: CaseFile, folder: Path, keeper: Keeper) -> CaseRun:
+    """Run that has finished in a folder, which stays as it is."""
+    history = matching_history(folder, case_file)
+    return CaseRun(history, _stresses(history, case_file.outputs, keeper), folder)
 
 
 def _reduce_shoe(case: Case, keeper: Keeper) -> None:
@@ -155,37 +174,38 @@ def _reduce_shoe(case: Case, keeper: Keeper) -> None:
         keeper.say(f"{case.name}: the reduced shoe is taken from {kept.path}")
 
 
-def _simulated(
-    case_file: CaseFile, folder: Path | None, overwrite: bool, progress: bool | None, keeper: Keeper
-) -> History:
-    """Simulate a case, from its last checkpoint if there is one; what a run that stops early has is kept."""
-    case, checkpoints = case_file.case, None
+def _stresses(history: History, outputs: Outputs, keeper: Keeper) -> StressResults | None:
+    """Stresses of the flexible shoes, if there are any."""
+    case = history.case
+    if case.flexible is None:
+        return None
+    with keeper.timed("recover stresses"), heartbeat(f"{case.name}: recovering stresses"):
+        return recover_stresses(history, outputs.picture_times)
+
+
+def _simulated(case_file: CaseFile, folder: Path | None, progress: bool | None, keeper: Keeper) -> History:
+    """Simulate a case, or what is missing of it in its folder."""
     if folder is not None:
-        checkpoints = Checkpoints(folder / CHECKPOINTS)
-        if overwrite:
-            checkpoints.clear()
-        elif kept := checkpoints.load(case):
-            keeper.say(f"{case.name}: going on from the checkpoint at t = {kept[-1].time:g} s")
+        return simulate_into(folder, case_file, progress, keeper)
     with keeper.timed("simulate"):
-        try:
-            return simulate(case, case_file.duration, progress, checkpoints)
-        except SimulationStopped as stop:
-            if folder is not None:
-                keep_history(stop.history, folder / STOPPED_HISTORY, overwrite=True)
-            raise
+        return simulate(case_file.case, case_file.duration, progress)
 
 
 def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
     """What derives from the forces of the history, which has them themselves."""
     if outputs.forces:
-        derived = xr.Dataset(
-            {
-                "contact_force": contact_force(history),
-                "terrain_deformation": terrain_deformation(history),
-            },
-            attrs=history.dataset.attrs,
+        deformation = terrain_deformation(history)
+        parts = (
+            xr.Dataset(
+                {
+                    "contact_force": contact_force(History(history.case, part)),
+                    "terrain_deformation": deformation.sel(time=part.time),
+                },
+                attrs=part.attrs,
+            )
+            for part in blocks(history.dataset)
         )
-        write_netcdf(derived, folder / "forces.nc", overwrite)
+        write_netcdf_along("time", history.time.size, parts, folder / "forces.nc", overwrite)
 
 
 def write_extremes(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:

@@ -3,6 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+INTERRUPTED = "interrupted"
+"""Why a simulation stopped that could have gone on."""
+
 
 class CrawlerError(Exception):
     """Base of the package's own errors."""
@@ -23,13 +26,16 @@ class SimulationStopped(CrawlerError):  # noqa: N818 - it carries a result, as S
     ----------
     time : float
         s, time of the last state that was computed.
-    history : History
-        Results up to there.
+    reason : str
+        Why it ended.
+    history : History or None
+        Results up to there, if any state was stored.
     """
 
     def __init__(self, time: float, reason: str, history: Any) -> None:
         super().__init__(f"the simulation stopped at t = {time:.6g} s: {reason}")
         self.time = time
+        self.reason = reason
         self.history = history
 
 

@@ -1,14 +1,20 @@
 """Files that appear whole or not at all, and are never overwritten unasked."""
 
 import os
+import signal
 import tempfile
-from collections.abc import Iterator
+import threading
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray as xr
+
+PARTIAL = ".partial-"
+"""What the names of files begin with that are being written."""
 
 
 def refuse_existing(path: Path, overwrite: bool = False) -> None:
@@ -36,7 +42,7 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
     """
     refuse_existing(path, overwrite)
     try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+        handle, name = tempfile.mkstemp(prefix=PARTIAL, suffix=f"-{path.name}", dir=path.parent)
     except OSError as error:
         raise _not_written(path, error) from error
     os.close(handle)
@@ -50,6 +56,7 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
         os.umask(mask)
         temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
+        note_written(path)
     except FileExistsError:
         raise
     except OSError as error:
@@ -58,13 +65,78 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+def move_file(source: Path, path: Path, overwrite: bool = False) -> None:
+    """Move a whole file to another place on the same disk; raises as `whole_file`."""
+    if path.exists() and not overwrite:
+        raise FileExistsError(f"{path} exists; ask for overwriting to replace it")
+    try:
+        source.replace(path)
+    except OSError as error:
+        raise _not_written(path, error) from error
+    note_written(path)
+
+
+_noting: list[set[Path]] = []
+"""Sets of the blocks of `noted_files` that have not ended."""
+
+
+@contextmanager
+def noted_files() -> Iterator[set[Path]]:
+    """Note the files that this process puts in place within the block, in the set that it gives."""
+    noted: set[Path] = set()
+    _noting.append(noted)
+    try:
+        yield noted
+    finally:
+        _noting.pop()
+
+
+def note_written(path: Path) -> None:
+    """Tell the blocks of `noted_files` of a file that was put in place."""
+    for noted in _noting:
+        noted.add(path)
+
+
 def _not_written(path: Path, error: OSError) -> OSError:
     """Same error in words that name the file which was meant."""
     return type(error)(f"{path} could not be written: {error.strerror or error}")
 
 
-COMPRESSION = {"zlib": True, "complevel": 1, "shuffle": True}
-"""Of every variable of a NetCDF file; higher levels take longer and save little."""
+def clear_partial_files(folder: Path, below: bool = True) -> None:
+    """Remove what `whole_file` left in a folder, also those `below`, when its process was killed."""
+    name = f"{PARTIAL}????????-*"
+    for path in folder.rglob(name) if below else folder.glob(name):
+        path.unlink(missing_ok=True)
+
+
+@contextmanager
+def interrupts_wait() -> Iterator[list[int]]:
+    """Let Ctrl-C and requests to terminate wait for the end of the block, in a list that it gives.
+
+    One that comes while HDF5 writes to a Python file would end the process or be lost with what was written.
+    """
+    waiting: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield waiting
+        return
+    before = {
+        number: signal.signal(number, lambda number, _frame: waiting.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield waiting
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+        if waiting:
+            signal.raise_signal(waiting[0])
+
+
+COMPRESSION = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+"""Of every variable of a NetCDF file; higher levels take longer and save little. A checksum tells of altered
+bytes."""
+CHUNK_BYTES = 2**18
+"""Size of the chunks of a file that is written along a dimension; HDF5 holds one of every variable."""
 
 
 def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> Path:
@@ -72,10 +144,114 @@ def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> 
 
     The file is made in memory first: where a disk is full, HDF5 does not fail but ends the process.
     """
-    encoding = dict.fromkeys(dataset.data_vars, COMPRESSION)
-    with whole_file(path, overwrite) as temporary:
-        temporary.write_bytes(dataset.to_netcdf(None, engine="h5netcdf", encoding=encoding))
+    with whole_file(path, overwrite) as temporary, interrupts_wait():
+        temporary.write_bytes(_netcdf_bytes(dataset))
     return path
+
+
+def _netcdf_bytes(dataset: "xr.Dataset") -> bytes | memoryview:
+    encoding = {
+        name: COMPRESSION for name, one in dataset.variables.items() if one.ndim and one.dtype.kind in "biuf"
+    }
+    # what was read from a file remembers how it was kept there
+    return dataset.drop_encoding().to_netcdf(None, engine="h5netcdf", encoding=encoding)
+
+
+def write_netcdf_along(
+    dimension: str, size: int, parts: "Iterable[xr.Dataset]", path: Path, overwrite: bool = False
+) -> Path:
+    """Write a dataset that comes in parts along a dimension, holding one at a time.
+
+    Parameters
+    ----------
+    dimension : str
+        The first one of all variables that have it.
+    size : int
+        Length of the dimension, all parts together.
+    parts : iterable of xarray.Dataset
+        One or more, in order; what lacks the dimension is that of the first.
+
+    Raises
+    ------
+    FileExistsError, OSError
+        As of `whole_file`.
+    """
+    import h5netcdf
+
+    remaining = iter(parts)
+    first = next(remaining)
+    along = [name for name, variable in first.variables.items() if dimension in variable.dims]
+    with (
+        whole_file(path, overwrite) as temporary,
+        interrupts_wait() as waiting,
+        _Disk.opened(temporary) as disk,
+    ):
+        disk.write(_netcdf_bytes(first.drop_vars(along)))
+        disk.check()
+        with h5netcdf.File(disk, "r+") as file:
+            file.dimensions[dimension] = size
+            for name in along:
+                _create(file, str(name), first.variables[name], size)
+            start = 0
+            for part in chain([first], remaining):
+                end = start + part.sizes[dimension]
+                for name in along:
+                    file.variables[name][start:end] = part.variables[name].values
+                disk.check()
+                if waiting:
+                    break
+                start = end
+    return path
+
+
+def _create(file: Any, name: str, variable: "xr.Variable", size: int) -> None:
+    """Add an empty variable of `size` rows to an open file."""
+    for dimension, length in zip(variable.dims, variable.shape, strict=True):
+        if dimension not in file.dimensions:
+            file.dimensions[dimension] = length
+    row_bytes = max(1, variable.dtype.itemsize * int(variable[0].size))
+    rows = min(size, max(1, CHUNK_BYTES // row_bytes))
+    filters = {"compression": "gzip", "compression_opts": COMPRESSION["complevel"]}
+    filters |= {name: COMPRESSION[name] for name in ("shuffle", "fletcher32")}
+    # nothing can be cut into chunks that holds no number
+    options = {"chunks": (rows, *variable.shape[1:]), **filters} if variable.size else {}
+    made = file.create_variable(name, variable.dims, variable.dtype, **options)
+    for key, value in variable.attrs.items():
+        made.attrs[key] = value
+
+
+class _Disk:
+    """File for HDF5, which does not survive a write that fails: it is told of none, and `check` is."""
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._file = file
+        self._failure: OSError | None = None
+        self.seek, self.tell, self.readinto = file.seek, file.tell, file.readinto  # type: ignore[attr-defined]
+        self.read, self.truncate, self.flush = file.read, file.truncate, file.flush
+
+    @classmethod
+    @contextmanager
+    def opened(cls, path: Path) -> "Iterator[_Disk]":
+        """Open a file; a failure is raised when it is closed."""
+        with path.open("r+b", buffering=0) as file:
+            disk = cls(file)
+            yield disk
+            disk.check()
+
+    def write(self, content: bytes | memoryview) -> int:
+        """Write all of the content; after a failure, nothing."""
+        try:
+            rest = memoryview(content)
+            while self._failure is None and len(rest):
+                rest = rest[self._file.write(rest) :]
+        except OSError as error:
+            self._failure = error
+        return len(content)
+
+    def check(self) -> None:
+        """Raise the first failure."""
+        if self._failure is not None:
+            raise self._failure
 
 
 def writable_folder(path: Path) -> Path:

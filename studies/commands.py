@@ -131,7 +131,7 @@ def stress(
     choices: Choices = False,
     debug: Debug = False,
 ) -> None:
-    """Run the stress study and compare it with the paper; a study that was killed goes on.
+    """Run the stress study and compare it with the paper; a study that was stopped goes on.
 
     Example: exudyn-crawler stress --duration 8 --mesh coarse --out results/short
     """

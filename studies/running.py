@@ -1,13 +1,15 @@
 """How studies run their cases: each into a folder of its own, then all of them compared with the paper."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple, TypedDict
+from typing import NamedTuple, TypedDict, Unpack
 
 import pandas as pd
 
 from exudyn_crawler import CaseFile, CaseRun, History, run_case
-from exudyn_crawler.run.folder import kept_run, quiet
+from exudyn_crawler.run.folder import kept_run
+from exudyn_crawler.run.keeper import Keeper, quiet
 from exudyn_crawler.views.tables import write_table
 
 
@@ -26,60 +28,30 @@ class Compared(NamedTuple):
     comparison: pd.DataFrame
 
 
-def run_cases(
-    files: Mapping[str, CaseFile],
+@contextmanager
+def kept_study(
     out: Path | None,
+    cases: Mapping[str, CaseFile],
     reuse: Mapping[str, Path | None] | None = None,
     *,
     overwrite: bool = False,
     progress: bool | None = None,
     say: Callable[[str], None] = quiet,
-) -> dict[str, CaseRun]:
-    """Run cases, each into the folder in `out` that is named after it.
+) -> Iterator[tuple[dict[str, CaseRun], Keeper]]:
+    """Run cases into folders of their names; hold the study's folder while it writes what it makes of them.
+
+    A study that was stopped goes on: cases that have finished are taken as they are.
 
     Parameters
     ----------
-    files : mapping
-        Cases by name.
     out : Path, optional
-        None writes nothing.
+        Folder of the study; None keeps nothing.
+    cases : mapping
+        Cases by name.
     reuse : mapping, optional
-        Folders of earlier runs by the names of the cases they take the place of.
+        By case, folder of an earlier run whose history takes the place of the simulation.
     overwrite, progress, say
-        As of `run_case`, and so are the errors.
-
-    Returns
-    -------
-    dict
-        Runs by name.
-    """
-    runs = {}
-    for name, one in files.items():
-        earlier = None if reuse is None else reuse[name]
-        folder = out and out / name
-        runs[name] = run_case(one, folder, overwrite=overwrite, reuse=earlier, progress=progress, say=say)
-    return runs
-
-
-def compare_cases(
-    files: Mapping[str, CaseFile],
-    out: Path | None,
-    compare: Callable[[Mapping[str, History]], pd.DataFrame],
-    write: Callable[[Mapping[str, History], Path, bool], None],
-    reuse: Mapping[str, Path | None] | None = None,
-    *,
-    overwrite: bool = False,
-    progress: bool | None = None,
-    say: Callable[[str], None] = quiet,
-) -> Compared:
-    """Run cases as `run_cases` does and compare them with a paper, in one folder that is held meanwhile.
-
-    Parameters
-    ----------
-    compare : callable
-        Makes the comparison of the histories by case; it is written as `comparison.csv`.
-    write : callable
-        Writes what else there is to see of the histories into a folder, replacing files or not.
+        As of `run_case`.
 
     Raises
     ------
@@ -88,11 +60,43 @@ def compare_cases(
     EquilibriumError, SimulationStopped
         As of `run_case`.
     """
-    with kept_run(out, overwrite=overwrite, tell=say) as keeper:
-        runs = run_cases(files, out, reuse, overwrite=overwrite, progress=progress, say=keeper.say)
+    with kept_run(out, overwrite=overwrite, tell=say, cases=cases) as keeper:
+        runs = {
+            name: run_case(
+                one,
+                out and out / name,
+                overwrite=keeper.overwrites,
+                finished_since=keeper.begun if keeper.overwrites else "",
+                reuse=None if reuse is None else reuse[name],
+                progress=progress,
+                say=keeper.say,
+            )
+            for name, one in cases.items()
+        }
+        yield runs, keeper
+
+
+def compare_cases(
+    cases: Mapping[str, CaseFile],
+    out: Path | None,
+    compare: Callable[[Mapping[str, History]], pd.DataFrame],
+    write: Callable[[Mapping[str, History], Path, bool], None],
+    reuse: Mapping[str, Path | None] | None = None,
+    **how: Unpack[Running],
+) -> Compared:
+    """Run cases as `kept_study` does, and compare them with a paper.
+
+    Parameters
+    ----------
+    compare : callable
+        Makes the comparison of the histories by case; it is written as `comparison.csv`.
+    write : callable
+        Writes what else there is to see of the histories into a folder, replacing files or not.
+    """
+    with kept_study(out, cases, reuse, **how) as (runs, keeper):
         histories = {name: run.history for name, run in runs.items()}
         table = compare(histories)
         if out is not None:
-            write_table(table, out / "comparison.csv", overwrite)
-            write(histories, out, overwrite)
+            write_table(table, out / "comparison.csv", keeper.replaces)
+            write(histories, out, keeper.replaces)
     return Compared(runs, table)

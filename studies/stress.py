@@ -11,12 +11,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from exudyn_crawler import Case, CaseFile, CaseRun, Outputs, run_case
+from exudyn_crawler import Case, CaseFile, CaseRun, Outputs
 from exudyn_crawler.case.flexible import ADAMS_DAMPING
 from exudyn_crawler.model.flexible_shoes import check_shoe
-from exudyn_crawler.run.folder import kept_run, quiet
+from exudyn_crawler.run.keeper import quiet
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
+from studies.running import kept_study
 from studies.stress_comparison import compare_stresses
 
 RUN = "cycle"
@@ -40,7 +41,7 @@ def study(
     ----------
     out : Path, optional
         Folder of the study: the run in a folder named "cycle", and `comparison.csv`; None writes nothing. A
-        study that was killed goes on: the same call takes up where it ended.
+        study that was stopped goes on: the same call takes up where it ended.
     case : Case, optional
         With flexible shoes; `Case.stress()` if left out.
     duration : float
@@ -68,11 +69,11 @@ def study(
     shown = tuple(time for time in PICTURE_TIMES if time <= duration) or None
     case_file = CaseFile(case=case, duration=duration, outputs=Outputs(picture_times=shown))
     check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
-    with kept_run(out, overwrite=overwrite, tell=say) as keeper:
-        run = run_case(case_file, out and out / RUN, overwrite=overwrite, progress=progress, say=keeper.say)
+    with kept_study(out, {RUN: case_file}, overwrite=overwrite, progress=progress, say=say) as (runs, keeper):
+        run = runs[RUN]
         table = compare_stresses(run.history, run.recovered())
         if out is not None:
-            write_table(table, out / "comparison.csv", overwrite)
+            write_table(table, out / "comparison.csv", keeper.replaces)
     return run, table
 
 

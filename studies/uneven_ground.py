@@ -10,7 +10,7 @@ from typing import Unpack
 
 from exudyn_crawler import Case, CaseFile, CaseRun, SphereContact, Terrain
 from studies.defaults import DURATION
-from studies.running import Running, run_cases
+from studies.running import Running, kept_study
 
 STEP_PLACE, STEP_HEIGHT = 14.0, 0.1
 """m: below the middle of the track at t = 0; height."""
@@ -97,7 +97,8 @@ def study(
         As of `run_case`.
     """
     files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
-    return run_cases(files, out, **how)
+    with kept_study(out, files, **how) as (runs, _):
+        return runs
 
 
 if __name__ == "__main__":

@@ -18,7 +18,6 @@ from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.case.text import case_text
 from exudyn_crawler.cli import main
 from exudyn_crawler.errors import CaseFileError
-from exudyn_crawler.run.histories import keep_history
 from studies.stress import study as stress_study
 from tests.case.strategies import TOML
 
@@ -129,36 +128,10 @@ def test_a_file_that_finds_no_room_is_one_line_and_leaves_nothing_half(tmp_path,
     assert done.stderr.startswith("error: ")
     assert done.stderr.count("\n") == 1
     assert "could not be written: File too large" in done.stderr
-    names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names <= {".lock", "case.toml", "run.json", "run.log"}
+    names = {path.name for path in (tmp_path / "out").rglob("*")}
+    assert names <= {".lock", "case.toml", "run.json", "run.log", "checkpoints"}
     if "case.toml" in names:
         assert read_case(tmp_path / "out" / "case.toml").duration == 0.05
-
-
-def test_a_history_that_finds_no_room_is_kept_elsewhere(translation, tmp_path, monkeypatch):
-    (tmp_path / "spare").mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "spare"))
-    lost = tmp_path / "gone" / "history.nc"
-    with pytest.raises(
-        OSError, match=r"history\.nc could not be written: .*the history was kept as "
-    ) as caught:
-        keep_history(translation, lost)
-    spare = str(caught.value).rpartition(" kept as ")[2]
-    assert History.load(spare).dataset.identical(translation.dataset)
-
-
-def test_a_history_that_finds_no_room_anywhere_says_so(translation, tmp_path, monkeypatch):
-    (tmp_path / "spare").mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "spare"))
-
-    def full(_history, path, _overwrite=False):
-        raise OSError(28, "No space left on device", str(path))
-
-    monkeypatch.setattr(History, "save", full)
-    with pytest.raises(OSError, match="No space left on device") as caught:
-        keep_history(translation, tmp_path / "history.nc")
-    assert "kept" not in str(caught.value)
-    assert list((tmp_path / "spare").iterdir()) == []
 
 
 @pytest.mark.parametrize("place", ["file", "file/below", "/proc/nowhere"])
@@ -192,28 +165,6 @@ def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
 
 @pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-def test_a_killed_run_goes_on_in_its_folder_and_gives_the_same_numbers(tmp_path):
-    # stages long enough that the kill falls into the middle
-    text = SHORT.replace("0.05", "2.0") + "[solver]\ncheckpoint_interval = 0.5\n"
-    (tmp_path / "case.toml").write_text(text)
-    line = [sys.executable, "-m", "exudyn_crawler.cli", "run", "case.toml", "--out", "out"]
-    checkpoints = tmp_path / "out" / "checkpoints"
-    kill_when(lambda: list(checkpoints.glob("stage_*.npz")), line, tmp_path)
-    assert not (tmp_path / "out" / "history.nc").exists()
-    done = command("run", "case.toml", "--out", "out", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "going on from the checkpoint at t = " in done.stdout
-    assert json.loads((tmp_path / "out" / "run.json").read_text())["status"] == "done"
-    assert not checkpoints.exists()
-    whole = command("run", "case.toml", "--out", "whole", cwd=tmp_path)
-    assert whole.returncode == 0
-    resumed, unbroken = (History.load(tmp_path / name / "history.nc").dataset for name in ("out", "whole"))
-    for name in unbroken.variables:
-        assert resumed[name].values.tobytes() == unbroken[name].values.tobytes(), name
-
-
-@pytest.mark.simulation
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_a_killed_study_goes_on_too(tmp_path):
     script = (
         "import sys\nfrom pathlib import Path\n"
@@ -241,14 +192,15 @@ def test_a_killed_study_goes_on_too(tmp_path):
 @pytest.fixture(scope="module")
 def short_file(tmp_path_factory):
     history = simulate(Case.translation(), 0.01)
-    return history.save(tmp_path_factory.mktemp("file") / "history.nc").read_bytes()
+    path = history.save(tmp_path_factory.mktemp("file") / "history.nc")
+    return path.read_bytes(), path
 
 
 @pytest.mark.simulation
 @SAME_FOLDER
 @given(st.data())
 def test_a_broken_history_is_refused_by_name(tmp_path, short_file, data):
-    content = bytearray(short_file)
+    content = bytearray(short_file[0])
     if data.draw(st.booleans()):
         content = content[: data.draw(st.integers(0, len(content) - 1))]
     else:
@@ -258,18 +210,24 @@ def test_a_broken_history_is_refused_by_name(tmp_path, short_file, data):
     path.write_bytes(content)
     message = ""
     try:
-        History.load(path)
+        history = History.load(path)
     except ValueError as error:
         message = str(error)
     assert not message or message.startswith(f"{path} does not hold a history: ")
+    assert len(message.splitlines()) <= 1
     assert path.read_bytes() == content
+    if not message:
+        assert history.case == Case.translation()
+        whole = History.load(short_file[1]).dataset
+        for name in history.dataset.variables.keys() & whole.variables.keys():
+            assert history.dataset[name].values.tobytes() == whole[name].values.tobytes(), name
 
 
 @pytest.mark.simulation
 def test_reusing_a_broken_history_is_one_line_and_runs_nothing(tmp_path, short_file):
     (tmp_path / "case.toml").write_text(SHORT)
     (tmp_path / "old").mkdir()
-    (tmp_path / "old" / "history.nc").write_bytes(short_file[:5000])
+    (tmp_path / "old" / "history.nc").write_bytes(short_file[0][:5000])
     done = command("run", "case.toml", "--out", "out", "--reuse", "old", cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.startswith("error: old/history.nc does not hold a history: ")

@@ -147,7 +147,7 @@ def report(
     from exudyn_crawler.views.report.page import write_report
 
     with heartbeat(f"report of {folder}"):
-        page = write_report(folder, out, overwrite)
+        page = write_report(folder, out, overwrite, typer.echo)
     note_file(page)
     typer.echo(f"{page}: open it in a browser")
 

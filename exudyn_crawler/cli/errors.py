@@ -7,12 +7,13 @@ from contextlib import contextmanager
 from functools import wraps
 from typing import Any
 
-from exudyn_crawler.errors import EquilibriumError, SimulationStopped
+from exudyn_crawler.errors import INTERRUPTED, EquilibriumError, SimulationStopped
 
 OTHER = 1
 BAD_INPUT = 2
 STOPPED = 3
-INTERRUPTED = 130
+ENDED_FROM_OUTSIDE = 130
+GOES_ON = "the same command goes on"
 
 BAD_INPUT_ERRORS = (
     ValueError,
@@ -79,7 +80,8 @@ def _told(error: BaseException) -> tuple[list[str], int]:
     from pydantic import ValidationError  # takes longer than the help of a command
 
     if isinstance(error, SimulationStopped):
-        return [f"{error}; what there is was kept"], STOPPED
+        how = f"; {GOES_ON}" if error.reason == INTERRUPTED else ""
+        return [f"{error}; what there is was kept{how}"], STOPPED
     if isinstance(error, EquilibriumError):
         return [str(error)], STOPPED
     if isinstance(error, ValidationError):
@@ -91,6 +93,6 @@ def _told(error: BaseException) -> tuple[list[str], int]:
     if isinstance(error, OSError):
         return [" ".join(str(error).split())], OTHER
     if isinstance(error, KeyboardInterrupt):
-        return ["interrupted"], INTERRUPTED
+        return [f"{INTERRUPTED}; {GOES_ON}"], ENDED_FROM_OUTSIDE
     told = " ".join(str(error).split())
     return [f"{type(error).__name__}: {told} (unexpected; --debug shows where)"], OTHER

@@ -14,6 +14,7 @@ A command is a function as Typer takes it; its options `debug`, `out` and `overw
 is heavy in its functions.
 """
 
+import signal
 import sys
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
@@ -105,7 +106,11 @@ def run_script(reference: str) -> None:
 
 
 def call(commands: typer.Typer) -> None:
-    """Call a command line; what is wrong with its words is told in one line, as all errors are."""
+    """Call a command line; what is wrong with its words is told in one line, as all errors are.
+
+    A request to terminate ends a command as Ctrl-C does.
+    """
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         sys.exit(commands(standalone_mode=False) or 0)
     except typer.Abort:

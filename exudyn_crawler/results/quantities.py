@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import xarray as xr
 from numpy.typing import NDArray
 
 Variable = tuple[tuple[str, ...], NDArray, dict[str, str]]
@@ -67,3 +68,17 @@ def variable(name: str, values: NDArray, without: Iterable[str] = ()) -> Variabl
     quantity = QUANTITIES[name]
     dropped = set(without)
     return tuple(dim for dim in quantity.dimensions if dim not in dropped), values, quantity.attributes
+
+
+def check_dimensions(dataset: xr.Dataset) -> None:
+    """Refuse a dataset of which a variable has not its quantity's dimensions.
+
+    Raises
+    ------
+    ValueError
+        Naming the variable.
+    """
+    for name, found in dataset.data_vars.items():
+        quantity = QUANTITIES.get(str(name))
+        if quantity is not None and set(found.dims) != set(quantity.dimensions):
+            raise ValueError(f"{name} has dimensions {found.dims}, not {quantity.dimensions}")

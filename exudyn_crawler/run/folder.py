@@ -5,71 +5,21 @@ what the run writes: its history (NetCDF), tables (CSV) and figures. A study's f
 and its own record of all of them.
 """
 
-import logging
-import os
-import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from filelock import FileLock, Timeout
 
 from exudyn_crawler.case import CaseFile, read_case, write_case
-from exudyn_crawler.errors import CaseFileError, SimulationStopped
-from exudyn_crawler.files import writable_folder
-from exudyn_crawler.run.record import (
-    PROGRAM,
-    RECORD,
-    earlier_record,
-    machine,
-    timestamp,
-    versions,
-    write_record,
-)
+from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.files import clear_partial_files, writable_folder
+from exudyn_crawler.run.keeper import LOCK, Keeper, quiet, recorded
+from exudyn_crawler.run.record import earlier_record, named_files, timestamp, write_record
+from exudyn_crawler.run.standing import CASE, Standing, standing, study_standing
 
-CASE = "case.toml"
-LOG = "run.log"
-LOCK = ".lock"
 RESULT_SUFFIXES = {".nc", ".csv", ".png", ".pdf", ".svg", ".vtu", ".pvd", ".mp4", ".gif"}
-
-logger = logging.getLogger("exudyn_crawler")
-
-
-def quiet(_text: str) -> None:
-    """Tell nobody."""
-
-
-class Keeper:
-    """What a run tells while it works: lines for the user and the log, and times of its stages.
-
-    Attributes
-    ----------
-    stages : dict
-        Wall time in s by stage, as far as they have ended.
-    """
-
-    def __init__(self, tell: Callable[[str], None]) -> None:
-        self._tell = tell
-        self.stages: dict[str, float] = {}
-
-    def say(self, text: str) -> None:
-        """Tell the user and the log."""
-        logger.info(text)
-        self._tell(text)
-
-    @contextmanager
-    def timed(self, stage: str) -> Iterator[None]:
-        """Take the wall time of a stage."""
-        logger.info("%s: begins", stage)
-        start = time.perf_counter()
-        try:
-            yield
-        finally:
-            self.stages[stage] = round(time.perf_counter() - start, 3)
-            logger.info("%s: %.1f s", stage, self.stages[stage])
 
 
 @contextmanager
@@ -78,20 +28,26 @@ def kept_run(
     case_file: CaseFile | None = None,
     overwrite: bool = False,
     tell: Callable[[str], None] = quiet,
+    cases: Mapping[str, CaseFile] | None = None,
 ) -> Iterator[Keeper]:
     """Hold a folder while a run writes into it, and keep what the results come from.
+
+    A run that was stopped goes on in its folder, and one with a longer duration goes on with a finished one.
 
     Parameters
     ----------
     out : Path, optional
         Folder, made where it is missing; None keeps nothing.
     case_file : CaseFile, optional
-        What is run; None for a study, whose cases are run into folders of their own in this one.
+        What is run; None for a study.
     overwrite : bool
-        Replace what an earlier run left. Files of that run which this one does not write anew are removed
-        when it has ended well, so that no result stands beside a case that it does not come from.
+        Replace what an earlier run left, unless it is this one that was stopped while it did so. Files of
+        that run which this one does not write anew are removed when it has ended well, so that no result
+        stands beside a case that it does not come from.
     tell : callable
         Gets the lines that the user is to read.
+    cases : mapping, optional
+        What a study runs into folders of their names in this one.
 
     Raises
     ------
@@ -102,20 +58,38 @@ def kept_run(
     NotADirectoryError, PermissionError
         If it cannot be written to.
     """
-    keeper = Keeper(tell)
     if out is None:
-        yield keeper
+        yield Keeper(tell)
         return
     with _held(writable_folder(out)):
-        if not overwrite:
-            refuse_results(out, below=case_file is None)
         found = earlier_record(out)
+        holds = study_standing(out, cases or {}) if case_file is None else standing(out, case_file)
+        keeper = _keeper(holds, found, overwrite, tell)
+        if not keeper.replaces:
+            refuse_results(out, below=case_file is None)
         if case_file is not None:
-            _keep_case(out / CASE, case_file, overwrite)
-        with _recorded(out, keeper, overwrite) as written:
+            _keep_case(out / CASE, case_file, keeper.replaces)
+        clear_partial_files(out, below=case_file is not None)
+        with recorded(out, keeper, found):
             yield keeper
-        if overwrite:
-            _remove(out, set(found.get("files", [])) - set(written))
+
+
+def _keeper(holds: Standing, found: dict[str, Any], overwrite: bool, tell: Callable[[str], None]) -> Keeper:
+    """What a run may do in a folder that holds something, of which there is a record."""
+    stopped_overwriting = found.get("overwrites") is True
+    goes_on = holds in (Standing.UNFINISHED, Standing.LONGER_ASKED) and (not overwrite or stopped_overwriting)
+    longer = holds is Standing.SHORTER and not overwrite
+    simulated = goes_on and found.get("simulated") is True
+    longer |= simulated and holds is Standing.LONGER_ASKED
+    begun = found.get("begun")
+    return Keeper(
+        tell,
+        anew=not (goes_on or longer),
+        overwrites=overwrite or (goes_on and stopped_overwriting),
+        extends=longer or (goes_on and found.get("extends") is True),
+        simulated=simulated and not longer,
+        begun=begun if goes_on and isinstance(begun, str) else timestamp(),
+    )
 
 
 def refuse_results(out: Path, below: bool = False) -> None:
@@ -127,7 +101,11 @@ def refuse_results(out: Path, below: bool = False) -> None:
         Naming what is there.
     """
     paths = [*out.iterdir(), *(out.glob("*/*") if below else ())]
-    found = sorted(path.relative_to(out).as_posix() for path in paths if path.suffix in RESULT_SUFFIXES)
+    found = sorted(
+        path.relative_to(out).as_posix()
+        for path in paths
+        if path.suffix in RESULT_SUFFIXES and not path.name.startswith(".")
+    )
     if found:
         raise FileExistsError(
             f"{out} holds results already ({', '.join(found[:3])}, ...): "
@@ -145,7 +123,7 @@ def note_file(path: Path) -> None:
         return
     with suppress(BlockingIOError), _held(out):
         found = earlier_record(out)
-        write_record(out, found | {"files": sorted({*found.get("files", []), path.name})})
+        write_record(out, found | {"files": sorted({*named_files(found, "files"), path.name})})
 
 
 @contextmanager
@@ -166,106 +144,15 @@ def _held(out: Path) -> Iterator[None]:
         lock.release()
 
 
-def _keep_case(path: Path, case_file: CaseFile, overwrite: bool) -> None:
+def _keep_case(path: Path, case_file: CaseFile, replace: bool) -> None:
     """Write the resolved case file; one that says the same stays as its author wrote it."""
     try:
         same = path.exists() and read_case(path) == case_file
     except CaseFileError:
         same = False
-    if path.exists() and not same and not overwrite:
+    if path.exists() and not same and not replace:
         raise FileExistsError(
             f"{path} is the case of another run: choose another folder or ask for overwriting (--overwrite)"
         )
     if not same:
-        write_case(case_file, path, overwrite)
-
-
-@contextmanager
-def _recorded(out: Path, keeper: Keeper, overwrite: bool) -> Iterator[list[str]]:
-    """Log and record what goes on in a folder; gives a list that gets the files that were written."""
-    record: dict[str, Any] = {
-        "status": "running",
-        "command": sys.argv,
-        "process": os.getpid(),
-        "started": timestamp(),
-        "machine": machine(),
-        "versions": versions(),
-    }
-    before = _stamps(out)
-    written: list[str] = []
-    with _logged(out, overwrite):
-        logger.info("%s %s, process %d", PROGRAM, record["versions"].get(PROGRAM, ""), os.getpid())
-        write_record(out, record)
-        try:
-            yield written
-        except BaseException as error:
-            stopped = isinstance(error, SimulationStopped)
-            outcome = {"status": "stopped" if stopped else "failed", "error": str(error) or repr(error)}
-            logger.error("%s", outcome["status"], exc_info=error)
-            # what went wrong matters more than a record that cannot be written either
-            with suppress(OSError):
-                _finish(out, record | outcome, keeper, before)
-            raise
-        written += _finish(out, record | {"status": "done"}, keeper, before)
-        logger.info("done")
-
-
-def _finish(
-    out: Path, record: dict[str, Any], keeper: Keeper, before: dict[str, tuple[int, int]]
-) -> list[str]:
-    """Complete the record; the names of the files that the run wrote."""
-    after = _stamps(out)
-    written = sorted(name for name in after if name in (CASE, LOG, RECORD) or before.get(name) != after[name])
-    took = datetime.now(UTC) - datetime.fromisoformat(record["started"])
-    times = {"finished": timestamp(), "wall_time_s": round(took.total_seconds(), 3)}
-    write_record(out, record | times | {"stages_s": keeper.stages, "files": written})
-    return written
-
-
-def _stamps(out: Path) -> dict[str, tuple[int, int]]:
-    """Visible files of a folder; one that was replaced has another inode or time of writing."""
-    stamps = {}
-    for path in out.rglob("*"):
-        if path.is_file() and not path.name.startswith("."):
-            found = path.stat()
-            stamps[path.relative_to(out).as_posix()] = (found.st_ino, found.st_mtime_ns)
-    return stamps
-
-
-def _remove(out: Path, names: set[str]) -> None:
-    """Remove files of an earlier run and folders that they leave empty, and nothing outside the folder."""
-    whole = out.resolve()
-    paths = [path for name in names if (path := (out / name).resolve()).is_relative_to(whole)]
-    for path in paths:
-        path.unlink(missing_ok=True)
-    for folder in {path.parent for path in paths} - {whole}:
-        if folder.is_dir() and {path.name for path in folder.iterdir()} <= {LOCK}:
-            (folder / LOCK).unlink(missing_ok=True)
-            folder.rmdir()
-
-
-class _LogFile(logging.FileHandler):
-    """Log that does not stop a run where it cannot be written."""
-
-    def handleError(self, _record: logging.LogRecord) -> None:  # noqa: N802
-        pass
-
-    def close(self) -> None:
-        with suppress(OSError):
-            super().close()
-
-
-@contextmanager
-def _logged(out: Path, overwrite: bool) -> Iterator[None]:
-    """Send the package's log into the folder; an earlier log is continued unless it may be replaced."""
-    handler = _LogFile(out / LOG, mode="w" if overwrite else "a", encoding="utf-8")
-    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
-    level = logger.level
-    logger.addHandler(handler)
-    logger.setLevel(logging.INFO)
-    try:
-        yield
-    finally:
-        logger.removeHandler(handler)
-        logger.setLevel(level)
-        handler.close()
+        write_case(case_file, path, replace)

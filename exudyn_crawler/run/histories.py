@@ -1,6 +1,5 @@
-"""Histories in folders: kept even where the disk is full, and found again by their parameters."""
+"""Histories in folders, found again by their parameters."""
 
-import tempfile
 from pathlib import Path
 
 from exudyn_crawler.case import CaseFile
@@ -10,26 +9,8 @@ HISTORY = "history.nc"
 """History in the folder of a run."""
 STOPPED_HISTORY = "history_stopped.nc"
 """In its place, of a run that stopped early."""
-
-
-def keep_history(history: History, path: Path, overwrite: bool = False) -> None:
-    """Save a history; where that fails, in a temporary folder, since it may have taken hours to make.
-
-    Raises
-    ------
-    OSError
-        If the history is not at `path`, with the place where it is.
-    """
-    try:
-        history.save(path, overwrite)
-    except OSError as error:
-        spare = Path(tempfile.mkdtemp(prefix="exudyn-crawler-")) / path.name
-        try:
-            history.save(spare)
-        except OSError:
-            spare.parent.rmdir()
-            raise error from None
-        raise OSError(f"{error}; the history was kept as {spare}") from error
+SAME_TIME = 1e-6
+"""s by which durations may differ and be the same."""
 
 
 def matching_history(folder: Path, case_file: CaseFile) -> History:
@@ -50,7 +31,7 @@ def matching_history(folder: Path, case_file: CaseFile) -> History:
         raise FileNotFoundError(f"no history at {places[0]} or {places[1]}")
     history = History.load(path)
     differences = _differences(history.case.model_dump(), case.model_dump())
-    if abs(history.duration - case_file.duration) > 1e-6:
+    if abs(history.duration - case_file.duration) > SAME_TIME:
         differences.append(f"duration is {history.duration:g} s, not {case_file.duration:g} s")
     if differences:
         raise ValueError(f"{path} comes from other parameters: {'; '.join(differences[:5])}")

@@ -6,18 +6,18 @@ from itertools import pairwise
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.formulation import TrackSystem, track_system
-from exudyn_crawler.results.from_states import history_of
 from exudyn_crawler.results.history import History
-from exudyn_crawler.run.checkpoints import Checkpoint, Checkpoints
+from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.faults import at_fault
 from exudyn_crawler.run.progress import progress_bar
 from exudyn_crawler.run.recorder import Recorder
+from exudyn_crawler.run.run_stages import RunStages, system_history
 from exudyn_crawler.run.settings import set_times, solver_settings
-from exudyn_crawler.run.stages import TIME_TOLERANCE, is_quiet, stage_times
+from exudyn_crawler.run.stages import is_quiet, stage_times
 
 
 def integrate(
@@ -35,37 +35,24 @@ def integrate(
     if settings is None:
         settings = solver_settings(case.solver)
     recorder = Recorder(system, duration)
+    ends = stage_times(case, duration)
+    stages = RunStages(system, recorder, ends, checkpoints)
     reason = None
     with progress_bar(case.name, duration, progress) as tell:
         sunken = _watch(system, recorder, tell)
-        saved = [] if checkpoints is None else checkpoints.load(case, system.layout)
-        for number, (start, end) in enumerate(pairwise(stage_times(case, duration))):
-            if number < len(saved) and abs(saved[number].time - end) < TIME_TOLERANCE * duration:
-                recorder.take(saved[number])
-                system.set_state(saved[number].state)
+        for number, (start, end) in enumerate(pairwise(ends)):
+            if number < stages.first:
                 continue
             system.switch_drive(case.drive.drives_after(start))
             set_times(settings, case.solver, start, end, is_quiet(case, start))
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
-            first = recorder.count
             reason = _solve(system, settings, sunken)
             if reason is not None:
                 break
-            state = system.state()
-            system.set_state(state)
-            if checkpoints is not None and end < duration:
-                rows = recorder.rows_from(first)
-                checkpoints.save(case, number, Checkpoint(system.layout, state, rows))
-    history = _history(system, recorder)
+            stages.end(number)
     if reason is not None:
-        raise SimulationStopped(recorder.time, reason, history)
-    return history
-
-
-def _history(system: TrackSystem, recorder: Recorder) -> History:
-    return history_of(
-        system.case, system.layout, system.contact, recorder.rows, system.point, system.frequencies
-    )
+        raise SimulationStopped(recorder.time, reason, None if stages.nothing else stages.history())
+    return stages.history()
 
 
 def integrate_from(case: Case, state: NDArray, duration: float) -> History:
@@ -93,7 +80,7 @@ def integrate_from(case: Case, state: NDArray, duration: float) -> History:
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
     set_times(settings, case.solver, start, end)
     reason = _solve(system, settings, sunken)
-    history = _history(system, recorder)
+    history = system_history(system, recorder.taken())
     if reason is not None:
         raise SimulationStopped(recorder.time, reason, history)
     return history
@@ -137,10 +124,10 @@ def _solver_reason(system: TrackSystem, settings: "exu.SimulationSettings") -> s
         least, fault = system.case.solver.minimum_step, at_fault(system.layout, failed)
         return f"Newton's method failed at the least step {least:g} s; {fault}"
     except KeyboardInterrupt:
-        return "interrupted"
+        return INTERRUPTED
     except exu.ModelError as error:
         # where an interrupt meets a user function, Exudyn hands it on as an error of that function
         if "KeyboardInterrupt" not in str(error):
             raise
-        return "interrupted"
+        return INTERRUPTED
     return None

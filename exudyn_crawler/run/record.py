@@ -13,6 +13,8 @@ from typing import Any
 from exudyn_crawler.files import whole_file
 
 RECORD = "run.json"
+DONE = "done"
+"""Status of a run that has ended well."""
 PROGRAM = "exudyn-crawler"
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -21,9 +23,21 @@ def earlier_record(folder: Path) -> dict[str, Any]:
     """What an earlier run recorded in a folder; nothing if there is no readable record."""
     try:
         found = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}
+
+
+def named_files(record: dict[str, Any], key: str) -> set[str]:
+    """Names of files that a record lists, without such as lead out of its folder or are no names."""
+    names = record.get(key)
+    kept = {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
+    return {name for name in kept if _stays(name)}
+
+
+def _stays(name: str) -> bool:
+    path = Path(name)
+    return "\0" not in name and bool(path.parts) and not path.is_absolute() and ".." not in path.parts
 
 
 def write_record(folder: Path, record: dict[str, Any]) -> None:

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.model.formulation import TrackSystem
-from exudyn_crawler.run.checkpoints import Checkpoint
 from exudyn_crawler.run.stages import TIME_TOLERANCE
 
 
@@ -23,10 +22,9 @@ class Recorder:
         if start is not None:
             self._end_of(start)
 
-    def take(self, checkpoint: Checkpoint) -> None:
-        """Go on behind a checkpoint."""
-        self._states.extend(checkpoint.rows)
-        self._end_of(checkpoint.time)
+    def go_on(self, time: float) -> None:
+        """Go on behind the end of a stage, s."""
+        self._end_of(time)
 
     def _end_of(self, time: float) -> None:
         self.time = time
@@ -40,16 +38,13 @@ class Recorder:
             self._states.append(self._system.state())
             self._end_of(time)
 
-    @property
-    def rows(self) -> NDArray:
-        """All stored states, one a row."""
-        return np.array(self._states)
-
-    def rows_from(self, first: int) -> NDArray:
-        """Stored states from a number on."""
-        return np.array(self._states[first:])
+    def taken(self) -> NDArray:
+        """States stored since the last call, one a row; they are not kept any longer."""
+        rows = np.array(self._states)
+        self._states.clear()
+        return rows
 
     @property
     def count(self) -> int:
-        """Number of stored states."""
+        """Number of states stored since then."""
         return len(self._states)

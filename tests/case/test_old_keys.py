@@ -150,7 +150,8 @@ def test_old_histories_and_checkpoints_go_on(tmp_path, monkeypatch):
     kept, old = Checkpoints(tmp_path), json.dumps(old_values(case))
     with monkeypatch.context() as before:
         before.setattr(Case, "model_dump_json", lambda _self: old)
-        history = simulate(case, 0.02, False, kept)
+        with pytest.warns(FutureWarning, match=r"assembled\.nc: old keys"):
+            history = simulate(case, 0.02, False, kept)
         history.save(tmp_path / "old.nc")
     with pytest.warns(FutureWarning, match=r"old\.nc: old keys"):
         assert History.load(tmp_path / "old.nc").case == case

@@ -1,7 +1,8 @@
 """A run in stages: no jump between them, and a killed run gives the numbers of one that was not."""
 
-import dataclasses
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -9,6 +10,8 @@ import time
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from exudyn_crawler import Case, Drive, SphereContact, simulate
 from exudyn_crawler.run.checkpoints import Checkpoints
@@ -84,40 +87,116 @@ def test_checkpoints_of_other_parameters_are_refused(tmp_path):
         simulate(other, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
 
 
-def test_a_broken_checkpoint_is_named(tmp_path):
-    case = staged()
-    simulate(case, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
-    (tmp_path / "stage_0000.npz").write_bytes(b"PK\x03\x04 broken")
-    with pytest.raises(ValueError, match=r"stage_0000\.npz cannot be read"):
-        Checkpoints(tmp_path).load(case)
+@pytest.fixture(scope="module")
+def three_stages(tmp_path_factory):
+    """Folder of the checkpoints of a run of three stages, and its history."""
+    folder = tmp_path_factory.mktemp("checkpoints")
+    return folder, simulate(staged(), 3 * INTERVAL, checkpoints=Checkpoints(folder)).dataset
 
 
-def test_states_of_another_layout_are_refused_by_name(tmp_path):
-    """Same parameters, but a program that lays its states out otherwise."""
-    case = staged()
-    simulate(case, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
-    (kept,) = Checkpoints(tmp_path).load(case)
-    assert kept.time == pytest.approx(INTERVAL)
-    other = dataclasses.replace(kept.layout, terrain=kept.layout.terrain + 1)
-    with pytest.raises(
-        ValueError, match=r"stage_0000\.npz has states of another layout: terrain is 15, not 16"
-    ):
-        Checkpoints(tmp_path).load(case, other)
+@pytest.fixture
+def copied(three_stages, tmp_path):
+    folder = tmp_path / "copied"
+    shutil.copytree(three_stages[0], folder)
+    return folder
 
 
-def test_a_checkpoint_without_a_layout_or_of_another_version_is_refused(tmp_path):
-    case = staged()
-    simulate(case, 2 * INTERVAL, checkpoints=Checkpoints(tmp_path))
-    path = tmp_path / "stage_0000.npz"
+def altered(path, name, change):
+    """Write a file of named arrays anew with one of them changed, its digest as it was."""
     content = dict(np.load(path))
-    newer = str(content["layout"]).replace('"version": 2', '"version": 7')
-    np.savez(path, **(content | {"layout": np.array(newer)}))
-    with pytest.raises(ValueError, match=r"cannot be read: .*its version is 7, not 2; delete it to go on"):
-        Checkpoints(tmp_path).load(case)
-    del content["layout"]
+    content[name] = change(content[name])
     np.savez(path, **content)
-    with pytest.raises(ValueError, match=r"cannot be read: .*layout.*; delete it to go on"):
-        Checkpoints(tmp_path).load(case)
+
+
+def emptied(_array):
+    return np.zeros(0)
+
+
+def moved(array):
+    return array + np.where(np.arange(array.size).reshape(array.shape) == 3, 1e-9, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("state", moved),
+        ("state", lambda state: state[:-1]),
+        ("history position", emptied),
+        ("history position", lambda values: values * np.nan),
+        ("history time", lambda time: time.astype(np.float32)),
+        ("time", lambda time: time + 1.0),
+        ("layout", lambda text: np.array(str(text).replace('"shoes": 13', '"shoes": 12'))),
+    ],
+)
+def test_an_altered_checkpoint_is_computed_anew_from_the_last_good_one(three_stages, copied, name, change):
+    said = []
+    altered(copied / "stage_0001.npz", name, change)
+    resumed = simulate(staged(), 3 * INTERVAL, checkpoints=Checkpoints(copied, said.append))
+    assert resumed.dataset.identical(three_stages[1])
+    path = copied / "stage_0001.npz"
+    assert said[0].startswith(
+        f"checkpoint {path} was altered: its digest is wrong: left out, and computed anew"
+    )
+    assert said[-1].endswith(f"going on from the checkpoint at t = {INTERVAL:g} s")
+    assert len(Checkpoints(copied).load(staged())) == 2
+
+
+def test_an_altered_first_checkpoint_is_refused_by_name(copied):
+    path = copied / "stage_0000.npz"
+    altered(path, "state", moved)
+    with pytest.raises(ValueError, match=r"stage_0000\.npz was altered: .*; delete .*copied to begin anew"):
+        Checkpoints(copied).load(staged())
+    for content in (b"PK\x03\x04 broken", b"", path.read_bytes()[:-100]):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=r"stage_0000\.npz cannot be read: .*to begin anew"):
+            Checkpoints(copied).load(staged())
+
+
+@given(st.data())
+@settings(deadline=None, max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_checkpoint_with_flipped_bytes_gives_the_same_or_is_refused(three_stages, copied, data):
+    whole = (three_stages[0] / "stage_0000.npz").read_bytes()
+    content = bytearray(whole)
+    content[data.draw(st.integers(0, len(content) - 1))] ^= data.draw(st.integers(1, 255))
+    (copied / "stage_0000.npz").write_bytes(content)
+    message = ""
+    try:
+        state = Checkpoints(copied).load(staged())[0].state
+    except ValueError as error:
+        message = str(error)
+    assert not message or message.startswith(f"checkpoint {copied / 'stage_0000.npz'} ")
+    assert message or state.tobytes() == Checkpoints(three_stages[0]).load(staged())[0].state.tobytes()
+
+
+def test_a_checkpoint_in_the_place_of_another_is_left_out(copied):
+    shutil.copy(copied / "stage_0000.npz", copied / "stage_0001.npz")
+    said = []
+    assert len(Checkpoints(copied, said.append).load(staged())) == 1
+    assert "stage_0001.npz is that of stage 0: left out" in said[0]
+
+
+def test_states_of_another_layout_are_refused_by_name(copied):
+    """Same parameters, but a program that lays its states out otherwise."""
+    kept = Checkpoints(copied).load(staged())[0]
+    assert kept.time == pytest.approx(INTERVAL)
+    for change, told in (({"terrain": 16}, "terrain is 15, not 16"), ({"version": 7}, "version is 2, not 7")):
+        other = json.dumps(json.loads(kept.layout) | change)
+        with pytest.raises(ValueError, match=rf"stage_0000\.npz has states of another layout: {told}"):
+            Checkpoints(copied).load(staged(), other)
+
+
+def test_a_longer_run_goes_on_behind_one_that_has_ended(three_stages, copied, tmp_path):
+    whole = simulate(staged(), 4.5 * INTERVAL).dataset
+    history = Checkpoints(copied).history.replace(tmp_path / "history.nc")
+    Checkpoints(copied).settle(staged(), tmp_path / "end.npz")
+    assert not copied.exists()
+    said = []
+    longer = Checkpoints(copied, said.append)
+    longer.begin_from(tmp_path / "end.npz", history)
+    assert simulate(staged(), 4.5 * INTERVAL, checkpoints=longer).dataset.identical(whole)
+    assert said == [f"translation: going on from the checkpoint at t = {2 * INTERVAL:g} s"]
+    longer.settle(staged(), tmp_path / "end.npz")
+    assert float(np.load(tmp_path / "end.npz")["time"]) == pytest.approx(4 * INTERVAL)
 
 
 def test_checkpoints_can_be_removed(tmp_path):

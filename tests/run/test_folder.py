@@ -139,14 +139,31 @@ def test_nothing_outside_the_folder_is_removed(tmp_path):
     out = tmp_path / "out"
     run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=QUIET), out)
     (tmp_path / "precious").write_text("mine")
-    (out / "run.json").write_text(json.dumps({"files": ["../precious", "loads.csv"]}))
-    run_case(
-        CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(figures=False, tables=False)),
-        out,
-        overwrite=True,
-    )
-    assert (tmp_path / "precious").exists()
+    (out / "link").symlink_to(tmp_path / "precious")
+    (out / "own").mkdir()
+    odd = [
+        "../precious",
+        "own/../../precious",
+        str(tmp_path / "precious"),
+        "link",
+        "own",
+        ".",
+        "",
+        "a\0b",
+        7,
+        None,
+    ]
+    names = [*odd, "loads.csv"]
+    (out / "run.json").write_text(json.dumps({"files": names, "replaces": names}))
+    bare = CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(figures=False, tables=False))
+    run_case(bare, out, overwrite=True)
+    assert (tmp_path / "precious").read_text() == "mine"
+    assert (out / "link").exists()
     assert not (out / "loads.csv").exists()
+    for broken in ('{"files": 7}', '{"files": "abc", "replaces": {}}', "[" * 100_000, "{", "7"):
+        (out / "run.json").write_text(broken)
+        run_case(bare, out, overwrite=True)
+        assert record(out)["status"] == "done"
 
 
 def test_the_case_of_another_run_is_refused_and_the_authors_own_file_kept(tmp_path):

@@ -137,7 +137,7 @@ def test_unasked_a_history_of_other_parameters_is_run_anew(translation, tmp_path
 
 
 def test_results_are_refused_before_anything_runs(tmp_path, monkeypatch):
-    monkeypatch.setattr("exudyn_crawler.case_run.simulate", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("exudyn_crawler.run.into_folder.simulate", lambda *_: pytest.fail("it ran"))
     (tmp_path / "turning").mkdir()
     (tmp_path / "turning" / "history.nc").write_text("kept")
     with pytest.raises(FileExistsError, match=r"holds results already \(turning/history\.nc, "):

@@ -16,6 +16,7 @@ from hypothesis.extra.numpy import arrays
 from exudyn_crawler import History, recover_stresses
 from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
 from exudyn_crawler.results.contacts import contacts_of
+from exudyn_crawler.run.folder import note_file
 from exudyn_crawler.views.report.frames import first_frame, frame_titles
 from exudyn_crawler.views.report.heading import provenance
 from exudyn_crawler.views.report.packing import thinned
@@ -240,3 +241,49 @@ def test_what_cannot_be_reported_is_refused(tmp_path, stress_folder):
     (tmp_path / "comparison.csv").write_text("quantity\n")
     with pytest.raises(ValueError, match=r"comparison\.csv has no column 'within'"):
         write_report(tmp_path, overwrite=True)
+
+
+BROKEN = {
+    "run.json": b"\xff{",
+    "case.toml": b"\xff\xfe",
+    "stress.nc": b"\x89HDF\r\n\x1a\n broken",
+    "forces.nc": b"no netcdf at all",
+    "loads.csv": b'a,b\n1,2,3\n"4',
+    "hot_spots_shoe_7.csv": b"node\n99999999\n",
+    "stress_000.0600s.png": b"no picture",
+    "comparison.csv": b"quantity\n",
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_file_beside_a_history_is_named_and_left_out(translation, tmp_path, name):
+    translation.save(tmp_path / "history.nc")
+    (tmp_path / name).write_bytes(BROKEN[name])
+    said = []
+    page = report_page(tmp_path, said.append)
+    assert len(said) == 1
+    assert said[0].startswith(f"{tmp_path / name} ")
+    assert said[0].endswith("; left out")
+    assert f"Left out: {tmp_path / name} " in page
+    assert list(data_of(page)["cases"]) == ["translation"]
+
+
+def test_a_broken_history_is_refused_by_name(translation, tmp_path):
+    content = translation.save(tmp_path / "history.nc").read_bytes()
+    (tmp_path / "history.nc").write_bytes(content[: len(content) // 2])
+    with pytest.raises(ValueError, match=r"history\.nc does not hold a history: "):
+        write_report(tmp_path)
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_a_report_touches_nothing_that_the_record_names(translation, tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    translation.save(folder / "history.nc")
+    (tmp_path / "precious.csv").write_text("mine")
+    names = ["../precious.csv", str(tmp_path / "precious.csv"), "/etc/passwd", 7, None, ""]
+    (folder / "run.json").write_text(json.dumps({"files": names, "replaces": names}))
+    assert "mine" not in re.sub(r"<script.*?</script>", "", report_page(folder), flags=re.DOTALL)
+    note_file(write_report(folder))
+    assert json.loads((folder / "run.json").read_text())["files"] == ["report.html"]
+    assert (tmp_path / "precious.csv").read_text() == "mine"

@@ -1,11 +1,12 @@
 """One self-contained page of a run's folder, to be read offline in a browser."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import h5py
 import pandas as pd
 import xarray as xr
 from markupsafe import Markup
@@ -15,8 +16,10 @@ from exudyn_crawler.case.text import case_table
 from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.quantities import check_dimensions
 from exudyn_crawler.views.report.heading import key_rows, provenance
-from exudyn_crawler.views.report.pictures import embedded_pictures, first_picture
+from exudyn_crawler.views.report.left_out import LeftOut
+from exudyn_crawler.views.report.pictures import embedded_picture, first_picture
 from exudyn_crawler.views.report.plots import (
     first_plots,
     packed_case,
@@ -47,7 +50,12 @@ SECTIONS = (
 """Anchor and heading of each section, and what there must be for it to be shown."""
 
 
-def write_report(folder: Path, out: Path | None = None, overwrite: bool = False) -> Path:
+def write_report(
+    folder: Path,
+    out: Path | None = None,
+    overwrite: bool = False,
+    say: Callable[[str], None] = lambda _text: None,
+) -> Path:
     """Write the report of a run's folder: whatever of comparison, histories, stresses and case is there.
 
     Of a study's folder the runs in its folders are shown together; pictures, hot spots and the 3D view are
@@ -61,6 +69,8 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
         File to write; `report.html` in the folder if not given.
     overwrite : bool
         Replace an earlier report.
+    say : callable
+        Is told of the files beside the histories that cannot be read; the report goes on without them.
 
     Returns
     -------
@@ -76,30 +86,34 @@ def write_report(folder: Path, out: Path | None = None, overwrite: bool = False)
     FileExistsError
         If the report exists and `overwrite` is false.
     ValueError
-        If a file of the folder does not hold what its name says.
+        If a history cannot be read, or nothing else can.
     """
     folder = Path(folder)
     if not folder.is_dir():
         raise NotADirectoryError(f"no folder {folder}")
     out = folder / REPORT if out is None else Path(out)
     refuse_existing(out, overwrite)
-    page = report_page(folder)
+    page = report_page(folder, say)
     with whole_file(out, overwrite) as temporary:
         temporary.write_text(page, encoding="utf-8")
     return out
 
 
-def report_page(folder: Path) -> str:
+def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -> str:
     """HTML of the report; raises as `write_report`."""
     folders = _run_folders(folder)
-    histories, places = _histories(folders)
+    left_out = LeftOut()
+    histories, places = _histories(folders, left_out)
     variables = {
         name: one.dataset.assign(terrain_deformation=terrain_deformation(one))
         for name, one in histories.items()
     }
     stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
-    stress, comparison = stress_of(stressed), _comparison(folder)
+    stress = left_out.unless_broken(stressed / STRESSES, lambda _: stress_of(stressed))
+    comparison = left_out.unless_broken(folder / "comparison.csv", _comparison)
     if not variables and comparison is None:
+        if left_out:
+            raise ValueError("; ".join(left_out))
         raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
     bent = next((n for n in histories if places[n] == stressed and histories[n].case.flexible), None)
     owner = None if bent is None else histories[bent]
@@ -107,16 +121,16 @@ def report_page(folder: Path) -> str:
         name: dataset_series(dataset, stress if name == bent else None) for name, dataset in variables.items()
     }
     points = points_a_series(found)
-    pictures, first = _pictures(stressed, stress, owner)
+    pictures, first = _pictures(stressed, stress, owner, left_out)
     data = {
         "first_picture": first,
         "cases": {name: packed_case(one, points) for name, one in found.items()},
-        "shoes": None if stress is None or owner is None else packed_shoes(stress, owner),
+        "shoes": left_out.unless_broken(stressed / STRESSES, lambda _: _shoes(stress, owner)),
         "first": first_plots(found),
         **page_colours(),
     }
     title = " and ".join(variables) if variables else folder.resolve().name
-    content = {
+    content: dict[str, Any] = {
         "title": f"Crawler track: {title}",
         "lead": provenance(folder, histories),
         "key_results": key_rows(histories, {} if bent is None or stress is None else {bent: stress}),
@@ -124,20 +138,22 @@ def report_page(folder: Path) -> str:
         "comparison": None if comparison is None else comparison_rows(comparison),
         "has_series": bool(variables),
         "thinning": thinning(variables, points),
-        "hot_spots": hot_spot_tables(stressed),
+        "hot_spots": _hot_spot_tables(stressed, left_out),
         "has_shoes": data["shoes"] is not None,
         "pictures": pictures,
-        "tables": [
-            html_table(path.relative_to(folder).as_posix(), table)
-            for one in folders
-            for path, table in _further(one)
-        ],
+        "tables": left_out.of_all(
+            [path for one in folders for path in _further(one)],
+            lambda path: _short_table(path, path.relative_to(folder).as_posix()),
+        ),
         "cases": [
             {"title": name, "rows": case_table(one.case).to_dict("records")}
             for name, one in histories.items()
         ],
-        "texts": _texts(folder),
+        "texts": left_out.of_all([folder / "case.toml", folder / "run.json"], _text),
     }
+    for line in left_out:
+        say(f"{line}; left out")
+    content["left_out"] = left_out
     return _rendered(content, data)
 
 
@@ -161,15 +177,13 @@ def _run_folders(folder: Path) -> list[Path]:
     return [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
 
 
-def _histories(folders: list[Path]) -> tuple[dict[str, History], dict[str, Path]]:
+def _histories(folders: list[Path], left_out: LeftOut) -> tuple[dict[str, History], dict[str, Path]]:
     """Histories of some folders by case, and the folder of each."""
     histories: dict[str, History] = {}
     places: dict[str, Path] = {}
     for folder in folders:
-        for path in sorted(folder.glob("*.nc")):
-            with xr.open_dataset(path, engine="h5netcdf") as dataset:
-                kept = "case" in dataset.attrs
-            if not kept:
+        for path in sorted(folder.glob("[!.]*.nc")):
+            if not path.name.startswith("history") and not left_out.unless_broken(path, _holds_a_case):
                 continue
             history = History.load(path)
             name = history.case.name
@@ -179,14 +193,28 @@ def _histories(folders: list[Path]) -> tuple[dict[str, History], dict[str, Path]
     return histories, places
 
 
+def _holds_a_case(path: Path) -> bool:
+    # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
+    with h5py.File(path, "r") as file:
+        return "case" in file.attrs
+
+
 def stress_of(folder: Path) -> xr.Dataset | None:
     """Stresses that a run has left in a folder; None if there are none."""
     path = folder / STRESSES
-    return xr.load_dataset(path, engine="h5netcdf") if path.is_file() else None
+    if not path.is_file():
+        return None
+    _holds_a_case(path)
+    dataset = xr.load_dataset(path, engine="h5netcdf")
+    check_dimensions(dataset)
+    return dataset
 
 
-def _comparison(folder: Path) -> pd.DataFrame | None:
-    path = folder / "comparison.csv"
+def _shoes(stress: xr.Dataset | None, owner: History | None) -> dict[str, Any] | None:
+    return None if stress is None or owner is None else packed_shoes(stress, owner)
+
+
+def _comparison(path: Path) -> pd.DataFrame | None:
     if not path.is_file():
         return None
     table = pd.read_csv(path, dtype={"within": str})
@@ -203,12 +231,12 @@ def _summary_rows(table: pd.DataFrame) -> list[dict[str, Any]]:
     ]
 
 
-def hot_spot_tables(folder: Path) -> list[dict[str, Any]]:
+def _hot_spot_tables(folder: Path, left_out: LeftOut) -> list[dict[str, Any]]:
     """Titles and HTML of the hot spots' tables of a folder, in the order of the shoes."""
-    return [
-        html_table(path.stem.removeprefix("hot_spots_").replace("_", " "), pd.read_csv(path))
-        for path in _by_number(folder.glob("hot_spots_*.csv"))
-    ]
+    return left_out.of_all(
+        _by_number(folder.glob("hot_spots_*.csv")),
+        lambda path: html_table(path.stem.removeprefix("hot_spots_").replace("_", " "), pd.read_csv(path)),
+    )
 
 
 def _by_number(paths: Iterator[Path]) -> list[Path]:
@@ -216,30 +244,48 @@ def _by_number(paths: Iterator[Path]) -> list[Path]:
     return sorted(paths, key=lambda p: (int("".join(filter(str.isdigit, p.stem)) or 0), p.name))
 
 
-def _further(folder: Path) -> Iterator[tuple[Path, pd.DataFrame]]:
-    """Tables that have no section of their own and are short enough to be read."""
-    for path in sorted(folder.glob("*.csv")):
-        if path.name != "comparison.csv" and not path.name.startswith("hot_spots_"):
-            table = pd.read_csv(path)
-            if len(table) <= LONGEST_TABLE:
-                yield path, table
+def _further(folder: Path) -> list[Path]:
+    """Tables that have no section of their own."""
+    return sorted(
+        path
+        for path in folder.glob("[!.]*.csv")
+        if path.name != "comparison.csv" and not path.name.startswith("hot_spots_")
+    )
+
+
+def _short_table(path: Path, title: str) -> dict[str, Any] | None:
+    """Title and HTML of a table; None if it is too long to be read."""
+    table = pd.read_csv(path)
+    return html_table(title, table) if len(table) <= LONGEST_TABLE else None
 
 
 def _pictures(
-    folder: Path, stress: xr.Dataset | None, history: History | None
+    folder: Path, stress: xr.Dataset | None, history: History | None, left_out: LeftOut
 ) -> tuple[list[dict[str, str]], int]:
     """Stress pictures of the folder, or new ones where it has none, and which of them is shown first."""
     kept = sorted(folder.glob(PICTURES))
     if kept or stress is None or history is None:
-        return embedded_pictures(kept, stress), first_picture(kept, stress)
+        return _embedded(kept, stress, left_out)
     with TemporaryDirectory() as temporary:
-        made = write_stress_pictures(stress, history, Path(temporary))
-        return embedded_pictures(made, stress), first_picture(made, stress)
+        return _embedded(write_stress_pictures(stress, history, Path(temporary)), stress, left_out)
 
 
-def _texts(folder: Path) -> list[dict[str, str]]:
-    """Files about the run that are shown as they are."""
-    found = [folder / name for name in ("case.toml", "run.json")]
-    return [
-        {"title": path.name, "content": path.read_text(encoding="utf-8")} for path in found if path.is_file()
+def _embedded(
+    paths: Sequence[Path], stress: xr.Dataset | None, left_out: LeftOut
+) -> tuple[list[dict[str, str]], int]:
+    """Pictures that can be read, and which of them is shown first."""
+    found = [
+        (path, left_out.unless_broken(path, lambda one: embedded_picture(one, stress))) for path in paths
     ]
+    shown = {path: picture for path, picture in found if picture is not None}
+    return list(shown.values()), first_picture(list(shown), stress)
+
+
+def _text(path: Path) -> dict[str, str] | None:
+    """File about the run that is shown as it is."""
+    if not path.is_file():
+        return None
+    content = path.read_text(encoding="utf-8")
+    if path.suffix == ".json":
+        json.loads(content)
+    return {"title": path.name, "content": content}

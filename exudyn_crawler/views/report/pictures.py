@@ -16,17 +16,13 @@ WIDTH = 1500
 """Pixels of a picture on the page."""
 
 
-def embedded_pictures(paths: Sequence[Path], stress: xr.Dataset | None) -> list[dict[str, str]]:
-    """Pictures of stress with what their times are, as far as that is known."""
-    titles = [] if stress is None else frame_titles(stress)
-    found = []
-    for path in paths:
-        time = picture_time(path)
-        title = f"t = {time:.6g} s"
-        if stress is not None and abs(float(stress.frame[at := frame_at(stress, time)]) - time) < 1e-4:
-            title = titles[at]
-        found.append(_embedded(path, title))
-    return found
+def embedded_picture(path: Path, stress: xr.Dataset | None) -> dict[str, str]:
+    """Picture of stress as a data URI with what its time is, as far as that is known."""
+    time = picture_time(path)
+    title = f"t = {time:.6g} s"
+    if stress is not None and abs(float(stress.frame[at := frame_at(stress, time)]) - time) < 1e-4:
+        title = frame_titles(stress)[at]
+    return {"title": title, "uri": _data_uri(path)}
 
 
 def first_picture(paths: Sequence[Path], stress: xr.Dataset | None) -> int:
@@ -37,8 +33,8 @@ def first_picture(paths: Sequence[Path], stress: xr.Dataset | None) -> int:
     return int(np.argmin([abs(picture_time(path) - shown) for path in paths]))
 
 
-def _embedded(path: Path, title: str) -> dict[str, str]:
-    """Picture as a data URI, no wider than the page needs."""
+def _data_uri(path: Path) -> str:
+    """Picture no wider than the page needs."""
     with Image.open(path) as opened:
         image = opened.convert("RGB")
     if image.width > WIDTH:
@@ -47,4 +43,4 @@ def _embedded(path: Path, title: str) -> dict[str, str]:
     memory = io.BytesIO()
     image.save(memory, format="webp", quality=85)
     encoded = base64.b64encode(memory.getvalue()).decode("ascii")
-    return {"title": title, "uri": f"data:image/webp;base64,{encoded}"}
+    return f"data:image/webp;base64,{encoded}"

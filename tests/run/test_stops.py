@@ -1,0 +1,252 @@
+"""Whatever stops a run, the same call finishes it, and what comes out is what an undisturbed run gives."""
+
+import importlib
+import json
+import subprocess
+import sys
+from functools import partial
+
+import pandas as pd
+import pytest
+
+from exudyn_crawler import Case, CaseFile, History, Outputs, SimulationStopped, run_case
+from exudyn_crawler.case import write_case
+from exudyn_crawler.errors import INTERRUPTED
+from exudyn_crawler.run import integration, into_folder
+from exudyn_crawler.run.folder import note_file
+from studies.kinematics import study as kinematics_study
+from tests.run.test_folder import record, visible
+
+pytestmark = pytest.mark.simulation
+
+# the package's public function of this name hides the module
+case_run_module = importlib.import_module("exudyn_crawler.case_run")
+QUIET = Outputs(figures=False)
+STAGED = CaseFile(
+    case=Case.turning().with_(solver=Case.turning().solver.with_(checkpoint_interval=0.05)),
+    duration=0.15,
+    outputs=QUIET,
+)
+
+
+@pytest.fixture(scope="module")
+def staged(tmp_path_factory):
+    """Folder of a run of three stages."""
+    out = tmp_path_factory.mktemp("runs") / "staged"
+    run_case(STAGED, out)
+    return out
+
+
+def assert_same(out, whole):
+    """Two folders hold the same; records and logs apart."""
+    assert visible(out) == visible(whole)
+    assert History.load(out / "history.nc").dataset.identical(History.load(whole / "history.nc").dataset)
+    for name in visible(out) - {"run.json", "run.log", "history.nc", "forces.nc"}:
+        assert (out / name).read_bytes() == (whole / name).read_bytes(), name
+    assert record(out)["status"] == "done"
+    assert set(record(out)["files"]) == visible(out)
+
+
+def interrupt(*_args, **_options):
+    raise KeyboardInterrupt
+
+
+def no_room(*_args, **_options):
+    raise OSError(28, "No space left on device")
+
+
+def stopped_at(place, monkeypatch, call, stop=interrupt):
+    """Call what stops at a place of the program."""
+    with monkeypatch.context() as patch:
+        patch.setattr(place, stop)
+        with pytest.raises((KeyboardInterrupt, OSError)):
+            call()
+
+
+def not_again(monkeypatch):
+    monkeypatch.setattr(into_folder, "simulate", lambda *_: pytest.fail("it ran"))
+
+
+@pytest.mark.parametrize(
+    ("place", "stop"),
+    [
+        ("run.checkpoints._write", interrupt),
+        ("run.checkpoints.save_joined", no_room),
+        ("run.into_folder.move_file", interrupt),
+        ("run.checkpoints.Checkpoints.settle", interrupt),
+        ("run.checkpoints.Checkpoints.remove", interrupt),
+        ("case_run.write_table", no_room),
+    ],
+)
+def test_a_run_that_was_stopped_is_finished_by_the_same_call(staged, tmp_path, monkeypatch, place, stop):
+    stopped_at(f"exudyn_crawler.{place}", monkeypatch, lambda: run_case(STAGED, tmp_path), stop)
+    assert record(tmp_path)["status"] == ("stopped" if stop is interrupt else "failed")
+    (tmp_path / ".partial-a1b2c3d4-history.nc").write_text("half")
+    (tmp_path / "own.txt").write_text("mine")
+    said = []
+    run_case(STAGED, tmp_path, say=said.append)
+    assert place.endswith("_write") or "going on" in said[0]
+    (tmp_path / "own.txt").unlink()
+    assert_same(tmp_path, staged)
+    assert not list(tmp_path.glob(".partial*"))
+    with pytest.raises(FileExistsError, match="holds results already"):
+        run_case(STAGED, tmp_path)
+
+
+def test_what_follows_the_simulation_does_not_simulate_again(staged, tmp_path, monkeypatch):
+    stopped_at("exudyn_crawler.case_run.write_outputs", monkeypatch, lambda: run_case(STAGED, tmp_path))
+    not_again(monkeypatch)
+    run_case(STAGED, tmp_path)
+    assert_same(tmp_path, staged)
+
+
+def test_an_interrupted_simulation_keeps_what_it_had_until_it_has_ended(staged, tmp_path, monkeypatch):
+    def interrupted(system, settings, sunken, solve=integration._solve):
+        reason = solve(system, settings, sunken)
+        return INTERRUPTED if system.layout.part(system.state(), "time") > 0.07 else reason
+
+    with monkeypatch.context() as patch:
+        patch.setattr(integration, "_solve", interrupted)
+        with pytest.raises(SimulationStopped, match="interrupted"):
+            run_case(STAGED, tmp_path)
+    whole = History.load(staged / "history.nc").dataset
+    kept = History.load(tmp_path / "history_stopped.nc").dataset
+    assert kept.identical(whole.sel(time=slice(0.0, 0.1001)))
+    run_case(STAGED, tmp_path)
+    assert_same(tmp_path, staged)
+
+
+@pytest.mark.parametrize("stopped_within", [None, "exudyn_crawler.run.checkpoints.save_joined"])
+def test_a_finished_run_is_made_longer_and_gives_what_the_longer_one_gives(
+    staged, tmp_path, monkeypatch, stopped_within
+):
+    short, out, said = STAGED.with_(duration=0.12), tmp_path / "out", []
+    run_case(short, out)
+    note_file(out / "loads.csv")
+    if stopped_within:
+        stopped_at(stopped_within, monkeypatch, lambda: run_case(STAGED, out))
+        assert History.load(out / "history.nc").duration == pytest.approx(0.12)
+    run_case(STAGED, out, say=said.append)
+    assert said == ["turning: going on from the checkpoint at t = 0.1 s"]
+    assert_same(out, staged)
+    with pytest.raises(FileExistsError, match="holds results already"):
+        run_case(short, out)
+
+
+def test_overwriting_that_was_stopped_goes_on_and_leaves_nothing_of_the_earlier_run(
+    staged, tmp_path, monkeypatch
+):
+    run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path)
+    for place in ("exudyn_crawler.run.checkpoints.save_joined", "exudyn_crawler.case_run.write_table"):
+        stopped_at(place, monkeypatch, lambda: run_case(STAGED, tmp_path, overwrite=True))
+        assert (tmp_path / "velocity.png").exists()
+    not_again(monkeypatch)
+    run_case(STAGED, tmp_path, overwrite=True)
+    assert_same(tmp_path, staged)
+
+
+def test_an_altered_history_of_a_stopped_run_is_refused_by_name(tmp_path, monkeypatch):
+    stopped_at("exudyn_crawler.case_run.write_table", monkeypatch, lambda: run_case(STAGED, tmp_path))
+    content = (tmp_path / "history.nc").read_bytes()
+    (tmp_path / "history.nc").write_bytes(content[:2000])
+    with pytest.raises(ValueError, match=r"history\.nc does not hold a history: "):
+        run_case(STAGED, tmp_path)
+
+
+@pytest.fixture
+def bare_study(monkeypatch):
+    """The kinematics study with its runs, its comparison and hardly a figure."""
+    monkeypatch.setattr(case_run_module, "WRITERS", (case_run_module.write_loads,))
+    monkeypatch.setattr("studies.kinematics.KINEMATICS", ("velocity",))
+    return partial(kinematics_study, duration=0.01)
+
+
+def test_a_study_goes_on_with_the_case_that_it_was_stopped_in(bare_study, tmp_path, monkeypatch):
+    ended = []
+
+    def second_fails(case, *arguments, simulate=into_folder.simulate):
+        if case.name == "turning":
+            raise KeyboardInterrupt
+        ended.append(case.name)
+        return simulate(case, *arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(into_folder, "simulate", second_fails)
+        with pytest.raises(KeyboardInterrupt):
+            bare_study(tmp_path)
+    assert record(tmp_path / "translation")["status"] == "done"
+    assert (record(tmp_path)["status"], record(tmp_path / "turning")["status"]) == ("stopped", "stopped")
+    said = []
+    runs, table = bare_study(tmp_path, say=said.append)
+    assert ended == ["translation"]
+    assert said[0] == f"translation: finished already, in {tmp_path / 'translation'}"
+    assert runs["translation"].history.duration == pytest.approx(0.01)
+    assert len(pd.read_csv(tmp_path / "comparison.csv")) == len(table)
+    files = set(record(tmp_path)["files"])
+    assert {"comparison.csv", "translation/history.nc", "turning/history.nc"} <= files
+    with pytest.raises(FileExistsError, match="holds results already"):
+        bare_study(tmp_path)
+
+
+def test_a_study_that_was_stopped_while_overwriting_runs_all_its_cases_anew(
+    bare_study, tmp_path, monkeypatch
+):
+    bare_study(tmp_path)
+    first = record(tmp_path / "translation")["begun"]
+
+    def again():
+        return bare_study(tmp_path, overwrite=True)
+
+    stopped_at("studies.kinematics.compare_kinematics", monkeypatch, again)
+    second = {name: record(tmp_path / name)["begun"] for name in ("translation", "turning")}
+    assert second["translation"] > first
+    again()
+    assert {name: record(tmp_path / name)["begun"] for name in second} == second
+    assert {f"{name}/loads.csv" for name in second} <= set(record(tmp_path)["files"])
+    assert (tmp_path / "turning" / "loads.csv").exists()
+
+
+def test_a_history_too_large_for_memory_gives_the_same_files(staged, tmp_path, monkeypatch):
+    monkeypatch.setattr("exudyn_crawler.results.history.MOST_IN_MEMORY", 0)
+    monkeypatch.setattr(into_folder, "MOST_IN_MEMORY", 0)
+    run_case(STAGED, tmp_path)
+    assert_same(tmp_path, staged)
+
+
+RIGID = CaseFile(case=STAGED.case, duration=0.3, outputs=Outputs(shoes=(7,)))
+
+
+def flexible():
+    case = Case.stress("coarse")
+    solver = case.solver.with_(checkpoint_interval=0.1)
+    case = case.with_(solver=solver, flexible=case.flexible.with_(shoes=(13,), fixed_modes=4))
+    return CaseFile(case=case, duration=0.4, outputs=Outputs(shoes=(13,), picture_times=(0.2,)))
+
+
+def random_stops(case_file, folder, count, seed):
+    """Stops of the command at random moments of all its time; every one of them is finished by the next."""
+    write_case(case_file, folder / "case.toml")
+    line = [sys.executable, "-m", "tests.stops", folder / "case.toml", folder, str(count), str(seed)]
+    done = subprocess.run(line, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    trials = json.loads(done.stdout)
+    for trial in trials:
+        assert trial["differs"] == [], trial
+        assert (trial["then"], trial["status"]) == (0, "done"), trial
+        if trial["signal"] != "SIGKILL":
+            assert "the same command goes on" in trial["told"] or trial["ended"] == -15, trial
+        assert trial["ended"] != 0, trial
+    assert len(trials) == count
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+def test_the_command_finishes_what_a_signal_stopped(tmp_path):
+    random_stops(RIGID.with_(outputs=QUIET), tmp_path, 3, 5)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+@pytest.mark.parametrize("shoes", ["rigid", "flexible"])
+def test_the_command_finishes_what_was_stopped_at_any_of_forty_moments(tmp_path, shoes):
+    case_file = RIGID.with_(duration=1.0) if shoes == "rigid" else flexible()
+    random_stops(case_file, tmp_path, 40, 2026)
