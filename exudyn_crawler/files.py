@@ -114,6 +114,7 @@ def interrupts_wait() -> Iterator[list[int]]:
     """Let Ctrl-C and requests to terminate wait for the end of the block, in a list that it gives.
 
     One that comes while HDF5 writes to a Python file would end the process or be lost with what was written.
+    One that is ignored stays so.
     """
     waiting: list[int] = []
     if threading.current_thread() is not threading.main_thread():
@@ -122,6 +123,7 @@ def interrupts_wait() -> Iterator[list[int]]:
     before = {
         number: signal.signal(number, lambda number, _frame: waiting.append(number))
         for number in (signal.SIGINT, signal.SIGTERM)
+        if signal.getsignal(number) is not signal.SIG_IGN
     }
     try:
         yield waiting
@@ -199,7 +201,8 @@ def write_netcdf_along(
                     file.variables[name][start:end] = part.variables[name].values
                 disk.check()
                 if waiting:
-                    break
+                    # also where a block around this one lets it wait
+                    raise KeyboardInterrupt
                 start = end
     return path
 

@@ -8,10 +8,10 @@ modes.
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from math import prod
-from typing import Any, NoReturn, Self
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -182,30 +182,3 @@ class StateLayout:
     def to_json(self) -> str:
         """Layout as text, with its version."""
         return json.dumps({"version": VERSION} | asdict(self))
-
-    @classmethod
-    def from_json(cls, text: str) -> Self:
-        """Layout from what `to_json` gave.
-
-        Raises
-        ------
-        ValueError
-            If the text is none or of another version.
-        """
-        try:
-            content: dict[str, Any] = json.loads(text)
-            version = content.pop("version")
-            if version != VERSION:
-                raise ValueError(f"its version is {version}, not {VERSION}")
-            content["flexible_shoes"] = tuple(content["flexible_shoes"])
-            content["multipliers"] = tuple((str(name), int(size)) for name, size in content["multipliers"])
-            return cls(**content)
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"not a layout of a state: {error}") from error
-
-    def differences(self, other: "StateLayout") -> list[str]:
-        """In what another layout differs, a phrase each, such as "terrain is 15, not 32"."""
-        pairs = [
-            (field.name, getattr(other, field.name), getattr(self, field.name)) for field in fields(self)
-        ]
-        return [f"{name} is {theirs}, not {own}" for name, theirs, own in pairs if theirs != own]

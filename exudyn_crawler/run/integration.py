@@ -1,12 +1,15 @@
 """Time integration of a built system, stage by stage."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
+from exudyn_crawler.files import interrupts_wait
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.formulation import TrackSystem, track_system
@@ -38,18 +41,19 @@ def integrate(
     ends = stage_times(case, duration)
     stages = RunStages(system, recorder, ends, checkpoints)
     reason = None
-    with progress_bar(case.name, duration, progress) as tell:
-        sunken = _watch(system, recorder, tell)
+    with progress_bar(case.name, duration, progress) as tell, _watched(system, recorder, tell) as watch:
         for number, (start, end) in enumerate(pairwise(ends)):
             if number < stages.first:
                 continue
             system.switch_drive(case.drive.drives_after(start))
             set_times(settings, case.solver, start, end, is_quiet(case, start))
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
-            reason = _solve(system, settings, sunken)
+            reason = _solve(system, settings, watch)
             if reason is not None:
                 break
             stages.end(number)
+    if watch.waiting:
+        reason = INTERRUPTED
     if reason is not None:
         raise SimulationStopped(recorder.time, reason, None if stages.nothing else stages.history())
     return stages.history()
@@ -73,61 +77,67 @@ def integrate_from(case: Case, state: NDArray, duration: float) -> History:
     system = track_system(case)
     start, end = float(state[0]), float(state[0]) + duration
     recorder = Recorder(system, end, start)
-    sunken = _watch(system, recorder)
     system.set_state(state)
     system.switch_drive(case.drive.drives_after(start))
     settings = solver_settings(case.solver)
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
     set_times(settings, case.solver, start, end)
-    reason = _solve(system, settings, sunken)
+    with _watched(system, recorder) as watch:
+        reason = _solve(system, settings, watch)
+    if watch.waiting:
+        reason = INTERRUPTED
     history = system_history(system, recorder.taken())
     if reason is not None:
         raise SimulationStopped(recorder.time, reason, history)
     return history
 
 
-def _watch(
-    system: TrackSystem, recorder: "Recorder", tell: Callable[[float], None] = lambda _time: None
-) -> list[int]:
-    """Store the states after each step from now on, and end the run where spheres sink through the ground.
+@dataclass
+class _Watch:
+    """What ends a run early: signals that interrupt it, and numbers of shoes that sank through the ground."""
 
-    Gives the list that the numbers of their shoes go into.
+    waiting: list[int]
+    sunken: list[int] = field(default_factory=list)
+
+
+@contextmanager
+def _watched(
+    system: TrackSystem, recorder: Recorder, tell: Callable[[float], None] = lambda _time: None
+) -> Iterator[_Watch]:
+    """Store the states after each step within the block, and end the run after one where there is a reason.
+
+    An interrupt waits for the end of its step: Exudyn does not hand on all of those that meet its own calls.
     """
-    sunken: list[int] = []
+    watch = _Watch([])
 
     def after_step(time: float) -> bool:
         recorder.store(time)
         tell(time)
-        sunken[:] = system.sunken()
-        return not sunken
+        watch.sunken[:] = system.sunken()
+        return not (watch.sunken or watch.waiting)
 
     system.after_step(after_step)
-    return sunken
+    try:
+        with interrupts_wait() as watch.waiting:
+            yield watch
+    except KeyboardInterrupt:
+        if not watch.waiting:
+            raise
 
 
-def _solve(system: TrackSystem, settings: "exu.SimulationSettings", sunken: list[int]) -> str | None:
-    """Integrate one stage; gives why it stopped early, or None. `sunken` is what `_watch` gave."""
-    reason = _solver_reason(system, settings)
-    if sunken:
-        return (
-            f"spheres of shoes {sunken} sank through the ground; they need a greater "
-            f"contact.radius than {system.case.sphere_contact().radius} m, or flatter ground"
-        )
-    return reason
-
-
-def _solver_reason(system: TrackSystem, settings: "exu.SimulationSettings") -> str | None:
-    """Call the solver; gives why it failed, or None."""
+def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watch) -> str | None:
+    """Integrate one stage; gives why it stopped early, or None."""
+    reason = None
     try:
         system.solve(settings)
     except NewtonError as failed:
         least, fault = system.case.solver.minimum_step, at_fault(system.layout, failed)
-        return f"Newton's method failed at the least step {least:g} s; {fault}"
-    except KeyboardInterrupt:
+        reason = f"Newton's method failed at the least step {least:g} s; {fault}"
+    if watch.waiting:
         return INTERRUPTED
-    except exu.ModelError as error:
-        # where an interrupt meets a user function, Exudyn hands it on as an error of that function
-        if "KeyboardInterrupt" not in str(error):
-            raise
-        return INTERRUPTED
-    return None
+    if watch.sunken:
+        return (
+            f"spheres of shoes {watch.sunken} sank through the ground; they need a greater "
+            f"contact.radius than {system.case.sphere_contact().radius} m, or flatter ground"
+        )
+    return reason

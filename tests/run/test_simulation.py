@@ -1,6 +1,9 @@
 """Short runs: the drive is exact, mechanics holds at every stored instant, and stops are kept."""
 
 import math
+import pkgutil
+import signal
+import sys
 
 import numpy as np
 import pytest
@@ -115,20 +118,65 @@ def test_a_step_that_fails_stops_the_run_and_keeps_what_there_is():
     assert np.isfinite(kept.position.values).all()
 
 
-def test_an_interrupt_keeps_the_history(monkeypatch):
-    def interrupted(_recorder, time):
-        store(_recorder, time)
-        if time > 0.02:
-            raise KeyboardInterrupt
+@pytest.fixture(params=[signal.SIGINT, signal.SIGTERM] if sys.platform != "win32" else [signal.SIGINT])
+def interrupt(request):
+    """Signal that raises KeyboardInterrupt within the test."""
+    before = signal.signal(request.param, signal.default_int_handler)
+    yield request.param
+    signal.signal(request.param, before)
 
-    from exudyn_crawler.run.recorder import Recorder
 
-    store = Recorder.store
-    monkeypatch.setattr(Recorder, "store", interrupted)
+def calls_then_signal(monkeypatch, place, number):
+    """Let a function of the program be interrupted within its 10th call."""
+    calls, function = [], pkgutil.resolve_name(place)
+
+    def called(*arguments):
+        calls.append(1)
+        if len(calls) == 10:
+            signal.raise_signal(number)
+        return function(*arguments)
+
+    monkeypatch.setattr(place.replace(":", "."), called)
+
+
+@pytest.mark.parametrize(
+    ("formulation", "place"),
+    [
+        ("compiled", "exudyn_crawler.model.compiled.system:predict"),
+        ("compiled", "exudyn_crawler.model.compiled.system:step"),
+        ("compiled", "exudyn_crawler.run.recorder:Recorder.store"),
+        ("engine", "exudyn_crawler.run.recorder:Recorder.store"),
+    ],
+)
+def test_an_interrupt_ends_the_run_after_its_step_and_keeps_the_history(
+    monkeypatch, interrupt, formulation, place
+):
+    case = Case.translation().with_(formulation=formulation)
+    calls_then_signal(monkeypatch, place, interrupt)
     with pytest.raises(SimulationStopped, match="interrupted") as stop:
-        simulate(Case.translation(), 0.1)
-    assert 0.02 < stop.value.time < 0.03
+        simulate(case, 0.1)
+    assert 0.01 < stop.value.time < 0.03
     assert stop.value.history.duration == pytest.approx(stop.value.time, abs=1e-12)
+    assert signal.getsignal(interrupt) is signal.default_int_handler
+
+
+def test_an_interrupt_between_stages_keeps_the_stages(monkeypatch, interrupt):
+    case = Case.translation()
+    case = case.with_(solver=case.solver.with_(checkpoint_interval=0.01))
+    calls_then_signal(monkeypatch, "exudyn_crawler.run.run_stages:RunStages.end", interrupt)
+    with pytest.raises(SimulationStopped, match="interrupted") as stop:
+        simulate(case, 0.2)
+    assert 0.1 <= stop.value.time < 0.11
+    assert stop.value.history.duration == pytest.approx(stop.value.time, abs=1e-12)
+
+
+def test_an_interrupt_that_is_ignored_ends_nothing(monkeypatch):
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    calls_then_signal(monkeypatch, "exudyn_crawler.run.recorder:Recorder.store", signal.SIGINT)
+    try:
+        assert simulate(Case.translation(), 0.05).duration == pytest.approx(0.05)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_progress_is_quiet_off_a_terminal(capfd):

@@ -249,7 +249,7 @@ BROKEN = {
     "stress.nc": b"\x89HDF\r\n\x1a\n broken",
     "forces.nc": b"no netcdf at all",
     "loads.csv": b'a,b\n1,2,3\n"4',
-    "hot_spots_shoe_7.csv": b"node\n99999999\n",
+    "hot_spots_shoe_7.csv": b'rank,node\n1,2,3\n"4',
     "stress_000.0600s.png": b"no picture",
     "comparison.csv": b"quantity\n",
 }
