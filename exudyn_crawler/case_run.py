@@ -39,8 +39,6 @@ from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
-ANIMATION = "track.mp4"
-
 
 @dataclass(frozen=True)
 class CaseRun:
@@ -249,7 +247,7 @@ def write_ground(history: History, folder: Path, outputs: Outputs, overwrite: bo
 def write_film(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
     """The track on its deforming terrain."""
     if outputs.animation:
-        write_animation(history, folder / ANIMATION, overwrite)
+        write_animation(history, folder / "track.mp4", overwrite)
 
 
 def write_stresses(

@@ -49,12 +49,7 @@ class Case(Parameters):
         "and contacts, the reference; None takes the compiled ones where they carry the case",
     )
     gravity: float = quantity(
-        "m/s2",
-        "acceleration of gravity, along -z on level ground",
-        plausible=(9.7, 9.9),
-        ge=0,
-        le=100,
-        default=ph4100c.GRAVITY,
+        "m/s2", "downward on level ground", plausible=(9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY
     )
 
     @model_validator(mode="after")

@@ -118,11 +118,7 @@ class SphereContact(Parameters):
     )
     reference_exponent: float = quantity("1", "exponent e of that law", plausible=(1.0, 3.0), ge=1, le=10)
     damping: float = quantity(
-        "N s/m",
-        "damping along the normal of all spheres of a shoe together",
-        plausible=(0.0, 1e8),
-        ge=0,
-        le=1e12,
+        "N s/m", "normal damping of all spheres of a shoe together", plausible=(0.0, 1e8), ge=0, le=1e12
     )
     friction: float = quantity("1", "coefficient of friction", plausible=(0.0, 1.5), ge=0, le=10)
     friction_speed: float = quantity(

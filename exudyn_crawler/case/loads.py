@@ -30,7 +30,7 @@ class Phase(Parameters):
     )
     side_shift: float = quantity(
         "m",
-        "how far beside the load point every load acts at the end of the phase; positive is to the left (+y)",
+        "how far to the left (+y) loads act at its end",
         plausible=(-1.0, 1.0),
         ge=-10,
         le=10,

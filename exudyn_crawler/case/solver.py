@@ -12,21 +12,11 @@ class Solver(Parameters):
 
     step: float = quantity("s", "time step", plausible=(1e-5, 0.02), ge=1e-9, le=10, default=2.0e-3)
     quiet_step: float = quantity(
-        "s",
-        "time step, if longer, once the drive has been off for 1 s and only the loads change",
-        plausible=(1e-5, 0.1),
-        ge=1e-9,
-        le=10,
-        default=1.0e-2,
+        "s", "longer step, 1 s after the drive went off", plausible=(1e-5, 0.1), ge=1e-9, le=10, default=0.01
     )
     minimum_step: float = quantity("s", "least step tried before giving up", ge=1e-15, le=10, default=1.0e-6)
     residual: float = quantity(
-        "N",
-        "Newton's method ends when the root mean square of the residual is less",
-        plausible=(1e-6, 50.0),
-        ge=1e-12,
-        le=1e9,
-        default=0.2,
+        "N", "rms that ends Newton's method", plausible=(1e-6, 50.0), ge=1e-12, le=1e9, default=0.2
     )
     maximum_iterations: int = quantity(
         "1", "iterations before the step is halved", ge=2, le=10_000, default=40

@@ -40,20 +40,10 @@ class Terrain(Parameters):
     column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
     tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
     grade: float = quantity(
-        "1",
-        "slope along x as rise over horizontal run; positive is uphill in the direction of travel",
-        plausible=(-0.3, 0.3),
-        gt=-1,
-        lt=1,
-        default=0.0,
+        "1", "rise over horizontal run along x; + is uphill", plausible=(-0.3, 0.3), gt=-1, lt=1, default=0.0
     )
     side_slope: float = quantity(
-        "1",
-        "slope along y as rise over horizontal run; positive rises to the left (+y)",
-        plausible=(-0.3, 0.3),
-        gt=-1,
-        lt=1,
-        default=0.0,
+        "1", "the same along y; + rises to the left", plausible=(-0.3, 0.3), gt=-1, lt=1, default=0.0
     )
 
     heights: tuple[Place, ...] | None = quantity(

@@ -15,8 +15,6 @@ from exudyn_crawler.files import write_netcdf_along
 
 CASE, CASE_DIGEST = "case", "case_digest"
 """Attributes of a file; the first histories have no digest."""
-TIMES_AT_ONCE = 1000
-"""Stored times of a file that are held in memory together."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +52,10 @@ class Piece:
                 yield from blocks(without_case(dataset).isel(time=slice(times)))
 
         return cls(times, pairs, parts)
+
+
+TIMES_AT_ONCE = 1000
+"""Stored times of a file that are held in memory together."""
 
 
 def blocks(dataset: xr.Dataset) -> Iterator[xr.Dataset]:

@@ -18,22 +18,6 @@ from exudyn_crawler.model.state import pin_name
 from exudyn_crawler.model.system import System, build
 from exudyn_crawler.run.equilibrium import static_equilibrium
 
-RESIDUAL = 1e-3
-"""N, greatest force out of balance that ends Newton's method: 1e-9 of a shoe's load."""
-GAP = 1e-10
-"""m and rad, greatest gap of the links at the end of Newton's method."""
-ITERATIONS = 15
-LONG_STEP = 1.0
-"""m and rad, correction beyond which Newton's method is off its way."""
-LEAST_PORTION = 0.01
-"""Of friction and travel, put on at a time."""
-
-POSITION_STEP, RATE_STEP = 1e-6, 1e-6
-"""m and rad, and per second: half steps of central differences, far below the 0.1 mm of the damping law and
-the 10 mm/s of the friction law."""
-FORCE_SCALE = 1e6
-"""N, multiplier that the links' directions are taken with: their forces are linear in it."""
-
 
 @dataclass(frozen=True)
 class SteadySliding:
@@ -63,6 +47,22 @@ class SteadySliding:
     multipliers: NDArray
     tension: NDArray
     normal_force: NDArray
+
+
+RESIDUAL = 1e-3
+"""N, greatest force out of balance that ends Newton's method: 1e-9 of a shoe's load."""
+GAP = 1e-10
+"""m and rad, greatest gap of the links at the end of Newton's method."""
+ITERATIONS = 15
+LONG_STEP = 1.0
+"""m and rad, correction beyond which Newton's method is off its way."""
+LEAST_PORTION = 0.01
+"""Of friction and travel, put on at a time."""
+POSITION_STEP, RATE_STEP = 1e-6, 1e-6
+"""m and rad, and per second: half steps of central differences, far below the 0.1 mm of the damping law and
+the 10 mm/s of the friction law."""
+FORCE_SCALE = 1e6
+"""N, multiplier that the links' directions are taken with: their forces are linear in it."""
 
 
 class Equations:

@@ -103,9 +103,9 @@ def _add_drive(model: Model, inputs: Inputs, weights: Weights, memory: Memory, v
 def assemble(
     plain_model: tuple,
     state: FloatArray,
-    contacts: int,
     given: tuple,
     factors: tuple,
+    contacts: int,
     kept: tuple,
     values: FloatArray,
 ) -> None:

@@ -76,7 +76,7 @@ def step(
             if secant or not derived:
                 by = (by_place, by_rate, by_acceleration, secant, level)
                 contacts = evaluate(model, state, multipliers, inputs, by, memory, residual)
-            assemble(model, state, contacts, inputs, tangent, memory, values)
+            assemble(model, state, inputs, tangent, contacts, memory, values)
             eliminate(fronts, values)
             matrices, needed, old = matrices + 1, False, 0
         change[:] = residual

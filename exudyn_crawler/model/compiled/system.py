@@ -260,7 +260,7 @@ class CompiledSystem(Integrated):
         model = self._model
         TouchingPairs(*Memory(*self._memory).touching).stiffness.fill(0.0)
         contacts = evaluate(model, self._state, self._multipliers, inputs, weights, self._memory, residual)
-        assemble(model, self._state, contacts, inputs, weights, self._memory, values)
+        assemble(model, self._state, inputs, weights, contacts, self._memory, values)
         fronts = tuple(Model(*model).fronts)
         eliminate(fronts, values)
         # at rest constraints are off by nothing, and their rates do not change by themselves

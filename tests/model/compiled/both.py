@@ -71,7 +71,7 @@ def compiled_matrix(system, q, q_t, weights):
     fronts, values = system._model[9], np.zeros_like(system._scratch[1])
     state = np.zeros((3, len(q)))
     state[0], state[1] = q, q_t
-    assemble(system._model, state, count, system._inputs(0.0), weights, system._memory, values)
+    assemble(system._model, state, system._inputs(0.0), weights, count, system._memory, values)
     dense = np.zeros((len(residual), len(residual)))
     unknowns, first, own, place, _, _ = fronts
     for k in range(len(own)):
