@@ -84,7 +84,9 @@ def test_a_bad_duration_is_one_line_and_exit_code_2(duration, tmp_path):
     refused = study("kinematics", "--duration", duration, "--out", tmp_path / "out")
     assert refused.returncode == 2
     expected = (
-        "terrain must carry the track" if duration == "1000" else "duration must be positive and finite"
+        "terrain must carry the track"
+        if duration == "1000"
+        else "Invalid value for '--duration': duration must be positive and finite"
     )
     assert refused.stderr.startswith(f"error: {expected}")
     assert refused.stderr.count("\n") == 1
