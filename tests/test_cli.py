@@ -288,7 +288,8 @@ def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
     path.write_text(text.replace("spring_stiffness = 20e6", "spring_stiffness = 10e6"))
 
     code, out, err = call("run", "soft.toml")
-    assert (code, err) == (0, "")
+    # a machine that needs more than ten seconds says how far it is
+    assert (code, [line for line in err.splitlines() if not line.startswith("soft: ")]) == (0, [])
     assert "results/soft" in out
     history = History.load(tmp_path / "results" / "soft" / "history.nc")
     assert history.case.terrain.heave_stiffness == 20e6
