@@ -23,6 +23,11 @@ Every literal integer among a call's arguments compiles the function once more, 
 on start as ``np.int64(0)``.
 """
 
+within = compiler(*SOURCES, error_model="numpy", no_cpython_wrapper=True)
+"""Compiles a function for compiled callers alone: what Python would need to call it, and numba takes long to
+make, is left out, and calling it from Python ends the process.
+"""
+
 inlined = compiler(*SOURCES, error_model="numpy", inline="always")
 """Compiles a function within its callers alone, which takes less time where these are one or two."""
 

@@ -14,7 +14,7 @@ from exudyn_crawler.ground.pair_stiffness import MOTIONS, TouchingPairs, touchin
 from exudyn_crawler.ground.pair_track import Bodies
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude
 from exudyn_crawler.model.compiled.bodies import Body, Inertia, body_residual
-from exudyn_crawler.model.compiled.elimination import Fronts, IntArray, solving
+from exudyn_crawler.model.compiled.elimination import Fronts, IntArray, solving, solving_within
 from exudyn_crawler.model.compiled.joints import ROWS, End, Pins, direction, end_of, pin
 
 STIFFNESS = 1e9
@@ -170,7 +170,7 @@ def named_model(values: tuple) -> Model:
     )
 
 
-@solving
+@solving_within
 def _units(ground: Ground, q: FloatArray, out: FloatArray) -> None:
     """Write heave and tilt of the units by the terrain's coordinates, or their rates."""
     for u in range(ground.heave.shape[0]):
@@ -181,13 +181,13 @@ def _units(ground: Ground, q: FloatArray, out: FloatArray) -> None:
         out[u, 2], out[u, 3] = z, a
 
 
-@solving
+@solving_within
 def _modal(sizes: Sizes, f: int) -> int:
     """First modal coordinate of the flexible shoe in row f; -1 for a rigid one, whose f is negative."""
     return 6 * sizes.shoes + sizes.terrain + f * sizes.modes if f >= 0 else -1
 
 
-@solving
+@solving_within
 def _own(s: int, modal: int, values: FloatArray, out: FloatArray) -> None:
     """Write the coordinates of a shoe and its modes, or zeros, into one row."""
     for k in range(6):
@@ -196,7 +196,7 @@ def _own(s: int, modal: int, values: FloatArray, out: FloatArray) -> None:
         out[k] = values[modal + k - 6] if modal >= 0 else 0.0
 
 
-@solving
+@solving_within
 def _add_own(s: int, modal: int, own: FloatArray, factor: float, residual: FloatArray) -> None:
     """Add a row of a shoe's coordinates and modes, times a factor."""
     for k in range(6):
@@ -206,13 +206,13 @@ def _add_own(s: int, modal: int, own: FloatArray, factor: float, residual: Float
             residual[modal + k - 6] += factor * own[k]
 
 
-@solving
+@solving_within
 def shoe_attitude(state: FloatArray, s: int) -> Attitude:
     """Attitude of a shoe."""
     return attitude(state[0, 6 * s + 3], state[0, 6 * s + 4], state[0, 6 * s + 5])
 
 
-@solving
+@solving_within
 def _contact(model: Model, state: FloatArray, weights: Weights, memory: Memory, residual: FloatArray) -> int:
     """Take the contact forces off the residual; gives the number of contacts."""
     n, t, m = model.sizes.shoes, model.sizes.terrain, model.sizes.modes
@@ -264,7 +264,7 @@ def _contact(model: Model, state: FloatArray, weights: Weights, memory: Memory, 
     return count
 
 
-@solving
+@solving_within
 def _tuple(bodies: Bodies) -> tuple:
     """Bodies as a plain tuple."""
     return (
@@ -277,7 +277,7 @@ def _tuple(bodies: Bodies) -> tuple:
     )
 
 
-@solving
+@solving_within
 def _terrain(model: Model, state: FloatArray, inputs: Inputs, residual: FloatArray) -> None:
     """Add inertia, supports and weight of the terrain."""
     first, ground = 6 * model.sizes.shoes, model.ground
@@ -288,7 +288,7 @@ def _terrain(model: Model, state: FloatArray, inputs: Inputs, residual: FloatArr
         residual[first + i] += force
 
 
-@solving
+@solving_within
 def _bodies(model: Model, state: FloatArray, inputs: Inputs, memory: Memory, residual: FloatArray) -> None:
     """Add inertia, elastic forces, weights and loads of all shoes."""
     m = model.sizes.modes
@@ -308,12 +308,12 @@ def _bodies(model: Model, state: FloatArray, inputs: Inputs, memory: Memory, res
         _add_own(s, modal, forces, 1.0, residual)
 
 
-@solving
+@solving_within
 def _end(pins: Pins, p: int, end: int, at: Attitude, own: FloatArray) -> End:
     return end_of(pins.places[p, end], pins.shifts[p, end], pins.turns[p, end], at, own)
 
 
-@solving
+@solving_within
 def _pins(
     model: Model, state: FloatArray, multipliers: FloatArray, memory: Memory, residual: FloatArray
 ) -> None:
@@ -339,7 +339,7 @@ def _pins(
             _add_own(b, modal_b, memory.pins[p, 1, r], multipliers[ROWS * p + r], residual)
 
 
-@solving
+@solving_within
 def _drive(
     model: Model,
     state: FloatArray,

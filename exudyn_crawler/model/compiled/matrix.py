@@ -10,7 +10,7 @@ import numpy as np
 from exudyn_crawler.ground.pair_stiffness import MOTIONS, TouchingPairs
 from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.model.compiled.bodies import Inertia, add_mass
-from exudyn_crawler.model.compiled.elimination import front, solving
+from exudyn_crawler.model.compiled.elimination import front, solving, solving_within
 from exudyn_crawler.model.compiled.equations import (
     STIFFNESS,
     Ground,
@@ -24,7 +24,7 @@ from exudyn_crawler.model.compiled.equations import (
 from exudyn_crawler.model.compiled.joints import ROWS
 
 
-@solving
+@solving_within
 def _motions(found: TouchingPairs, first: int, last: int, modes: int, ground: Ground) -> FloatArray:
     """Motions of a shoe's contacts by its coordinates and the terrain's, row under row."""
     terrain, size = ground.heave.shape[1], 6 + modes
@@ -44,7 +44,7 @@ def _motions(found: TouchingPairs, first: int, last: int, modes: int, ground: Gr
     return out
 
 
-@solving
+@solving_within
 def _add_contacts(
     found: TouchingPairs, first: int, last: int, modes: int, ground: Ground, shift: int, matrix: FloatArray
 ) -> None:
@@ -68,7 +68,7 @@ def _add_contacts(
             matrix[i, c + shift] += block[r, c]
 
 
-@solving
+@solving_within
 def _add_pins(model: Model, memory: Memory, values: FloatArray) -> None:
     """Add the directions of all pins to the fronts of their shoes."""
     for p in range(model.sizes.pins):
@@ -82,7 +82,7 @@ def _add_pins(model: Model, memory: Memory, values: FloatArray) -> None:
                     matrix[row + r, c] += STIFFNESS * memory.pins[p, end, r, c]
 
 
-@solving
+@solving_within
 def _add_drive(model: Model, inputs: Inputs, weights: Weights, memory: Memory, values: FloatArray) -> None:
     """Add the directions of drive and turn to the front of the last shoe."""
     s = model.sizes.shoes - 1
