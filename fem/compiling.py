@@ -49,6 +49,12 @@ def compiler(*folders: Path, **options: Any) -> Callable[[Callable], Any]:
     return compiled
 
 
+def is_kept(function: Any) -> bool:
+    """Whether a compiled function is on disk for this processor, or in memory, as its sources are now."""
+    kept = getattr(getattr(function, "_cache", None), "_cache_file", None)
+    return bool(function.signatures) or (kept is not None and bool(kept._load_index()))
+
+
 def _forgiving(save: Callable[..., None]) -> Callable[..., None]:
     """Keeping compiled code only saves time: a full disk must not end the run that compiled it."""
 

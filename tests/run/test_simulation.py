@@ -11,6 +11,7 @@ import pytest
 from exudyn_crawler import Case, SimulationStopped, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.balance import shoe_imbalance, track_imbalance
+from exudyn_crawler.run import simulation
 
 pytestmark = pytest.mark.simulation
 
@@ -85,6 +86,16 @@ def test_every_variable_of_a_history_is_an_attribute(translation):
     for name, values in translation.dataset.variables.items():
         assert getattr(translation, name).shape == values.shape
         assert name in translation.dataset.coords or values.attrs["units"]
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize(("kept", "progress"), [(False, None), (True, None), (False, False)])
+def test_a_first_run_says_in_a_line_that_it_compiles(monkeypatch, capsys, kept, progress):
+    monkeypatch.setattr(simulation, "is_compiled", lambda _case: kept)
+    simulate(Case.translation(), 0.01, progress)
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err == ("" if kept or progress is False else f"{simulation.COMPILING}\n")
 
 
 def test_states_are_stored_at_the_output_interval():
