@@ -1,8 +1,9 @@
 """All benchmarks; `benchmarks/README.md` keeps what they printed on a named machine."""
 
-from benchmarks import fem, rigid, stress
+from benchmarks import fem, growth, rigid, stress
 
 if __name__ == "__main__":
+    growth.main()
     rigid.main()
     fem.main()
     stress.main()

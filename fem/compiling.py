@@ -14,26 +14,26 @@ from typing import Any
 from numba import njit
 
 
-def source_digest(*folders: Path) -> str:
-    """SHA-256 of all Python sources in some folders."""
+def source_digest(*sources: Path) -> str:
+    """SHA-256 of some Python sources: files, or all in a folder."""
     digest = hashlib.sha256()
-    for folder in folders:
-        for path in sorted(folder.rglob("*.py")):
+    for source in sources:
+        for path in sorted(source.rglob("*.py")) if source.is_dir() else [source]:
             digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
-def compiler(*folders: Path, **options: Any) -> Callable[[Callable], Any]:
-    """Decorator that compiles a function and keeps the result until a source in one of the folders changes.
+def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
+    """Decorator that compiles a function and keeps the result until one of the sources changes.
 
     Parameters
     ----------
-    folders : Path
-        Where the function and all that it calls are.
+    sources : Path
+        Files or folders in which the function and all that it calls are.
     options :
         As of `numba.njit`.
     """
-    stamp = source_digest(*folders)
+    stamp = source_digest(*sources)
 
     def compiled(function: Callable) -> Any:
         # nobody takes the C address of a function, which would be a fifth of the time to compile
