@@ -14,7 +14,7 @@ Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 
 SOURCES = (Path(__file__).parent, FEM / "compiling.py", FEM / "patches.py")
-"""Where compiled functions of this room, and what they call, are; the rest of `fem` does not make them stale."""
+"""Compiled functions of this room and what they call are here; the rest of `fem` does not make them stale."""
 
 compiled = compiler(*SOURCES, error_model="numpy")
 """Compiles a function; dividing by zero gives what IEEE says in place of an exception.
