@@ -239,7 +239,8 @@ def write_contact_and_joints(history: History, folder: Path, outputs: Outputs, o
 
 def write_ground(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
     """The track on uneven ground at the end of the run, and what the ground carries."""
-    if outputs.figures and history.case.terrain.heights is not None:
+    terrain = history.case.terrain
+    if outputs.figures and not (terrain.heights is None and terrain.profile is None):
         figure = ground_figure(history, history.duration)
         save_figure(figure, _figure_file(folder, "ground", outputs), overwrite)
 
