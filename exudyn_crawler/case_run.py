@@ -15,6 +15,7 @@ from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.files import whole_file, write_netcdf_along
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.model.reductions import reductions_in
+from exudyn_crawler.results.compact import CONTACT_TYPE
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
@@ -196,7 +197,9 @@ def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bo
         parts = (
             xr.Dataset(
                 {
-                    "contact_force": contact_force(History(history.case, part)),
+                    "contact_force": contact_force(History(history.case, part)).astype(
+                        CONTACT_TYPE, keep_attrs=True
+                    ),
                     "terrain_deformation": deformation.sel(time=part.time),
                 },
                 attrs=part.attrs,

@@ -104,7 +104,7 @@ class Case(Parameters):
         if isinstance(self.contact, SphereContact):
             raise ValueError(
                 "flexible must be None with contact.model 'spheres', whose shoes are rigid; flexible shoes "
-                "go with contact.model 'pair' on even ground or a smooth terrain.profile, either of which may "
+                "go with contact.model 'pair' on even ground or a smooth terrain.profile, which both may "
                 "slope as a whole by terrain.grade and terrain.side_slope"
             )
 
