@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.files import interrupts_wait
 from exudyn_crawler.model.compiled.rest import rest
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.engine import exu
@@ -115,7 +116,9 @@ def _rest(system: System, guess: NDArray) -> NDArray:
     newton.weightTolerancePerCoordinate = True
     newton.maxIterations = ITERATIONS
     try:
-        return system.rest(settings)
+        # Exudyn takes an interrupt within its calls for an error of its own
+        with interrupts_wait():
+            return system.rest(settings)
     except NewtonError as failed:
         raise _no_rest(system, failed) from failed
 
@@ -158,7 +161,7 @@ def _relaxed(system: System, q: NDArray) -> NDArray:
     for _ in range(RELAXATIONS):
         system.set_initial(q)
         try:
-            system.solve(settings)
+            _damped_motion(system, settings)
         except NewtonError as failed:
             raise EquilibriumError(
                 f"no static equilibrium of case {name!r} was found on its uneven ground: damped motion "
@@ -176,6 +179,13 @@ def _relaxed(system: System, q: NDArray) -> NDArray:
         f"no static equilibrium of case {name!r} was found on its uneven ground: it still moves at "
         f"{speed:.2g} m/s after {RELAXATIONS * RELAXATION:g} s of damped motion. {_unsupported(system)}"
     )
+
+
+def _damped_motion(system: System, settings: "exu.SimulationSettings") -> None:
+    """One motion, which an interrupt ends after its step."""
+    with interrupts_wait() as waiting:
+        system.after_step(lambda _time: not waiting)
+        system.solve(settings)
 
 
 def _unsupported(system: System) -> str:
