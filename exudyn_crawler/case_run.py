@@ -15,6 +15,7 @@ from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.files import whole_file, write_netcdf_along
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.model.reductions import reductions_in
+from exudyn_crawler.results.compact import CONTACT_TYPE
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
@@ -196,7 +197,9 @@ def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bo
         parts = (
             xr.Dataset(
                 {
-                    "contact_force": contact_force(History(history.case, part)),
+                    "contact_force": contact_force(History(history.case, part)).astype(
+                        CONTACT_TYPE, keep_attrs=True
+                    ),
                     "terrain_deformation": deformation.sel(time=part.time),
                 },
                 attrs=part.attrs,
@@ -239,7 +242,8 @@ def write_contact_and_joints(history: History, folder: Path, outputs: Outputs, o
 
 def write_ground(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
     """The track on uneven ground at the end of the run, and what the ground carries."""
-    if outputs.figures and history.case.terrain.heights is not None:
+    terrain = history.case.terrain
+    if outputs.figures and not (terrain.heights is None and terrain.profile is None):
         figure = ground_figure(history, history.duration)
         save_figure(figure, _figure_file(folder, "ground", outputs), overwrite)
 

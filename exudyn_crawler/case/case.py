@@ -72,10 +72,13 @@ class Case(Parameters):
             self._check_spheres(self.contact.radius)
         elif self.terrain.heights is not None:
             raise ValueError(
-                "terrain.heights must be None with contact.model 'pair', whose law presumes one height; "
-                "contact.model 'spheres' takes uneven ground, with rigid shoes; ground that slopes as a "
-                "whole, by terrain.grade and terrain.side_slope, goes with both"
+                "terrain.heights must be None with contact.model 'pair', whose law takes no steps between "
+                "units but a smooth terrain.profile, also with flexible shoes; contact.model 'spheres' takes "
+                "steps, with rigid shoes; ground that slopes as a whole, by terrain.grade and "
+                "terrain.side_slope, goes with both"
             )
+        if self.terrain.profile is not None:
+            self._check_profile()
         if self.formulation == "compiled" and not self._can_be_compiled:
             raise ValueError(
                 "formulation must be 'engine' with contact.model 'spheres' or terrain_formulation "
@@ -101,8 +104,20 @@ class Case(Parameters):
         if isinstance(self.contact, SphereContact):
             raise ValueError(
                 "flexible must be None with contact.model 'spheres', whose shoes are rigid; flexible shoes "
-                "go with contact.model 'pair' on even ground, which may slope by terrain.grade and "
-                "terrain.side_slope"
+                "go with contact.model 'pair' on even ground or a smooth terrain.profile, which both may "
+                "slope as a whole by terrain.grade and terrain.side_slope"
+            )
+
+    def _check_profile(self) -> None:
+        if isinstance(self.contact, SphereContact):
+            raise ValueError(
+                "terrain.profile must be None with contact.model 'spheres', which takes terrain.heights; "
+                "contact.model 'pair' takes a profile"
+            )
+        if self.terrain_formulation != "reduced":
+            raise ValueError(
+                "terrain_formulation must be 'reduced' on a terrain.profile, "
+                f"got {self.terrain_formulation!r}"
             )
 
     def _check_spheres(self, radius: float) -> None:

@@ -88,7 +88,7 @@ class PairGroundContact:
         row[list(flexible_shoes)] = np.arange(len(flexible_shoes))
         self.coordinates = coordinates
         self.shoe_reference = np.hstack((com_positions, np.zeros((shoes, 3))))
-        self.unit_reference = np.hstack((terrain.centers, np.zeros((units, 1))))
+        self.unit_reference = np.hstack((terrain.centers, terrain.tilts[:, None]))
         self._law = law
         self._row = row
         self._grid = grid_of(terrain)

@@ -207,7 +207,7 @@ def _contacts(history: History, shoe: int, position: NDArray, frames: NDArray) -
     shortened = np.stack((frames[:, 0, 0], frames[:, 1, 1]), axis=-1)
     for index in np.flatnonzero(history.contact_shoe.values == shoe):
         unit = int(history.contact_unit[index])
-        center = terrain.centers[unit - 1, :2]
+        center = terrain.middles[unit - 1]
         rectangle = OverRectangle(
             low=np.maximum((center - half - origin) / shortened, footprint[[0, 2]]),
             high=np.minimum((center + half - origin) / shortened, footprint[[1, 3]]),

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.track import SIDES
+from exudyn_crawler.ground.coordinates import TerrainCoordinates
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
+from exudyn_crawler.results.compact import CONTACT_TYPE, TERRAIN_COORDINATES, motion_variables
 from exudyn_crawler.results.history import LAYOUT_VERSION, History
 from exudyn_crawler.results.quantities import Variable, variable
 
@@ -35,6 +37,11 @@ CONTACTS = (
 
 class Contact(Protocol):
     """What reads contacts and units off a state."""
+
+    @property
+    def coordinates(self) -> TerrainCoordinates:
+        """How the terrain's coordinates carry the units."""
+        ...
 
     @property
     def results(self) -> Callable[..., NDArray]:
@@ -89,6 +96,7 @@ def history_of(
     variables["shoe_load"] = variable("shoe_load", case.loads.loads(time))
     variables |= _flexible(states)
     contacts, pairs = _contacts(states, contact)
+    motion = {name: variables.pop(name) for name in TERRAIN_COORDINATES if name in variables}
     dataset = xr.Dataset(
         variables | contacts,
         coords={
@@ -97,6 +105,7 @@ def history_of(
             "joint": ("joint", case.track.joints, {"long_name": "link of shoes i and i + 1"}),
             "unit": case.terrain.units,
             "axis": AXES,
+            **motion,
             **_flexible_coordinates(layout, frequencies),
             "contact_shoe": ("contact", pairs[:, 0]),
             "contact_unit": ("contact", pairs[:, 1]),
@@ -203,12 +212,18 @@ def _flexible(states: _States) -> dict[str, Variable]:
 
 
 def _terrain(states: _States, contact: Contact) -> dict[str, Variable]:
+    shapes = contact.coordinates.shapes
+    if shapes is not None:
+        first = 6 * len(states.case.track.shoes)
+        own = slice(first, first + contact.coordinates.size)
+        motion = {rate.replace(" ", "_"): states.part(f"coordinates{rate}")[:, own].copy() for rate in RATES}
+        return motion_variables(shapes.heave, shapes.tilt, motion)
     named: dict[str, Variable] = {}
     for rate in RATES:
-        motion = np.stack([contact.unit_motion(row) for row in states.part(f"coordinates{rate}")])
+        units = np.stack([contact.unit_motion(row) for row in states.part(f"coordinates{rate}")])
         for name, column in (("heave", 2), ("tilt", 3)):
             name = f"unit_{name}{rate.replace(' ', '_')}"
-            named[name] = variable(name, motion[..., column])
+            named[name] = variable(name, units[..., column])
     return named
 
 
@@ -229,6 +244,7 @@ def _contacts(states: _States, contact: Contact) -> tuple[dict[str, Variable], N
     for name in CONTACTS:
         values = rows[..., RESULT[name]]
         table = np.zeros((len(found), len(pairs), *values.shape[1:]))
-        table[when, column.ravel()] = values
+        # a history in memory has the numbers of its file
+        table[when, column.ravel()] = values.astype(CONTACT_TYPE)
         variables[name] = variable(name, table)
     return variables, pairs
