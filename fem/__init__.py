@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         write_vtu,
     )
     from fem.extremes import Extremes, recover_extremes
+    from fem.fields import FieldColumns, StaticFields, UnitLoads, field_columns, static_fields
     from fem.files import StaleCacheError, load_fields, load_reduced, save_fields, save_reduced
     from fem.hotspots import Apart, OneARegion, hot_spots
     from fem.interfaces import Interface, center_loads
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from fem.reduced import ReducedBody
     from fem.reduction import Partition, craig_bampton, nested_reduction
     from fem.shapes import Shapes, SideBySide
-    from fem.static_fields import FieldColumns, StaticFields, UnitLoads, field_columns, static_fields
     from fem.surfaces import faces_joined_to, faces_seen_from
 
 _NAMES = {
@@ -47,7 +47,7 @@ _NAMES = {
     "reduced": "ReducedBody",
     "reduction": "Partition craig_bampton nested_reduction",
     "shapes": "Shapes SideBySide",
-    "static_fields": "FieldColumns StaticFields UnitLoads field_columns static_fields",
+    "fields": "FieldColumns StaticFields UnitLoads field_columns static_fields",
     "surfaces": "faces_joined_to faces_seen_from",
 }
 """Public names of each module."""

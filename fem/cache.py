@@ -15,12 +15,12 @@ from filelock import FileLock
 
 from fem.body import ElasticBody
 from fem.compiling import FEM, source_digest
+from fem.fields import StaticFields, UnitLoads, static_fields
 from fem.files import FIELDS_FORMAT, FORMAT, load_fields, load_reduced, save_fields, save_reduced
 from fem.interfaces import Interface
 from fem.mesh import Floats
 from fem.reduced import ReducedBody
 from fem.reduction import Partition, craig_bampton
-from fem.static_fields import StaticFields, UnitLoads, static_fields
 
 LIMIT = 3e9
 """Bytes that a folder may hold; what was not used for longest goes first. The study mesh takes 0.2e9."""

@@ -14,10 +14,10 @@ import h5py
 import numpy as np
 
 from fem.elasticity import Material
+from fem.fields import StaticFields
 from fem.interfaces import Interface
 from fem.mesh import Mesh
 from fem.reduced import ReducedBody
-from fem.static_fields import StaticFields
 
 FORMAT = "fem reduced body 2"
 _ARRAYS = ("frequencies", "modes", "stress_modes", "pilots", "center_of_mass", "inertia", "ritz")
