@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from fem.mesh import Floats, Integers, Mesh
 from fem.recovery import Peaks, recover_peaks
-from fem.reduced import ReducedBody
+from fem.shapes import Shapes
 from fem.stress import Criterion, stress_jump
 
 
@@ -106,7 +106,7 @@ def _one_a_region(mesh: Mesh, peaks: Peaks, fraction: float, count: int) -> list
 
 
 def hot_spots(
-    body: ReducedBody,
+    body: Shapes,
     times: Floats,
     q: Floats,
     count: int = 5,
@@ -120,11 +120,11 @@ def hot_spots(
 
     Parameters
     ----------
-    body : ReducedBody
+    body : Shapes
     times : array (t,)
         In s.
     q : array (t, m)
-        Modal coordinates.
+        Coordinates of the body's columns.
     count : int
         Number of rows at most.
     criterion : str
@@ -176,7 +176,7 @@ def hot_spots(
     return _table(body, times, q, peaks, places)
 
 
-def _table(body: ReducedBody, times: Floats, q: Floats, peaks: Peaks, places: list[int]) -> pd.DataFrame:
+def _table(body: Shapes, times: Floats, q: Floats, peaks: Peaks, places: list[int]) -> pd.DataFrame:
     """Table of `hot_spots` for chosen places in the peaks."""
     found, rows = peaks.nodes[places], peaks.time_indices[places]
     jumps = {

@@ -250,6 +250,16 @@ def side_weights(weights: NDArray, nodes: NDArray) -> tuple[NDArray, NDArray]:
     return weights * (1.0 - part), weights * (1.0 + part)
 
 
+def weights_a_metre(weights: NDArray, nodes: NDArray) -> NDArray:
+    """Weights (n,) that a load over a surface has more for each metre of shift to the left.
+
+    Parameters are those of `side_weights`.
+    """
+    right, left = side_weights(weights, nodes)
+    apart = left @ nodes[:, 1] / left.sum() - right @ nodes[:, 1] / right.sum()
+    return np.asarray((left / left.sum() - right / right.sum()) / apart)
+
+
 def _skew(vectors: NDArray) -> NDArray:
     """Skew matrices of nodal vectors (nodes, 3, columns), stacked: (3 nodes, 3 columns)."""
     nodes, _, columns = vectors.shape

@@ -21,7 +21,7 @@ from exudyn_crawler.results.actions import (
     shoe_mass,
 )
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+from exudyn_crawler.results.stress_columns import stress_columns
 from fem import ElasticBody, Interface, Mesh, Program, recover_extremes, write_load_deck
 from fem.interfaces import rigid_motion_of_centers
 from fem.patches import integrate_underside, mean_rows
@@ -120,8 +120,8 @@ def peak_time(history: History, shoe: int) -> float:
     ValueError
         If the shoe is not a flexible one of the history.
     """
-    basis = stress_basis(history)
-    found = recover_extremes(basis.whole.stress_modes, whole_coordinates(history, basis, shoe))
+    columns = stress_columns(history, [shoe])
+    found = recover_extremes(columns.shapes.stress_modes, columns.coordinates[shoe])
     return float(history.time[int(found.highest.argmax())])
 
 
