@@ -1,16 +1,17 @@
 """Damage on the critical plane: the plane at a surface node whose normal stress does the most.
 
-Where nothing presses on a surface, the greatest normal stresses are in planes perpendicular to it, so that one
-angle about the surface's normal is all there is to search: first 10 degrees apart, then, at the worst nodes, 1
-degree apart about the worst plane.
+Where nothing presses on a surface, the greatest normal stresses are on planes perpendicular to it, so that
+one angle about the surface's normal is all there is to search: first 10 degrees apart, then, at the worst
+nodes, 1 degree apart about the worst plane.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from fem.blocks import Fold, StressBlock, fold_stresses
-from fem.damage import TOLERANCE, Counting, Damage, check_history
+from fem.damage import TOLERANCE, Counting, check_history
 from fem.mesh import Floats, Integers, Mesh
 from fem.rank import NODE_BLOCK
 
@@ -18,21 +19,8 @@ APART, FINE = np.radians(10.0), np.radians(1.0)
 """Steps of the angle, of the first search and of the finer one."""
 FINEST = 100
 """Nodes whose worst plane is sought in fine steps."""
-
-
-class PlaneDamage(NamedTuple):
-    """Damage on the critical planes of n nodes.
-
-    Attributes
-    ----------
-    damage : Damage
-        By the normal stress on the critical plane.
-    normals : array (n, 3)
-        Of the critical planes, in body axes.
-    """
-
-    damage: Damage
-    normals: Floats
+DamageOnPlanes = Callable[[Integers, Floats], Floats]
+"""Gives the damage (n, a, s) of nodes (n,) on planes at angles (n, a), by survival."""
 
 
 def surface_normals(mesh: Mesh) -> Floats:
@@ -61,11 +49,8 @@ def normal_stress_rows(directions: Floats) -> Floats:
     return np.stack((x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * x * z), axis=-1)
 
 
-class _OnPlanes(Fold[Damage]):
-    """Damage by the normal stress on the worst of some planes of each node, rows (n, a, 6).
-
-    `worst` (n,) tells which it was.
-    """
+class _OnPlanes(Fold[Floats]):
+    """Damage (n, a, s) by the normal stress on planes of each node, of rows (n, a, 6)."""
 
     components = None
 
@@ -74,38 +59,32 @@ class _OnPlanes(Fold[Damage]):
 
     def start(self, nodes: Integers, times: int) -> None:
         """Begin with no damage."""
-        n = len(nodes)
-        self._nodes, self._stress = nodes, np.empty((min(n, NODE_BLOCK), 6, times))
-        self._damage = np.zeros((n, *self._counting.shape))
-        self.worst = np.zeros(n, dtype=np.int64)
-        self._highest, self._lowest, self._bound = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._stress = np.empty((min(len(nodes), NODE_BLOCK), 6, times))
+        self._damage = np.zeros((*self._rows.shape[:2], len(self._counting.survivals)))
 
     def add(self, block: StressBlock) -> None:
         """Gather the stresses of a block of nodes, and count them when they are whole."""
         of, at = block.nodes, block.times
         self._stress[: of.stop - of.start, :, at] = block.stress
-        self._bound[of] = np.maximum(self._bound[of], block.bound)
         for node in range(of.start, of.stop) if at.stop == self._stress.shape[2] else ():
             signals = self._rows[node] @ self._stress[node - of.start]
-            found = self._counting.damage(signals)
-            worst = self.worst[node] = found.sum(axis=2).max(axis=1).argmax()
-            self._damage[node] = found[worst]
-            self._highest[node], self._lowest[node] = signals[worst].max(), signals[worst].min()
+            self._damage[node] = self._counting.damage(signals).sum(axis=2)
 
-    def finish(self) -> Damage:
-        """Damage and extremes on the worst planes."""
-        return Damage(self._nodes, self._damage, self._highest, self._lowest, self._bound)
+    def finish(self) -> Floats:
+        """Damage of all nodes."""
+        return self._damage
 
 
-def plane_damage(
+def damage_on_planes(
     stress_modes: Floats,
     q: Floats,
     normals: Floats,
+    angles: Floats,
     counting: Counting,
     nodes: Integers,
     tolerance: float | None = TOLERANCE,
-) -> PlaneDamage:
-    """Damage on the critical planes of surface nodes by one pass of a history that is repeated.
+) -> Floats:
+    """Damage (n, a, s) on planes of surface nodes by one pass of a history that is repeated, by survival.
 
     Parameters
     ----------
@@ -113,6 +92,8 @@ def plane_damage(
         As of `damage.recover_damage`.
     normals : array (n of the mesh, 3)
         Of `surface_normals`.
+    angles : array (n, a)
+        Of the planes about the nodes' normals, as of `plane_normals`.
     nodes : int array (n,)
         Numbers of surface nodes.
 
@@ -125,30 +106,43 @@ def plane_damage(
     inside = nodes[~normals[nodes].any(axis=1)]
     if len(inside):
         raise ValueError(f"nodes must be of the surface, got {inside[:5].tolist()}")
-    coarse = np.broadcast_to(np.arange(0.0, np.pi - 1e-9, APART), (len(nodes), round(np.pi / APART)))
-    first, angles = _search(stress_modes, q, normals[nodes], coarse, counting, nodes, tolerance)
-    most = first.damage.sum(axis=2).max(axis=1)
-    worst = np.argsort(-most, kind="stable")[:FINEST]
-    around = angles[worst, None] + np.arange(-APART, APART + 0.5 * FINE, FINE)
-    second, finer = _search(
-        stress_modes, q, normals[nodes[worst]], around, counting, nodes[worst], tolerance
-    )
-    for one, other in ((first.damage, second.damage), (first.highest, second.highest)):
-        one[worst] = other
-    first.lowest[worst], angles[worst] = second.lowest, finer
-    return PlaneDamage(first, plane_normals(normals[nodes], angles[:, None])[:, 0])
+    rows = normal_stress_rows(plane_normals(normals[nodes], angles))
+    return fold_stresses(stress_modes, q, _OnPlanes(rows, counting), nodes, tolerance)
 
 
-def _search(
-    stress_modes: Floats,
-    q: Floats,
-    normals: Floats,
-    angles: Floats,
-    counting: Counting,
-    nodes: Integers,
-    tolerance: float | None,
-) -> tuple[Damage, Floats]:
-    """Damage on the worst of the planes at angles (n, a), and the angle (n,) of that."""
-    fold = _OnPlanes(normal_stress_rows(plane_normals(normals, angles)), counting)
-    found = fold_stresses(stress_modes, q, fold, nodes, tolerance)
-    return found, angles[np.arange(len(nodes)), fold.worst]
+class CriticalPlanes(NamedTuple):
+    """Planes of n nodes on which the damage is greatest.
+
+    Attributes
+    ----------
+    damage : array (n, s)
+        By survival.
+    angles : array (n,)
+        Of the planes about the nodes' normals, in rad.
+    """
+
+    damage: Floats
+    angles: Floats
+
+
+def critical_planes(damage_on: DamageOnPlanes, nodes: Integers) -> CriticalPlanes:
+    """Search the worst plane of every node (n,), in fine steps at the nodes of the greatest damage.
+
+    Parameters
+    ----------
+    damage_on : callable
+        As of `damage_on_planes`, or sums of it over the histories of a life: a plane keeps its damage.
+    """
+    coarse = np.broadcast_to(np.arange(0.0, np.pi - 0.5 * APART, APART), (len(nodes), round(np.pi / APART)))
+    found = _worst(damage_on(nodes, coarse), coarse)
+    worst = np.argsort(-found.damage.max(axis=1), kind="stable")[:FINEST]
+    around = found.angles[worst, None] + np.arange(-APART, APART + 0.5 * FINE, FINE)
+    finer = _worst(damage_on(nodes[worst], around), around)
+    found.damage[worst], found.angles[worst] = finer
+    return found
+
+
+def _worst(damage: Floats, angles: Floats) -> CriticalPlanes:
+    """Plane with the greatest damage (n, a, s) of those at angles (n, a)."""
+    of = np.arange(len(damage)), damage.max(axis=2).argmax(axis=1)
+    return CriticalPlanes(damage[of], angles[of])

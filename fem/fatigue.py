@@ -97,7 +97,7 @@ class SNCurve:
         return 0.5 * diagram.transform(cycles, -1.0)["range"].to_numpy()
 
     def damage(self, amplitude: Floats, mean: Floats, survivals: Sequence[float]) -> Floats:
-        """Damage (s, n) of cycles of positive amplitudes (n,) and their means, for each part that survives."""
+        """Damage (s, n) of cycles of positive amplitudes (n,) and their means, by survival."""
         equivalent = self.equivalent(amplitude, mean)
         return np.array([1.0 / self.at(survival).cycles(equivalent) for survival in survivals])
 

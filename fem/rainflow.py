@@ -1,8 +1,8 @@
 """Cycles of a history of stress that is repeated over and over, counted by pyLife's four-point rainflow.
 
 What the first pass leaves open (the residue) closes when it is passed once more (C. Amzallag et al.,
-Standardization of the rainflow counting method for fatigue analysis, Int. J. Fatigue 16, 1994): a pass has then
-all cycles that every later one has, and a history of n passes has n times as many.
+Standardization of the rainflow counting method for fatigue analysis, Int. J. Fatigue 16, 1994): a pass then
+has all cycles that every later one has, and a history of n passes has n times as many.
 """
 
 from typing import NamedTuple
@@ -42,7 +42,7 @@ class Cycles(NamedTuple):
     def larger_than(self, amplitude: float) -> "Cycles":
         """Cycles of larger amplitudes."""
         kept = self.amplitude > amplitude
-        return Cycles(*(values[kept] for values in self))
+        return Cycles(self.begin[kept], self.end[kept], self.begin_row[kept], self.end_row[kept])
 
 
 def repeated_cycles(signal: Floats) -> Cycles:
