@@ -5,7 +5,7 @@ All formulas are pyLife's; what is asked of it thousands of times is asked once 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -71,13 +71,16 @@ class SNCurve:
         if self.miner not in MINERS:
             raise ValueError(f"miner must be one of {MINERS}, got {self.miner!r}")
 
-    def at(self, survival: float) -> WoehlerCurve:
-        """PyLife's curve, which another part survives."""
+    def strength_at(self, survival: float) -> float:
+        """Amplitude in Pa at the knee, which another part survives; the knee keeps its cycles."""
+        return _strength_at(self, survival)
+
+    @cached_property
+    def _woehler(self) -> WoehlerCurve:
+        """Same curve in pyLife."""
         values = {"k_1": self.slope, "ND": self.knee, "SD": self.strength, "TS": self.scatter}
         curve = WoehlerCurve(pd.Series(values | {"failure_probability": 1.0 - self.survival}))
-        kinked = getattr(curve, f"miner_{self.miner}")()
-        moved = kinked.transform_to_failure_probability(1.0 - survival).to_pandas()
-        return WoehlerCurve(moved.map(float))
+        return getattr(curve, f"miner_{self.miner}")()
 
     def equivalent(self, amplitude: Floats, mean: Floats) -> Floats:
         """Amplitudes at R = -1 that do what cycles of positive amplitudes and their means do.
@@ -99,11 +102,20 @@ class SNCurve:
     def damage(self, amplitude: Floats, mean: Floats, survivals: Sequence[float]) -> Floats:
         """Damage (s, n) of cycles of positive amplitudes (n,) and their means, by survival."""
         equivalent = self.equivalent(amplitude, mean)
-        return np.array([1.0 / self.at(survival).cycles(equivalent) for survival in survivals])
+        scales = [self.strength / self.strength_at(survival) for survival in survivals]
+        loads = np.multiply.outer(scales, equivalent)
+        return 1.0 / self._woehler.cycles(loads.ravel()).reshape(loads.shape)
 
     def harmless(self, damage: float, survival: float) -> float:
         """Amplitude in Pa up to which no cycle, of whatever mean, does more than a positive damage."""
-        return float(self.at(survival).load(np.array(1.0 / damage))) / float(self._mean_factors.max())
+        scale = self.strength_at(survival) / self.strength
+        load = float(self._woehler.load(np.array(1.0 / damage)))
+        return scale * load / float(self._mean_factors.max())
+
+
+@lru_cache(maxsize=64)
+def _strength_at(curve: SNCurve, survival: float) -> float:
+    return float(curve._woehler.transform_to_failure_probability(1.0 - survival).SD)
 
 
 def check_survivals(survivals: Sequence[float]) -> None:

@@ -22,7 +22,7 @@ def life(
     overwrite: Overwrite = False,
     debug: Debug = False,
 ) -> None:
-    """Give the life of the shoes in machine hours, where they crack and why, from runs and how often they are.
+    """Give the life of the shoes in machine hours, where they crack and why, from a mix of runs.
 
     Example: exudyn-crawler life digging.toml --out results/digging
     """

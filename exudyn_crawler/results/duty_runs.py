@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.duty import Duty, DutyRun
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import StressBasis, stress_basis, whole_coordinates
@@ -136,12 +137,11 @@ def _check_shoes(runs: Sequence[DutyRun], parts: Sequence[History]) -> None:
 
 def _shoes(case: Case) -> dict[str, object]:
     """What of a case's flexible shoes is the same in all runs of a duty."""
-    from meshes import mesh_named
-
     flexible = case.flexible_shoes()
+    body, _ = shoe_model(flexible, case.track)
     return {
         "shoes": flexible.shoes,
-        "mesh": mesh_named(flexible.mesh).digest[:12],
+        "mesh": body.mesh.digest[:12],
         "youngs_modulus": flexible.youngs_modulus,
         "poissons_ratio": flexible.poissons_ratio,
     }

@@ -186,7 +186,7 @@ def _dataset(
     values = {
         "place_damage": damage,
         "damage_an_hour": mean,
-        "life": np.where(np.isnan(mean), np.nan, life_hours(mean)),
+        "life": life_hours(mean),
         "part_damage": np.where(np.isnan(mean[-1]), np.nan, parts),
         "plane_damage": on_plane,
         "plane_normal": directions,

@@ -22,7 +22,7 @@ LIFE = "life in h"
 
 def life_hours(damage: NDArray | float) -> NDArray:
     """Hours that damages an hour leave; `BEYOND` stands for all beyond."""
-    return 1.0 / np.maximum(damage, 1.0 / BEYOND)
+    return np.where(damage * BEYOND <= 1.0, BEYOND, 1.0 / np.maximum(damage, 1.0 / BEYOND))
 
 
 def worst_nodes(damage: NDArray, count: int) -> NDArray:

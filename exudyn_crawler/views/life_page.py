@@ -42,18 +42,18 @@ def write_life_page(found: LifeResults, path: Path, overwrite: bool = False) -> 
 def life_page(found: LifeResults) -> str:
     """HTML of the page."""
     shortest = float(np.nanmin(found.dataset.life[-1]))
-    survival = 100.0 * float(found.dataset.survival[-1])
+    survival, places = 100.0 * float(found.dataset.survival[-1]), found.dataset.shoe.values.tolist()
     factors = found.duty.material.factors()
     strength = found.duty.material.curve(found.duty.miner).strength
     return rendered_page(
         "life.html",
         title=f"Life of the shoes: {found.duty.name}",
         lead=[
-            f"{survival:g} % of the shoes see no crack at their worst node before {life_words(shortest)} machine "
-            f"hours, the mean over the places {found.dataset.shoe.values.tolist()} that a shoe takes in turn",
+            f"{survival:g} % of the shoes see no crack at their worst node before {life_words(shortest)} "
+            f"machine hours, the mean over the places {places} that a shoe takes in turn",
             f"{found.duty.criterion}, Miner {found.duty.miner}; {found.duty.material.name}: strength at the "
-            f"surface {strength / 1e6:.4g} MPa at R = -1 (of {factors['fatigue_strength'] / 1e6:.4g} MPa), mean "
-            f"stress sensitivity {factors['mean_sensitivity']:.3g}; {found.duty.material.source}",
+            f"surface {strength / 1e6:.4g} MPa at R = -1 (of {factors['fatigue_strength'] / 1e6:.4g} MPa), "
+            f"mean stress sensitivity {factors['mean_sensitivity']:.3g}; {found.duty.material.source}",
         ],
         surface=_shown(life_surface(found), "life"),
         curves=_shown(damage_curves(found), "damage"),
