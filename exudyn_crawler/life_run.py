@@ -17,8 +17,10 @@ from exudyn_crawler.views.life_page import write_life_page
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
-LIFE, TABLE, PAGE = "life.nc", "shortest_lives.csv", "life.html"
-"""What a duty leaves first of all."""
+LIFE, FIELDS, PAGE = "life.nc", "life.vtu", "life.html"
+TABLE, MATRICES, GROWTH = "shortest_lives.csv", "rainflow_matrices.csv", "damage_histories.csv"
+FILES = (LIFE, FIELDS, PAGE, TABLE, MATRICES, GROWTH)
+"""What a duty leaves."""
 
 
 def life(
@@ -54,7 +56,7 @@ def life(
     given = duty if isinstance(duty, Duty) else read_duty(duty)
     folder = None if out is None else Path(out)
     if folder is not None:
-        for name in (LIFE, TABLE, PAGE):
+        for name in FILES:
             refuse_existing(folder / name, overwrite)
     with heartbeat(f"life of {given.name}"):
         found = life_of(given, _histories(given), say)
@@ -77,28 +79,27 @@ def _histories(duty: Duty) -> list[History]:
 
 
 def write_fields(found: LifeResults, folder: Path, overwrite: bool) -> None:
-    """Life and damage of every node at each place and as the mean over them, for ParaView."""
-    data, mesh = found.dataset, found.whole.mesh
-    mean = {
+    """Life and damage of every node, as the mean over the places and at each, for ParaView."""
+    data = found.dataset
+    fields = {
         f"life in h, {100 * one:g} % survive": data.life.sel(survival=one) for one in data.survival.values
     }
-    mean["damage an hour"] = data.damage_an_hour[-1]
-    mean |= {f"damage an hour, {part}": data.part_damage.sel(part=part) for part in data.part.values}
-    fields = {"mean": mean}
-    for shoe in data.shoe.values:
-        damage = data.place_damage.sel(shoe=shoe).isel(survival=-1)
-        fields[f"place_{shoe}"] = {"damage an hour": damage}
-    for name, own in fields.items():
-        with whole_file(folder / f"life_{name}.vtu", overwrite) as temporary:
-            write_vtu(temporary, mesh, {title: np.asarray(values) for title, values in own.items()})
+    fields["damage an hour"] = data.damage_an_hour[-1]
+    fields |= {f"damage an hour, {part}": data.part_damage.sel(part=part) for part in data.part.values}
+    at_last = data.place_damage.isel(survival=-1)
+    fields |= {f"damage an hour, place {shoe}": at_last.sel(shoe=shoe) for shoe in data.shoe.values}
+    with whole_file(folder / FIELDS, overwrite) as temporary:
+        write_vtu(temporary, found.whole.mesh, {name: np.asarray(one) for name, one in fields.items()})
 
 
 def write_nodes(found: LifeResults, folder: Path, overwrite: bool) -> None:
-    """Rainflow matrix and growing damage of the nodes of the table."""
-    for node, own in found.nodes.items():
-        matrix: pd.DataFrame = own.rainflow_matrix().reset_index()
-        write_table(matrix, folder / f"rainflow_node_{node}.csv", overwrite)
-        write_table(own.damage_history(), folder / f"damage_node_{node}.csv", overwrite)
+    """Rainflow matrices and growing damage of the nodes of the table."""
+    for name, tables in (
+        (MATRICES, {node: own.rainflow_matrix() for node, own in found.nodes.items()}),
+        (GROWTH, {node: own.damage_history() for node, own in found.nodes.items()}),
+    ):
+        joined = pd.concat(tables, names=["node"]).reset_index(level="node")
+        write_table(joined, folder / name, overwrite)
 
 
 def write_shortest(found: LifeResults, folder: Path, overwrite: bool) -> None:

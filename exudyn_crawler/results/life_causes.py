@@ -67,16 +67,25 @@ class NodeLife:
         return {name.removeprefix(SHARE): float(share) for name, share in shares.items()}
 
     def rainflow_matrix(self) -> pd.DataFrame:
-        """Cycles an hour by the classes (MPa, their middles) that they begin (rows) and end in (columns)."""
+        """Cycles an hour by the classes that they begin and end in: begin and end in MPa, cycles an hour.
+
+        A row a class that has any, by its middle; `CLASSES` equal ones from the least to the greatest stress.
+        """
         ends = self.cycles[["begin in Pa", "end in Pa"]].to_numpy() / 1e6
-        low, high = (ends.min(), ends.max()) if len(ends) else (-1.0, 1.0)
+        low, high = (ends.min(), ends.max()) if len(ends) else (0.0, 0.0)
         edges = np.linspace(low, max(high, low + 1e-6), CLASSES + 1)
         counts, _, _ = np.histogram2d(
             ends[:, 0], ends[:, 1], bins=[edges, edges], weights=self.cycles["times an hour"].to_numpy()
         )
-        middles = np.round(0.5 * (edges[1:] + edges[:-1]), 4)
-        index = pd.Index(middles, name="begin in MPa")
-        return pd.DataFrame(counts, index=index, columns=[f"end {one:g} in MPa" for one in middles])
+        rows, columns = np.nonzero(counts)
+        middles = 0.5 * (edges[1:] + edges[:-1])
+        return pd.DataFrame(
+            {
+                "begin in MPa": middles[rows],
+                "end in MPa": middles[columns],
+                "cycles an hour": counts[rows, columns],
+            }
+        )
 
     def damage_history(self) -> pd.DataFrame:
         """Damage an hour as it grows over each run at each place: half of a cycle's comes at either end."""
