@@ -198,10 +198,8 @@ def shovel_life(
     from studies.life import study
 
     _, summary = study(out, stress, rolled, overwrite=overwrite, say=typer.echo)
-    columns = [
-        name for name in summary.columns if not name.startswith("share of") and " in the shoe " not in name
-    ]
-    print_table(summary[columns[:9]], "Shortest life by propel and material")
+    shown = [name for name in summary.loc[:, :"main load"].columns if " in the shoe " not in name]
+    print_table(summary[shown], "Shortest life by propel and material")
     typer.echo(f"lives, pages and summary.csv are in {out}")
 
 

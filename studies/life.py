@@ -39,10 +39,9 @@ def duty_of(cycle: Path, material: FatigueMaterial, rolled: Path | None = None) 
     """
     loads = History.load(cycle / HISTORY).case.loads
     end = next(phase.end for phase in loads.phases if phase.name == PROPEL)
-    dragged = DutyRun(name="dragged propel", folder=str(cycle), end=end, share=PROPEL_SHARE)
-    propel = (
-        dragged if rolled is None else DutyRun(name="rolled propel", folder=str(rolled), share=PROPEL_SHARE)
-    )
+    propel = DutyRun(name="dragged propel", folder=str(cycle), end=end, share=PROPEL_SHARE)
+    if rolled is not None:
+        propel = DutyRun(name="rolled propel", folder=str(rolled), share=PROPEL_SHARE)
     dig = DutyRun(name="dig cycle", folder=str(cycle), begin=end, an_hour=CYCLES_AN_HOUR)
     kind = "dragged" if rolled is None else "rolled"
     return Duty(name=f"{kind} propel and dig cycle, {material.name}", runs=(propel, dig), material=material)
@@ -56,7 +55,7 @@ def study(
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
 ) -> tuple[dict[str, LifeResults], pd.DataFrame]:
-    """Life of the shoes of each material, from the stress study's run, which is run first where it is missing.
+    """Life of the shoes of each material, from the stress study, which is run first where it is missing.
 
     Parameters
     ----------

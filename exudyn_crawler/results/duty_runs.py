@@ -116,6 +116,7 @@ def _phases(whole: History, part: History) -> tuple[tuple[str, ...], NDArray]:
     number = np.zeros(part.time.size, dtype=np.int64)
     for k, phase in enumerate(reached):
         number[phase.rows(part.time.values)] = k
+    number[0] = number[1]  # the instant at which a phase begins is the last of the one before
     there, places = np.unique(number, return_inverse=True)
     return tuple(reached[k].name for k in there), places
 
