@@ -34,6 +34,7 @@ COMMANDS = (
     "pin-forces",
     "shoe-loads",
     "compare",
+    "life",
 )
 
 

@@ -62,7 +62,7 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     try:
         content = changed(toml_content(path, "case file"), changes)
         # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
-        text = json.dumps(_resolved(migrated(content, path), path.parent), default=_untyped)
+        text = json.dumps(_resolved(migrated(content, path), path.parent), default=untyped)
         return CaseFile.model_validate_json(text, strict=True)
     except ValidationError as error:
         raise CaseFileError(path, list(faults(error, CaseFile))) from error
@@ -101,12 +101,12 @@ def _resolved(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     own = {name: content.pop(name) for name in CaseFile.model_fields if name in content and name != "case"}
     if isinstance(content.get("loads"), dict):
         content["loads"] = _with_cycle(content["loads"], folder)
-    case = _with_base(content, (Case,), {}, ())
+    case = with_base(content, (Case,), {}, ())
     _spread_equal_loads(case)
     for name, field in CaseFile.model_fields.items():
         kinds = models_of(field.annotation)
         if kinds and isinstance(own.get(name), dict):
-            own[name] = _with_base(own[name], kinds, {}, (name,))
+            own[name] = with_base(own[name], kinds, {}, (name,))
     flexible = case.get("flexible")
     if isinstance(flexible, dict) and isinstance(flexible.get("mesh"), str):
         flexible["mesh"] = _mesh(flexible["mesh"], folder)
@@ -146,7 +146,7 @@ def _mesh(name: str, folder: Path) -> str:
     return str(path)
 
 
-def _with_base(
+def with_base(
     given: dict[str, Any], kinds: tuple[type[BaseModel], ...], below: Mapping[str, Any], place: Place
 ) -> dict[str, Any]:
     """What a table of one of the classes gives over its base, or over the values `below` it."""
@@ -166,7 +166,7 @@ def _with_base(
         elif parts and isinstance(value, dict):
             under = values.get(key)
             under = under if isinstance(under, dict) else {}  # none, or the list of a table given by mistake
-            values[key] = _with_base(value, parts, under, (*place, key))
+            values[key] = with_base(value, parts, under, (*place, key))
         else:
             values[key] = value
     return values
@@ -184,6 +184,6 @@ def _named(name: object, kind: type[BaseModel], place: Place) -> dict[str, Any]:
     return constructors[name]().model_dump(mode="json")
 
 
-def _untyped(value: object) -> object:
+def untyped(value: object) -> object:
     """Stand-in for what JSON has no type for: TOML's dates and times, which no field takes."""
     return {"date or time": str(value)}

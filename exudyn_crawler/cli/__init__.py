@@ -1,6 +1,6 @@
 """The command `exudyn-crawler`: it writes, shows and runs cases and looks at runs; studies add to it."""
 
-from exudyn_crawler.cli.looking import app
+from exudyn_crawler.cli.life import app
 from exudyn_crawler.cli.options import RESULTS, Debug, Out, Overwrite
 from exudyn_crawler.cli.registered import call, run_script
 

@@ -89,6 +89,24 @@ def modal_loads(history: History, basis: StressBasis, shoe: int) -> NDArray:
     return loads
 
 
+def coordinates_by_load(history: History, basis: StressBasis, shoe: int) -> dict[str, NDArray]:
+    """Coordinates of all modes over time by what makes them: arrays (times, M), kg^0.5 m.
+
+    Each kind of action gives those of its static answer; "inertia", that of the integrated modes with their
+    damping, gives the rest of `whole_coordinates`, whose errors this has too. What moves no mode is left out.
+    """
+    whole = whole_coordinates(history, basis, shoe)
+    frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+    loads: dict[str, NDArray] = {}
+    for action in actions(history, shoe):
+        if action.kind not in loads:
+            loads[action.kind] = np.zeros_like(whole)
+        _add_modal_loads(loads[action.kind], action, frames, basis)
+    stiffness = (2.0 * np.pi * basis.whole.frequencies) ** 2
+    found = {kind: values / stiffness for kind, values in loads.items() if values.any()}
+    return found | {"inertia": whole - sum(found.values())}
+
+
 def _add_modal_loads(loads: NDArray, action: Action, frames: NDArray, basis: StressBasis) -> None:
     """Add the modal loads of one action to `loads` (times, M)."""
     whole = basis.whole

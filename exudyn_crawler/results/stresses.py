@@ -94,14 +94,14 @@ def recover_stresses(
     whole, coordinates = columns.shapes, columns.coordinates
     reached, found, tables = {}, [], {}
     for shoe, q in coordinates.items():
-        away = np.flatnonzero(~_at_load(history, whole, shoe))
+        away = np.flatnonzero(~near_pull(history, whole, shoe))
         reached[shoe] = recover_extremes(whole.stress_modes, q, ranked=away)
     if peak:
         highest = np.max([one.highest for one in reached.values()], axis=0)
         named.append((float(history.time[int(highest.argmax())]), "peak"))
     frames, names = _frames(history, named)
     for shoe, q in coordinates.items():
-        extremes, at_load = reached[shoe], _at_load(history, whole, shoe)
+        extremes, at_load = reached[shoe], near_pull(history, whole, shoe)
         away = np.flatnonzero(~at_load)
         found.append(
             _of_shoe(history, whole, q, extremes, frames).assign(
@@ -147,7 +147,7 @@ def _frames(history: History, named: Sequence[tuple[float, str]]) -> tuple[NDArr
     return np.array(rows), [", ".join(filter(None, names[row])) for row in rows]
 
 
-def _at_load(history: History, whole: Shapes, shoe: int) -> NDArray:
+def near_pull(history: History, whole: Shapes, shoe: int) -> NDArray:
     """Whether each node belongs to an element about the node that the drive pulls: array (nodes,)."""
     marked = np.zeros(len(whole.nodes), dtype=bool)
     node = pulled_node(history.case, whole.mesh)
