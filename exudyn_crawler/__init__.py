@@ -43,6 +43,11 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
     from exudyn_crawler.run.track_modes import track_modes
+    from exudyn_crawler.sweep.answers import Answer, HotSpot
+    from exudyn_crawler.sweep.definition import Sweep
+    from exudyn_crawler.sweep.files import read_sweep
+    from exudyn_crawler.sweep.running import SweepRun, run_sweep
+    from exudyn_crawler.sweep.vary import Vary
     from exudyn_crawler.views.animation import write_animation
     from exudyn_crawler.views.curves import panel_figure
     from exudyn_crawler.views.mode_shapes import mode_figure, mode_table
@@ -67,14 +72,19 @@ def _check_neighbours() -> None:
 _check_neighbours()
 
 _HOMES = {
+    "Answer": "sweep.answers",
     "CaseFileError": "errors",
     "CaseRun": "case_run",
     "CrawlerError": "errors",
     "EquilibriumError": "errors",
     "History": "results.history",
+    "HotSpot": "sweep.answers",
     "SimulationStopped": "errors",
     "ShoeLoads": "results.shoe_loads",
     "StressResults": "results.stresses",
+    "Sweep": "sweep.definition",
+    "SweepRun": "sweep.running",
+    "Vary": "sweep.vary",
     "action_table": "results.shoe_loads",
     "actions": "results.actions",
     "contacts_by_shoe": "results.contacts",
@@ -85,8 +95,10 @@ _HOMES = {
     "panel_figure": "views.curves",
     "peak_time": "results.shoe_loads",
     "pin_forces": "results.pins",
+    "read_sweep": "sweep.files",
     "recover_stresses": "results.stresses",
     "run_case": "case_run",
+    "run_sweep": "sweep.running",
     "shoe_imbalance": "results.balance",
     "shoe_loads": "results.shoe_loads",
     "simulate": "run.simulation",
@@ -101,6 +113,7 @@ _HOMES = {
 """Modules of the names that are not parts of a case."""
 
 __all__ = [
+    "Answer",
     "Case",
     "CaseFile",
     "CaseFileError",
@@ -110,6 +123,7 @@ __all__ = [
     "EquilibriumError",
     "FlexibleShoes",
     "History",
+    "HotSpot",
     "LoadCycle",
     "Outputs",
     "PairContact",
@@ -121,8 +135,11 @@ __all__ = [
     "SphereContact",
     "StepProfile",
     "StressResults",
+    "Sweep",
+    "SweepRun",
     "Terrain",
     "Track",
+    "Vary",
     "action_table",
     "actions",
     "contacts_by_shoe",
@@ -134,8 +151,10 @@ __all__ = [
     "peak_time",
     "pin_forces",
     "read_case",
+    "read_sweep",
     "recover_stresses",
     "run_case",
+    "run_sweep",
     "shoe_imbalance",
     "shoe_loads",
     "simulate",
