@@ -17,7 +17,7 @@ from exudyn_crawler.views.sweep_page import Best, SweepView, sweep_page
 
 
 def write_page(
-    sweep: Sweep, table: pd.DataFrame, folder: Path, storage: str, reports: bool, say: Callable[[str], None]
+    sweep: Sweep, table: pd.DataFrame, folder: Path, storage: str, say: Callable[[str], None]
 ) -> Path:
     """Write the page of a sweep's results into its folder.
 
@@ -26,16 +26,13 @@ def write_page(
     table : pandas.DataFrame
         Of `results_table`.
     storage : str
-        Where the runs are.
-    reports : bool
-        Whether the best and the worst run of every answer get reports of their own; those of runs on object
-        storage get none.
+        Where the runs are; on object storage they get no reports of their own.
     say : callable
         Is told of reports that cannot be written.
     """
     local = not is_address(storage)
     best = best_and_worst(sweep, table)
-    if reports and local:
+    if local:
         for name in dict.fromkeys(one.folder for one in best):
             _report_of(Path(folder_of(storage, name)), say)
     indices, method = sobol_indices(sweep, table)

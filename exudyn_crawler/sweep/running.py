@@ -17,7 +17,7 @@ from exudyn_crawler.run.keeper import Keeper, quiet, recorded
 from exudyn_crawler.run.progress import progress_bar
 from exudyn_crawler.run.record import earlier_record
 from exudyn_crawler.sweep.answers import Answers
-from exudyn_crawler.sweep.definition import PlannedRun, Sweep
+from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.estimate import estimate
 from exudyn_crawler.sweep.page import write_page
 from exudyn_crawler.sweep.storage import Outcome, check_storage, is_address, read_outcome
@@ -67,7 +67,6 @@ def run_sweep(
     workers: int | None = None,
     storage: str | None = None,
     retry: bool = False,
-    reports: bool = True,
     progress: bool | None = None,
     say: Callable[[str], None] = quiet,
 ) -> SweepRun:
@@ -91,8 +90,6 @@ def run_sweep(
         knows, ``s3://bucket/folder``, where each is copied when it has ended.
     retry : bool
         Run those anew that have failed.
-    reports : bool
-        Write reports of the best and the worst run of every answer.
     progress : bool, optional
         Show a progress bar; None shows one on a terminal and a line every 10 s elsewhere.
     say : callable
@@ -108,8 +105,6 @@ def run_sweep(
     NotADirectoryError, PermissionError
         If the folder cannot be written to.
     """
-    from exudyn_crawler.sweep.cluster import connected, outcomes
-
     planned = sweep.planned
     folder = writable_folder(Path(out))
     kept_in = _storage(folder, storage)
@@ -118,28 +113,52 @@ def run_sweep(
     with _kept_sweep(folder, sweep, say) as keeper:
         check_storage(kept_in)
         found = _there(planned, kept_in)
-        tasks = _missing(sweep, planned, found, retry)
-        keeper.say(_told(planned, found, len(tasks)))
-        if tasks:
+        missing = _missing(sweep, planned, found, retry)
+        keeper.say(_told(planned, found, len(missing)))
+        if missing:
             shared = None if scheduler is None or is_address(kept_in) else folder / REDUCTIONS
-            whole = _whole_tasks(sweep, tasks, kept_in, shared, retry)
+            tasks = _tasks(sweep, missing, kept_in, shared, retry)
             with (
                 keeper.timed("runs"),
-                connected(scheduler, workers, kept_in, keeper.say) as client,
-                progress_bar("sweep", len(tasks), progress, unit="runs") as tell,
+                _outcomes(tasks, scheduler, workers, kept_in, keeper.say) as coming,
+                progress_bar("sweep", len(missing), progress, unit="runs") as tell,
             ):
-                for count, outcome in enumerate(outcomes(client, whole), 1):
+                for count, outcome in enumerate(coming, 1):
                     found[outcome["digest"]] = outcome
-                    if outcome["status"] == FAILED:
-                        keeper.say(f"{outcome['digest'][:16]} failed: {outcome['reason']}")
+                    _tell_failure(outcome, keeper)
                     tell(count)
         with keeper.timed("tables and page"):
-            table = results_table(sweep, planned, found)
-            dataset = results_dataset(sweep, table)
-            write_units_csv(table, folder / TABLE)
-            write_parquet(table, folder / COLUMNS)
-            write_netcdf(dataset, folder / DATASET, overwrite=True)
-            write_page(sweep, table, folder, kept_in, reports, keeper.say)
+            return _gathered(sweep, results_table(sweep, planned, found), folder, kept_in, keeper)
+
+
+@contextmanager
+def _outcomes(
+    tasks: Iterator[Task],
+    scheduler: str | None,
+    workers: int | None,
+    storage: str,
+    say: Callable[[str], None],
+) -> Iterator[Iterator[Outcome]]:
+    """Outcomes of tasks as they come from a cluster, which lives as long as the block."""
+    # planning a sweep and looking at its results do without Dask
+    from exudyn_crawler.sweep.cluster import connected, outcomes
+
+    with connected(scheduler, workers, storage, say) as client:
+        yield outcomes(client, tasks)
+
+
+def _tell_failure(outcome: Outcome, keeper: Keeper) -> None:
+    if outcome["status"] == FAILED:
+        keeper.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
+
+
+def _gathered(sweep: Sweep, table: pd.DataFrame, folder: Path, storage: str, keeper: Keeper) -> SweepRun:
+    """Results in all forms, and the page."""
+    dataset = results_dataset(sweep, table)
+    write_units_csv(table, folder / TABLE)
+    write_parquet(table, folder / COLUMNS)
+    write_netcdf(dataset, folder / DATASET, overwrite=True)
+    write_page(sweep, table, folder, storage, keeper.say)
     return SweepRun(sweep, table, dataset, folder)
 
 
@@ -196,7 +215,7 @@ def _missing(
     return missing
 
 
-def _whole_tasks(
+def _tasks(
     sweep: Sweep, missing: dict[str, PlannedRun], storage: str, reductions: Path | None, retry: bool
 ) -> Iterator[Task]:
     """Tasks, each made when it is asked for: all cases of a large sweep take too much memory."""

@@ -50,11 +50,12 @@ def working_folder(storage: str, digest: str) -> Iterator[Path]:
         try:
             yield path
         finally:
-            files.makedirs(root, exist_ok=True)
             # the outcome last: who finds it finds the rest
             for one in sorted(path.rglob("*"), key=lambda one: one.name == OUTCOME):
                 if one.is_file():
-                    files.put_file(str(one), f"{root}/{one.relative_to(path).as_posix()}")
+                    target = f"{root}/{one.relative_to(path).as_posix()}"
+                    files.makedirs(target.rpartition("/")[0], exist_ok=True)
+                    files.put_file(str(one), target)
 
 
 def read_outcome(storage: str, digest: str) -> Outcome | None:

@@ -14,7 +14,6 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
-import exudyn_crawler
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.errors import CrawlerError, ImplausibleWarning
@@ -67,7 +66,7 @@ class Task:
 @cache
 def own_versions() -> dict[str, str]:
     """What has to be the same on client and workers, by name."""
-    beside = Path(exudyn_crawler.__file__).parents[1]
+    beside = Path(__file__).parents[2]
     python = ".".join(platform.python_version_tuple()[:2])
     names = ("exudyn-crawler", "exudyn", "numpy", "scipy", "distributed")
     folders = [beside / name for name in ("exudyn_crawler", "fem", "meshes")]
