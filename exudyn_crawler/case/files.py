@@ -40,7 +40,7 @@ from meshes import SHOE_SIZES
 CYCLE = "file"
 """Key of the loads that names a file with their cycle."""
 
-__all__ = ["CaseFile", "read_case", "saved_case", "write_case"]
+__all__ = ["CaseFile", "case_of", "read_case", "saved_case", "write_case"]
 
 
 def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
@@ -61,6 +61,14 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     path = Path(path)
     try:
         content = changed(toml_content(path, "case file"), changes)
+    except (ValueError, RecursionError) as error:
+        raise CaseFileError(path, [str(error)]) from error
+    return case_of(content, path)
+
+
+def case_of(content: dict[str, Any], path: Path) -> CaseFile:
+    """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
+    try:
         # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
         text = json.dumps(_resolved(migrated(content, path), path.parent), default=untyped)
         return CaseFile.model_validate_json(text, strict=True)
