@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.model.compiled.rest import rest
+from exudyn_crawler.model.compiled.rest import crept, rest
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
@@ -17,6 +17,13 @@ RESIDUAL = 1e-3
 """N, root mean square of the residual that ends the iteration: 1e-9 of a shoe's load."""
 
 ITERATIONS = 50
+
+CREEPING_STEPS = 1000
+"""Most steps of creeping under a side frame, whose rollers tilt the shoes far from any guess."""
+FIRST_DEPTH = 1e-5
+"""m, of all rollers in their rails to start from: enough to be felt."""
+OIL_SPEED = 10.0
+"""m/s, far beyond the slip of creeping shoes."""
 
 RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
 """s, s and number: duration, step and most repetitions of the damped motion on uneven ground."""
@@ -67,9 +74,19 @@ def static_equilibrium(case: Case) -> NDArray:
 def _compiled_rest(case: Case) -> NDArray:
     system = compiled_system(case)
     try:
-        return rest(system, _first_guess(system), RESIDUAL, ITERATIONS)
+        guess = _first_guess(system)
+        if case.undercarriage is not None:
+            guess = crept(compiled_system(_oiled(case)), guess, CREEPING_STEPS)
+        return rest(system, guess, RESIDUAL, ITERATIONS)
     except NewtonError as failed:
         raise _no_rest(system, failed) from failed
+
+
+def _oiled(case: Case) -> Case:
+    """Same case with friction in proportion to the slip, which helps shoes to find their rest."""
+    contact = case.pair_contact()
+    oil = {"stiction_speed": OIL_SPEED, "friction_speed": 2.0 * OIL_SPEED}
+    return case.with_(contact=contact.with_(dynamic_friction=contact.static_friction, **oil))
 
 
 def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
@@ -172,11 +189,14 @@ def _first_guess(system: TrackSystem) -> NDArray:
     Close enough for Newton's method, which does the rest.
     """
     case = system.case
-    q = np.zeros(system.contact.size)
+    q = np.zeros(system.layout.coordinate_count)
     shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
-    loads = case.pressed(case.loads.loads(0.0)[0])
+    # rails of neighbours at one height: rollers may be on either
+    loads = case.pressed(case.first_loads if case.undercarriage is None else case.loads.loads(0.0)[0])
     sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
     shoes[:, 2] = -sag - system.contact.settled_depth(loads)
     terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
     terrain[:] = system.contact.coordinates.sunk_evenly(-sag)
+    if case.undercarriage is not None:
+        q[-system.layout.frame] = shoes[0, 2] - FIRST_DEPTH
     return q

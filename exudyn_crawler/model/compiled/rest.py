@@ -18,11 +18,56 @@ HELD = (1, 5)
 slip, so that nothing else holds a track at rest in the plane."""
 
 
+DRAG = 50.0
+"""1/s: in creeping, momentum is drained as fast."""
+FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 10.0, 1e-7
+"""s, of creeping."""
+CREEPING_LIMIT = 100.0
+"""N, root mean square of the residual of steps and at the end of creeping, from where Newton's method goes on."""
+FEW, MANY = 8, 25
+"""Iterations below which the next step is longer, and most of them."""
+
+
+def crept(system: CompiledSystem, guess: NDArray, most_steps: int) -> NDArray:
+    """Coordinates near a rest, reached from a guess by creeping as if all bodies moved through honey.
+
+    Without inertia each body is slowed in proportion to its mass, so that the way leads to a rest that is
+    stable; where steps are long it is Newton's method (pseudo-transient continuation: Kelley and Keyes, SIAM
+    J. Numer. Anal. 35, 1998).
+
+    Parameters
+    ----------
+    guess : array (coordinates,)
+        To start from.
+    most_steps : int
+
+    Raises
+    ------
+    NewtonError
+        If it gets nowhere.
+    """
+    q, multipliers, step = guess, np.zeros(system.rest_rows), FIRST_STEP
+    for _ in range(most_steps):
+        found = system.creep(q, multipliers, (step, DRAG), (CREEPING_LIMIT, MANY))
+        if found is None:
+            step *= 0.25
+            if step < LEAST_STEP:
+                break
+            continue
+        q, multipliers, iterations = found
+        residual, _ = system.at_rest(q, multipliers)
+        if np.sqrt(np.mean(residual**2)) < CREEPING_LIMIT:
+            return q
+        if iterations < FEW:
+            step = min(1.5 * step, LONGEST_STEP)
+    raise NewtonError(system.in_layout(system.at_rest(q, multipliers)[0]), singular=False)
+
+
 def rest(system: CompiledSystem, guess: NDArray, limit: float, iterations: int) -> NDArray:
     """Coordinates at which a track with its front shoe held rests.
 
     Along x the shoe is held where the drive will pull: its force, which the drive takes over, bends the shoe,
-    and from another place the run would start with a jolt.
+    and from another place the run would start with a jolt. Under a side frame it stays where the guess has it.
 
     Parameters
     ----------
@@ -40,7 +85,7 @@ def rest(system: CompiledSystem, guess: NDArray, limit: float, iterations: int) 
     """
     n, front = len(guess), 6 * system.layout.shoes - 6
     held = [front + k for k in HELD]
-    start, holds = system.pulled_place(np.zeros(n)), 1 + len(held)
+    start, holds = system.pulled_place(guess if system.layout.frame else np.zeros(n)), 1 + len(held)
 
     def balance(x: NDArray) -> NDArray:
         q, multipliers, forces_held = x[:n], x[n:-holds], x[-holds:]
@@ -50,7 +95,7 @@ def rest(system: CompiledSystem, guess: NDArray, limit: float, iterations: int) 
         gaps = [system.pulled_place(q) - start, *q[held]]
         return np.concatenate((residual, STIFFNESS * np.array(gaps)))
 
-    x = np.concatenate((guess, np.zeros(system.pin_rows + holds)))
+    x = np.concatenate((guess, np.zeros(system.rest_rows + holds)))
     steps = np.repeat(STEPS, [n, len(x) - n])
     for _ in range(iterations):
         off = balance(x)
