@@ -183,6 +183,22 @@ class Case(Parameters):
             loads = loads + under * self.undercarriage.mass * self.gravity / max(1, under.sum())
         return loads
 
+    def machine_wrench(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
+        """Force (N) and moment about a side frame's origin (N m) of the machine beside the frame's weight.
+
+        Parameters
+        ----------
+        time : array (times,)
+            s.
+
+        Returns
+        -------
+        tuple of array (times, 3)
+            Global.
+        """
+        none = np.zeros((np.size(time), 3))
+        return none, none.copy()
+
     @property
     def mean_load(self) -> float:
         """Mean over the shoes of the normal force that the ground carries at t = 0, N: load and weight."""

@@ -17,6 +17,7 @@ from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
 from exudyn_crawler.results.history import LAYOUT_VERSION, History
 from exudyn_crawler.results.quantities import Variable, variable
+from exudyn_crawler.results.rolled_states import Treads, rolled_coordinates, rolled_variables
 
 AXES = ["x", "y", "z"]
 
@@ -65,6 +66,7 @@ def history_of(
     rows: NDArray,
     point: DrivePoint,
     frequencies: NDArray | None = None,
+    treads: Treads | None = None,
 ) -> History:
     """Turn the stored states of a run into its history.
 
@@ -82,12 +84,16 @@ def history_of(
         Of the front shoe, where the drive acts.
     frequencies : array (modes,), optional
         Of the flexible shoes' modes, Hz.
+    treads : Treads, optional
+        Reads the treads of a side frame, where the case has one.
     """
     states = _States(case, layout, rows)
     time = states.part("time")
     variables = _shoes(states) | _reactions(states, point) | _terrain(states, contact)
     variables["shoe_load"] = variable("shoe_load", case.loads.loads(time))
     variables |= _flexible(states)
+    if treads is not None:
+        variables |= rolled_variables(case, layout, rows, treads)
     contacts, pairs = _contacts(states, contact)
     dataset = xr.Dataset(
         variables | contacts,
@@ -98,6 +104,7 @@ def history_of(
             "unit": case.terrain.units,
             "axis": AXES,
             **_flexible_coordinates(layout, frequencies),
+            **rolled_coordinates(case),
             "contact_shoe": ("contact", pairs[:, 0]),
             "contact_unit": ("contact", pairs[:, 1]),
         },
@@ -155,7 +162,7 @@ def _reactions(states: _States, point: DrivePoint) -> dict[str, Variable]:
     named = {
         "joint_force": force,
         "joint_torque": torque,
-        "drive_force": -states.part("drive")[:, 0],
+        "drive_force": -states.part("drive")[:, 0] * (states.case.propel == "dragged"),
         "drive_point": _drive_point(states, point),
         "drive_torque": turn,
     }

@@ -18,12 +18,10 @@ RESIDUAL = 1e-3
 
 ITERATIONS = 50
 
-CREEPING_STEPS = 1000
-"""Most steps of creeping under a side frame, whose rollers tilt the shoes far from any guess."""
 FIRST_DEPTH = 1e-5
 """m, of all rollers in their rails to start from: enough to be felt."""
-OIL_SPEED = 10.0
-"""m/s, far beyond the slip of creeping shoes."""
+OIL_SPEED = 0.05
+"""m/s, more than shoes slip that creep: friction is nearly in proportion to the slip below it."""
 
 RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
 """s, s and number: duration, step and most repetitions of the damped motion on uneven ground."""
@@ -76,14 +74,14 @@ def _compiled_rest(case: Case) -> NDArray:
     try:
         guess = _first_guess(system)
         if case.undercarriage is not None:
-            guess = crept(compiled_system(_oiled(case)), guess, CREEPING_STEPS)
+            return crept(compiled_system(_oiled(case)), guess)
         return rest(system, guess, RESIDUAL, ITERATIONS)
     except NewtonError as failed:
         raise _no_rest(system, failed) from failed
 
 
 def _oiled(case: Case) -> Case:
-    """Same case with friction in proportion to the slip, which helps shoes to find their rest."""
+    """Same case with friction that does not fall with the slip, so that creeping shoes find their rest."""
     contact = case.pair_contact()
     oil = {"stiction_speed": OIL_SPEED, "friction_speed": 2.0 * OIL_SPEED}
     return case.with_(contact=contact.with_(dynamic_friction=contact.static_friction, **oil))

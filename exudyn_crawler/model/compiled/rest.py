@@ -18,56 +18,55 @@ HELD = (1, 5)
 slip, so that nothing else holds a track at rest in the plane."""
 
 
-DRAG = 50.0
-"""1/s: in creeping, momentum is drained as fast."""
-FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 10.0, 1e-7
+DRAG = 20.0
+"""1/s, of what drains momentum in creeping."""
+CREEPING = 4.0
+"""s, after which what still creeps is held by friction."""
+FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.2, 1e-7
 """s, of creeping."""
-CREEPING_LIMIT = 100.0
-"""N, root mean square of the residual of steps and at the end of creeping, from where Newton's method goes on."""
+CREEPING_LIMIT = 1.0
+"""N, root mean square of the residual that ends a step's search."""
 FEW, MANY = 8, 25
 """Iterations below which the next step is longer, and most of them."""
 
 
-def crept(system: CompiledSystem, guess: NDArray, most_steps: int) -> NDArray:
-    """Coordinates near a rest, reached from a guess by creeping as if all bodies moved through honey.
+def crept(system: CompiledSystem, guess: NDArray) -> NDArray:
+    """Coordinates that a track under a side frame has crept to from a guess.
 
-    Without inertia each body is slowed in proportion to its mass, so that the way leads to a rest that is
-    stable; where steps are long it is Newton's method (pseudo-transient continuation: Kelley and Keyes, SIAM
-    J. Numer. Anal. 35, 1998).
+    Frictionless it may have no rest at all: the rollers fold the chain up, and only friction holds the shoes
+    where they are. So all bodies creep to where they stay, without inertia and slowed in proportion to their
+    mass, while friction in proportion to the slip holds what it would hold.
 
     Parameters
     ----------
     guess : array (coordinates,)
         To start from.
-    most_steps : int
 
     Raises
     ------
     NewtonError
-        If it gets nowhere.
+        If a step fails however short it is.
     """
-    q, multipliers, step = guess, np.zeros(system.rest_rows), FIRST_STEP
-    for _ in range(most_steps):
+    q, multipliers, step, time = guess, np.zeros(len(system.multipliers)), FIRST_STEP, 0.0
+    while time < CREEPING:
         found = system.creep(q, multipliers, (step, DRAG), (CREEPING_LIMIT, MANY))
         if found is None:
             step *= 0.25
             if step < LEAST_STEP:
-                break
+                raise system.failure()
             continue
         q, multipliers, iterations = found
-        residual, _ = system.at_rest(q, multipliers)
-        if np.sqrt(np.mean(residual**2)) < CREEPING_LIMIT:
-            return q
+        time += step
         if iterations < FEW:
             step = min(1.5 * step, LONGEST_STEP)
-    raise NewtonError(system.in_layout(system.at_rest(q, multipliers)[0]), singular=False)
+    return q
 
 
 def rest(system: CompiledSystem, guess: NDArray, limit: float, iterations: int) -> NDArray:
     """Coordinates at which a track with its front shoe held rests.
 
     Along x the shoe is held where the drive will pull: its force, which the drive takes over, bends the shoe,
-    and from another place the run would start with a jolt. Under a side frame it stays where the guess has it.
+    and from another place the run would start with a jolt.
 
     Parameters
     ----------
@@ -85,7 +84,7 @@ def rest(system: CompiledSystem, guess: NDArray, limit: float, iterations: int) 
     """
     n, front = len(guess), 6 * system.layout.shoes - 6
     held = [front + k for k in HELD]
-    start, holds = system.pulled_place(guess if system.layout.frame else np.zeros(n)), 1 + len(held)
+    start, holds = system.pulled_place(np.zeros(n)), 1 + len(held)
 
     def balance(x: NDArray) -> NDArray:
         q, multipliers, forces_held = x[:n], x[n:-holds], x[-holds:]
@@ -95,7 +94,7 @@ def rest(system: CompiledSystem, guess: NDArray, limit: float, iterations: int) 
         gaps = [system.pulled_place(q) - start, *q[held]]
         return np.concatenate((residual, STIFFNESS * np.array(gaps)))
 
-    x = np.concatenate((guess, np.zeros(system.rest_rows + holds)))
+    x = np.concatenate((guess, np.zeros(system.pin_rows + holds)))
     steps = np.repeat(STEPS, [n, len(x) - n])
     for _ in range(iterations):
         off = balance(x)

@@ -4,6 +4,7 @@ Exudyn's generalized-alpha method predicts a step, accepts or halves it and says
 is a single object that has the coordinates and nothing else.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from exudyn_crawler.model.compiled.matrix import assemble
 from exudyn_crawler.model.compiled.model import track_model
 from exudyn_crawler.model.compiled.newton import step
 from exudyn_crawler.model.compiled.records import Inputs, Memory, Model, Weights
-from exudyn_crawler.model.compiled.rollers import Rolling
+from exudyn_crawler.model.compiled.rollers import TOUCHED, Rolling
 from exudyn_crawler.model.compiled.undercarriage import FrameInputs
 from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
@@ -109,6 +110,22 @@ class CompiledSystem(Integrated):
             )
         )
 
+    @property
+    def treads(self) -> Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]] | None:
+        """As of `formulation.TrackSystem`."""
+        return self._treads if self.layout.frame else None
+
+    def _treads(self, time: float, q: NDArray, q_t: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        state = np.stack((q, q_t, np.zeros_like(q)))
+        residual, none = np.empty_like(self._scratch[0]), np.zeros_like(self._multipliers)
+        weights = (0.0, 0.0, 0.0, False, 1.0)
+        evaluate(self._model, state, none, self._inputs(time), weights, self._memory, residual)
+        found = Rolling(*Memory(*self._memory).rolling)
+        shape = (len(found.rear), -1, TOUCHED, 3)
+        touching = (found.depth > 0.0)[:, None]
+        forces, feet = -found.force * touching, found.foot * touching
+        return forces.reshape(shape), feet.reshape(shape), found.rear.copy()
+
     def sunken(self) -> list[int]:
         """None: the pair law pushes a shoe up from any depth."""
         return []
@@ -159,42 +176,40 @@ class CompiledSystem(Integrated):
         solver: Any = exu.MainSolverImplicitSecondOrder()
         solver.SetUserFunctionNewton(self.mbs, self._newton)
         if not solver.SolveSystem(self.mbs, settings):
-            raise NewtonError(self.in_layout(self._scratch[0]), self._singular)
+            raise self.failure()
+
+    def failure(self) -> NewtonError:
+        """Error of the last step that was tried."""
+        return NewtonError(self.in_layout(self._scratch[0]), self._singular)
+
+    @property
+    def multipliers(self) -> NDArray:
+        """Of pins, drive and turn: N and N m."""
+        return self._multipliers
 
     @property
     def pin_rows(self) -> int:
         """Number of the pins' equations."""
         return ROWS * self._sizes.pins
 
-    @property
-    def rest_rows(self) -> int:
-        """Number of the multipliers that act at rest: the pins', and what pulls the chain of a frame."""
-        return self.pin_rows + (1 if self.layout.frame else 0)
-
     def pulled_place(self, q: NDArray) -> float:
         """Displacement along x of the point that the drive moves, m, with that of its place in the shoe."""
         front = q[6 * self.layout.shoes - 6 : 6 * self.layout.shoes]
-        modal = q[self._front_modes]
+        modal = q[len(q) - self.point.rows.shape[1] :]
         return float(front[0] + self.point.arm(front[3:], modal)[0])
 
-    @property
-    def _front_modes(self) -> slice:
-        """Coordinates of the front shoe's modes, the last ones before those of a frame; none if rigid."""
-        last = self.layout.coordinate_count - self.layout.frame
-        return slice(last - self.point.rows.shape[1], last)
-
     def at_rest(self, q: NDArray, multipliers: NDArray) -> tuple[NDArray, NDArray]:
-        """Residual at rest at t = 0 without the drive, and the drive's direction.
+        """Residual (coordinates and pins) at rest at t = 0 without the drive, and the drive's direction.
 
         Parameters
         ----------
         q : array (coordinates,)
-        multipliers : array (rest_rows,)
+        multipliers : array (pin_rows,)
             N and N m.
 
         Returns
         -------
-        residual : array (coordinates + rest_rows,)
+        residual : array (coordinates + pin_rows,)
             As of `equations.evaluate`.
         direction : array (coordinates,)
             Generalized force of a unit force of the drive.
@@ -204,7 +219,7 @@ class CompiledSystem(Integrated):
         state = np.zeros_like(self._state)
         state[0] = q
         none, residual = (0.0, 0.0, 0.0, False, 1.0), np.empty_like(self._scratch[0])
-        both = np.concatenate((multipliers, np.zeros(len(self._multipliers) - self.rest_rows)))
+        both = np.concatenate((multipliers, np.zeros(2)))
         evaluate(self._model, state, both, tuple(given), none, self._memory, residual)
         if self._down[2] > -1.0:
             shoes = residual[: 6 * self.layout.shoes].reshape(-1, 6)
@@ -215,13 +230,13 @@ class CompiledSystem(Integrated):
         direction = np.zeros(len(q))
         direction[6 * self.layout.shoes - 6 : 6 * self.layout.shoes] = own[:6]
         if self.point.rows.shape[1]:
-            direction[self._front_modes] = own[6:]
-        return residual[: len(q) + self.rest_rows], direction
+            direction[-self.point.rows.shape[1] :] = own[6:]
+        return residual[:-2], direction
 
     def creep(
         self, q: NDArray, multipliers: NDArray, pace: tuple[float, float], limits: tuple[float, int]
     ) -> tuple[NDArray, NDArray, int] | None:
-        """One step without inertia from coordinates and multipliers (rest_rows,), under the loads of t = 0.
+        """One step without inertia from coordinates and multipliers, under the loads of t = 0.
 
         Parameters
         ----------
@@ -237,8 +252,7 @@ class CompiledSystem(Integrated):
         """
         h, drag = pace
         self._state[0], self._state[1:] = q, 0.0
-        self._multipliers[:] = 0.0
-        self._multipliers[: self.rest_rows] = multipliers
+        self._multipliers[:] = multipliers
         weights, inputs = (1.0, 1.0 / h, drag / h, False, h), self._inputs(0.0)
         try:
             converged, iterations, *_ = step(
@@ -251,11 +265,12 @@ class CompiledSystem(Integrated):
                 self._memory,
                 self._scratch,
             )
+            self._singular = False
         except np.linalg.LinAlgError:
-            return None
+            converged, self._singular = False, True
         if not (converged and np.isfinite(self._state).all()):
             return None
-        return self._state[0].copy(), self._multipliers[: self.rest_rows].copy(), iterations
+        return self._state[0].copy(), self._multipliers.copy(), iterations
 
     def in_layout(self, residual: NDArray) -> NDArray:
         """Residual with or without the drive's, in the order and the units of the layout's equations."""

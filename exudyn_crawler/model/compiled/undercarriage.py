@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.compiled.bodies import Body, rigid_body
 from exudyn_crawler.model.compiled.rollers import Rollers
-from exudyn_crawler.model.rail_rows import STATIONS, rail_rows, strip_lines
+from exudyn_crawler.model.rail_rows import rail_rows, strip_lines
 from fem import ReducedBody
 
 ENDS = ("rear", "front")
@@ -39,27 +39,19 @@ def rollers_of(case: Case, reduced: ReducedBody | None) -> Rollers:
     reduced : ReducedBody, optional
         Of the flexible shoes.
     """
-    modes = 0 if reduced is None else len(reduced.frequencies)
     frame, rails = case.undercarriage, case.shoe.rails
-    centers = case.track.joint_centers
+    along, centers = rail_rows(reduced, case), case.track.joint_centers
     pins = np.array([np.mean([c for n, c in centers.items() if n.startswith(e)], axis=0) for e in ENDS])
-    pin_rows, lines = np.zeros((2, 3, modes)), np.zeros(0)
-    rows = np.zeros((0, STATIONS + 2, 2, modes))
+    pin_rows = np.zeros((2, 3, along.rows.shape[3]))
     if frame is None or rails is None:
-        places = np.zeros((0, 0, 3))
-        return Rollers(
-            places, 0.0, (0.0,) * 4, (0.0,) * 3, rows, 1.0, case.track.pitch, 0.0, pins, pin_rows, 0.0
-        )
-    lines = strip_lines(frame, rails)
-    places = np.array([[(x, y, 0.0) for y in lines] for x in frame.rollers])
+        places, law, rail = np.zeros((0, 0, 3)), (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        return Rollers(places, 0.0, law, rail, along.rows, 1.0, case.track.pitch, 0.0, pins, pin_rows, 0.0)
+    places = np.array([[(x, y, 0.0) for y in strip_lines(frame, rails)] for x in frame.rollers])
     if reduced is not None:
-        rows = rail_rows(reduced, frame, rails)
         for end, name in enumerate(ENDS):
             chosen = [k for k, one in enumerate(reduced.interfaces) if one.name.startswith(name)]
             pins[end] = np.mean([reduced.interfaces[k].center for k in chosen], axis=0)
             pin_rows[end] = reduced.pilots[chosen, :3].mean(axis=0)
-    else:
-        rows = np.zeros((len(lines), STATIONS + 2, 2, 0))
     return Rollers(
         places=places,
         radius=frame.radius,
@@ -70,8 +62,8 @@ def rollers_of(case: Case, reduced: ReducedBody | None) -> Rollers:
             frame.damping_depth,
         ),
         rail=(rails.rear, rails.front, rails.height),
-        rows=rows,
-        spacing=(rails.front - rails.rear) / (STATIONS - 1),
+        rows=along.rows,
+        spacing=along.spacing,
         pitch=case.track.pitch,
         tumbler=frame.tumbler,
         pins=pins,
@@ -95,4 +87,4 @@ class FrameInputs:
         now = float(speed.value(time))
         travel = np.array([float(speed.integral(time)), now, float(speed.rate(time))])
         drag = frame.rolling_resistance * now / np.hypot(now, frame.resistance_speed)
-        return travel, np.zeros(6), float(drag)
+        return travel, np.concatenate(self._case.machine_wrench(time), axis=1)[0], float(drag)

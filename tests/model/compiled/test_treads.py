@@ -53,7 +53,7 @@ def test_force_does_not_jump_as_a_roller_leaves_a_rail():
     assert np.abs(np.diff(forces, axis=0)).max() < 1e-3 * np.abs(forces).max()
 
 
-@pytest.mark.parametrize("drag", (0.0, 0.05))
+@pytest.mark.parametrize("drag", [0.0, 0.05])
 @pytest.mark.parametrize("place", PLACES)
 def test_derivatives_are_those_of_the_force(place, drag):
     start = np.array([*PLACES[place], 1e-4, 2e-3, 0.1, -0.02, 0.01])
