@@ -14,10 +14,12 @@ from exudyn_crawler.case.flexible import FlexibleShoes
 from exudyn_crawler.case.loads import LoadCycle, Phase
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.case.profile import StepProfile
+from exudyn_crawler.case.rails import Rails
 from exudyn_crawler.case.shoe import Shoe
 from exudyn_crawler.case.solver import Solver
 from exudyn_crawler.case.terrain import Terrain
 from exudyn_crawler.case.track import Track
+from exudyn_crawler.case.undercarriage import Undercarriage
 
 __all__ = [
     "Case",
@@ -28,12 +30,14 @@ __all__ = [
     "Outputs",
     "PairContact",
     "Phase",
+    "Rails",
     "Shoe",
     "Solver",
     "SphereContact",
     "StepProfile",
     "Terrain",
     "Track",
+    "Undercarriage",
     "read_case",
     "write_case",
 ]

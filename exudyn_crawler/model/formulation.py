@@ -46,6 +46,15 @@ class TrackSystem(Protocol):
         """Of the flexible shoes' modes, Hz: array (modes,); None without flexible shoes."""
         ...
 
+    @property
+    def treads(self) -> Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]] | None:
+        """Reads the treads of a side frame at a time (s), coordinates and rates; None without a frame.
+
+        Gives forces on the shoes and their places, both (rollers, strips of both rails, 2, 3), global, N and
+        m, on the shoe behind every roller's axis and on the next, and the former's index (rollers,).
+        """
+        ...
+
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`."""
         ...

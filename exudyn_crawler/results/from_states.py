@@ -19,6 +19,7 @@ from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
 from exudyn_crawler.results.compact import CONTACT_TYPE, TERRAIN_COORDINATES, motion_variables
 from exudyn_crawler.results.history import LAYOUT_VERSION, History
 from exudyn_crawler.results.quantities import Variable, variable
+from exudyn_crawler.results.rolled_states import Treads, rolled_coordinates, rolled_variables
 
 AXES = ["x", "y", "z"]
 
@@ -72,6 +73,7 @@ def history_of(
     rows: NDArray,
     point: DrivePoint,
     frequencies: NDArray | None = None,
+    treads: Treads | None = None,
 ) -> History:
     """Turn the stored states of a run into its history.
 
@@ -89,12 +91,16 @@ def history_of(
         Of the front shoe, where the drive acts.
     frequencies : array (modes,), optional
         Of the flexible shoes' modes, Hz.
+    treads : Treads, optional
+        Reads the treads of a side frame, where the case has one.
     """
     states = _States(case, layout, rows)
     time = states.part("time")
     variables = _shoes(states) | _reactions(states, point) | _terrain(states, contact)
     variables["shoe_load"] = variable("shoe_load", case.loads.loads(time))
     variables |= _flexible(states)
+    if treads is not None:
+        variables |= rolled_variables(case, layout, rows, treads)
     contacts, pairs = _contacts(states, contact)
     motion = {name: variables.pop(name) for name in TERRAIN_COORDINATES if name in variables}
     dataset = xr.Dataset(
@@ -107,6 +113,7 @@ def history_of(
             "axis": AXES,
             **motion,
             **_flexible_coordinates(layout, frequencies),
+            **rolled_coordinates(case),
             "contact_shoe": ("contact", pairs[:, 0]),
             "contact_unit": ("contact", pairs[:, 1]),
         },
@@ -164,7 +171,7 @@ def _reactions(states: _States, point: DrivePoint) -> dict[str, Variable]:
     named = {
         "joint_force": force,
         "joint_torque": torque,
-        "drive_force": -states.part("drive")[:, 0],
+        "drive_force": -states.part("drive")[:, 0] * (states.case.propel == "dragged"),
         "drive_point": _drive_point(states, point),
         "drive_torque": turn,
     }

@@ -13,12 +13,19 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import drive_point
-from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, weights_a_metre, whole_reduction
+from exudyn_crawler.model.flexible_shoes import (
+    floating_shoe,
+    shoe_model,
+    weights_a_metre,
+    whole_reduction,
+)
+from exudyn_crawler.model.rail_rows import RailRows, rail_rows, rows_along
 from exudyn_crawler.results.actions import (
     Action,
     AtDrivePoint,
     AtInterface,
     OnFrame,
+    OnRail,
     OverMass,
     OverRectangle,
     OverSurface,
@@ -43,12 +50,15 @@ class StressBasis:
         Integrated underside of the whole basis.
     pulled : array (3, M)
         Displacement of the drive's point, on a front shoe, by each mode.
+    rails : RailRows
+        Displacements of the rails under a side frame's rollers; of no lines without one.
     """
 
     whole: ReducedBody
     inside: NDArray
     underside: Underside
     pulled: NDArray
+    rails: RailRows
 
 
 def stress_basis(history: History) -> StressBasis:
@@ -77,6 +87,7 @@ def stress_basis(history: History) -> StressBasis:
             body.mesh.nodes[under, :2], whole.modes[under], history.case.shoe.footprint
         ),
         pulled=drive_point(history.case, whole).rows,
+        rails=rail_rows(whole, history.case),
     )
 
 
@@ -126,6 +137,8 @@ def _add_modal_loads(loads: NDArray, action: Action, frames: NDArray, basis: Str
             loads[pressed] += spread
         case AtDrivePoint():
             loads += force @ basis.pulled
+        case OnRail(line, x):
+            loads += np.einsum("tc,tck->tk", force[:, [0, 2]], rows_along(basis.rails, line, x))
         case OnFrame() | OverMass():
             pass
 

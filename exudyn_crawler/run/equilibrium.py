@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.files import interrupts_wait
-from exudyn_crawler.model.compiled.rest import rest
+from exudyn_crawler.model.compiled.rest import crept, rest
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
@@ -21,6 +21,10 @@ ITERATIONS = 50
 
 PORTIONS = 8
 """Steps in which a profile rises where Newton's method finds no rest on all of it at once."""
+FIRST_DEPTH = 1e-5
+"""m, of all rollers in their rails to start from: enough to be felt."""
+OIL_SPEED = 0.05
+"""m/s, more than shoes slip that creep: friction is nearly in proportion to the slip below it."""
 
 RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
 """s, s and number: duration, step and most repetitions of the damped motion on uneven ground."""
@@ -72,9 +76,11 @@ def _compiled_rest(case: Case) -> NDArray:
     system = compiled_system(case)
     guess = _first_guess(system)
     try:
+        if case.undercarriage is not None:
+            return crept(compiled_system(_oiled(case)), guess)
         return rest(system, guess, RESIDUAL, ITERATIONS)
     except NewtonError as failed:
-        if case.terrain.profile is None:
+        if case.terrain.profile is None or case.undercarriage is not None:
             raise _no_rest(system, failed) from failed
     return _on_rising_ground(case)
 
@@ -93,6 +99,13 @@ def _on_rising_ground(case: Case) -> NDArray:
         except NewtonError as failed:
             raise _no_rest(system, failed) from failed
     return found
+
+
+def _oiled(case: Case) -> Case:
+    """Same case with friction that does not fall with the slip, so that creeping shoes find their rest."""
+    contact = case.pair_contact()
+    oil = {"stiction_speed": OIL_SPEED, "friction_speed": 2.0 * OIL_SPEED}
+    return case.with_(contact=contact.with_(dynamic_friction=contact.static_friction, **oil))
 
 
 def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
@@ -204,9 +217,10 @@ def _first_guess(system: TrackSystem) -> NDArray:
     Close enough for Newton's method, which does the rest.
     """
     case = system.case
-    q = np.zeros(system.contact.size)
+    q = np.zeros(system.layout.coordinate_count)
     shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
-    loads = case.pressed(case.loads.loads(0.0)[0])
+    # rails of neighbours at one height: rollers may be on either
+    loads = case.pressed(case.first_loads if case.undercarriage is None else case.loads.loads(0.0)[0])
     sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
     shoes[:, 2] = -sag - system.contact.settled_depth(loads)
     x, half = system.contact.shoe_reference[:, 0], 0.5 * case.shoe.length
@@ -215,4 +229,6 @@ def _first_guess(system: TrackSystem) -> NDArray:
     shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
     terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
     terrain[:] = system.contact.coordinates.sunk_evenly(-sag)
+    if case.undercarriage is not None:
+        q[-system.layout.frame] = shoes[0, 2] - FIRST_DEPTH
     return q

@@ -57,6 +57,35 @@ class Body(NamedTuple):
     side_shapes: FloatArray
 
 
+def rigid_body(mass: float, inertia: FloatArray, center: FloatArray, load_place: FloatArray) -> Body:
+    """Body without modes.
+
+    Parameters
+    ----------
+    mass : float
+        kg.
+    inertia : array (3, 3)
+        About the centre of mass, kg m2.
+    center, load_place : array (3,)
+        Centre of mass and where a load acts, m.
+    """
+    none = np.zeros((3, 0))
+    return Body(
+        mass=float(mass),
+        first=mass * center,
+        second=0.5 * np.trace(inertia) * np.eye(3) - inertia + mass * np.outer(center, center),
+        shapes=none,
+        places=np.zeros(0),
+        products=np.zeros((0, 0)),
+        stiffness=np.zeros(0),
+        damping=np.zeros(0),
+        load_place=load_place,
+        load_shapes=none,
+        side_place=np.array([0.0, 1.0, 0.0]),
+        side_shapes=none,
+    )
+
+
 class Inertia(NamedTuple):
     """Integrals over the mass of a shoe as it is bent, in its frame.
 

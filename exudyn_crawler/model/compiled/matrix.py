@@ -11,17 +11,11 @@ from exudyn_crawler.ground.pair_stiffness import MOTIONS, TouchingPairs
 from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.model.compiled.bodies import Inertia, add_mass
 from exudyn_crawler.model.compiled.elimination import front, solving, solving_within
-from exudyn_crawler.model.compiled.equations import (
-    STIFFNESS,
-    Ground,
-    Inputs,
-    Memory,
-    Model,
-    Weights,
-    named_model,
-    shoe_attitude,
-)
+from exudyn_crawler.model.compiled.equations import STIFFNESS
 from exudyn_crawler.model.compiled.joints import ROWS
+from exudyn_crawler.model.compiled.own import shoe_attitude
+from exudyn_crawler.model.compiled.records import Ground, Inputs, Memory, Model, Weights, named_model
+from exudyn_crawler.model.compiled.side_frame import assemble_side_frame
 
 
 @solving_within
@@ -90,6 +84,8 @@ def _add_drive(model: Model, inputs: Inputs, weights: Weights, memory: Memory, v
     size = 6 + (model.sizes.modes if model.row[s] >= 0 else 0)
     factor = STIFFNESS * weights.level * (weights.velocity if weights.velocity != 0.0 else 1.0)
     for k in range(2):
+        if k == 0 and model.sizes.frame > 0:
+            continue
         if inputs.drive[k, 0] <= 0.0:
             border[model.places.border[1 + k], model.places.border[1 + k]] += 1.0
             continue
@@ -150,3 +146,5 @@ def assemble(
             )
     _add_pins(model, memory, values)
     _add_drive(model, inputs, weights, memory, values)
+    if model.sizes.frame > 0:
+        assemble_side_frame(model, state, weights, memory, values)

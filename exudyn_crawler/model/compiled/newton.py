@@ -4,8 +4,9 @@ import numpy as np
 
 from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.model.compiled.elimination import eliminate, solve, solving, solving_within
-from exudyn_crawler.model.compiled.equations import Weights, evaluate
+from exudyn_crawler.model.compiled.equations import evaluate
 from exudyn_crawler.model.compiled.matrix import assemble
+from exudyn_crawler.model.compiled.records import Weights
 
 CONTRACTION = 0.5
 """Residual over the last one above which the matrix is made anew."""
