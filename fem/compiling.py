@@ -6,12 +6,13 @@ made of.
 """
 
 import hashlib
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from numba import njit
+from numba.core.event import Event, Listener, install_listener
 
 
 def source_digest(*sources: Path) -> str:
@@ -49,10 +50,24 @@ def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
     return compiled
 
 
-def is_kept(function: Any) -> bool:
-    """Whether a compiled function is on disk for this processor, or in memory, as its sources are now."""
-    kept = getattr(getattr(function, "_cache", None), "_cache_file", None)
-    return bool(function.signatures) or (kept is not None and bool(kept._load_index()))
+@contextmanager
+def told_of_compiling(functions: Collection[Any], tell: Callable[[], None]) -> Iterator[None]:
+    """Call `tell` once when one of some compiled functions has to be compiled meanwhile, not being on disk."""
+    with install_listener("numba:compile", _Once(functions, tell)):
+        yield
+
+
+class _Once(Listener):
+    def __init__(self, functions: Collection[Any], tell: Callable[[], None]) -> None:
+        self._left, self._tell = list(functions), tell
+
+    def on_start(self, event: Event) -> None:
+        if any(event.data["dispatcher"] is one for one in self._left):
+            self._left = []
+            self._tell()
+
+    def on_end(self, event: Event) -> None:
+        """Nothing is told of the end."""
 
 
 def _forgiving(save: Callable[..., None]) -> Callable[..., None]:

@@ -5,17 +5,19 @@ from typing import Protocol
 
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case, SphereContact
+from exudyn_crawler.case import Case
 from exudyn_crawler.ground.contact import GroundContact
 from exudyn_crawler.ground.pair_derivatives import pair_derivatives
 from exudyn_crawler.ground.sphere_derivatives import sphere_derivatives
-from exudyn_crawler.model.compiled.newton import step
+from exudyn_crawler.model.compiled.equations import evaluate
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.state import StateLayout
 from exudyn_crawler.model.system import build
-from fem.compiling import is_kept
+
+EQUATIONS = (evaluate, pair_derivatives, sphere_derivatives)
+"""Compiled functions of which every run needs one; each is made of many others."""
 
 
 class TrackSystem(Protocol):
@@ -93,9 +95,3 @@ class TrackSystem(Protocol):
 def track_system(case: Case) -> TrackSystem:
     """Build the multibody system of a case."""
     return compiled_system(case) if case.is_compiled else build(case)
-
-
-def is_compiled(case: Case) -> bool:
-    """Whether the case's equations were compiled on this machine before; otherwise its first step does."""
-    spheres = isinstance(case.contact, SphereContact)
-    return is_kept(step if case.is_compiled else sphere_derivatives if spheres else pair_derivatives)

@@ -147,7 +147,7 @@ def test_a_scheduler_that_does_not_answer_is_told_in_a_line(tmp_path, monkeypatc
 def test_workers_of_other_versions_are_refused_before_anything_runs(scheduler, tmp_path, monkeypatch):
     versions = iter([own_versions(), own_versions() | {"exudyn": "0.1"}])
     monkeypatch.setattr(cluster, "own_versions", lambda: next(versions))
-    with pytest.raises(VersionsDiffer, match="worker .* has other versions: exudyn "):
+    with pytest.raises(VersionsDiffer, match=r"worker .* has other versions: exudyn "):
         run_sweep(small_sweep(), tmp_path, scheduler=scheduler)
     assert list((tmp_path / "runs").iterdir()) == []
 

@@ -225,8 +225,7 @@ def evaluate(
     _terrain(model, state, inputs, residual)
     _pins(model, state, multipliers, memory, residual)
     _drive(model, state, multipliers, inputs, memory, residual)
-    if model.sizes.frame > 0:
-        add_side_frame(model, state, multipliers, inputs, weights, memory, residual)
+    add_side_frame(model, state, multipliers, inputs, weights, memory, residual)
     pins = ROWS * model.sizes.pins
     for k in range(pins):
         residual[n + k] = STIFFNESS * memory.off[k]

@@ -146,5 +146,4 @@ def assemble(
             )
     _add_pins(model, memory, values)
     _add_drive(model, inputs, weights, memory, values)
-    if model.sizes.frame > 0:
-        assemble_side_frame(model, state, weights, memory, values)
+    assemble_side_frame(model, state, weights, memory, values)

@@ -138,7 +138,7 @@ class Memory(NamedTuple):
     work : array
         Scratch of the contact.
     rolling : tuple
-        `Rolling` as a plain tuple.
+        `Rolling` as a plain tuple; an empty one without a side frame.
     """
 
     units: FloatArray

@@ -6,8 +6,11 @@ next to the tumbler, in shares that change evenly as the tumbler goes from one t
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
+from numba import types
+from numba.extending import overload
 
 from exudyn_crawler.ground.frames import Frame, Vector, along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude, shoe_frame
@@ -178,7 +181,7 @@ def _pull_at(model: Model, state: FloatArray, s: int, end: int, out: FloatArray)
 
 
 @solving_within
-def add_side_frame(
+def _add_side_frame(
     model: Model,
     state: FloatArray,
     multipliers: FloatArray,
@@ -255,7 +258,7 @@ def _add_touch(
 
 
 @solving_within
-def assemble_side_frame(
+def _assemble_side_frame(
     model: Model, state: FloatArray, weights: Weights, memory: Memory, values: FloatArray
 ) -> None:
     """Add the derivatives of frame, rollers and pull to the fronts."""
@@ -281,3 +284,64 @@ def assemble_side_frame(
         if rolling.depth[t] > 0.0:
             s = rolling.rear[t // (TOUCHED * strips)] + t % TOUCHED
             _add_touch(model, rolling, t, s, values, border)
+
+
+def add_side_frame(
+    model: Model,
+    state: FloatArray,
+    multipliers: FloatArray,
+    inputs: Inputs,
+    weights: Weights,
+    memory: Memory,
+    residual: FloatArray,
+) -> None:
+    """Add frame and rollers to the residual where there are any; for compiled callers.
+
+    The type of the memory says so: a track without compiles nothing of them, which would take as long as all
+    the rest.
+    """
+    raise NotImplementedError("compiled equations alone add a side frame")
+
+
+def assemble_side_frame(
+    model: Model, state: FloatArray, weights: Weights, memory: Memory, values: FloatArray
+) -> None:
+    """Add derivatives of frame and rollers to the fronts where there are any; for compiled callers."""
+    raise NotImplementedError("compiled equations alone add a side frame")
+
+
+def _is_framed(memory: types.NamedTuple) -> bool:
+    """Whether memory of this type has room for rollers."""
+    return len(memory.types[Memory._fields.index("rolling")]) > 0
+
+
+@overload(add_side_frame)
+def _add_if_framed(
+    model: object,
+    state: object,
+    multipliers: object,
+    inputs: object,
+    weights: object,
+    memory: types.NamedTuple,
+    residual: object,
+) -> Callable:
+    def add(model, state, multipliers, inputs, weights, memory, residual):
+        _add_side_frame(model, state, multipliers, inputs, weights, memory, residual)
+
+    def nothing(model, state, multipliers, inputs, weights, memory, residual):
+        pass
+
+    return add if _is_framed(memory) else nothing
+
+
+@overload(assemble_side_frame)
+def _assemble_if_framed(
+    model: object, state: object, weights: object, memory: types.NamedTuple, values: object
+) -> Callable:
+    def assemble(model, state, weights, memory, values):
+        _assemble_side_frame(model, state, weights, memory, values)
+
+    def nothing(model, state, weights, memory, values):
+        pass
+
+    return assemble if _is_framed(memory) else nothing

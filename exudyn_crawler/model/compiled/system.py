@@ -106,7 +106,7 @@ class CompiledSystem(Integrated):
                 np.zeros((sizes.pins, 2, ROWS, 6 + sizes.modes)),
                 np.zeros((2, 6 + sizes.modes)),
                 overlap_workspace(),
-                tuple(Rolling.room(rollers, strips, sizes.modes)),
+                tuple(Rolling.room(rollers, strips, sizes.modes)) if sizes.frame else (),
             )
         )
 
