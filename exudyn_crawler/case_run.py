@@ -287,7 +287,7 @@ def write_fields(
     history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
 ) -> None:
     """Greatest von Mises stress of every node, when it occurs and its range, for ParaView."""
-    for shoe in stresses.dataset.shoe.values if outputs.figures else ():
+    for shoe in stresses.dataset.shoe.values if outputs.paraview else ():
         own = stresses.dataset.sel(shoe=shoe)
         fields = {
             "greatest von Mises": own.peak_von_mises.values,
@@ -301,9 +301,16 @@ def write_fields(
 def write_pictures(
     history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
 ) -> None:
-    """Stressed shoes at the chosen times: pictures, and the whole track for ParaView."""
-    if outputs.figures:
+    """Pictures of stressed shoes at the chosen times."""
+    if outputs.pictures:
         write_stress_pictures(stresses.dataset, history, folder, overwrite)
+
+
+def write_series(
+    history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
+) -> None:
+    """Whole track with its stressed shoes at the chosen times, for ParaView."""
+    if outputs.paraview:
         write_paraview(stresses.dataset, history, folder, overwrite)
 
 
@@ -313,6 +320,7 @@ STRESS_WRITERS: tuple[Callable[[History, StressResults, Path, Outputs, bool], No
     write_flexible_shoes,
     write_fields,
     write_pictures,
+    write_series,
 )
 """What is written of flexible shoes, in this order."""
 WRITERS: tuple[Callable[[History, Path, Outputs, bool], None], ...] = (
