@@ -7,6 +7,8 @@ if TYPE_CHECKING:
     from fem.blocks import Fold, StressBlock, fold_stresses
     from fem.body import ElasticBody
     from fem.cache import Kept, cached_craig_bampton, kept_reductions
+    from fem.critical_plane import CriticalPlanes, critical_planes, damage_on_planes, surface_normals
+    from fem.damage import Counting, Damage, recover_damage
     from fem.elasticity import Material
     from fem.export import (
         Program,
@@ -17,11 +19,13 @@ if TYPE_CHECKING:
         write_vtu,
     )
     from fem.extremes import Extremes, recover_extremes
+    from fem.fatigue import SNCurve
     from fem.files import StaleCacheError, load_reduced, save_reduced
     from fem.hotspots import Apart, OneARegion, hot_spots
     from fem.interfaces import Interface, center_loads
     from fem.mesh import Mesh, MeshError
     from fem.mesh_files import read_mesh, write_mesh
+    from fem.rainflow import Cycles, repeated_cycles
     from fem.recovery import Peaks, recover_peaks, shares
     from fem.reduced import ReducedBody
     from fem.reduction import Partition, craig_bampton, nested_reduction
@@ -31,14 +35,18 @@ _NAMES = {
     "blocks": "Fold StressBlock fold_stresses",
     "body": "ElasticBody",
     "cache": "Kept cached_craig_bampton kept_reductions",
+    "critical_plane": "CriticalPlanes critical_planes damage_on_planes surface_normals",
+    "damage": "Counting Damage recover_damage",
     "elasticity": "Material",
     "export": "Program write_calculix write_frame_vtu write_load_deck write_modes_vtu write_vtu",
     "extremes": "Extremes recover_extremes",
+    "fatigue": "SNCurve",
     "files": "StaleCacheError load_reduced save_reduced",
     "hotspots": "Apart OneARegion hot_spots",
     "interfaces": "Interface center_loads",
     "mesh": "Mesh MeshError",
     "mesh_files": "read_mesh write_mesh",
+    "rainflow": "Cycles repeated_cycles",
     "recovery": "Peaks recover_peaks shares",
     "reduced": "ReducedBody",
     "reduction": "Partition craig_bampton nested_reduction",
@@ -48,6 +56,10 @@ _NAMES = {
 
 __all__ = [
     "Apart",
+    "Counting",
+    "CriticalPlanes",
+    "Cycles",
+    "Damage",
     "ElasticBody",
     "Extremes",
     "Fold",
@@ -61,11 +73,14 @@ __all__ = [
     "Peaks",
     "Program",
     "ReducedBody",
+    "SNCurve",
     "StaleCacheError",
     "StressBlock",
     "cached_craig_bampton",
     "center_loads",
     "craig_bampton",
+    "critical_planes",
+    "damage_on_planes",
     "faces_joined_to",
     "faces_seen_from",
     "fold_stresses",
@@ -74,10 +89,13 @@ __all__ = [
     "load_reduced",
     "nested_reduction",
     "read_mesh",
+    "recover_damage",
     "recover_extremes",
     "recover_peaks",
+    "repeated_cycles",
     "save_reduced",
     "shares",
+    "surface_normals",
     "write_calculix",
     "write_frame_vtu",
     "write_load_deck",

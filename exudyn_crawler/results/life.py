@@ -7,14 +7,12 @@ cycle between their extremes, as often as the duty says.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.results.duty import Duty
 from exudyn_crawler.results.duty_runs import UsedRun, places_of, pulled_nodes, used_runs
 from exudyn_crawler.results.history import History
@@ -65,16 +63,6 @@ class LifeResults:
     table: pd.DataFrame
     nodes: Mapping[int, NodeLife]
     whole: ReducedBody
-
-    def save(self, path: Path, overwrite: bool = False) -> Path:
-        """Write the dataset to a NetCDF file, whole or not at all.
-
-        Raises
-        ------
-        FileExistsError
-            If the file exists and `overwrite` is false.
-        """
-        return write_netcdf(self.dataset, path, overwrite)
 
 
 def life_of(
