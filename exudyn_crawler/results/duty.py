@@ -69,6 +69,9 @@ class Duty(Parameters):
     plane_nodes: int = quantity(
         "1", "worst nodes whose critical plane is sought as well", ge=0, le=100_000, default=100
     )
+    nodes: tuple[int, ...] = Field(
+        default=(), description="surface nodes whose cycles are kept beside those of the worst of each region"
+    )
     changes_an_hour: float | None = quantity(
         "1/h",
         "how often an hour the shovel goes from one of the runs through all others and back, a cycle between "
