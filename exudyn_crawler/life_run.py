@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.files import refuse_existing, whole_file, writable_folder
+from exudyn_crawler.files import refuse_existing, whole_file, writable_folder, write_netcdf
 from exudyn_crawler.results.duty import Duty, read_duty
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.life import LifeResults, life_of
@@ -109,7 +109,7 @@ def write_shortest(found: LifeResults, folder: Path, overwrite: bool) -> None:
 
 def write_dataset(found: LifeResults, folder: Path, overwrite: bool) -> None:
     """Life and damage of every node."""
-    found.save(folder / LIFE, overwrite)
+    write_netcdf(found.dataset, folder / LIFE, overwrite)
 
 
 def write_page(found: LifeResults, folder: Path, overwrite: bool) -> None:

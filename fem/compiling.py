@@ -52,7 +52,7 @@ def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
 
 @contextmanager
 def told_of_compiling(functions: Collection[Any], tell: Callable[[], None]) -> Iterator[None]:
-    """Call `tell` once when one of some compiled functions has to be compiled meanwhile, not being on disk."""
+    """Call `tell` once when one of some compiled functions has to be compiled meanwhile."""
     with install_listener("numba:compile", _Once(functions, tell)):
         yield
 

@@ -7,9 +7,9 @@ in the table of a part. Names, units and bounds are those of the parameter class
 
 import difflib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -37,6 +37,8 @@ from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.files import whole_file
 from meshes import SHOE_SIZES
 
+Model = TypeVar("Model", bound=BaseModel)
+
 CYCLE = "file"
 """Key of the loads that names a file with their cycle."""
 
@@ -59,21 +61,56 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
         Naming every key at fault by its path, and what is allowed there.
     """
     path = Path(path)
+
+    def resolved(content: dict[str, Any]) -> dict[str, Any]:
+        return _resolved(migrated(changed(content, changes), path), path.parent)
+
+    return validated_file(path, "case file", CaseFile, resolved)
+
+
+def validated_file(
+    path: Path, what: str, kind: type[Model], resolved: Callable[[dict[str, Any]], dict[str, Any]]
+) -> Model:
+    """Parameter object of a TOML file.
+
+    Parameters
+    ----------
+    what : str
+        What the file holds, for the error of one that is not there.
+    kind : type
+        Parameter class.
+    resolved : callable
+        Makes values of the class of the file's content.
+
+    Raises
+    ------
+    FileNotFoundError, CaseFileError
+        As of `read_case`.
+    """
     try:
-        content = changed(toml_content(path, "case file"), changes)
+        content = toml_content(path, what)
     except (ValueError, RecursionError) as error:
         raise CaseFileError(path, [str(error)]) from error
-    return case_of(content, path)
+    return _validated(content, path, kind, resolved)
 
 
 def case_of(content: dict[str, Any], path: Path) -> CaseFile:
     """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
+    return _validated(content, path, CaseFile, lambda given: _resolved(migrated(given, path), path.parent))
+
+
+def _validated(
+    content: dict[str, Any],
+    path: Path,
+    kind: type[Model],
+    resolved: Callable[[dict[str, Any]], dict[str, Any]],
+) -> Model:
     try:
         # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
-        text = json.dumps(_resolved(migrated(content, path), path.parent), default=untyped)
-        return CaseFile.model_validate_json(text, strict=True)
+        text = json.dumps(resolved(content), default=_untyped)
+        return kind.model_validate_json(text, strict=True)
     except ValidationError as error:
-        raise CaseFileError(path, list(faults(error, CaseFile))) from error
+        raise CaseFileError(path, list(faults(error, kind))) from error
     except (ValueError, RecursionError) as error:
         raise CaseFileError(path, [str(error)]) from error
 
@@ -192,6 +229,6 @@ def _named(name: object, kind: type[BaseModel], place: Place) -> dict[str, Any]:
     return constructors[name]().model_dump(mode="json")
 
 
-def untyped(value: object) -> object:
+def _untyped(value: object) -> object:
     """Stand-in for what JSON has no type for: TOML's dates and times, which no field takes."""
     return {"date or time": str(value)}

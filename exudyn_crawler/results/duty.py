@@ -1,16 +1,12 @@
 """Duty of a shovel: which runs its hours are made of, and how often an hour each of them happens."""
 
-import json
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from exudyn_crawler.case.base import Name, Parameters, quantity
-from exudyn_crawler.case.faults import faults
-from exudyn_crawler.case.files import untyped, with_base
-from exudyn_crawler.case.toml import toml_content
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.case.files import validated_file, with_base
 from exudyn_crawler.results.fatigue_material import FatigueMaterial
 from fem.fatigue import Miner
 
@@ -72,6 +68,9 @@ class Duty(Parameters):
     )
     plane_nodes: int = quantity(
         "1", "worst nodes whose critical plane is sought as well", ge=0, le=100_000, default=100
+    )
+    nodes: tuple[int, ...] = Field(
+        default=(), description="surface nodes whose cycles are kept beside those of the worst of each region"
     )
     changes_an_hour: float | None = quantity(
         "1/h",
@@ -136,15 +135,13 @@ def read_duty(path: str | Path) -> Duty:
         Naming every key at fault by its path, and what is allowed there.
     """
     path = Path(path)
-    try:
-        content = toml_content(path, "duty file")
+
+    def resolved(content: dict[str, Any]) -> dict[str, Any]:
         content.setdefault("name", path.stem)
-        for run in content.get("runs", []) if isinstance(content.get("runs"), list) else []:
+        runs = content.get("runs")
+        for run in runs if isinstance(runs, list) else []:
             if isinstance(run, dict) and isinstance(run.get("folder"), str):
                 run["folder"] = str((path.parent / run["folder"]).resolve())
-        text = json.dumps(with_base(content, (Duty,), {}, ()), default=untyped)
-        return Duty.model_validate_json(text, strict=True)
-    except ValidationError as error:
-        raise CaseFileError(path, list(faults(error, Duty))) from error
-    except (ValueError, RecursionError) as error:
-        raise CaseFileError(path, [str(error)]) from error
+        return with_base(content, (Duty,), {}, ())
+
+    return validated_file(path, "duty file", Duty, resolved)

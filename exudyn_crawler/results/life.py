@@ -7,14 +7,12 @@ cycle between their extremes, as often as the duty says.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.results.duty import Duty
 from exudyn_crawler.results.duty_runs import UsedRun, places_of, pulled_nodes, used_runs
 from exudyn_crawler.results.history import History
@@ -53,7 +51,8 @@ class LifeResults:
           worst nodes; without what goes from run to run
         - node_position (node, axis), m, triangle (face, corner) and in_spider (node), as of stresses
     table : pandas.DataFrame
-        Of `life_table.shortest_lives`: the shortest life of every region, and its cause.
+        Of `life_table.shortest_lives`: the shortest life of every region, and its cause; then the chosen
+        nodes.
     nodes : mapping of int to NodeLife
         Cycles and causes at the nodes of the table.
     whole : ReducedBody
@@ -65,16 +64,6 @@ class LifeResults:
     table: pd.DataFrame
     nodes: Mapping[int, NodeLife]
     whole: ReducedBody
-
-    def save(self, path: Path, overwrite: bool = False) -> Path:
-        """Write the dataset to a NetCDF file, whole or not at all.
-
-        Raises
-        ------
-        FileExistsError
-            If the file exists and `overwrite` is false.
-        """
-        return write_netcdf(self.dataset, path, overwrite)
 
 
 def life_of(
@@ -92,9 +81,12 @@ def life_of(
     Raises
     ------
     ValueError
-        As of `duty_runs.used_runs`.
+        As of `duty_runs.used_runs`; or if a chosen node is not of the surface.
     """
     runs = used_runs(duty, histories)
+    inside = sorted(set(duty.nodes) - set(runs[0].basis.whole.mesh.surface_nodes.tolist()))
+    if inside:
+        raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
     curve = duty.material.curve(duty.miner)
     whole, places = runs[0].basis.whole, places_of(runs)
     by_place, by_part = [], []
@@ -107,16 +99,16 @@ def life_of(
     mean = damage.mean(axis=0)
     names = [f"{one.run.name}: {phase}" for one in runs for phase in one.phases]
     names += [BETWEEN] if len(runs) > 1 else []
-    by_region = shortest_by_region(whole.mesh, mean[-1])
-    worst = np.union1d(worst_nodes(mean[-1], duty.plane_nodes), list(by_region.values()))
+    shown = list(dict.fromkeys([*shortest_by_region(whole.mesh, mean[-1]), *duty.nodes]))
+    worst = np.union1d(worst_nodes(mean[-1], duty.plane_nodes), shown)
     say(f"critical planes of the {len(worst)} worst nodes")
     on_plane, directions = _on_critical_planes(duty, runs, curve, worst)
     dataset = _dataset(whole, damage, parts, on_plane, directions).assign_coords(
         shoe=places, survival=list(duty.survivals), part=np.array(names, dtype=object)
     )
-    say(f"causes at {len(by_region)} nodes")
-    nodes = node_lives(duty, runs, curve, list(by_region.values()))
-    table = shortest_lives(dataset, by_region, nodes, whole)
+    say(f"causes at {len(shown)} nodes")
+    nodes = node_lives(duty, runs, curve, shown)
+    table = shortest_lives(dataset, nodes, whole)
     return LifeResults(duty, dataset.assign_attrs(duty=duty.model_dump_json()), table, nodes, whole)
 
 

@@ -39,52 +39,50 @@ def regions(mesh: Mesh) -> NDArray:
     return found
 
 
-def shortest_by_region(mesh: Mesh, damage: NDArray) -> dict[str, int]:
-    """Node of the greatest damage (n,) of each region, the worst region first.
+def shortest_by_region(mesh: Mesh, damage: NDArray) -> list[int]:
+    """Node of the greatest damage (n,) of each region, the worst first.
 
     Regions without any known damage, such as the inside, are left out.
     """
-    named, found = regions(mesh), {}
+    named, found = regions(mesh), []
     for name in dict.fromkeys(named):
         own = np.flatnonzero((named == name) & ~np.isnan(damage))
         if len(own):
-            found[str(name)] = int(own[damage[own].argmax()])
-    return dict(sorted(found.items(), key=lambda item: -damage[item[1]]))
+            found.append(int(own[damage[own].argmax()]))
+    return sorted(found, key=lambda node: -damage[node])
 
 
-def shortest_lives(
-    dataset: xr.Dataset, by_region: Mapping[str, int], nodes: Mapping[int, NodeLife], whole: ReducedBody
-) -> pd.DataFrame:
-    """Table of the shortest life of every region.
+def shortest_lives(dataset: xr.Dataset, nodes: Mapping[int, NodeLife], whole: ReducedBody) -> pd.DataFrame:
+    """Table of lives and what makes them, of some nodes such as the worst of every region.
 
     Returns
     -------
     pandas.DataFrame
-        A row a region, the shortest life first: region, node and its place in the shoe (m); life (h, 1e9 for
+        A row a node: region, node and its place in the shoe (m); life (h, 1e9 for
         all beyond) at each survival; the place in the track that wears it most and the life of a shoe that
         stays there; run and phase with the greatest part of the damage, and that part; the load with the
         greatest part, and the parts of all; life by each criterion at the greatest survival, those signed
         without what goes from run to run; and whether a joint's rigid spider is near.
     """
-    rows = []
-    for region, node in by_region.items():
+    rows, named = [], regions(whole.mesh)
+    for node, life in nodes.items():
         own = dataset.sel(node=node)
         places = own.place_damage.isel(survival=-1)
         parts = own.part_damage
         whole_damage = float(own.damage_an_hour[-1])
-        cause, loads = nodes[node], nodes[node].load_shares
-        row: dict[str, object] = {"region": region, "node": node}
+        loads = life.load_shares
+        row: dict[str, object] = {"region": named[node], "node": node}
         row |= {f"{axis} in the shoe in m": float(own.node_position.sel(axis=axis)) for axis in "xyz"}
         row |= {_life_at(one): float(own.life.sel(survival=one)) for one in own.survival.values}
         row |= {
-            "worst place": int(places.shoe[int(places.values.argmax())]),
+            "worst place": int(places.shoe[int(np.nanargmax(places.values))]),
             f"{LIFE} there": float(life_hours(float(places.max()))),
             "main part": str(parts.part.values[int(parts.values.argmax())]) if whole_damage > 0.0 else "",
             "its share": float(parts.max()) / whole_damage if whole_damage > 0.0 else 0.0,
             "main load": max(loads, key=lambda name: loads[name]) if loads else "",
         }
         row |= {SHARE + name: share for name, share in loads.items()}
-        row |= {f"{LIFE}, {name}": float(life_hours(one)) for name, one in cause.by_criterion.items()}
+        row |= {f"{LIFE}, {name}": float(life_hours(one)) for name, one in life.by_criterion.items()}
         row[f"{LIFE}, critical plane"] = float(life_hours(float(own.plane_damage[-1])))
         row["flag"] = _flag(whole, node)
         rows.append(row)
@@ -110,4 +108,6 @@ def in_words(table: pd.DataFrame) -> pd.DataFrame:
 
 def life_words(hours: float) -> str:
     """Life in h for reading."""
+    if np.isnan(hours):
+        return "not known"
     return "beyond 1e9" if hours >= BEYOND else f"{hours:.4g}"

@@ -131,7 +131,8 @@ def _hover(life: NDArray, nodes: NDArray) -> list[str]:
 def damage_curves(found: LifeResults) -> go.Figure:
     """Damage of the worst nodes of the table as it grows over the runs, each at its worst place."""
     figure = go.Figure()
-    for (_, row), node in zip(found.table.head(DRAWN).iterrows(), list(found.nodes)[:DRAWN], strict=False):
+    for _, row in found.table.head(DRAWN).iterrows():
+        node = int(row["node"])
         history = found.nodes[node].damage_history()
         own = history[history["shoe"] == row["worst place"]]
         for run, part in own.groupby("run", sort=False):

@@ -45,7 +45,10 @@ def test_damage_is_the_mean_over_places_and_the_sum_of_parts(found):
 def test_damage_at_a_place_is_that_of_its_history(flexible_run, found):
     """Counted again from the modal coordinates, each run as often as the duty says."""
     history, node = flexible_run[0], int(found.table["node"][0])
-    only = life_of(duty(FIRST), [history])
+    chosen = int(found.whole.mesh.surface_nodes[5])
+    only = life_of(duty(FIRST, nodes=(chosen,)), [history])
+    assert only.table["node"].tolist() == list(only.nodes)
+    assert chosen in only.nodes
     run = found.nodes[node].cycles.query("run == 'first' and shoe == 13")
     again = float(only.dataset.place_damage.sel(shoe=13, node=node)[-1])
     assert 2.0 * run["damage an hour"].sum() == pytest.approx(again, rel=1e-3)
@@ -133,3 +136,5 @@ def test_runs_that_do_not_fit_are_refused(flexible_run, translation):
     ):
         with pytest.raises(ValueError, match=words):
             life_of(duty(run), [history])
+    with pytest.raises(ValueError, match=r"nodes must be of the surface, got \[100000000\]"):
+        life_of(duty(one, nodes=(10**8,)), [history])
