@@ -8,7 +8,7 @@ OUT ?= results
 ARGS ?=
 INSTALLED := $(VENV)/installed
 
-.PHONY: help kinematics forces uneven stress verify check test test-slow lint format bench docs lock clean
+.PHONY: help kinematics forces uneven stress verify sweep-terrain check test test-slow lint format bench docs lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -35,6 +35,9 @@ stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on
 
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
 	$(BIN)/python -m studies.two_bodies
+
+sweep-terrain: $(INSTALLED)  ## 40 runs: stiffness of the ground and friction against the forces in the links
+	$(BIN)/exudyn-crawler sweep studies/terrain_sweep.toml --out $(OUT)/terrain_sweep $(ARGS)
 
 check: $(INSTALLED) lint  ## lint and the tests that run no simulation, within a minute
 	$(BIN)/python -m pytest -m "not slow and not simulation" -n 2
