@@ -126,10 +126,24 @@ def _sees(path: str) -> bool:
     return Path(path).exists()
 
 
-def outcomes(client: Client, tasks: Iterator[Task]) -> Iterator[Outcome]:
+def run_alone(task: Task) -> Outcome:
+    """Do a task as `run_task`, on a worker of a cluster."""
+    # xarray would take locks of the cluster for files that a run has for itself
+    with dask.config.set(scheduler="synchronous"):
+        return run_task(task)
+
+
+def outcomes(
+    client: Client, tasks: Iterator[Task], run: Callable[[Task], Outcome] = run_alone
+) -> Iterator[Outcome]:
     """Outcomes of tasks as they come; a task whose worker dies goes to another one, a few times.
 
     The scheduler holds a few tasks a worker at a time.
+
+    Parameters
+    ----------
+    run : callable
+        What a worker does with a task.
 
     Raises
     ------
@@ -143,7 +157,7 @@ def outcomes(client: Client, tasks: Iterator[Task]) -> Iterator[Outcome]:
 
     def submit(count: int) -> None:
         for task in islice(tasks, count):
-            future = client.submit(_run, task, key=f"run-{task.digest}", pure=False)
+            future = client.submit(run, task, key=f"run-{task.digest}", pure=False)
             held[future.key] = task
             running.add(future)
 
@@ -159,12 +173,6 @@ def outcomes(client: Client, tasks: Iterator[Task]) -> Iterator[Outcome]:
         future.release()
         yield outcome
         submit(1)
-
-
-def _run(task: Task) -> Outcome:
-    # xarray would take locks of the cluster for files that a run has for itself
-    with dask.config.set(scheduler="synchronous"):
-        return run_task(task)
 
 
 class _KilledError(RuntimeError):

@@ -10,13 +10,13 @@ from exudyn_crawler.sweep.worker import DONE
 
 BEGIN = 0.5
 """s of a run beside its steps: rest, files, record."""
-STEP, STEP_FLEXIBLE = {True: 0.4e-3, False: 1.0e-3}, {True: 0.1e-3, False: 2.0e-3}
-"""s a step of 13 rigid shoes, and more of it a flexible shoe, with compiled equations and without
-(docs/speed.md)."""
+STEP, STEP_FLEXIBLE = {True: 0.6e-3, False: 1.2e-3}, {True: 0.1e-3, False: 2.0e-3}
+"""s a step of 13 rigid shoes, half of it for the history, and more of it a flexible shoe, with compiled
+equations and without (docs/speed.md, docs/sweeps.md)."""
 SHOES = 13
 RECOVERY = 1.0e-3
 """s a stored time of a flexible shoe, whose stresses are recovered."""
-PACKED = 0.5
+PACKED = 0.75
 """Size of a history on disk to that in memory."""
 
 

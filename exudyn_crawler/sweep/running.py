@@ -117,7 +117,7 @@ def run_sweep(
         keeper.say(_told(planned, found, len(missing)))
         if missing:
             shared = None if scheduler is None or is_address(kept_in) else folder / REDUCTIONS
-            tasks = _tasks(sweep, missing, kept_in, shared, retry)
+            tasks = tasks_of(sweep, missing, kept_in, shared, retry)
             with (
                 keeper.timed("runs"),
                 _outcomes(tasks, scheduler, workers, kept_in, keeper.say) as coming,
@@ -215,10 +215,22 @@ def _missing(
     return missing
 
 
-def _tasks(
-    sweep: Sweep, missing: dict[str, PlannedRun], storage: str, reductions: Path | None, retry: bool
+def tasks_of(
+    sweep: Sweep,
+    missing: dict[str, PlannedRun],
+    storage: str,
+    reductions: Path | None = None,
+    retry: bool = False,
 ) -> Iterator[Task]:
-    """Tasks, each made when it is asked for: all cases of a large sweep take too much memory."""
+    """Tasks of planned runs by digest, each made when it is asked for: all cases take too much memory.
+
+    Parameters
+    ----------
+    reductions : Path, optional
+        Folder of reductions that workers share.
+    retry : bool
+        Run those anew that have failed.
+    """
     answers = _answers.dump_json(sweep.answers).decode()
     for digest, one in missing.items():
         case_file, _ = sweep.case_of(one.values)

@@ -14,6 +14,8 @@ from exudyn_crawler.views.report.templating import rendered_page
 
 LONGEST_TABLE = 500
 """Runs that the page has in its table."""
+MOST_DRAWN = 5000
+"""Runs that are drawn."""
 MOST_CURVES = 12
 """Levels of what is not on the axis that have a curve each."""
 HEIGHT = 420
@@ -78,8 +80,9 @@ class SweepView:
 
     @property
     def done(self) -> pd.DataFrame:
-        """Runs that have all answers."""
-        return self.table.dropna(subset=list(self.answers))
+        """Runs that have all answers; of very many, some that lie evenly among them."""
+        done = self.table.dropna(subset=list(self.answers))
+        return done.iloc[:: -(-len(done) // MOST_DRAWN) or 1]
 
 
 def sweep_page(view: SweepView) -> str:
@@ -194,7 +197,9 @@ def index_figure(view: SweepView) -> go.Figure:
                     showlegend=k == 0,
                 )
                 figure.add_trace(bar, row=1, col=k + 1)
-    return figure.update_layout(height=HEIGHT, barmode="group", yaxis_title="share of the variance")
+    return figure.update_layout(
+        height=HEIGHT, barmode="group", margin={"t": 40}, yaxis_title="share of the variance"
+    )
 
 
 def _panels(view: SweepView, figure: go.Figure, answer: str) -> go.Figure:
@@ -202,7 +207,8 @@ def _panels(view: SweepView, figure: go.Figure, answer: str) -> go.Figure:
     for k, name in enumerate(view.varied):
         kind = "log" if name in view.logarithmic else None
         figure.update_xaxes(title_text=view.label(name), type=kind, row=1, col=k + 1)
-    return figure.update_yaxes(title_text=view.label(answer), row=1, col=1).update_layout(height=HEIGHT)
+    figure.update_yaxes(title_text=view.label(answer), row=1, col=1)
+    return figure.update_layout(height=HEIGHT, margin={"t": 30})
 
 
 def _html(figure: go.Figure) -> Markup:

@@ -12,7 +12,8 @@ from pathlib import Path
 import dask
 import pytest
 
-from exudyn_crawler import Vary, run_sweep
+from exudyn_crawler import Answer, Case, CaseFile, HotSpot, Sweep, Vary, run_sweep
+from exudyn_crawler.model.reductions import VARIABLE
 from exudyn_crawler.sweep import cluster, page
 from exudyn_crawler.sweep.cluster import connected, outcomes
 from exudyn_crawler.sweep.worker import Task, VersionsDiffer, own_versions
@@ -167,7 +168,6 @@ def test_workers_that_do_not_see_the_folder_are_refused(scheduler, tmp_path, mon
 
 def test_the_scheduler_holds_few_tasks_at_a_time(scheduler, tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "LEAST_AHEAD", 5)
-    monkeypatch.setattr(cluster, "run_task", lambda task: {"digest": task.digest})
     asked, came = [], []
 
     def tasks():
@@ -176,7 +176,28 @@ def test_the_scheduler_holds_few_tasks_at_a_time(scheduler, tmp_path, monkeypatc
             yield Task(f"{k:064d}", "", "[]", str(tmp_path), None, {})
 
     with connected(scheduler, None, str(tmp_path), print) as client:
-        for outcome in outcomes(client, tasks()):
+        for outcome in outcomes(client, tasks(), lambda task: {"digest": task.digest}):
             came.append(outcome["digest"])
             assert len(asked) - len(came) <= 5
     assert sorted(came) == [f"{k:064d}" for k in range(40)]
+
+
+@pytest.mark.slow
+def test_workers_reduce_a_shoe_once_for_all_grounds(tmp_path, monkeypatch):
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "cache"))
+    base = Case.stress("coarse")
+    case = base.with_(flexible=base.flexible_shoes().with_(shoes=(13,)))
+    sweep = Sweep(
+        case=CaseFile(case=case, duration=0.02),
+        vary=(Vary(key=STIFFNESS, values=(1e7, 2e7, 4e7)),),
+        answers=(HotSpot(shoe=13), Answer(quantity="highest_von_mises")),
+    )
+    run = run_sweep(sweep, tmp_path / "sweep", workers=2, progress=False)
+    assert run.table["status"].tolist() == ["done"] * 3
+    logs = [path.read_text() for path in run.folder.glob("runs/*/run.log")]
+    # all but the first find what it left
+    assert sum("the reduced shoe is taken from" in log for log in logs) == 2
+    assert len(list((tmp_path / "cache" / "reductions").glob("[!.]*.h5"))) == 1
+    hot, highest = (run.table[answer.label].to_numpy() for answer in sweep.answers)
+    assert hot == pytest.approx(highest, rel=1e-6)
+    assert (hot > 1e6).all()
