@@ -33,13 +33,14 @@ class StressColumns:
         Modes, and static fields beside them.
     coordinates : mapping of int to array (times, columns)
         By number of the shoe.
-    bound : float
-        Pa by which fields that were left out change the stress of no node at no time; 0 without fields.
+    bound : float or None
+        Pa by which fields that were left out change the stress of no node at no time; None without fields,
+        where the error of truncation is not known.
     """
 
     shapes: Shapes
     coordinates: Mapping[int, NDArray]
-    bound: float
+    bound: float | None
 
 
 def stress_columns(history: History, shoes: Sequence[int] | None = None) -> StressColumns:
@@ -55,7 +56,7 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     chosen = list(flexible.shoes if shoes is None else shoes)
     found = {shoe: coordinates_and_momentum(history, basis, shoe) for shoe in chosen}
     if not flexible.static_fields:
-        return StressColumns(basis.whole, {shoe: q for shoe, (q, _) in found.items()}, 0.0)
+        return StressColumns(basis.whole, {shoe: q for shoe, (q, _) in found.items()}, None)
     body, _ = shoe_model(flexible, history.case.track)
     fields = shoe_fields(history.case)
     loads = {

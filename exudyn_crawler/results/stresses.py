@@ -15,7 +15,7 @@ from exudyn_crawler.results.history import History
 from exudyn_crawler.results.phases import phases
 from exudyn_crawler.results.quantities import variable
 from exudyn_crawler.results.stress_columns import stress_columns
-from fem import Extremes, Shapes, hot_spots, recover_extremes
+from fem import Extremes, Shapes, hot_spots, judged, recover_extremes
 
 HOT_SPOTS = 5
 """Rows of the S-paper's hot-spot tables."""
@@ -41,8 +41,8 @@ class StressResults:
         - at_load (shoe, node), whether it belongs to an element about the node that the drive pulls: the
           stress that a force on one node makes there grows without limit as the mesh is refined
     hot_spots : mapping
-        Table of every flexible shoe, as of `fem.hot_spots`, of nodes that are not at_load; places global,
-        those of the track at t = 0.
+        Table of every flexible shoe, as of `fem.hot_spots` and `fem.judged`, of nodes that are not at_load;
+        places global, those of the track at t = 0.
     whole : Shapes
         Modes, and static fields, that the stresses are made of.
     """
@@ -109,7 +109,7 @@ def recover_stresses(
             )
         )
         table = hot_spots(whole, history.time.values, q, HOT_SPOTS, nodes=away, peaks=extremes.peaks)
-        tables[shoe] = _placed(table, history, shoe)
+        tables[shoe] = _placed(judged(table, columns.bound), history, shoe)
     shoes = xr.Variable("shoe", list(coordinates))
     dataset = xr.concat(found, dim=shoes).transpose("time", "frame", "shoe", ...)
     spider = np.zeros(len(whole.nodes), dtype=bool)
