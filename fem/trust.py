@@ -2,8 +2,8 @@
 
 The mesh's part is estimated after O. C. Zienkiewicz and J. Z. Zhu, A simple error estimator and adaptive
 procedure for practical engineering analysis, Int. J. Numer. Meth. Engng. 24 (1987) 337-357: the stress
-averaged at the nodes is better than the elements' own, so that the difference of both over the elements about a
-node, against the stress there, tells how far the elements are from resolving it.
+averaged at the nodes is better than the elements' own, so that the difference of both over the elements about
+a node, against the stress there, tells how far the elements are from resolving it.
 """
 
 import numpy as np

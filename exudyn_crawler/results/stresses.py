@@ -15,7 +15,7 @@ from exudyn_crawler.results.history import History
 from exudyn_crawler.results.phases import phases
 from exudyn_crawler.results.quantities import variable
 from exudyn_crawler.results.stress_columns import stress_columns
-from fem import Extremes, Shapes, hot_spots, judged, recover_extremes
+from fem import Extremes, Shapes, hot_spots, judged, mesh_error, recover_extremes
 
 HOT_SPOTS = 5
 """Rows of the S-paper's hot-spot tables."""
@@ -35,6 +35,7 @@ class StressResults:
         - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
         - frame_von_mises (frame, shoe, node), and frame_name (frame): "begin", "end of dig" or "peak", each
           as far as it is one
+        - frame_mesh_error (frame, shoe, node), what the mesh leaves open of it, as of `fem.mesh_error`
         - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
         - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices
         - in_spider (node), whether a node is held by a joint's rigid spider
@@ -160,6 +161,8 @@ def _at_load(history: History, whole: Shapes, shoe: int) -> NDArray:
 def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frames: NDArray) -> xr.Dataset:
     """Stress of one shoe with coordinates q (times, columns)."""
     time = history.time.values
+    displacements = whole.displacement(q[frames])
+    errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
     named = {
         "highest_von_mises": found.highest,
         "highest_node": found.highest_nodes,
@@ -167,7 +170,8 @@ def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frame
         "peak_time": time[found.greatest_at],
         "least_von_mises": found.least,
         "frame_von_mises": whole.von_mises(q[frames]).astype(np.float32),
-        "frame_displacement": whole.displacement(q[frames]).astype(np.float32),
+        "frame_mesh_error": np.array(errors, dtype=np.float32),
+        "frame_displacement": displacements.astype(np.float32),
     }
     return xr.Dataset(
         {name: variable(name, values, without=("shoe",)) for name, values in named.items()},
