@@ -1,8 +1,9 @@
 """All benchmarks; `benchmarks/README.md` keeps what they printed on a named machine."""
 
-from benchmarks import fem, rigid, stress
+from benchmarks import fem, rigid, static_fields, stress
 
 if __name__ == "__main__":
     rigid.main()
     fem.main()
+    static_fields.main()
     stress.main()

@@ -211,7 +211,7 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
             case OverSurface(name):
                 nodal += body.surface_load(name, force)
             case OverRectangle():
-                nodal += _patch_weights(history.case, body, action.entry)[:, None] * force
+                nodal += patch_weights(history.case, body, action.entry)[:, None] * force
             case AtDrivePoint():
                 _add_drive(nodal, centers, force, history.case, interfaces, body.mesh)
     nodal += _elastic_inertia(now, shoe, body, nodal, centers)
@@ -222,7 +222,7 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
     return replace(loads, nodal=nodal - relief.reshape(-1, 3))
 
 
-def _patch_weights(case: Case, body: ElasticBody, entry: OverRectangle) -> NDArray:
+def patch_weights(case: Case, body: ElasticBody, entry: OverRectangle) -> NDArray:
     """Shares (n,) of the nodes in a force spread evenly over a rectangle of the underside; zero without one.
 
     The same mean over the rectangle gives the run its modal loads.

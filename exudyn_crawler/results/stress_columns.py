@@ -1,7 +1,8 @@
 """What the stress of a history is the product of: columns of stress and their coordinates over time.
 
 The columns are the whole modal basis and, where the case asks for them, static fields: what the static
-answers to the loads of this history have beyond those of the modes.
+answers to the loads of this history have beyond those of the modes. Modes and fields then answer the same
+loads, those of the fields.
 """
 
 from collections.abc import Mapping, Sequence
@@ -63,7 +64,9 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
         shoe: field_loads(history, fields, basis.whole, momentum, shoe)
         for shoe, (_, momentum) in found.items()
     }
-    most = int(SHARE * len(basis.whole.frequencies))
-    columns = field_columns(body, fields, list(loads.values()), TOLERANCE, most)
-    coordinates = {shoe: np.hstack((q, loads[shoe] @ columns.turn)) for shoe, (q, _) in found.items()}
+    frequencies = basis.whole.frequencies
+    columns = field_columns(body, fields, list(loads.values()), TOLERANCE, int(SHARE * len(frequencies)))
+    held = fields.work / (2.0 * np.pi * frequencies) ** 2
+    both = np.hstack((held, columns.turn))
+    coordinates = {shoe: load @ both for shoe, load in loads.items()}
     return StressColumns(columns.beside(basis.whole), coordinates, columns.bound)

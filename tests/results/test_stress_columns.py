@@ -6,12 +6,14 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import History
+from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.model.load_places import ground_grid, rail_stations, shoe_fields
+from exudyn_crawler.results.actions import OverRectangle, actions
 from exudyn_crawler.results.field_loads import field_loads
 from exudyn_crawler.results.modal_coordinates import coordinates_and_momentum, modal_loads, stress_basis
 from exudyn_crawler.results.node_stress import node_stress
-from exudyn_crawler.results.shoe_loads import shoe_loads
+from exudyn_crawler.results.shoe_loads import at_instant, patch_weights, shoe_loads
 from exudyn_crawler.results.stress_columns import SHARE, StressColumns, stress_columns
 from exudyn_crawler.results.stresses import recover_stresses
 from fem import Partition
@@ -47,33 +49,44 @@ def test_coordinates_do_the_work_of_the_modal_loads(with_fields: History) -> Non
         )
 
 
-@pytest.mark.parametrize("shoe", [7, 13])
+def consistent_nodal(history: History, shoe: int) -> np.ndarray:
+    """Nodal forces (n, 3) of `shoe_loads` in whose place pressures press on the elements, not on nodes."""
+    case = history.case
+    body, _ = shoe_model(case.flexible_shoes(), case.track)
+    nodal = shoe_loads(history, shoe, history.duration).nodal.copy()
+    rectangle = ground_grid(body.mesh).rectangle
+    now = at_instant(history, history.duration)
+    frame = rotation_matrices(now.angles.sel(shoe=shoe).values)[0]
+    middles = (np.arange(60) + 0.5) / 60
+    for action in actions(now, shoe):
+        if isinstance(action.entry, OverRectangle) and action.entry.pressed[0]:
+            low, high = action.entry.low[0], action.entry.high[0]
+            x, y = (a + (b - a) * middles for a, b in zip(low, high, strict=True))
+            points = np.meshgrid(x, y, indexing="ij")
+            share = rectangle.samples(points[0].ravel(), points[1].ravel()).mean(axis=0)
+            share -= patch_weights(case, body, action.entry)
+            nodal += np.outer(share, action.force[0] @ frame)
+    return nodal
+
+
 def test_stress_is_that_of_the_full_static_answer(
-    with_fields: History, flexible_run: Run, columns: StressColumns, shoe: int
+    with_fields: History, flexible_run: Run, columns: StressColumns
 ) -> None:
     case = with_fields.case
     body, interfaces = shoe_model(case.flexible_shoes(), case.track)
-    loads = shoe_loads(with_fields, shoe, 0.06)
-    u = Partition(body, interfaces).static_response(loads.nodal.reshape(-1, 1), loads.centers.reshape(-1, 1))
-    exact = body.stress(u.reshape(-1, 3, 1))[:, :, 0]
-    # the deck's forces on single nodes of the underside and of the drive are felt by their elements
-    loaded = np.isin(body.mesh.elements, body.mesh.nodes_of("underside")).any(axis=1)
-    loaded |= recovered_at_load(with_fields, shoe)[body.mesh.elements].any(axis=1)
-    away = np.setdiff1d(np.arange(len(exact)), np.unique(body.mesh.elements[loaded]))
-    peak = von_mises(exact)[away].max()
-    own = columns.shapes.stress(columns.coordinates[shoe][-1])[0]
-    alone = stress_columns(flexible_run[0], [shoe])
-    modes = alone.shapes.stress(alone.coordinates[shoe][-1])[0]
-    error = von_mises(own - exact)[away].max() / peak
-    truncated = von_mises(modes - exact)[away].max() / peak
-    print("ERR", shoe, error, truncated, columns.bound, peak, columns.shapes.stress_modes.shape)
-    assert error < 0.01
-    assert truncated > 5.0 * error
-
-
-def recovered_at_load(history: History, shoe: int) -> np.ndarray:
-    """Whether each node is beside the node that the drive pulls."""
-    return recover_stresses(history, [0.0], peak=False).dataset.at_load.sel(shoe=shoe).values
+    partition = Partition(body, interfaces)
+    alone = stress_columns(flexible_run[0])
+    for shoe in (7, 13):
+        nodal = consistent_nodal(with_fields, shoe).reshape(-1, 1)
+        centers = shoe_loads(with_fields, shoe, with_fields.duration).centers.reshape(-1, 1)
+        u = partition.static_response(nodal, centers)
+        exact = body.stress(u.reshape(-1, 3, 1))[:, :, 0]
+        error, truncated = (
+            von_mises(one.shapes.stress(one.coordinates[shoe][-1])[0] - exact).max() / von_mises(exact).max()
+            for one in (columns, alone)
+        )
+        assert error < 0.01
+        assert truncated > 4.0 * error
 
 
 def test_fields_are_few_and_their_bound_is_known(columns: StressColumns, flexible_run: Run) -> None:
