@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from fem.reduction import Partition, craig_bampton, nested_reduction
     from fem.shapes import Shapes, SideBySide
     from fem.surfaces import faces_joined_to, faces_seen_from
+    from fem.trust import judged, mesh_error
 
 _NAMES = {
     "blocks": "Fold StressBlock fold_stresses",
@@ -57,6 +58,7 @@ _NAMES = {
     "reduction": "Partition craig_bampton nested_reduction",
     "shapes": "Shapes SideBySide",
     "surfaces": "faces_joined_to faces_seen_from",
+    "trust": "judged mesh_error",
 }
 """Public names of each module."""
 
@@ -102,9 +104,11 @@ __all__ = [
     "flat_parts",
     "fold_stresses",
     "hot_spots",
+    "judged",
     "kept_reductions",
     "load_fields",
     "load_reduced",
+    "mesh_error",
     "nested_reduction",
     "read_mesh",
     "recover_damage",

@@ -37,8 +37,8 @@ from fem import (
 
 JOINTS, MACHINE, GROUND, DRIVE, INERTIA = "joints", "machine", "ground", "drive", "inertia"
 
-GROUND_SPACING = 0.25
-"""m, at most, between points of the ground's grid: a quarter of a unit."""
+GROUND_SPACING = 0.2
+"""m, at most, between points of the ground's grid: a fifth of a unit."""
 RAIL_REACH = 0.1
 """m, half the length over which a force on a rail is spread: about an element; a roller's line is shorter."""
 RAIL_SPACING = 0.0375

@@ -214,7 +214,7 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
             case OverSurface(name):
                 nodal += body.surface_load(name, force)
             case OverRectangle():
-                nodal += _patch_weights(history.case, body, action.entry)[:, None] * force
+                nodal += patch_weights(history.case, body, action.entry)[:, None] * force
             case OnRail(line, x):
                 nodal += _rail_weights(history.case, body, line, float(x[0]))[:, None] * force
             case AtDrivePoint():
@@ -227,7 +227,7 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
     return replace(loads, nodal=nodal - relief.reshape(-1, 3))
 
 
-def _patch_weights(case: Case, body: ElasticBody, entry: OverRectangle) -> NDArray:
+def patch_weights(case: Case, body: ElasticBody, entry: OverRectangle) -> NDArray:
     """Shares (n,) of the nodes in a force spread evenly over a rectangle of the underside; zero without one.
 
     The same mean over the rectangle gives the run its modal loads.

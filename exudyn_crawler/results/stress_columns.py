@@ -1,7 +1,8 @@
 """What the stress of a history is the product of: columns of stress and their coordinates over time.
 
 The columns are the whole modal basis and, where the case asks for them, static fields: what the static
-answers to the loads of this history have beyond those of the modes.
+answers to the loads of this history have beyond those of the modes. Modes and fields then answer the same
+loads, those of the fields.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,13 +34,14 @@ class StressColumns:
         Modes, and static fields beside them.
     coordinates : mapping of int to array (times, columns)
         By number of the shoe.
-    bound : float
-        Pa by which fields that were left out change the stress of no node at no time; 0 without fields.
+    bound : float or None
+        Pa by which fields that were left out change the stress of no node at no time; None without fields,
+        where the error of truncation is not known.
     """
 
     shapes: Shapes
     coordinates: Mapping[int, NDArray]
-    bound: float
+    bound: float | None
 
 
 def stress_columns(history: History, shoes: Sequence[int] | None = None) -> StressColumns:
@@ -55,14 +57,16 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     chosen = list(flexible.shoes if shoes is None else shoes)
     found = {shoe: coordinates_and_momentum(history, basis, shoe) for shoe in chosen}
     if not flexible.static_fields:
-        return StressColumns(basis.whole, {shoe: q for shoe, (q, _) in found.items()}, 0.0)
+        return StressColumns(basis.whole, {shoe: q for shoe, (q, _) in found.items()}, None)
     body, _ = shoe_model(flexible, history.case.track)
     fields = shoe_fields(history.case)
     loads = {
         shoe: field_loads(history, fields, basis.whole, momentum, shoe)
         for shoe, (_, momentum) in found.items()
     }
-    most = int(SHARE * len(basis.whole.frequencies))
-    columns = field_columns(body, fields, list(loads.values()), TOLERANCE, most)
-    coordinates = {shoe: np.hstack((q, loads[shoe] @ columns.turn)) for shoe, (q, _) in found.items()}
+    frequencies = basis.whole.frequencies
+    columns = field_columns(body, fields, list(loads.values()), TOLERANCE, int(SHARE * len(frequencies)))
+    held = fields.work / (2.0 * np.pi * frequencies) ** 2
+    both = np.hstack((held, columns.turn))
+    coordinates = {shoe: load @ both for shoe, load in loads.items()}
     return StressColumns(columns.beside(basis.whole), coordinates, columns.bound)

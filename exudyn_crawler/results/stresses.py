@@ -15,7 +15,7 @@ from exudyn_crawler.results.history import History
 from exudyn_crawler.results.phases import phases
 from exudyn_crawler.results.quantities import variable
 from exudyn_crawler.results.stress_columns import stress_columns
-from fem import Extremes, Shapes, hot_spots, recover_extremes
+from fem import Extremes, Shapes, hot_spots, judged, mesh_error, recover_extremes
 
 HOT_SPOTS = 5
 """Rows of the S-paper's hot-spot tables."""
@@ -35,14 +35,15 @@ class StressResults:
         - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
         - frame_von_mises (frame, shoe, node), and frame_name (frame): "begin", "end of dig" or "peak", each
           as far as it is one
+        - frame_mesh_error (frame, shoe, node), what the mesh leaves open of it, as of `fem.mesh_error`
         - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
         - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices
         - in_spider (node), whether a node is held by a joint's rigid spider
         - at_load (shoe, node), whether it belongs to an element about the node that the drive pulls: the
           stress that a force on one node makes there grows without limit as the mesh is refined
     hot_spots : mapping
-        Table of every flexible shoe, as of `fem.hot_spots`, of nodes that are not at_load; places global,
-        those of the track at t = 0.
+        Table of every flexible shoe, as of `fem.hot_spots` and `fem.judged`, of nodes that are not at_load;
+        places global, those of the track at t = 0.
     whole : Shapes
         Modes, and static fields, that the stresses are made of.
     """
@@ -109,7 +110,7 @@ def recover_stresses(
             )
         )
         table = hot_spots(whole, history.time.values, q, HOT_SPOTS, nodes=away, peaks=extremes.peaks)
-        tables[shoe] = _placed(table, history, shoe)
+        tables[shoe] = _placed(judged(table, columns.bound), history, shoe)
     shoes = xr.Variable("shoe", list(coordinates))
     dataset = xr.concat(found, dim=shoes).transpose("time", "frame", "shoe", ...)
     spider = np.zeros(len(whole.nodes), dtype=bool)
@@ -160,6 +161,8 @@ def near_pull(history: History, whole: Shapes, shoe: int) -> NDArray:
 def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frames: NDArray) -> xr.Dataset:
     """Stress of one shoe with coordinates q (times, columns)."""
     time = history.time.values
+    displacements = whole.displacement(q[frames])
+    errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
     named = {
         "highest_von_mises": found.highest,
         "highest_node": found.highest_nodes,
@@ -167,7 +170,8 @@ def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frame
         "peak_time": time[found.greatest_at],
         "least_von_mises": found.least,
         "frame_von_mises": whole.von_mises(q[frames]).astype(np.float32),
-        "frame_displacement": whole.displacement(q[frames]).astype(np.float32),
+        "frame_mesh_error": np.array(errors, dtype=np.float32),
+        "frame_displacement": displacements.astype(np.float32),
     }
     return xr.Dataset(
         {name: variable(name, values, without=("shoe",)) for name, values in named.items()},
