@@ -20,7 +20,7 @@ ITERATIONS = 50
 
 FIRST_DEPTH = 1e-5
 """m, of all rollers in their rails to start from: enough to be felt."""
-OIL_SPEED = 0.05
+OIL_SPEED = 0.02
 """m/s, more than shoes slip that creep: friction is nearly in proportion to the slip below it."""
 
 RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
