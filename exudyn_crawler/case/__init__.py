@@ -12,6 +12,7 @@ from exudyn_crawler.case.drive import Drive
 from exudyn_crawler.case.files import read_case, write_case
 from exudyn_crawler.case.flexible import FlexibleShoes
 from exudyn_crawler.case.loads import LoadCycle, Phase
+from exudyn_crawler.case.machine import MachineCycle, MachinePhase, Pose, Shovel
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.case.profile import StepProfile
 from exudyn_crawler.case.rails import Rails
@@ -27,11 +28,15 @@ __all__ = [
     "Drive",
     "FlexibleShoes",
     "LoadCycle",
+    "MachineCycle",
+    "MachinePhase",
     "Outputs",
     "PairContact",
     "Phase",
+    "Pose",
     "Rails",
     "Shoe",
+    "Shovel",
     "Solver",
     "SphereContact",
     "StepProfile",

@@ -12,6 +12,7 @@ from exudyn_crawler.case.contact import Contact, PairContact, SphereContact
 from exudyn_crawler.case.drive import Drive
 from exudyn_crawler.case.flexible import FlexibleShoes
 from exudyn_crawler.case.loads import LoadCycle
+from exudyn_crawler.case.machine import MachineCycle
 from exudyn_crawler.case.rails import Rails
 from exudyn_crawler.case.rolled import check_length, check_rolled
 from exudyn_crawler.case.shoe import Shoe
@@ -45,6 +46,9 @@ class Case(Parameters):
         default=None,
         description="side frame that rolls over the shoes with the drive's speed; none: the drive drags the "
         "front shoe, and the machine is a load on each",
+    )
+    machine: MachineCycle | None = Field(
+        default=None, description="what the machine does on the side frame; none: its weight alone"
     )
     solver: Solver = Solver()
     terrain_formulation: Literal["reduced", "constrained"] = Field(
@@ -94,6 +98,10 @@ class Case(Parameters):
                     "not go with an undercarriage, which the compiled equations alone carry"
                 )
             check_rolled(self.undercarriage, self.shoe, self.track, self.drive, self.loads)
+            if self.machine is not None:
+                self.machine.check_balance(self.undercarriage, self.gravity_vector())
+        elif self.machine is not None:
+            raise ValueError("machine must be None without an undercarriage, on which it acts")
         if self.formulation == "compiled" and not self._can_be_compiled:
             raise ValueError(
                 "formulation must be 'engine' with contact.model 'spheres' or terrain_formulation "
@@ -211,8 +219,9 @@ class Case(Parameters):
         tuple of array (times, 3)
             Global.
         """
-        none = np.zeros((np.size(time), 3))
-        return none, none.copy()
+        if self.machine is None:
+            return np.zeros((np.size(time), 3)), np.zeros((np.size(time), 3))
+        return self.machine.wrench(time)
 
     @property
     def mean_load(self) -> float:

@@ -176,6 +176,26 @@ UNDERCARRIAGE: Mapping[str, Any] = {
 }
 """Side frame, lower rollers and drive of one track."""
 
+SHOVEL: Mapping[str, Any] = {
+    "mass": 2.0 * _CARRIED,  # kg: the machine without the shoes that touch the ground
+    "upper": 800e3,  # kg. Open: machinery deck with counterweight, without the front
+    "upper_place": (-2.5, 4.0),  # m behind the swing axis and above the rollers' axes. Open
+    "front": 130e3,  # kg at the dipper. Open: dipper, handle and their part of the boom
+    "lower_height": 0.5,  # m. Open
+}
+"""Masses of the shovel and their places."""
+_PAYLOAD = 2.0 * DIPPER_LOAD / GRAVITY
+"""kg: the dipper's load on both tracks."""
+SHOVEL_POSES: tuple[tuple[Any, ...], ...] = (
+    # end in s (S-paper); swing in rad, reach and height in m, payload in kg, force of the bank in N: open
+    ("propel", PROPEL_END, 0.0, 14.0, 6.0, 0.0),
+    ("dig", DIG_END, 0.0, 17.0, 4.0, 0.5 * _PAYLOAD, (-4e5, -4e5)),
+    ("hoist and swing", SWING_END, 0.5 * math.pi, 15.0, 9.0, _PAYLOAD),
+    ("dump", DUMP_END, 0.5 * math.pi, 15.0, 9.0, 0.0),
+    ("return", RETURN_END, 0.0, 14.0, 6.0, 0.0),
+)
+"""Upper structure at the ends of the phases of a cycle."""
+
 # flexible shoes
 DAMPING_FREQUENCIES, DAMPING_RATIOS = (1000.0, 10000.0), (0.005, 1.0)
 """Hz and 1, modal damping (S-paper): 0.005 up to the first frequency, a STEP to 1 at the second."""

@@ -123,17 +123,13 @@ def frame_powers(history: History, frame: Undercarriage) -> dict[str, xr.DataArr
     """
     motion, case = _Motion(history, frame), history.case
     velocity, omega = history.velocity.values, history.angular_velocity.values
-    axes = rotation_matrices(history.angles.values)
-    centers = case.track.joint_centers
-    along = {}
-    for end in ("rear", "front"):
-        pins = np.mean([place for name, place in centers.items() if name.startswith(end)], axis=0)
-        along[end] = (velocity + np.cross(omega, axes @ pins))[..., 0]
-    chain = np.sum(pulled_shares(history, frame) * along["front"], axis=1)
-    driven = history.drive_pull.values * (motion.velocity[:, 0] - chain)
+    front, rear = _pins(history, "front"), _pins(history, "rear")
+    along = [(velocity + np.cross(omega, pins - history.position.values))[..., 0] for pins in (rear, front)]
+    over = motion.velocity[:, None] + np.cross(motion.omega[:, None], front - motion.origin[:, None])
+    passing = np.sum(pulled_shares(history, frame) * (over[..., 0] - along[1]), axis=1)
     force, moment = case.machine_wrench(history.time.values)
     given = np.sum(force * motion.velocity, axis=1) + np.sum(moment * motion.omega, axis=1)
-    given += frame.end_tension * (along["front"][:, -1] - along["rear"][:, 0])
+    given += frame.end_tension * (along[1][:, -1] - along[0][:, 0])
 
     shoe = np.minimum(history.roller_shoe.values[..., None] + np.arange(2), case.track.shoe_count) - 1
     times = np.arange(len(velocity))[:, None, None]
@@ -148,12 +144,19 @@ def frame_powers(history: History, frame: Undercarriage) -> dict[str, xr.DataArr
     rate = -np.sum(motion.normal * slip, axis=-1)
     elastic = frame.stiffness / frame.strips * motion.depth**frame.exponent
     sums = {
-        "drive": driven,
+        "drive": history.drive_pull.values * passing,
         "machine_load": given,
         "rolling_resistance": -np.sum(tangential * slip, axis=(1, 2, 3, 4, 5)),
         "tread_damping": np.sum((normal - elastic) * rate, axis=(1, 2, 3, 4)),
     }
     return {name: _over_time(history, values, "W") for name, values in sums.items()}
+
+
+def _pins(history: History, end: str) -> NDArray:
+    """Middle between the pins at an end of every shoe: array (times, shoes, 3), m, global."""
+    centers = history.case.track.joint_centers
+    place = np.mean([center for name, center in centers.items() if name.startswith(end)], axis=0)
+    return history.position.values + rotation_matrices(history.angles.values) @ place
 
 
 def _over_time(history: History, values: NDArray, unit: str) -> xr.DataArray:
@@ -213,9 +216,7 @@ class _Motion:
         arm = self.foot - self.origin[:, None, None, None, None]
         force = force + self.on_frame.sum(axis=(1, 2, 3, 4))
         moment = moment + np.cross(arm, self.on_frame).sum(axis=(1, 2, 3, 4))
-        centers = case.track.joint_centers
-        pins = np.mean([place for name, place in centers.items() if name.startswith("front")], axis=0)
-        pulled = history.position.values + rotation_matrices(history.angles.values) @ pins
+        pulled = _pins(history, "front")
         pull = np.zeros_like(pulled)
         pull[..., 0] = history.drive_pull.values[:, None] * pulled_shares(history, frame)
         return force + pull.sum(axis=1), moment + np.cross(pulled - self.origin[:, None], pull).sum(axis=1)

@@ -23,7 +23,7 @@ PORTIONS = 8
 """Steps in which a profile rises where Newton's method finds no rest on all of it at once."""
 FIRST_DEPTH = 1e-5
 """m, of all rollers in their rails to start from: enough to be felt."""
-OIL_SPEED = 0.05
+OIL_SPEED = 0.02
 """m/s, more than shoes slip that creep: friction is nearly in proportion to the slip below it."""
 
 RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
