@@ -8,7 +8,7 @@ OUT ?= results
 ARGS ?=
 INSTALLED := $(VENV)/installed
 
-.PHONY: help kinematics forces uneven stress verify check test test-slow lint format bench docs lock clean
+.PHONY: help kinematics forces uneven stress rollers verify check test test-slow lint format bench docs lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -32,6 +32,9 @@ uneven: $(INSTALLED)  ## the track over a step, a ramp and rough ground, with th
 
 stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on where it was stopped
 	$(BIN)/python -m studies.stress --out $(OUT)/stress $(ARGS)
+
+rollers: $(INSTALLED)  ## the machine rolls over six flexible shoes and digs above them; beside the papers' dragging
+	$(BIN)/python -m studies.rollers --out $(OUT)/rollers $(ARGS)
 
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
 	$(BIN)/python -m studies.two_bodies

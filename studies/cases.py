@@ -19,6 +19,11 @@ def stress() -> CaseFile:
     return CaseFile(case=Case.stress(), duration=CYCLE_DURATION)
 
 
+def rollers() -> CaseFile:
+    """Machine that rolls over rigid shoes."""
+    return CaseFile(case=Case.rolled(), duration=DURATION)
+
+
 def uneven() -> CaseFile:
     """Straight propel over random roughness."""
     from studies.uneven_ground import uneven_case
