@@ -17,7 +17,7 @@ FLOORS = (
     ("studies",),
     ("cli",),
     ("sweep",),
-    ("case_run",),
+    ("case_run", "life_run"),
     ("run", "views"),
     ("results",),
     ("model",),

@@ -32,10 +32,14 @@ if TYPE_CHECKING:
     )
     from exudyn_crawler.case_run import CaseRun, run_case
     from exudyn_crawler.errors import CaseFileError, CrawlerError, EquilibriumError, SimulationStopped
+    from exudyn_crawler.life_run import life
     from exudyn_crawler.results.actions import actions
     from exudyn_crawler.results.balance import shoe_imbalance
     from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
+    from exudyn_crawler.results.duty import Duty, DutyRun, read_duty
+    from exudyn_crawler.results.fatigue_material import FatigueMaterial
     from exudyn_crawler.results.history import History
+    from exudyn_crawler.results.life import LifeResults
     from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
     from exudyn_crawler.results.node_stress import node_stress
     from exudyn_crawler.results.pins import pin_forces
@@ -76,8 +80,12 @@ _HOMES = {
     "CaseFileError": "errors",
     "CaseRun": "case_run",
     "CrawlerError": "errors",
+    "Duty": "results.duty",
+    "DutyRun": "results.duty",
     "EquilibriumError": "errors",
+    "FatigueMaterial": "results.fatigue_material",
     "History": "results.history",
+    "LifeResults": "results.life",
     "HotSpot": "sweep.answers",
     "SimulationStopped": "errors",
     "ShoeLoads": "results.shoe_loads",
@@ -89,12 +97,14 @@ _HOMES = {
     "actions": "results.actions",
     "contacts_by_shoe": "results.contacts",
     "history_series": "views.series",
+    "life": "life_run",
     "mode_figure": "views.mode_shapes",
     "mode_table": "views.mode_shapes",
     "node_stress": "results.node_stress",
     "panel_figure": "views.curves",
     "peak_time": "results.shoe_loads",
     "pin_forces": "results.pins",
+    "read_duty": "results.duty",
     "read_sweep": "sweep.files",
     "recover_stresses": "results.stresses",
     "run_case": "case_run",
@@ -120,10 +130,14 @@ __all__ = [
     "CaseRun",
     "CrawlerError",
     "Drive",
+    "Duty",
+    "DutyRun",
     "EquilibriumError",
+    "FatigueMaterial",
     "FlexibleShoes",
     "History",
     "HotSpot",
+    "LifeResults",
     "LoadCycle",
     "Outputs",
     "PairContact",
@@ -144,6 +158,7 @@ __all__ = [
     "actions",
     "contacts_by_shoe",
     "history_series",
+    "life",
     "mode_figure",
     "mode_table",
     "node_stress",
@@ -151,6 +166,7 @@ __all__ = [
     "peak_time",
     "pin_forces",
     "read_case",
+    "read_duty",
     "read_sweep",
     "recover_stresses",
     "run_case",

@@ -179,6 +179,30 @@ def uneven(
     typer.echo(f"runs and figures are in {out}")
 
 
+def shovel_life(
+    stress: Annotated[
+        Path, typer.Option(help="folder of the stress study, which is run there where it is missing")
+    ] = RESULTS / "stress",
+    rolled: Annotated[
+        Path | None, typer.Option(help="folder of a run with rollers over the same shoes, beside the dragged")
+    ] = None,
+    out: Out = RESULTS / "life",
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Give the life of the P&H 4100C's shoes in machine hours for three materials.
+
+    Example: exudyn-crawler shovel-life --stress results/stress --out results/life
+    """
+    from exudyn_crawler.views.tables import print_table
+    from studies.life import study
+
+    _, summary = study(out, stress, rolled, overwrite=overwrite, say=typer.echo)
+    shown = [name for name in summary.loc[:, :"main load"].columns if " in the shoe " not in name]
+    print_table(summary[shown], "Shortest life by propel and material")
+    typer.echo(f"lives, pages and summary.csv are in {out}")
+
+
 def verify(debug: Debug = False) -> None:
     """Solve the two-body problem by hand and by the engine, side by side.
 

@@ -35,6 +35,7 @@ COMMANDS = (
     "pin-forces",
     "shoe-loads",
     "compare",
+    "life",
     "sweep",
 )
 
@@ -102,6 +103,9 @@ def test_every_command_is_among_those_tested(call):
     assert all(name in out for name in COMMANDS)
 
 
+ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso"}
+TABLES = {"xarray", "pandas"}
+NUMBERS = {"numpy", "scipy"} | TABLES
 ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso", "dask", "distributed"}
 NUMBERS = {"numpy", "xarray", "pandas", "scipy"}
 
@@ -112,10 +116,12 @@ NUMBERS = {"numpy", "xarray", "pandas", "scipy"}
         (["--help"], ENGINE_AND_FIGURES | NUMBERS),
         (["--version"], ENGINE_AND_FIGURES | NUMBERS),
         (["run", "--help"], ENGINE_AND_FIGURES | NUMBERS),
+        (["info"], ENGINE_AND_FIGURES | TABLES),
+        (["info", "uneven"], ENGINE_AND_FIGURES | TABLES),
         (["sweep", "--help"], ENGINE_AND_FIGURES | NUMBERS),
         (["info"], ENGINE_AND_FIGURES),
         # the weight of its flexible shoes is that of their mesh
-        (["info", "stress"], ENGINE_AND_FIGURES - {"skfem"}),
+        (["info", "stress"], (ENGINE_AND_FIGURES | TABLES) - {"skfem"}),
         (["run", "nowhere.toml"], ENGINE_AND_FIGURES),
         (["init", "own", "--study", "opera"], ENGINE_AND_FIGURES),
         (["report", "nowhere"], ENGINE_AND_FIGURES | NUMBERS),
@@ -202,6 +208,10 @@ def test_two_runs_are_compared(call, translation, turning, tmp_path):
     assert (tmp_path / "straight_turning.html").is_file()
     table = pd.read_csv(tmp_path / "straight_turning.csv")
     assert "angular_velocity" in set(table["quantity"])
+    (tmp_path / "turning" / "stress.nc").write_bytes(b"\x89HDF\r\n\x1a\n broken")
+    code, _, err = call("compare", "straight", "turning", "--overwrite")
+    assert (code, len(err.splitlines())) == (2, 1)
+    assert f"{Path('turning', 'stress.nc')} cannot be read" in err
     code, _, err = call("compare", "straight", "nowhere")
     assert code == 2
     assert_one_line(err, "no folder nowhere")

@@ -7,9 +7,9 @@ in the table of a part. Names, units and bounds are those of the parameter class
 
 import difflib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -37,6 +37,8 @@ from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.files import whole_file
 from meshes import SHOE_SIZES
 
+Model = TypeVar("Model", bound=BaseModel)
+
 CYCLE = "file"
 """Key of the loads that names a file with their cycle."""
 
@@ -59,21 +61,56 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
         Naming every key at fault by its path, and what is allowed there.
     """
     path = Path(path)
+
+    def resolved(content: dict[str, Any]) -> dict[str, Any]:
+        return _resolved(migrated(changed(content, changes), path), path.parent)
+
+    return validated_file(path, "case file", CaseFile, resolved)
+
+
+def validated_file(
+    path: Path, what: str, kind: type[Model], resolved: Callable[[dict[str, Any]], dict[str, Any]]
+) -> Model:
+    """Parameter object of a TOML file.
+
+    Parameters
+    ----------
+    what : str
+        What the file holds, for the error of one that is not there.
+    kind : type
+        Parameter class.
+    resolved : callable
+        Makes values of the class of the file's content.
+
+    Raises
+    ------
+    FileNotFoundError, CaseFileError
+        As of `read_case`.
+    """
     try:
-        content = changed(toml_content(path, "case file"), changes)
+        content = toml_content(path, what)
     except (ValueError, RecursionError) as error:
         raise CaseFileError(path, [str(error)]) from error
-    return case_of(content, path)
+    return _validated(content, path, kind, resolved)
 
 
 def case_of(content: dict[str, Any], path: Path) -> CaseFile:
     """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
+    return _validated(content, path, CaseFile, lambda given: _resolved(migrated(given, path), path.parent))
+
+
+def _validated(
+    content: dict[str, Any],
+    path: Path,
+    kind: type[Model],
+    resolved: Callable[[dict[str, Any]], dict[str, Any]],
+) -> Model:
     try:
         # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
-        text = json.dumps(_resolved(migrated(content, path), path.parent), default=_untyped)
-        return CaseFile.model_validate_json(text, strict=True)
+        text = json.dumps(resolved(content), default=_untyped)
+        return kind.model_validate_json(text, strict=True)
     except ValidationError as error:
-        raise CaseFileError(path, list(faults(error, CaseFile))) from error
+        raise CaseFileError(path, list(faults(error, kind))) from error
     except (ValueError, RecursionError) as error:
         raise CaseFileError(path, [str(error)]) from error
 
@@ -109,12 +146,12 @@ def _resolved(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     own = {name: content.pop(name) for name in CaseFile.model_fields if name in content and name != "case"}
     if isinstance(content.get("loads"), dict):
         content["loads"] = _with_cycle(content["loads"], folder)
-    case = _with_base(content, (Case,), {}, ())
+    case = with_base(content, (Case,), {}, ())
     _spread_equal_loads(case)
     for name, field in CaseFile.model_fields.items():
         kinds = models_of(field.annotation)
         if kinds and isinstance(own.get(name), dict):
-            own[name] = _with_base(own[name], kinds, {}, (name,))
+            own[name] = with_base(own[name], kinds, {}, (name,))
     flexible = case.get("flexible")
     if isinstance(flexible, dict) and isinstance(flexible.get("mesh"), str):
         flexible["mesh"] = _mesh(flexible["mesh"], folder)
@@ -154,7 +191,7 @@ def _mesh(name: str, folder: Path) -> str:
     return str(path)
 
 
-def _with_base(
+def with_base(
     given: dict[str, Any], kinds: tuple[type[BaseModel], ...], below: Mapping[str, Any], place: Place
 ) -> dict[str, Any]:
     """What a table of one of the classes gives over its base, or over the values `below` it."""
@@ -174,7 +211,7 @@ def _with_base(
         elif parts and isinstance(value, dict):
             under = values.get(key)
             under = under if isinstance(under, dict) else {}  # none, or the list of a table given by mistake
-            values[key] = _with_base(value, parts, under, (*place, key))
+            values[key] = with_base(value, parts, under, (*place, key))
         else:
             values[key] = value
     return values

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from exudyn_crawler.cli.errors import readable
-from exudyn_crawler.cli.looking import app
+from exudyn_crawler.cli.life import app
 from exudyn_crawler.cli.options import RESULTS, Debug
 
 NEEDED = ("distributed", "SALib", "pyarrow", "fsspec")

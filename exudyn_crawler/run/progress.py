@@ -81,9 +81,14 @@ def _lines(title: str, duration: float, unit: str) -> Callable[[float], None]:
         if time > first:
             left = (now - start) / (time - first) * (duration - time)
             parts.append(f"about {left:.0f} s left")
-        print(", ".join(filter(None, parts)), file=sys.stderr, flush=True)
+        note(", ".join(filter(None, parts)))
 
     return tell
+
+
+def note(line: str) -> None:
+    """Write a line to stderr, where progress is shown, too."""
+    print(line, file=sys.stderr, flush=True)
 
 
 def _speed(wall: float, simulated: float, unit: str) -> str:
@@ -99,7 +104,7 @@ def heartbeat(title: str) -> Iterator[None]:
 
     def beat() -> None:
         while not ended.wait(LINE_EVERY):
-            print(f"{title}: {clock.perf_counter() - start:.0f} s so far", file=sys.stderr, flush=True)
+            note(f"{title}: {clock.perf_counter() - start:.0f} s so far")
 
     thread = threading.Thread(target=beat, daemon=True)
     thread.start()

@@ -1,0 +1,133 @@
+"""One duty into one folder: life in machine hours from the folders of its runs, then a list of writers."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler.files import refuse_existing, whole_file, writable_folder, write_netcdf
+from exudyn_crawler.results.duty import Duty, read_duty
+from exudyn_crawler.results.history import History
+from exudyn_crawler.results.life import LifeResults, life_of
+from exudyn_crawler.results.life_table import in_words
+from exudyn_crawler.run.histories import HISTORY
+from exudyn_crawler.run.progress import heartbeat
+from exudyn_crawler.views.life_page import write_life_page
+from exudyn_crawler.views.tables import write_table
+from fem import write_vtu
+
+LIFE, FIELDS, PAGE = "life.nc", "life.vtu", "life.html"
+TABLE, MATRICES, GROWTH = "shortest_lives.csv", "rainflow_matrices.csv", "damage_histories.csv"
+FILES = (LIFE, FIELDS, PAGE, TABLE, MATRICES, GROWTH)
+"""What a duty leaves."""
+
+
+def life(
+    duty: Duty | str | Path,
+    out: str | Path | None = None,
+    *,
+    overwrite: bool = False,
+    say: Callable[[str], None] = lambda _text: None,
+) -> LifeResults:
+    """Life of the shoes in machine hours over a duty, and a folder with it.
+
+    Parameters
+    ----------
+    duty : Duty or path
+        Or its file.
+    out : path, optional
+        Folder of the results; None writes nothing.
+    overwrite : bool
+        Replace earlier results.
+    say : callable
+        Is told, in a line, what is going on.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file, or no history in the folder of a run.
+    ValueError
+        Before anything is counted, if the duty or its runs do not fit together, as of `read_duty` and
+        `results.duty_runs.used_runs`.
+    FileExistsError
+        Before anything is counted, if results are there and `overwrite` is false.
+    """
+    given = duty if isinstance(duty, Duty) else read_duty(duty)
+    folder = None if out is None else Path(out)
+    if folder is not None:
+        for name in FILES:
+            refuse_existing(folder / name, overwrite)
+    with heartbeat(f"life of {given.name}"):
+        found = life_of(given, _histories(given), say)
+        if folder is not None:
+            write_life(found, writable_folder(folder), overwrite)
+    return found
+
+
+def _histories(duty: Duty) -> list[History]:
+    """Histories of a duty's runs; runs in one folder share theirs."""
+    loaded: dict[Path, History] = {}
+    for run in duty.runs:
+        path = Path(run.folder)
+        path = path / HISTORY if path.is_dir() else path
+        if path not in loaded:
+            if not path.is_file():
+                raise FileNotFoundError(f"run {run.name!r}: no history at {path}")
+            loaded[path] = History.load(path)
+    return [loaded[path / HISTORY if path.is_dir() else path] for path in (Path(r.folder) for r in duty.runs)]
+
+
+def write_fields(found: LifeResults, folder: Path, overwrite: bool) -> None:
+    """Life and damage of every node, as the mean over the places and at each, for ParaView."""
+    data = found.dataset
+    fields = {
+        f"life in h, {100 * one:g} % survive": data.life.sel(survival=one) for one in data.survival.values
+    }
+    fields["damage an hour"] = data.damage_an_hour[-1]
+    fields |= {f"damage an hour, {part}": data.part_damage.sel(part=part) for part in data.part.values}
+    at_last = data.place_damage.isel(survival=-1)
+    fields |= {f"damage an hour, place {shoe}": at_last.sel(shoe=shoe) for shoe in data.shoe.values}
+    with whole_file(folder / FIELDS, overwrite) as temporary:
+        write_vtu(temporary, found.whole.mesh, {name: np.asarray(one) for name, one in fields.items()})
+
+
+def write_nodes(found: LifeResults, folder: Path, overwrite: bool) -> None:
+    """Rainflow matrices and growing damage of the nodes of the table."""
+    for name, tables in (
+        (MATRICES, {node: own.rainflow_matrix() for node, own in found.nodes.items()}),
+        (GROWTH, {node: own.damage_history() for node, own in found.nodes.items()}),
+    ):
+        joined = pd.concat(tables, names=["node"]).reset_index(level="node")
+        write_table(joined, folder / name, overwrite)
+
+
+def write_shortest(found: LifeResults, folder: Path, overwrite: bool) -> None:
+    """Shortest life of every region, and its cause."""
+    write_table(in_words(found.table), folder / TABLE, overwrite)
+
+
+def write_dataset(found: LifeResults, folder: Path, overwrite: bool) -> None:
+    """Life and damage of every node."""
+    write_netcdf(found.dataset, folder / LIFE, overwrite)
+
+
+def write_page(found: LifeResults, folder: Path, overwrite: bool) -> None:
+    """A page with the life in 3D."""
+    write_life_page(found, folder / PAGE, overwrite)
+
+
+WRITERS: tuple[Callable[[LifeResults, Path, bool], None], ...] = (
+    write_dataset,
+    write_shortest,
+    write_nodes,
+    write_fields,
+    write_page,
+)
+"""What is written of a life, in this order."""
+
+
+def write_life(found: LifeResults, folder: Path, overwrite: bool = False) -> None:
+    """Write all that there is of a life into a folder."""
+    for write in WRITERS:
+        write(found, folder, overwrite)

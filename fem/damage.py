@@ -1,0 +1,255 @@
+"""Fatigue damage of every node over a history of stress, as a fold over blocks of its stresses.
+
+The history is one pass of what is repeated. A criterion makes one signal of the six stress components; its
+cycles are counted (`rainflow`) and summed up by Miner's rule (`fatigue`). What is too small to matter, single
+cycles or whole nodes, is left out first: all of it together does no more than a damage that is chosen.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from fem.blocks import Fold, StressBlock, fold_stresses
+from fem.compiling import FEM, compiler
+from fem.fatigue import SNCurve, check_survivals
+from fem.mesh import Floats, Integers
+from fem.rainflow import Cycles, repeated_cycles
+from fem.rank import NODE_BLOCK
+
+SignedCriterion = Literal["signed von mises", "signed principal"]
+SIGNED_CRITERIA: tuple[SignedCriterion, ...] = ("signed von mises", "signed principal")
+TOLERANCE = 1e-4
+"""Of `fold_stresses`: part of the highest stress by which the counted ones may be off."""
+
+
+@dataclass(frozen=True)
+class Counting:
+    """How cycles of t successive times are counted and summed up.
+
+    Parameters
+    ----------
+    curve : SNCurve
+    survivals : tuple of float
+        Parts that survive the damages asked for.
+    phase : int array (t,)
+        Number of the phase that each time belongs to, from 0; of the damage of a cycle either end has half.
+    negligible : float
+        Damage that all cycles which are left out may do together, at the greatest of the survivals.
+
+    Raises
+    ------
+    ValueError
+        If the history is too short to hold a cycle, or a value is out of its range.
+    """
+
+    curve: SNCurve
+    survivals: tuple[float, ...]
+    phase: Integers
+    negligible: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_survivals(self.survivals)
+        if len(self.phase) < 3:
+            raise ValueError(f"a history must have at least 3 times to hold a cycle, got {len(self.phase)}")
+        if not self.negligible >= 0.0:
+            raise ValueError(f"negligible must not be negative, got {self.negligible}")
+
+    @cached_property
+    def cut(self) -> float:
+        """Amplitude in Pa up to which cycles are left out: as many as there can be are negligible."""
+        if self.negligible == 0.0:
+            return 0.0
+        most = (len(self.phase) + 1) // 2
+        return self.curve.harmless(self.negligible / most, max(self.survivals))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of survivals and phases."""
+        return len(self.survivals), int(self.phase.max()) + 1
+
+    def cycles(self, signal: Floats) -> Cycles:
+        """Cycles of a signal (t,) that are not left out."""
+        return repeated_cycles(signal).larger_than(self.cut)
+
+    def damage(self, signals: Floats) -> Floats:
+        """Damage (k, s, p) a pass of signals (k, t) in Pa, by survival and phase."""
+        count, (survivals, phases) = len(signals), self.shape
+        above = np.flatnonzero(0.5 * np.ptp(signals, axis=1) > self.cut)
+        found = [self.cycles(signals[row]) for row in above]
+        if not found:
+            return np.zeros((count, survivals, phases))
+        row = np.repeat(above, [len(one.begin) for one in found])
+        cycles = Cycles(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+        each = self.curve.damage(cycles.amplitude, cycles.mean, self.survivals)
+        places = [row * phases + self.phase[end] for end in (cycles.begin_row, cycles.end_row)]
+        summed = [
+            sum(np.bincount(place, 0.5 * one, minlength=count * phases) for place in places) for one in each
+        ]
+        return np.stack(summed).reshape(survivals, count, phases).transpose(1, 0, 2)
+
+
+@dataclass(frozen=True)
+class Damage:
+    """Damage of n nodes by one pass of a history.
+
+    Parameters
+    ----------
+    nodes : int array (n,)
+        Their numbers.
+    damage : array (n, s, p)
+        By survival and phase; a crack is there at 1.
+    highest, lowest : array (n,)
+        Extremes in Pa of the signal that was counted.
+    bound : array (n,)
+        Length in Pa by which the stress may have been off.
+    """
+
+    nodes: Integers
+    damage: Floats
+    highest: Floats
+    lowest: Floats
+    bound: Floats
+
+
+@compiler(FEM, nogil=True)
+def _signed_mises(parts, signals):
+    """Von Mises stress with the sign of the hydrostatic one, of components (k, 6, t) into (k, t)."""
+    for k in range(parts.shape[0]):
+        for t in range(parts.shape[2]):
+            xx, yy, zz = np.float64(parts[k, 0, t]), np.float64(parts[k, 1, t]), np.float64(parts[k, 2, t])
+            xy, yz, xz = np.float64(parts[k, 3, t]), np.float64(parts[k, 4, t]), np.float64(parts[k, 5, t])
+            normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+            mises = np.sqrt(0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz))
+            signals[k, t] = -mises if xx + yy + zz < 0.0 else mises
+
+
+@compiler(FEM, nogil=True)
+def _signed_principal(parts, signals):
+    """Principal stress of the greatest magnitude, of components (k, 6, t) into (k, t).
+
+    Eigenvalues by their trigonometric form (O. K. Smith, Comm. ACM 4(4), 1961).
+    """
+    for k in range(parts.shape[0]):
+        for t in range(parts.shape[2]):
+            xx, yy, zz = np.float64(parts[k, 0, t]), np.float64(parts[k, 1, t]), np.float64(parts[k, 2, t])
+            xy, yz, xz = np.float64(parts[k, 3, t]), np.float64(parts[k, 4, t]), np.float64(parts[k, 5, t])
+            mean = (xx + yy + zz) / 3.0
+            xx, yy, zz = xx - mean, yy - mean, zz - mean
+            shear = xy * xy + yz * yz + xz * xz
+            radius = np.sqrt((xx * xx + yy * yy + zz * zz + 2.0 * shear) / 6.0)
+            if radius == 0.0:
+                signals[k, t] = mean
+                continue
+            volume = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+            share = 0.5 * volume / (radius * radius * radius)
+            cosine = np.cos(np.arccos(min(1.0, max(-1.0, share))) / 3.0)
+            sine = np.sqrt(max(0.0, 1.0 - cosine * cosine))
+            high = mean + 2.0 * radius * cosine
+            low = mean - radius * (cosine + np.sqrt(3.0) * sine)
+            signals[k, t] = high if high >= -low else low
+
+
+_SIGNALS = {"signed von mises": _signed_mises, "signed principal": _signed_principal}
+
+
+def signed_signals(criterion: SignedCriterion, stress: Floats) -> Floats:
+    """Signals (k, t) in Pa of a criterion, of stresses (k, 6, t).
+
+    "signed von mises" has the sign of the hydrostatic stress; "signed principal" is the principal stress of
+    the greatest magnitude.
+    """
+    signals = np.empty((stress.shape[0], stress.shape[2]))
+    _SIGNALS[criterion](stress, signals)
+    return signals
+
+
+class DamageOf(Fold[Damage]):
+    """Damage of each node by the cycles of a criterion's signal.
+
+    Parameters
+    ----------
+    criterion : str
+        One of `SIGNED_CRITERIA`.
+    counting : Counting
+    """
+
+    components = None
+
+    def __init__(self, criterion: SignedCriterion, counting: Counting) -> None:
+        self._criterion, self._counting = criterion, counting
+
+    def start(self, nodes: Integers, times: int) -> None:
+        """Begin with no damage."""
+        n = len(nodes)
+        self._nodes, self._signals = nodes, np.empty((min(n, NODE_BLOCK), times))
+        self._damage = np.zeros((n, *self._counting.shape))
+        self._highest, self._lowest, self._bound = np.zeros(n), np.zeros(n), np.zeros(n)
+
+    def add(self, block: StressBlock) -> None:
+        """Gather the signals of a block of nodes, and count them when they are whole."""
+        of, at = block.nodes, block.times
+        signals = self._signals[: of.stop - of.start]
+        _SIGNALS[self._criterion](block.stress, signals[:, at])
+        self._bound[of] = np.maximum(self._bound[of], block.bound)
+        if at.stop == self._signals.shape[1]:
+            self._damage[of] = self._counting.damage(signals)
+            self._highest[of], self._lowest[of] = signals.max(axis=1), signals.min(axis=1)
+
+    def finish(self) -> Damage:
+        """Damage and extremes of all nodes."""
+        return Damage(self._nodes, self._damage, self._highest, self._lowest, self._bound)
+
+
+def recover_damage(
+    stress_modes: Floats,
+    q: Floats,
+    criterion: SignedCriterion,
+    counting: Counting,
+    nodes: Integers | None = None,
+    tolerance: float | None = TOLERANCE,
+) -> Damage:
+    """Damage of nodes by one pass of a history that is repeated.
+
+    Parameters
+    ----------
+    stress_modes, q, nodes
+        As of `blocks.fold_stresses`, whose errors this has too; q (t, m).
+    criterion : str
+        One of `SIGNED_CRITERIA`.
+    counting : Counting
+        Of as many times.
+    tolerance : float, optional
+        Of the stresses that are counted; None counts at full rank and in double precision.
+
+    Raises
+    ------
+    ValueError
+        If the criterion is not known or the phases are of another number of times.
+    """
+    check_history(q, counting)
+    if criterion not in SIGNED_CRITERIA:
+        raise ValueError(f"criterion must be one of {SIGNED_CRITERIA}, got {criterion!r}")
+    return fold_stresses(stress_modes, q, DamageOf(criterion, counting), nodes, tolerance)
+
+
+def check_history(q: Floats, counting: Counting) -> None:
+    """Refuse phases of another number of times than a history (t, m) has.
+
+    Raises
+    ------
+    ValueError
+    """
+    if len(q) != len(counting.phase):
+        raise ValueError(f"phase must be of {len(q)} times as the history, got {len(counting.phase)}")
+
+
+def damage_between(curve: SNCurve, highest: Floats, lowest: Floats, survivals: Sequence[float]) -> Floats:
+    """Damage (s, n) of one cycle between extremes (n,) in Pa; none where they are equal."""
+    amplitude, found = 0.5 * (highest - lowest), np.zeros((len(survivals), len(highest)))
+    there = amplitude > 0.0
+    mean = 0.5 * (highest + lowest)[there]
+    found[:, there] = curve.damage(amplitude[there], mean, survivals)
+    return found

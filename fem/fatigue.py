@@ -1,0 +1,129 @@
+"""Strength of a point against cycles of stress: S-N curve, mean stress, Miner's rule.
+
+All formulas are pyLife's; what is asked of it thousands of times is asked once and kept as numbers.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+from pylife.materiallaws import WoehlerCurve
+from pylife.strength.meanstress import HaighDiagram
+
+from fem.mesh import Floats
+
+Miner = Literal["elementary", "haibach", "original"]
+MINERS: tuple[Miner, ...] = ("elementary", "haibach", "original")
+"""What cycles below the knee do: as much as the slope says, less by the slope 2 k - 1, nothing."""
+HAIGH_CORNERS = np.array([-2.0, -1.0, 1.0, 3.0, 4.0])
+"""Mean stress over amplitude: R > 1, R = -inf, R = 0, R = 0.5 and beyond; corners of the Haigh diagram."""
+
+
+@dataclass(frozen=True)
+class SNCurve:
+    """S-N curve of stress amplitudes at R = -1, with what mean stresses and survival do to it.
+
+    Parameters
+    ----------
+    strength : float
+        Amplitude in Pa at the knee.
+    slope : float
+        k of ``N = knee (amplitude / strength)^-k``.
+    knee : float
+        Cycles.
+    mean_sensitivity : float
+        M of the FKM guideline: between R = -inf and R = 0 a mean stress counts as M times an amplitude, from
+        there to R = 0.5 as a third of that, beyond no more; in [0, 1).
+    scatter : float
+        Strength that 10 % survive over that which 90 % survive, at least 1.
+    survival : float
+        Part that survives what the curve says, inside (0, 1).
+    miner : str
+        One of `MINERS`.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of its range.
+    """
+
+    strength: float
+    slope: float
+    knee: float
+    mean_sensitivity: float = 0.0
+    scatter: float = 1.0
+    survival: float = 0.5
+    miner: Miner = "elementary"
+
+    def __post_init__(self) -> None:
+        for name in ("strength", "knee"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        for name in ("slope", "scatter"):
+            if not getattr(self, name) >= 1.0:
+                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
+        if not 0.0 <= self.mean_sensitivity < 1.0:
+            raise ValueError(f"mean_sensitivity must lie in [0, 1), got {self.mean_sensitivity}")
+        check_survivals((self.survival,))
+        if self.miner not in MINERS:
+            raise ValueError(f"miner must be one of {MINERS}, got {self.miner!r}")
+
+    def strength_at(self, survival: float) -> float:
+        """Amplitude in Pa at the knee, which another part survives; the knee keeps its cycles."""
+        return _strength_at(self, survival)
+
+    @cached_property
+    def _woehler(self) -> WoehlerCurve:
+        """Same curve in pyLife."""
+        values = {"k_1": self.slope, "ND": self.knee, "SD": self.strength, "TS": self.scatter}
+        curve = WoehlerCurve(pd.Series(values | {"failure_probability": 1.0 - self.survival}))
+        return getattr(curve, f"miner_{self.miner}")()
+
+    def equivalent(self, amplitude: Floats, mean: Floats) -> Floats:
+        """Amplitudes at R = -1 that do what cycles of positive amplitudes and their means do.
+
+        The transform is linear in both between the corners of the Haigh diagram, so that interpolation
+        between pyLife's values there is exact.
+        """
+        return amplitude * np.interp(mean / amplitude, HAIGH_CORNERS, self._mean_factors)
+
+    @cached_property
+    def _mean_factors(self) -> Floats:
+        """What an amplitude counts at each of the corners of the Haigh diagram."""
+        third, none = self.mean_sensitivity / 3.0, 0.0
+        slopes = {"M0": self.mean_sensitivity, "M1": third, "M2": none, "M3": none, "M4": none}
+        diagram = HaighDiagram.five_segment(pd.Series(slopes | {"R12": 0.5, "R23": 0.9}))
+        cycles = pd.DataFrame({"range": np.full(len(HAIGH_CORNERS), 2.0), "mean": HAIGH_CORNERS})
+        return 0.5 * diagram.transform(cycles, -1.0)["range"].to_numpy()
+
+    def damage(self, amplitude: Floats, mean: Floats, survivals: Sequence[float]) -> Floats:
+        """Damage (s, n) of cycles of positive amplitudes (n,) and their means, by survival."""
+        equivalent = self.equivalent(amplitude, mean)
+        scales = [self.strength / self.strength_at(survival) for survival in survivals]
+        loads = np.multiply.outer(scales, equivalent)
+        return 1.0 / self._woehler.cycles(loads.ravel()).reshape(loads.shape)
+
+    def harmless(self, damage: float, survival: float) -> float:
+        """Amplitude in Pa up to which no cycle, of whatever mean, does more than a positive damage."""
+        scale = self.strength_at(survival) / self.strength
+        load = float(self._woehler.load(np.array(1.0 / damage)))
+        return scale * load / float(self._mean_factors.max())
+
+
+@lru_cache(maxsize=64)
+def _strength_at(curve: SNCurve, survival: float) -> float:
+    return float(curve._woehler.transform_to_failure_probability(1.0 - survival).SD)
+
+
+def check_survivals(survivals: Sequence[float]) -> None:
+    """Refuse survival probabilities that are not inside (0, 1), and none at all.
+
+    Raises
+    ------
+    ValueError
+    """
+    if not survivals or not all(0.0 < one < 1.0 for one in survivals):
+        raise ValueError(f"survival must be inside (0, 1), got {list(survivals)}")

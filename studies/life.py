@@ -1,0 +1,107 @@
+"""Life of the P&H 4100C's shoes in machine hours, from the stress study's propel and loading cycle.
+
+What field observation says (S-paper, section 6): shoes crack in the roller path, their lugs stay whole. The
+papers drag the chain, so that what comes out of their load case says where a dragged shoe would crack; a run
+with rollers takes the place of the propel where one is given.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+
+from exudyn_crawler import Duty, DutyRun, FatigueMaterial, History, LifeResults, life
+from exudyn_crawler.results.life_table import in_words
+from exudyn_crawler.run.histories import HISTORY
+from exudyn_crawler.views.tables import write_table
+from studies.stress import RUN
+from studies.stress import study as stress_study
+
+PROPEL = "propel"
+"""Phase of the stress study's cycle in which the track is pulled, and the run that it gives."""
+PROPEL_SHARE = 0.07
+"""Of machine hours, at most (makers' figures for rope shovels)."""
+CYCLES_AN_HOUR = 70.0
+"""Dig cycles: one in 40 to 60 s makes 60 to 90 of a full hour; assumed within."""
+MATERIALS = (FatigueMaterial.cast_nicrmo, FatigueMaterial.cast_manganese, FatigueMaterial.a36)
+"""First what shoes are made of."""
+
+
+def duty_of(cycle: Path, material: FatigueMaterial, rolled: Path | None = None) -> Duty:
+    """Duty of a shovel that digs: the cycle's propel, or a run of rolled propel, and the rest of the cycle.
+
+    Parameters
+    ----------
+    cycle : Path
+        Folder of the stress study's run.
+    rolled : Path, optional
+        Folder of a run in which rollers pass over the same flexible shoes.
+    """
+    loads = History.load(cycle / HISTORY).case.loads
+    end = next(phase.end for phase in loads.phases if phase.name == PROPEL)
+    propel = DutyRun(name="dragged propel", folder=str(cycle), end=end, share=PROPEL_SHARE)
+    if rolled is not None:
+        propel = DutyRun(name="rolled propel", folder=str(rolled), share=PROPEL_SHARE)
+    dig = DutyRun(name="dig cycle", folder=str(cycle), begin=end, an_hour=CYCLES_AN_HOUR)
+    kind = "dragged" if rolled is None else "rolled"
+    return Duty(name=f"{kind} propel and dig cycle, {material.name}", runs=(propel, dig), material=material)
+
+
+def study(
+    out: Path,
+    stress: Path,
+    rolled: Path | None = None,
+    *,
+    overwrite: bool = False,
+    say: Callable[[str], None] = lambda _text: None,
+) -> tuple[dict[str, LifeResults], pd.DataFrame]:
+    """Life of the shoes of each material, from the stress study, which is run first where it is missing.
+
+    Parameters
+    ----------
+    out : Path
+        A folder a kind of propel and material, and `summary.csv`.
+    stress : Path
+        Folder of the stress study.
+    rolled : Path, optional
+        Folder of a run of rolled propel; a life with it stands beside that with dragged propel.
+    overwrite, say
+        As of `life`.
+
+    Returns
+    -------
+    lives : dict
+        By folder.
+    summary : pandas.DataFrame
+        The shortest life of each and its cause.
+
+    Raises
+    ------
+    FileExistsError
+        If results are there and `overwrite` is false.
+    ValueError
+        As of `life`.
+    """
+    cycle = stress / RUN
+    if not (cycle / HISTORY).is_file():
+        stress_study(stress, say=say)
+    found: dict[str, LifeResults] = {}
+    for propel in (None,) if rolled is None else (None, rolled):
+        for material in MATERIALS:
+            duty = duty_of(cycle, material(), propel)
+            name = f"{'dragged' if propel is None else 'rolled'}_{material.__name__}"
+            say(f"{name}: {duty.name}")
+            found[name] = life(duty, out / name, overwrite=overwrite, say=say)
+    summary = pd.concat(
+        [one.table.head(1).assign(propel_and_material=name) for name, one in found.items()], ignore_index=True
+    )
+    shown = ["propel_and_material", *[name for name in summary.columns if name != "propel_and_material"]]
+    summary = in_words(summary[shown])
+    write_table(summary, out / "summary.csv", overwrite)
+    return found, summary
+
+
+if __name__ == "__main__":
+    from exudyn_crawler.cli import run_script
+
+    run_script("studies.commands:shovel_life")

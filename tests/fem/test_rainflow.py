@@ -1,0 +1,50 @@
+"""Rainflow of repeated histories: published examples, and what repeating and shifting must not change."""
+
+import numpy as np
+import pytest
+
+from fem.rainflow import repeated_cycles
+
+
+def ranges_and_means(signal: list[float]) -> list[tuple[float, float]]:
+    found = repeated_cycles(np.array(signal, dtype=float))
+    return sorted(zip(2.0 * found.amplitude, found.mean, strict=True))
+
+
+def test_the_example_of_astm_e1049():
+    """ASTM E1049-85, figure 7 (repeating history): one cycle each of 3, 4, 7 and 9 units."""
+    found = ranges_and_means([-2, 1, -3, 5, -1, 3, -4, 4, -2])
+    assert found == [(3.0, -0.5), (4.0, 1.0), (7.0, 0.5), (9.0, 0.5)]
+
+
+def test_small_cycles_stand_apart_from_the_large_one_that_they_interrupt():
+    assert ranges_and_means([0, 8, 3, 5, 0]) == [(2.0, 4.0), (8.0, 4.0)]
+
+
+@pytest.mark.parametrize("shift", [1, 57, 111])
+def test_where_a_repeated_history_begins_does_not_matter(shift):
+    signal = np.random.default_rng(3).standard_normal(200)
+    assert ranges_and_means(list(np.roll(signal, shift))) == ranges_and_means(list(signal))
+
+
+def test_more_passes_have_as_many_times_the_cycles():
+    signal = np.random.default_rng(4).standard_normal(150)
+    once, thrice = ranges_and_means(list(signal)), ranges_and_means(list(np.tile(signal, 3)))
+    assert thrice == sorted(3 * once)
+
+
+def test_rows_are_where_the_ends_of_cycles_are():
+    signal = np.random.default_rng(5).standard_normal(300)
+    found = repeated_cycles(signal)
+    assert (signal[found.begin_row] == found.begin).all()
+    assert (signal[found.end_row] == found.end).all()
+    larger = found.larger_than(1.0)
+    assert len(larger.begin) == (found.amplitude > 1.0).sum() > 0
+    assert larger.amplitude.min() > 1.0
+
+
+def test_constant_and_rising_histories():
+    assert len(repeated_cycles(np.ones(5)).begin) == 0
+    assert ranges_and_means([0, 1, 2]) == [(2.0, 1.0)]
+    with pytest.raises(ValueError, match="at least 3 times to hold a cycle, got 2"):
+        repeated_cycles(np.array([0.0, 1.0]))

@@ -1,0 +1,140 @@
+"""Life over a duty of short runs: its sums and causes, what must not change it, refusals."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Duty, DutyRun, FatigueMaterial, History
+from exudyn_crawler.results.life import life_of
+from exudyn_crawler.results.life_table import BETWEEN, BEYOND, in_words, life_hours, regions
+
+HALF = 0.03
+WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)
+"""So weak that the small stresses of a short run wear it out."""
+FIRST = DutyRun(name="first", folder=".", end=HALF, an_hour=1000.0)
+SECOND = DutyRun(name="second", folder=".", begin=HALF, share=0.1)
+
+
+def duty(*runs: DutyRun, **more) -> Duty:
+    return Duty(runs=runs, material=WEAK, plane_nodes=3, **more)
+
+
+@pytest.fixture(scope="module")
+def found(flexible_run):
+    history = flexible_run[0]
+    return life_of(duty(FIRST, SECOND), [history, history])
+
+
+def test_damage_is_the_mean_over_places_and_the_sum_of_parts(found):
+    data = found.dataset
+    assert data.shoe.values.tolist() == [7, 13]
+    known = data.damage_an_hour.notnull()
+    assert data.damage_an_hour.values == pytest.approx(
+        data.place_damage.mean("shoe", skipna=False).values, nan_ok=True
+    )
+    assert data.part_damage.sum("part").where(known[-1]).values == pytest.approx(
+        data.damage_an_hour[-1].values, rel=1e-9, nan_ok=True
+    )
+    assert data.part.values.tolist() == ["first: constant", "second: constant", BETWEEN]
+    assert (data.part_damage.max("node") > 0.0).all()
+    assert np.diff(data.damage_an_hour.values[:, known[-1].values], axis=0).min() >= 0.0
+    assert data.life.values == pytest.approx(life_hours(data.damage_an_hour.values), nan_ok=True)
+    inside = np.setdiff1d(data.node.values, found.whole.mesh.surface_nodes)
+    assert data.life.sel(node=inside).isnull().all()
+
+
+def test_damage_at_a_place_is_that_of_its_history(flexible_run, found):
+    """Counted again from the modal coordinates, each run as often as the duty says."""
+    history, node = flexible_run[0], int(found.table["node"][0])
+    chosen = int(found.whole.mesh.surface_nodes[5])
+    only = life_of(duty(FIRST, nodes=(chosen,)), [history])
+    assert only.table["node"].tolist() == list(only.nodes)
+    assert chosen in only.nodes
+    run = found.nodes[node].cycles.query("run == 'first' and shoe == 13")
+    again = float(only.dataset.place_damage.sel(shoe=13, node=node)[-1])
+    assert 2.0 * run["damage an hour"].sum() == pytest.approx(again, rel=1e-3)
+    assert run["times an hour"].unique() == pytest.approx([500.0])  # half of all hours at this place
+
+
+def test_order_of_runs_does_not_matter(flexible_run, found):
+    history = flexible_run[0]
+    other = life_of(duty(SECOND, FIRST), [history, history])
+    assert other.dataset.damage_an_hour.values == pytest.approx(
+        found.dataset.damage_an_hour.values, rel=1e-9, abs=1e-15, nan_ok=True
+    )
+    assert other.table["node"].tolist() == found.table["node"].tolist()
+
+
+def test_table_has_every_region_and_the_shortest_first(found):
+    table, data = found.table, found.dataset
+    assert set(table["region"]) <= set(regions(found.whole.mesh))
+    last = "life in h that 97.5 % survive"
+    assert table[last].is_monotonic_increasing
+    assert table[last][0] == pytest.approx(float(np.nanmin(data.life[-1])))
+    for _, row in table.iterrows():
+        shares = [row[name] for name in table.columns if name.startswith("share of ")]
+        assert np.nansum(shares) == pytest.approx(1.0, abs=1e-6)
+        assert 0.0 < row["its share"] <= 1.0
+        assert row["life in h there"] <= row[last] * (1.0 + 1e-9)
+    assert set(table["main load"]) <= {"pins", "machine load", "ground", "drive", "inertia"}
+    assert set(table["flag"]) <= {"", "in spider", "beside spider"}
+
+
+def test_cycles_of_a_node_make_its_matrix_and_history(found):
+    for node in found.nodes.values():
+        cycles = node.cycles
+        matrix = node.rainflow_matrix()
+        assert matrix["cycles an hour"].sum() == pytest.approx(cycles["times an hour"].sum())
+        last = node.damage_history().groupby(["run", "shoe"])["damage an hour"].last()
+        each = cycles.groupby(["run", "shoe"])["damage an hour"].sum()
+        assert last.to_numpy() == pytest.approx(each.reindex(last.index).to_numpy())
+        criterion = found.duty.criterion
+        assert node.by_criterion[criterion] == pytest.approx(cycles["damage an hour"].sum(), rel=1e-9)
+
+
+def test_no_damage_is_a_life_beyond_what_is_told(flexible_run):
+    strong = FatigueMaterial.a36().with_(fatigue_strength=1e10)
+    found = life_of(Duty(runs=(FIRST,), material=strong), [flexible_run[0]])
+    assert float(found.dataset.life.max()) == float(found.dataset.life.min()) == BEYOND
+    words = in_words(found.table)
+    assert set(words["life in h that 50 % survive"]) == {"beyond 1e9"}
+    assert (found.table["main part"] == "").all()
+
+
+def test_what_a_drive_pulls_at_a_node_is_not_known(flexible_run, found):
+    stress = flexible_run[1]
+    at_load = stress.at_load.sel(shoe=13).values & found.dataset.place_damage.sel(shoe=7)[-1].notnull().values
+    unknown = found.dataset.place_damage.sel(shoe=13)[-1].isnull().values
+    inside = np.setdiff1d(found.dataset.node.values, found.whole.mesh.surface_nodes)
+    unknown[inside] = False
+    assert (unknown == at_load).all()
+
+
+def changed(history: History, **changes) -> History:
+    return History(history.case.with_(**changes), history.dataset)
+
+
+def test_runs_that_do_not_fit_are_refused(flexible_run, translation):
+    history = flexible_run[0]
+    flexible = history.case.flexible
+    one = DutyRun(name="one", folder=".", an_hour=1.0)
+    two = DutyRun(name="two", folder=".", an_hour=1.0)
+    for other, words in (
+        (translation, "run 'two' must have flexible shoes"),
+        (
+            changed(history, flexible=flexible.with_(shoes=(7,))),
+            r"shoes of 'one' is \(7, 13\), of 'two' \(7,\)",
+        ),
+        (changed(history, flexible=flexible.with_(mesh="study")), "same shoes: mesh of 'one' is"),
+        (changed(history, flexible=flexible.with_(youngs_modulus=7e10)), "youngs_modulus of 'one' is 2"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            life_of(duty(one, two), [history, other])
+    for run, words in (
+        (DutyRun(name="short", folder=".", begin=0.0585, an_hour=1.0), "at least 3 stored times from 0.0585"),
+        (DutyRun(name="far", folder=".", end=1.0, an_hour=1.0), "must reach its end = 1 s"),
+        (DutyRun(name="often", folder=".", an_hour=1e5), "more than all machine hours"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            life_of(duty(run), [history])
+    with pytest.raises(ValueError, match=r"nodes must be of the surface, got \[100000000\]"):
+        life_of(duty(one, nodes=(10**8,)), [history])

@@ -1,0 +1,94 @@
+"""A duty into a folder, in Python and by the command: files that agree, refusals before any counting."""
+
+import sys
+
+import meshio
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from exudyn_crawler import Duty, cli, life, read_duty
+from exudyn_crawler.life_run import FILES
+
+DUTY = """
+plane_nodes = 0
+survivals = [0.9]
+
+[material]
+base = "a36"
+fatigue_strength = 90e6
+
+[[runs]]
+name = "propel"
+folder = "run"
+share = 0.1
+"""
+
+
+@pytest.fixture(scope="module")
+def pit(flexible_run, tmp_path_factory):
+    """Folder with a duty file, its run and its life."""
+    folder = tmp_path_factory.mktemp("pit")
+    (folder / "run").mkdir()
+    flexible_run[0].save(folder / "run" / "history.nc")
+    (folder / "digging.toml").write_text(DUTY)
+    return folder, life(folder / "digging.toml", folder / "life")
+
+
+def test_everything_is_written_and_agrees(pit):
+    folder, found = pit[0] / "life", pit[1]
+    assert {path.name for path in folder.iterdir()} == set(FILES)
+    with xr.open_dataset(folder / "life.nc", engine="h5netcdf") as saved:
+        assert saved.life.values == pytest.approx(found.dataset.life.values, nan_ok=True)
+        assert Duty.model_validate_json(saved.attrs["duty"]) == read_duty(pit[0] / "digging.toml")
+    fields = meshio.read(folder / "life.vtu").point_data
+    assert fields["life in h, 90 % survive"] == pytest.approx(found.dataset.life[0].values, nan_ok=True)
+    assert {"damage an hour, place 7", "damage an hour, propel: constant"} <= set(fields)
+    table = pd.read_csv(folder / "shortest_lives.csv")
+    assert table["node"].tolist() == found.table["node"].tolist()
+    first = int(table["node"][0])
+    growth = pd.read_csv(folder / "damage_histories.csv").query(f"node == {first}")
+    last = growth.groupby(["run", "shoe"])["damage an hour"].last().sum()
+    assert last == pytest.approx(float(found.dataset.damage_an_hour[0, first]), rel=1e-3)
+    matrices = pd.read_csv(folder / "rainflow_matrices.csv")
+    assert set(matrices["node"]) == set(table["node"])
+    assert (matrices["cycles an hour"] > 0.0).all()
+
+
+def test_the_page_shows_life_table_and_duty(pit):
+    page = (pit[0] / "life" / "life.html").read_text()
+    shortest = f"{float(np.nanmin(pit[1].dataset.life[-1])):.4g}"
+    for words in ("Life in 3D", "stays at place 13", f"before {shortest} machine hours", "fatigue_strength"):
+        assert words in page
+    assert "http://" not in page.split("<main>")[0]
+
+
+def test_results_are_not_overwritten_unasked(pit):
+    with pytest.raises(FileExistsError, match=r"life\.nc exists"):
+        life(pit[0] / "digging.toml", pit[0] / "life")
+
+
+def test_the_command_tells_shortest_lives_and_faults(pit, monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["exudyn-crawler", "life", *map(str, words)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        told = capsys.readouterr()
+        return end.value.code, told.out, told.err
+
+    code, out, _ = call(pit[0] / "digging.toml")
+    assert code == 0
+    assert "shortest lives by region" in out
+    assert (tmp_path / "results" / "digging" / "life.html").is_file()
+    code, _, err = call(pit[0] / "digging.toml")
+    assert code == 2
+    assert "ask for overwriting" in err
+    wrong = pit[0] / "wrong.toml"
+    wrong.write_text(DUTY.replace('folder = "run"', 'folder = "rum"'))
+    code, _, err = call(wrong)
+    assert code == 2
+    assert "run 'propel': no history at" in err
+    assert not (tmp_path / "results" / "wrong").exists()
