@@ -22,7 +22,7 @@ from exudyn_crawler.sweep.idle import idle
 from exudyn_crawler.sweep.paths import checked_case, content_of
 from exudyn_crawler.sweep.vary import Vary
 
-LIGHT = Outputs(figures=False, forces=False, tables=False)
+LIGHT = Outputs(figures=False, pictures=False, paraview=False, forces=False, tables=False)
 """What a run leaves beside its history where a sweep says nothing: pictures of all runs take longer than
 they."""
 MOST_RUNS = 1_000_000
