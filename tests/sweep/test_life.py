@@ -10,6 +10,7 @@ WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)
 """So weak that the small stresses of a short run wear it out."""
 
 
+@pytest.mark.slow
 def test_life_is_that_of_a_duty_of_the_run_alone(flexible_run):
     history = flexible_run[0]
     part = DutyRun(name="run", folder=".", begin=0.01, share=0.5)
