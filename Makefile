@@ -7,8 +7,10 @@ OUT ?= results
 # more options of a study, such as ARGS=--overwrite
 ARGS ?=
 INSTALLED := $(VENV)/installed
+# two processes of tests share two cores; threads that wait for each other would take half of them
+ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: help kinematics forces uneven stress life verify check test test-slow lint format bench docs lock clean
+.PHONY: help kinematics forces uneven stress life sweep-terrain verify check test test-slow lint format bench docs lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -39,11 +41,14 @@ life: $(INSTALLED)  ## life of the shoes in machine hours over propel and dig cy
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
 	$(BIN)/python -m studies.two_bodies
 
+sweep-terrain: $(INSTALLED)  ## 40 runs: stiffness of the ground and friction against the forces in the links
+	$(BIN)/exudyn-crawler sweep studies/terrain_sweep.toml --out $(OUT)/terrain_sweep $(ARGS)
+
 check: $(INSTALLED) lint  ## lint and the tests that run no simulation, within a minute
-	$(BIN)/python -m pytest -m "not slow and not simulation" -n 2
+	$(ONE_THREAD) $(BIN)/python -m pytest -m "not slow and not simulation" -n 2
 
 test: $(INSTALLED)  ## the tests, less the slow ones, on two processes
-	$(BIN)/python -m pytest -m "not slow" -n 2 --dist loadscope
+	$(ONE_THREAD) $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadscope
 
 test-slow: $(INSTALLED)  ## the studies at full length against the papers; once before a release
 	$(BIN)/python -m pytest -m slow

@@ -16,6 +16,7 @@ PACKAGE = "exudyn_crawler"
 FLOORS = (
     ("studies",),
     ("cli",),
+    ("sweep",),
     ("case_run", "life_run"),
     ("run", "views"),
     ("results",),

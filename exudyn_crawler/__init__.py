@@ -47,6 +47,11 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
     from exudyn_crawler.run.track_modes import track_modes
+    from exudyn_crawler.sweep.answers import Answer, HotSpot
+    from exudyn_crawler.sweep.definition import Sweep
+    from exudyn_crawler.sweep.files import read_sweep
+    from exudyn_crawler.sweep.running import SweepRun, run_sweep
+    from exudyn_crawler.sweep.vary import Vary
     from exudyn_crawler.views.animation import write_animation
     from exudyn_crawler.views.curves import panel_figure
     from exudyn_crawler.views.mode_shapes import mode_figure, mode_table
@@ -71,6 +76,7 @@ def _check_neighbours() -> None:
 _check_neighbours()
 
 _HOMES = {
+    "Answer": "sweep.answers",
     "CaseFileError": "errors",
     "CaseRun": "case_run",
     "CrawlerError": "errors",
@@ -80,9 +86,13 @@ _HOMES = {
     "FatigueMaterial": "results.fatigue_material",
     "History": "results.history",
     "LifeResults": "results.life",
+    "HotSpot": "sweep.answers",
     "SimulationStopped": "errors",
     "ShoeLoads": "results.shoe_loads",
     "StressResults": "results.stresses",
+    "Sweep": "sweep.definition",
+    "SweepRun": "sweep.running",
+    "Vary": "sweep.vary",
     "action_table": "results.shoe_loads",
     "actions": "results.actions",
     "contacts_by_shoe": "results.contacts",
@@ -95,8 +105,10 @@ _HOMES = {
     "peak_time": "results.shoe_loads",
     "pin_forces": "results.pins",
     "read_duty": "results.duty",
+    "read_sweep": "sweep.files",
     "recover_stresses": "results.stresses",
     "run_case": "case_run",
+    "run_sweep": "sweep.running",
     "shoe_imbalance": "results.balance",
     "shoe_loads": "results.shoe_loads",
     "simulate": "run.simulation",
@@ -111,6 +123,7 @@ _HOMES = {
 """Modules of the names that are not parts of a case."""
 
 __all__ = [
+    "Answer",
     "Case",
     "CaseFile",
     "CaseFileError",
@@ -123,6 +136,7 @@ __all__ = [
     "FatigueMaterial",
     "FlexibleShoes",
     "History",
+    "HotSpot",
     "LifeResults",
     "LoadCycle",
     "Outputs",
@@ -135,8 +149,11 @@ __all__ = [
     "SphereContact",
     "StepProfile",
     "StressResults",
+    "Sweep",
+    "SweepRun",
     "Terrain",
     "Track",
+    "Vary",
     "action_table",
     "actions",
     "contacts_by_shoe",
@@ -150,8 +167,10 @@ __all__ = [
     "pin_forces",
     "read_case",
     "read_duty",
+    "read_sweep",
     "recover_stresses",
     "run_case",
+    "run_sweep",
     "shoe_imbalance",
     "shoe_loads",
     "simulate",

@@ -15,6 +15,7 @@ from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.files import whole_file, write_netcdf_along
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.model.reductions import reductions_in
+from exudyn_crawler.results.compact import CONTACT_TYPE
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
@@ -196,7 +197,9 @@ def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bo
         parts = (
             xr.Dataset(
                 {
-                    "contact_force": contact_force(History(history.case, part)),
+                    "contact_force": contact_force(History(history.case, part)).astype(
+                        CONTACT_TYPE, keep_attrs=True
+                    ),
                     "terrain_deformation": deformation.sel(time=part.time),
                 },
                 attrs=part.attrs,
@@ -239,7 +242,8 @@ def write_contact_and_joints(history: History, folder: Path, outputs: Outputs, o
 
 def write_ground(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
     """The track on uneven ground at the end of the run, and what the ground carries."""
-    if outputs.figures and history.case.terrain.heights is not None:
+    terrain = history.case.terrain
+    if outputs.figures and not (terrain.heights is None and terrain.profile is None):
         figure = ground_figure(history, history.duration)
         save_figure(figure, _figure_file(folder, "ground", outputs), overwrite)
 
@@ -283,7 +287,7 @@ def write_fields(
     history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
 ) -> None:
     """Greatest von Mises stress of every node, when it occurs and its range, for ParaView."""
-    for shoe in stresses.dataset.shoe.values if outputs.figures else ():
+    for shoe in stresses.dataset.shoe.values if outputs.paraview else ():
         own = stresses.dataset.sel(shoe=shoe)
         fields = {
             "greatest von Mises": own.peak_von_mises.values,
@@ -297,9 +301,16 @@ def write_fields(
 def write_pictures(
     history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
 ) -> None:
-    """Stressed shoes at the chosen times: pictures, and the whole track for ParaView."""
-    if outputs.figures:
+    """Pictures of stressed shoes at the chosen times."""
+    if outputs.pictures:
         write_stress_pictures(stresses.dataset, history, folder, overwrite)
+
+
+def write_series(
+    history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
+) -> None:
+    """Whole track with its stressed shoes at the chosen times, for ParaView."""
+    if outputs.paraview:
         write_paraview(stresses.dataset, history, folder, overwrite)
 
 
@@ -309,6 +320,7 @@ STRESS_WRITERS: tuple[Callable[[History, StressResults, Path, Outputs, bool], No
     write_flexible_shoes,
     write_fields,
     write_pictures,
+    write_series,
 )
 """What is written of flexible shoes, in this order."""
 WRITERS: tuple[Callable[[History, Path, Outputs, bool], None], ...] = (

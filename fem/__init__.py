@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fem.blocks import Fold, StressBlock, fold_stresses
     from fem.body import ElasticBody
-    from fem.cache import Kept, cached_craig_bampton, kept_reductions
+    from fem.cache import Kept, cached_craig_bampton, cached_static_fields, kept_reductions
     from fem.critical_plane import CriticalPlanes, critical_planes, damage_on_planes, surface_normals
     from fem.damage import Counting, Damage, recover_damage
     from fem.elasticity import Material
@@ -20,37 +20,45 @@ if TYPE_CHECKING:
     )
     from fem.extremes import Extremes, recover_extremes
     from fem.fatigue import SNCurve
-    from fem.files import StaleCacheError, load_reduced, save_reduced
+    from fem.fields import FieldColumns, StaticFields, UnitLoads, field_columns, static_fields
+    from fem.files import StaleCacheError, load_fields, load_reduced, save_fields, save_reduced
     from fem.hotspots import Apart, OneARegion, hot_spots
     from fem.interfaces import Interface, center_loads
     from fem.mesh import Mesh, MeshError
     from fem.mesh_files import read_mesh, write_mesh
+    from fem.places import FlatRectangle, PressureGrid, Stations, flat_parts
     from fem.rainflow import Cycles, repeated_cycles
     from fem.recovery import Peaks, recover_peaks, shares
     from fem.reduced import ReducedBody
     from fem.reduction import Partition, craig_bampton, nested_reduction
+    from fem.shapes import Shapes, SideBySide
     from fem.surfaces import faces_joined_to, faces_seen_from
+    from fem.trust import judged, mesh_error
 
 _NAMES = {
     "blocks": "Fold StressBlock fold_stresses",
     "body": "ElasticBody",
-    "cache": "Kept cached_craig_bampton kept_reductions",
+    "cache": "Kept cached_craig_bampton cached_static_fields kept_reductions",
     "critical_plane": "CriticalPlanes critical_planes damage_on_planes surface_normals",
     "damage": "Counting Damage recover_damage",
     "elasticity": "Material",
     "export": "Program write_calculix write_frame_vtu write_load_deck write_modes_vtu write_vtu",
     "extremes": "Extremes recover_extremes",
     "fatigue": "SNCurve",
-    "files": "StaleCacheError load_reduced save_reduced",
+    "fields": "FieldColumns StaticFields UnitLoads field_columns static_fields",
+    "files": "StaleCacheError load_fields load_reduced save_fields save_reduced",
     "hotspots": "Apart OneARegion hot_spots",
     "interfaces": "Interface center_loads",
     "mesh": "Mesh MeshError",
     "mesh_files": "read_mesh write_mesh",
+    "places": "FlatRectangle PressureGrid Stations flat_parts",
     "rainflow": "Cycles repeated_cycles",
     "recovery": "Peaks recover_peaks shares",
     "reduced": "ReducedBody",
     "reduction": "Partition craig_bampton nested_reduction",
+    "shapes": "Shapes SideBySide",
     "surfaces": "faces_joined_to faces_seen_from",
+    "trust": "judged mesh_error",
 }
 """Public names of each module."""
 
@@ -62,6 +70,8 @@ __all__ = [
     "Damage",
     "ElasticBody",
     "Extremes",
+    "FieldColumns",
+    "FlatRectangle",
     "Fold",
     "Interface",
     "Kept",
@@ -71,30 +81,44 @@ __all__ = [
     "OneARegion",
     "Partition",
     "Peaks",
+    "PressureGrid",
     "Program",
     "ReducedBody",
     "SNCurve",
+    "Shapes",
+    "SideBySide",
     "StaleCacheError",
+    "StaticFields",
+    "Stations",
     "StressBlock",
+    "UnitLoads",
     "cached_craig_bampton",
+    "cached_static_fields",
     "center_loads",
     "craig_bampton",
     "critical_planes",
     "damage_on_planes",
     "faces_joined_to",
     "faces_seen_from",
+    "field_columns",
+    "flat_parts",
     "fold_stresses",
     "hot_spots",
+    "judged",
     "kept_reductions",
+    "load_fields",
     "load_reduced",
+    "mesh_error",
     "nested_reduction",
     "read_mesh",
     "recover_damage",
     "recover_extremes",
     "recover_peaks",
     "repeated_cycles",
+    "save_fields",
     "save_reduced",
     "shares",
+    "static_fields",
     "surface_normals",
     "write_calculix",
     "write_frame_vtu",

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from fem.mesh import Floats, Integers
 from fem.rank import TIME_BLOCK, StressHistory, full_rank, node_blocks, reduced_rank
+from fem.shapes import Columns
 
 Result = TypeVar("Result", covariant=True)
 
@@ -63,7 +64,7 @@ class Fold(Protocol[Result]):
 
 
 def fold_stresses(
-    stress_modes: Floats,
+    stress_modes: Columns,
     q: Floats | Iterable[Floats],
     fold: Fold[Result],
     nodes: Integers | None = None,
@@ -73,10 +74,10 @@ def fold_stresses(
 
     Parameters
     ----------
-    stress_modes : array (n, 6, m)
-        In Pa per unit of a modal coordinate.
+    stress_modes : columns (n, 6, m)
+        In Pa per unit of a coordinate: of modes, or of modes and static fields side by side.
     q : array (t, m), or iterable of arrays
-        Modal coordinates, or blocks of them in order of time.
+        Coordinates, or blocks of them in order of time.
     fold : Fold
         What is kept.
     nodes : int array, optional

@@ -1,4 +1,4 @@
-"""Reductions kept on disk: a file each, named by the digest of everything that it depends on."""
+"""Reductions and static fields kept on disk: a file each, named by the digest of all that it depends on."""
 
 import hashlib
 import json
@@ -8,21 +8,27 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from filelock import FileLock
 
 from fem.body import ElasticBody
 from fem.compiling import FEM, source_digest
-from fem.files import FORMAT, load_reduced, save_reduced
+from fem.fields import StaticFields, UnitLoads, static_fields
+from fem.files import FIELDS_FORMAT, FORMAT, load_fields, load_reduced, save_fields, save_reduced
 from fem.interfaces import Interface
 from fem.mesh import Floats
 from fem.reduced import ReducedBody
-from fem.reduction import craig_bampton
+from fem.reduction import Partition, craig_bampton
 
 LIMIT = 3e9
 """Bytes that a folder may hold; what was not used for longest goes first. The study mesh takes 0.2e9."""
+
+FIELDS_SUFFIX = ".fields.h5"
+"""Ending of files of static fields, which reductions do not have."""
+
+Made = TypeVar("Made")
 
 logger = logging.getLogger(__name__)
 
@@ -86,21 +92,90 @@ def cached_craig_bampton(
     """
     digest = reduction_digest(body, interfaces, n_fixed_modes, residual_loads)
     path = Path(folder) / f"{digest[:32]}.h5"
+    reduced, found = _taken_or_made(
+        path,
+        lambda: load_reduced(path, body.mesh, digest),
+        lambda: craig_bampton(body, interfaces, n_fixed_modes, residual_loads),
+        lambda made: save_reduced(path, made, digest),
+        warn,
+        "the reduction",
+    )
+    return Kept(reduced, path, found)
+
+
+def cached_static_fields(
+    folder: str | Path,
+    body: ElasticBody,
+    kept: Kept,
+    families: Mapping[str, UnitLoads],
+    warn: Callable[[str], None] = logger.warning,
+) -> StaticFields:
+    """Static fields beside a kept reduction, from a folder if they are there, else made anew and kept.
+
+    What is said of `cached_craig_bampton` goes for them, too.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Made where it is missing.
+    body : ElasticBody
+        That was reduced.
+    kept : Kept
+        Of `cached_craig_bampton`.
+    families : mapping of str to UnitLoads
+        As of `static_fields`, whose errors this has too.
+    warn : callable
+        Gets a line about a file that is broken or cannot be written.
+    """
+    sha = hashlib.sha256((FIELDS_FORMAT + kept.path.name).encode())
+    for name, family in families.items():
+        sha.update(json.dumps([name, *family.forces.shape]).encode())
+        for array in (family.forces.data, family.forces.indices, family.forces.indptr, family.centers):
+            sha.update(np.ascontiguousarray(array).tobytes())
+    digest = sha.hexdigest()
+    path = Path(folder) / f"{digest[:32]}{FIELDS_SUFFIX}"
+    fields, _ = _taken_or_made(
+        path,
+        lambda: load_fields(path, digest),
+        lambda: static_fields(Partition(body, kept.body.interfaces), kept.body, families),
+        lambda made: save_fields(path, made, digest),
+        warn,
+        "the file of static fields",
+    )
+    return fields
+
+
+def _taken_or_made(
+    path: Path,
+    load: Callable[[], Made],
+    make: Callable[[], Made],
+    save: Callable[[Made], None],
+    warn: Callable[[str], None],
+    what: str,
+) -> tuple[Made, bool]:
+    """What a file holds, or what is made anew and kept in it, and whether it was there."""
     with _alone(path, warn):
-        found = _taken(path, body, digest, warn)
-        if found is not None:
-            return Kept(found, path, True)
-        reduced = craig_bampton(body, interfaces, n_fixed_modes, residual_loads)
         try:
-            save_reduced(path, reduced, digest)
+            found = load()
+        except FileNotFoundError:
+            pass
+        except ValueError as error:
+            warn(f"{what} is made anew: {error}")
+        else:
+            with suppress(OSError):
+                os.utime(path)
+            return found, True
+        made = make()
+        try:
+            save(made)
             _make_room(path.parent)
         except OSError as error:
-            warn(f"the reduction is not kept, {path} cannot be written: {error}")
-    return Kept(reduced, path, False)
+            warn(f"{what} is not kept, {path} cannot be written: {error}")
+    return made, False
 
 
 def kept_reductions(folder: str | Path) -> list[Path]:
-    """Files of reductions in a folder, those used last first."""
+    """Files of reductions and their static fields in a folder, those used last first."""
     used = {}
     for path in Path(folder).glob("[!.]*.h5"):  # a dot before what is being written
         with suppress(FileNotFoundError):  # another process made room
@@ -121,20 +196,6 @@ def _alone(path: Path, warn: Callable[[str], None]) -> Iterator[None]:
         yield
     finally:
         lock.release()
-
-
-def _taken(path: Path, body: ElasticBody, digest: str, warn: Callable[[str], None]) -> ReducedBody | None:
-    """Reduction in a file, None where there is none that is whole."""
-    try:
-        found = load_reduced(path, body.mesh, digest)
-    except FileNotFoundError:
-        return None
-    except ValueError as error:
-        warn(f"the reduction is made anew: {error}")
-        return None
-    with suppress(OSError):
-        os.utime(path)
-    return found
 
 
 def _make_room(folder: Path) -> None:

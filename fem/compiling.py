@@ -6,37 +6,39 @@ made of.
 """
 
 import hashlib
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from numba import njit
+from numba.core.event import Event, Listener, install_listener
 
 
-def source_digest(*folders: Path) -> str:
-    """SHA-256 of all Python sources in some folders."""
+def source_digest(*sources: Path) -> str:
+    """SHA-256 of some Python sources: files, or all in a folder."""
     digest = hashlib.sha256()
-    for folder in folders:
-        for path in sorted(folder.rglob("*.py")):
+    for source in sources:
+        for path in sorted(source.rglob("*.py")) if source.is_dir() else [source]:
             digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
-def compiler(*folders: Path, **options: Any) -> Callable[[Callable], Any]:
-    """Decorator that compiles a function and keeps the result until a source in one of the folders changes.
+def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
+    """Decorator that compiles a function and keeps the result until one of the sources changes.
 
     Parameters
     ----------
-    folders : Path
-        Where the function and all that it calls are.
+    sources : Path
+        Files or folders in which the function and all that it calls are.
     options :
         As of `numba.njit`.
     """
-    stamp = source_digest(*folders)
+    stamp = source_digest(*sources)
 
     def compiled(function: Callable) -> Any:
-        dispatcher = njit(cache=True, **options)(function)
+        # nobody takes the C address of a function, which would be a fifth of the time to compile
+        dispatcher = njit(cache=True, no_cfunc_wrapper=True, **options)(function)
         # numba has no public way to say what a function is made of; without the attributes it keeps its own
         cache: Any = getattr(dispatcher, "_cache", None)
         kept = getattr(cache, "_cache_file", None)
@@ -46,6 +48,26 @@ def compiler(*folders: Path, **options: Any) -> Callable[[Callable], Any]:
         return dispatcher
 
     return compiled
+
+
+@contextmanager
+def told_of_compiling(functions: Collection[Any], tell: Callable[[], None]) -> Iterator[None]:
+    """Call `tell` once when one of some compiled functions has to be compiled meanwhile."""
+    with install_listener("numba:compile", _Once(functions, tell)):
+        yield
+
+
+class _Once(Listener):
+    def __init__(self, functions: Collection[Any], tell: Callable[[], None]) -> None:
+        self._left, self._tell = list(functions), tell
+
+    def on_start(self, event: Event) -> None:
+        if any(event.data["dispatcher"] is one for one in self._left):
+            self._left = []
+            self._tell()
+
+    def on_end(self, event: Event) -> None:
+        """Nothing is told of the end."""
 
 
 def _forgiving(save: Callable[..., None]) -> Callable[..., None]:

@@ -29,7 +29,12 @@ def write_vtu(
     point_data = {name: np.ascontiguousarray(field) for name, field in fields.items()}
     meshio.write(
         path,
-        meshio.Mesh(mesh.nodes if nodes is None else nodes, [(kind, mesh.elements)], point_data=point_data),
+        # half the numbers of the nodes are half the time, which compressing takes
+        meshio.Mesh(
+            mesh.nodes if nodes is None else nodes,
+            [(kind, mesh.elements.astype(np.int32))],
+            point_data=point_data,
+        ),
         file_format="vtu",
     )
 

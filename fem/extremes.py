@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.compiling import FEM, compiler
 from fem.mesh import Floats, Integers
-from fem.rank import TIME_BLOCK
+from fem.rank import TIME_BLOCK, node_blocks
 from fem.recovery import DEVIATOR, Peaks
+from fem.shapes import Columns
 
 Singles = NDArray[np.float32]
 
@@ -60,7 +61,7 @@ class Extremes:
 
 
 def recover_extremes(
-    stress_modes: Floats,
+    stress_modes: Columns,
     q: Floats | Iterable[Floats],
     *,
     ranked: Integers | None = None,
@@ -89,7 +90,7 @@ def recover_extremes(
         likely = fold_stresses(stress_modes, rows, _LikelyExtremes(chosen), tolerance=tolerance)
         open_times, open_nodes = likely.open_cells()
         if open_times.mean() < MOST and open_nodes.mean() < MOST:
-            return _evaluated(np.ascontiguousarray(stress_modes), rows, likely, chosen)
+            return _evaluated(stress_modes, rows, likely, chosen)
     return fold_stresses(stress_modes, rows, VonMisesExtremes(chosen))
 
 
@@ -276,26 +277,30 @@ def _search_times(stress_modes, q, nodes, cells, sense, best, at):
 
 
 @compiler(FEM, nogil=True)
-def _search_nodes(stress_modes, q, cells, rows, ranked, best, at):
-    """Highest square of rows in cells of nodes, and the node of the first of equals."""
+def _search_nodes(stress_modes, q, cells, rows, ranked, best, at, first):
+    """Highest square of rows in cells of nodes, counted from `first`, and the node of the first of equals."""
     for cell, row in zip(cells, rows):  # noqa: B905 - compiled
         for node in range(CELL * cell, min(CELL * (cell + 1), len(stress_modes))):
             if ranked[node]:
                 square = _square(stress_modes[node], q[row])
                 if square > best[row]:
-                    best[row], at[row] = square, node
+                    best[row], at[row] = square, first + node
 
 
-def _evaluated(stress_modes: Floats, q: Floats, likely: _Likely, ranked: NDArray[np.bool_]) -> Extremes:
+def _evaluated(stress_modes: Columns, q: Floats, likely: _Likely, ranked: NDArray[np.bool_]) -> Extremes:
     """Extremes at full rank, of all nodes and times that may hold them."""
     open_times, open_nodes = likely.open_cells()
     n, t = len(stress_modes), len(q)
     greatest, least, highest = np.full(n, -np.inf), np.full(n, -np.inf), np.full(t, -np.inf)
     at, places = np.zeros(n, dtype=np.int64), np.zeros(t, dtype=np.int64)
     rows = np.ascontiguousarray(q)
-    _search_times(stress_modes, rows, *np.nonzero(open_times), 1.0, greatest, at)
     lowest = likely.least.argmin(axis=1)
-    _search_times(stress_modes, rows, np.arange(n), lowest, -1.0, least, np.zeros(n, dtype=np.int64))
-    _search_nodes(stress_modes, rows, *np.nonzero(open_nodes), ranked, highest, places)
+    for of in node_blocks(n):
+        shapes = np.ascontiguousarray(stress_modes[of])
+        inside, first = np.arange(len(shapes)), of.start // CELL
+        _search_times(shapes, rows, *np.nonzero(open_times[of]), 1.0, greatest[of], at[of])
+        _search_times(shapes, rows, inside, lowest[of], -1.0, least[of], np.zeros_like(inside))
+        cells = np.nonzero(open_nodes[first : -(-of.stop // CELL)])
+        _search_nodes(shapes, rows, *cells, ranked[of], highest, places, of.start)
     bound = likely.bound.astype(float)
     return Extremes(np.sqrt(greatest), at, np.sqrt(-least), np.sqrt(highest), places, bound)

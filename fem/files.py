@@ -1,27 +1,34 @@
-"""Reduced bodies to and from one HDF5 file, with digests that tell a stale one."""
+"""Reduced bodies and static fields to and from an HDF5 file each, with digests that tell a stale one."""
 
 import hashlib
 import io
 import json
 import os
 import tempfile
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
+from typing import TypeVar
 
 import h5py
 import numpy as np
 
 from fem.elasticity import Material
+from fem.fields import StaticFields
 from fem.interfaces import Interface
 from fem.mesh import Mesh
 from fem.reduced import ReducedBody
 
 FORMAT = "fem reduced body 2"
 _ARRAYS = ("frequencies", "modes", "stress_modes", "pilots", "center_of_mass", "inertia", "ritz")
+FIELDS_FORMAT = "fem static fields 1"
+_FIELD_ARRAYS = ("displacements", "energy", "work")
+
+Kind = TypeVar("Kind")
 
 
 class StaleCacheError(ValueError):
-    """A file of a reduced body that belongs to another mesh or to other parameters."""
+    """A file that belongs to another mesh or to other parameters."""
 
 
 def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
@@ -35,10 +42,8 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
     digest : str
         Of `cache.reduction_digest`, if the file is to serve as a cache.
     """
-    path = Path(path)
-    # made in memory first: where a disk is full, HDF5 does not fail but ends the process
-    content = io.BytesIO()
-    with h5py.File(content, "w") as file:
+
+    def fill(file: h5py.File) -> None:
         file.attrs["format"] = FORMAT
         file.attrs["mesh_digest"] = body.mesh.digest
         file.attrs["digest"] = digest
@@ -61,6 +66,38 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
             entry = file.create_group(f"interfaces/{number:03d}")
             entry.attrs["name"], entry.attrs["spider"] = interface.name, interface.spider
             entry["center"], entry["nodes"] = interface.center, interface.nodes
+
+    _write_whole(Path(path), fill)
+
+
+def save_fields(path: str | Path, fields: StaticFields, digest: str = "") -> None:
+    """Write static fields into an HDF5 file, replaced only when complete.
+
+    Parameters
+    ----------
+    path : str or Path
+    fields : StaticFields
+    digest : str
+        Of what they were made with, if the file is to serve as a cache.
+    """
+
+    def fill(file: h5py.File) -> None:
+        file.attrs["format"] = FIELDS_FORMAT
+        file.attrs["digest"] = digest
+        file.attrs["content"] = _fields_digest(fields)
+        file.attrs["families"] = json.dumps(dict(fields.families))
+        for name in _FIELD_ARRAYS:
+            file[name] = getattr(fields, name)
+
+    _write_whole(Path(path), fill)
+
+
+def _write_whole(path: Path, fill: Callable[[h5py.File], None]) -> None:
+    """Write an HDF5 file that `fill` fills, whole or not at all."""
+    # made in memory first: where a disk is full, HDF5 does not fail but ends the process
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        fill(file)
     handle, part = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
     try:
         with open(handle, "wb") as stream:
@@ -92,7 +129,33 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
     StaleCacheError
         If mesh or digest differ.
     """
-    path = Path(path)
+    return _read_whole(Path(path), lambda file: _read(file, Path(path), mesh, digest))
+
+
+def load_fields(path: str | Path, digest: str | None = None) -> StaticFields:
+    """Read static fields.
+
+    Parameters
+    ----------
+    path : str or Path
+        File of `save_fields`.
+    digest : str, optional
+        That it must have, if given.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is no file of static fields, or a broken one.
+    StaleCacheError
+        If the digest differs.
+    """
+    return _read_whole(Path(path), lambda file: _read_fields(file, Path(path), digest))
+
+
+def _read_whole(path: Path, read: Callable[[h5py.File], Kind]) -> Kind:
+    """What `read` makes of an HDF5 file; `ValueError` where it is broken."""
     if not path.is_file():
         raise FileNotFoundError(f"no file {path}")
     try:
@@ -101,9 +164,30 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
         raise ValueError(f"{path} must be an HDF5 file, got: {error}") from error
     try:
         with file:
-            return _read(file, path, mesh, digest)
+            return read(file)
     except (OSError, KeyError, TypeError, RuntimeError) as error:
         raise ValueError(f"{path} must be whole, got a broken file: {error}") from error
+
+
+def _read_fields(file: h5py.File, path: Path, digest: str | None) -> StaticFields:
+    if file.attrs.get("format") != FIELDS_FORMAT:
+        raise ValueError(f"{path} must be a {FIELDS_FORMAT!r} file, got {file.attrs.get('format')!r}")
+    if digest is not None and file.attrs["digest"] != digest:
+        raise StaleCacheError(f"{path} must be made with the body and loads given, got others")
+    fields = StaticFields(
+        json.loads(file.attrs["families"]), **{name: file[name][()] for name in _FIELD_ARRAYS}
+    )
+    if file.attrs["content"] != _fields_digest(fields):
+        raise ValueError(f"{path} must be whole, got content that its own digest does not confirm")
+    return fields
+
+
+def _fields_digest(fields: StaticFields) -> str:
+    """SHA-256 of all that static fields hold."""
+    sha = hashlib.sha256(json.dumps(dict(fields.families)).encode())
+    for name in _FIELD_ARRAYS:
+        sha.update(np.ascontiguousarray(getattr(fields, name)).data)
+    return sha.hexdigest()
 
 
 def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) -> ReducedBody:

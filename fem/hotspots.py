@@ -10,8 +10,9 @@ from scipy.spatial import cKDTree
 
 from fem.mesh import Floats, Integers, Mesh
 from fem.recovery import Peaks, recover_peaks
-from fem.reduced import ReducedBody
+from fem.shapes import Shapes
 from fem.stress import Criterion, stress_jump
+from fem.trust import IN_SPIDER, mesh_error
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,7 @@ def _one_a_region(mesh: Mesh, peaks: Peaks, fraction: float, count: int) -> list
 
 
 def hot_spots(
-    body: ReducedBody,
+    body: Shapes,
     times: Floats,
     q: Floats,
     count: int = 5,
@@ -120,11 +121,11 @@ def hot_spots(
 
     Parameters
     ----------
-    body : ReducedBody
+    body : Shapes
     times : array (t,)
         In s.
     q : array (t, m)
-        Modal coordinates.
+        Coordinates of the body's columns.
     count : int
         Number of rows at most.
     criterion : str
@@ -142,8 +143,10 @@ def hot_spots(
     -------
     pandas.DataFrame
         rank, value (Pa), node, time (s), x, y, z (m, body axes), flag ("in spider",
-        "beside spider" or empty) and jump (Pa): by how much the elements around the node disagree
-        at that time. A jump of the value's own size means that the mesh makes the peak.
+        "beside spider" or empty), jump (Pa): by how much the elements around the node disagree
+        at that time, and error (Pa): what the mesh leaves open of the von Mises stress, as of
+        `trust.mesh_error`. A jump of the value's own size means that the mesh makes the peak;
+        `trust.judged` makes one verdict of all this.
 
     Raises
     ------
@@ -176,16 +179,17 @@ def hot_spots(
     return _table(body, times, q, peaks, places)
 
 
-def _table(body: ReducedBody, times: Floats, q: Floats, peaks: Peaks, places: list[int]) -> pd.DataFrame:
+def _table(body: Shapes, times: Floats, q: Floats, peaks: Peaks, places: list[int]) -> pd.DataFrame:
     """Table of `hot_spots` for chosen places in the peaks."""
     found, rows = peaks.nodes[places], peaks.time_indices[places]
-    jumps = {
-        int(row): stress_jump(body.mesh, body.material, body.displacement(q[row])[0])
-        for row in np.unique(rows)
-    }
+    jumps, errors = {}, {}
+    for row in np.unique(rows).tolist():
+        displacement = body.displacement(q[row])[0]
+        jumps[row] = stress_jump(body.mesh, body.material, displacement)
+        errors[row] = mesh_error(body.mesh, body.material, displacement)
     flags = np.where(
         np.isin(found, body.spider_nodes),
-        "in spider",
+        IN_SPIDER,
         np.where(np.isin(found, body.nodes_beside_spiders), "beside spider", ""),
     )
     return pd.DataFrame(
@@ -198,6 +202,7 @@ def _table(body: ReducedBody, times: Floats, q: Floats, peaks: Peaks, places: li
             "y": body.nodes[found, 1],
             "z": body.nodes[found, 2],
             "flag": flags,
-            "jump": [jumps[int(row)][node] for row, node in zip(rows, found, strict=True)],
+            "jump": [jumps[row][node] for row, node in zip(rows.tolist(), found, strict=True)],
+            "error": [errors[row][node] for row, node in zip(rows.tolist(), found, strict=True)],
         }
     )

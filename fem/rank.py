@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.mesh import Floats
+from fem.shapes import Columns
 
 NODE_BLOCK, TIME_BLOCK = 256, 256
 """Nodes and times of one product; its result stays in the processor's cache."""
@@ -46,7 +47,7 @@ def node_blocks(count: int) -> list[slice]:
     return [slice(first, min(first + NODE_BLOCK, count)) for first in range(0, count, NODE_BLOCK)]
 
 
-def full_rank(stress_modes: Floats, history: list[Floats], components: Floats | None) -> StressHistory:
+def full_rank(stress_modes: Columns, history: list[Floats], components: Floats | None) -> StressHistory:
     """Stress of modes (n, 6, m) over a history of blocks (m, t), in double precision.
 
     Parameters

@@ -12,6 +12,7 @@ import numpy as np
 from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.compiling import FEM, compiler
 from fem.mesh import Floats, Integers
+from fem.shapes import Columns
 from fem.stress import CRITERIA, Criterion, evaluate
 
 DEVIATOR = np.array(
@@ -133,7 +134,7 @@ class GreatestOf(Fold[Peaks]):
 
 
 def recover_peaks(
-    stress_modes: Floats,
+    stress_modes: Columns,
     q: Floats | Iterable[Floats],
     criterion: Criterion = "von mises",
     nodes: Integers | None = None,
@@ -162,7 +163,7 @@ def recover_peaks(
     return fold_stresses(stress_modes, q, GreatestOf(criterion), nodes)
 
 
-def shares(stress_modes: Floats, q: Floats, node: int) -> Floats:
+def shares(stress_modes: Columns, q: Floats, node: int) -> Floats:
     """Shares (m,) in Pa of each mode in the von Mises stress of a node at one time.
 
     The von Mises stress is homogeneous of first order in the stress, so that the derivative along
@@ -170,7 +171,7 @@ def shares(stress_modes: Floats, q: Floats, node: int) -> Floats:
 
     Parameters
     ----------
-    stress_modes : array (n, 6, m)
+    stress_modes : columns (n, 6, m)
         Of modes, or of loads.
     q : array (m,)
         Their coordinates at that time.

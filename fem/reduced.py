@@ -10,11 +10,11 @@ from fem.body import ElasticBody
 from fem.elasticity import Material
 from fem.interfaces import Interface, averaging_rows
 from fem.mesh import Floats, Integers, Mesh
-from fem.stress import von_mises
+from fem.shapes import Shapes
 
 
 @dataclass(frozen=True, eq=False)
-class ReducedBody:
+class ReducedBody(Shapes):
     """Reduced elastic body in body axes; n nodes, m elastic modes, i interfaces.
 
     The modal mass matrix is the identity, the modal stiffness diag((2 pi f)^2); rigid-body modes
@@ -90,11 +90,6 @@ class ReducedBody:
             dict(parameters),
             ritz,
         )
-
-    @property
-    def nodes(self) -> Floats:
-        """Positions of the nodes (n, 3) in m."""
-        return self.mesh.nodes
 
     @property
     def modal_mass(self) -> Floats:
@@ -210,35 +205,3 @@ class ReducedBody:
         if surface not in self.surface_weights:
             raise KeyError(f"surface must be one of {sorted(self.surface_weights)}, got {surface!r}")
         return self.surface_weights[surface]
-
-    def displacement(self, q: Floats) -> Floats:
-        """Elastic displacements (t, n, 3) in m of modal coordinates (t, m) or (m,)."""
-        return np.tensordot(np.atleast_2d(q), self.modes, axes=([1], [2]))
-
-    def stress(self, q: Floats, nodes: Integers | None = None) -> Floats:
-        """Nodal Cauchy stress (t, n or len(nodes), 6) in Pa of modal coordinates (t, m) or (m,)."""
-        modes = self.stress_modes if nodes is None else self.stress_modes[nodes]
-        return np.tensordot(np.atleast_2d(q), modes, axes=([1], [2]))
-
-    def von_mises(self, q: Floats, nodes: Integers | None = None) -> Floats:
-        """Nodal von Mises stress (t, n or len(nodes)) in Pa of modal coordinates (t, m) or (m,)."""
-        return von_mises(self.stress(q, nodes))
-
-    @property
-    def spider_nodes(self) -> Integers:
-        """Numbers of the nodes inside spiders, ascending."""
-        return np.unique(np.concatenate([i.nodes for i in self.interfaces]))
-
-    @property
-    def nodes_away_from_spiders(self) -> Integers:
-        """Numbers of the nodes neither inside nor beside spiders, ascending."""
-        near = np.concatenate([self.spider_nodes, self.nodes_beside_spiders])
-        return np.setdiff1d(np.arange(len(self.nodes)), near)
-
-    @property
-    def nodes_beside_spiders(self) -> Integers:
-        """Numbers of the nodes of elements that touch a spider, spiders' own left out."""
-        inside = np.zeros(len(self.mesh.nodes), dtype=bool)
-        inside[self.spider_nodes] = True
-        touching = inside[self.mesh.elements].any(axis=1)
-        return np.setdiff1d(np.unique(self.mesh.elements[touching]), self.spider_nodes)

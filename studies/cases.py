@@ -2,6 +2,7 @@
 
 from exudyn_crawler import Case, CaseFile
 from studies.defaults import CYCLE_DURATION, DURATION
+from studies.grounds import uneven_case
 
 
 def kinematics() -> CaseFile:
@@ -21,6 +22,4 @@ def stress() -> CaseFile:
 
 def uneven() -> CaseFile:
     """Straight propel over random roughness."""
-    from studies.uneven_ground import uneven_case
-
     return CaseFile(case=uneven_case("rough"), duration=DURATION)

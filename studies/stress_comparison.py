@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.propel import in_phase
@@ -78,7 +79,7 @@ def stress_value(history: History, results: StressResults, case: str, quantity: 
 def compare_stresses(history: History, results: StressResults) -> pd.DataFrame:
     """Every row of the S-paper against a run; columns as of `comparison.comparison_table`."""
     reported = reported_values("stress")
-    frequencies = results.whole.frequencies
+    frequencies = whole_reduction(history.case).body.frequencies
     computed = []
     for row in reported.itertuples():
         if row.case == "modal":

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from exudyn_crawler import Case, Drive, History, StepProfile, recover_stresses, simulate
-from studies.uneven_ground import uneven_case
+from studies.grounds import uneven_case
 
 KEPT = Path(__file__).with_name("golden.json")
 SPEED = StepProfile(times=(0, 0.2), values=(0, 0.1))

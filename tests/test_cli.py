@@ -16,6 +16,7 @@ import pytest
 
 from exudyn_crawler import Case, History, cli
 from exudyn_crawler.case import CaseFile, read_case
+from exudyn_crawler.cli import sweeping
 from exudyn_crawler.cli.registered import COMMANDS as GROUP
 from exudyn_crawler.cli.registered import registered
 
@@ -35,6 +36,7 @@ COMMANDS = (
     "shoe-loads",
     "compare",
     "life",
+    "sweep",
 )
 
 
@@ -96,12 +98,15 @@ def test_every_command_is_among_those_tested(call):
     _, out, _ = call("--help")
     own = {command.callback.__name__.replace("_", "-") for command in cli.app.registered_commands}
     looking = {"report", "animate", "node-stress", "pin-forces", "shoe-loads", "compare"}
-    assert own == {"init", "info", "run"} | looking
+    assert own == {"init", "info", "run", "sweep"} | looking
     assert own | set(registered(GROUP)) == set(COMMANDS)
     assert all(name in out for name in COMMANDS)
 
 
 ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso"}
+TABLES = {"xarray", "pandas"}
+NUMBERS = {"numpy", "scipy"} | TABLES
+ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso", "dask", "distributed"}
 NUMBERS = {"numpy", "xarray", "pandas", "scipy"}
 
 
@@ -111,9 +116,12 @@ NUMBERS = {"numpy", "xarray", "pandas", "scipy"}
         (["--help"], ENGINE_AND_FIGURES | NUMBERS),
         (["--version"], ENGINE_AND_FIGURES | NUMBERS),
         (["run", "--help"], ENGINE_AND_FIGURES | NUMBERS),
+        (["info"], ENGINE_AND_FIGURES | TABLES),
+        (["info", "uneven"], ENGINE_AND_FIGURES | TABLES),
+        (["sweep", "--help"], ENGINE_AND_FIGURES | NUMBERS),
         (["info"], ENGINE_AND_FIGURES),
         # the weight of its flexible shoes is that of their mesh
-        (["info", "stress"], ENGINE_AND_FIGURES - {"skfem"}),
+        (["info", "stress"], (ENGINE_AND_FIGURES | TABLES) - {"skfem"}),
         (["run", "nowhere.toml"], ENGINE_AND_FIGURES),
         (["init", "own", "--study", "opera"], ENGINE_AND_FIGURES),
         (["report", "nowhere"], ENGINE_AND_FIGURES | NUMBERS),
@@ -200,6 +208,10 @@ def test_two_runs_are_compared(call, translation, turning, tmp_path):
     assert (tmp_path / "straight_turning.html").is_file()
     table = pd.read_csv(tmp_path / "straight_turning.csv")
     assert "angular_velocity" in set(table["quantity"])
+    (tmp_path / "turning" / "stress.nc").write_bytes(b"\x89HDF\r\n\x1a\n broken")
+    code, _, err = call("compare", "straight", "turning", "--overwrite")
+    assert (code, len(err.splitlines())) == (2, 1)
+    assert f"{Path('turning', 'stress.nc')} cannot be read" in err
     code, _, err = call("compare", "straight", "nowhere")
     assert code == 2
     assert_one_line(err, "no folder nowhere")
@@ -493,3 +505,56 @@ def test_a_value_can_be_set_on_the_command_line(call, short):
     code, _, err = call("info", "kinematics", "--set", "duration=1")
     assert code == 2
     assert_one_line(err, "--set must go with a case file")
+
+
+@pytest.fixture
+def soils(tmp_path):
+    """Sweep file of three short runs."""
+    path = tmp_path / "soils.toml"
+    path.write_text(
+        '[case]\nbase = "translation"\nduration = 0.02\n[[answers]]\nquantity = "joint_force"\n'
+        '[[vary]]\nkey = "terrain.spring_stiffness"\nlow = 1e7\nhigh = 3e7\ncount = 3\n'
+    )
+    return path
+
+
+def test_a_dry_run_of_a_sweep_shows_its_runs_and_leaves_nothing(call, soils, tmp_path):
+    code, told, _ = call("sweep", soils.name, "--dry-run", "--workers", 2)
+    assert code == 0
+    assert "3 runs; spring_stiffness in N/m" in told
+    assert "3 runs: 0 are there, 3 to run\n3 runs of about " in told
+    assert {path.name for path in tmp_path.iterdir()} == {"soils.toml"}
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "words"),
+    [
+        (("spring_stiffness", "spring_stifness"), (), "terrain.spring_stifness: unknown key; did you mean"),
+        (("low = 1e7", "low = 10"), (), "is it in MN/m? It has to be in N/m"),
+        (("joint_force", "pin_force"), (), "needs flexible shoes, the case has none"),
+        (("count = 3", "runs = 3"), (), "vary[0].runs: unknown key"),
+        (
+            ("", ""),
+            ("--scheduler", "none.json"),
+            "scheduler must be one that answers, got none.json",
+        ),
+        (
+            ("", ""),
+            ("--scheduler", "a.json", "--workers", "2"),
+            "--workers must be left out with",
+        ),
+        (("", ""), ("--storage", "nosuch://bucket"), "storage must be an address that can be written to"),
+    ],
+)
+def test_what_is_wrong_with_a_sweep_is_told_in_a_line(call, soils, change, options, words):
+    soils.write_text(soils.read_text().replace(*change))
+    code, _, told = call("sweep", soils.name, *options)
+    assert code == 2
+    assert_one_line(told, words)
+
+
+def test_sweeps_without_what_they_need_say_how_to_get_it(call, soils, monkeypatch):
+    monkeypatch.setattr(sweeping, "find_spec", lambda name: None)
+    code, _, told = call("sweep", soils.name)
+    assert code == 2
+    assert_one_line(told, "pip install 'exudyn-crawler[sweep]'")

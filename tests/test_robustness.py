@@ -163,7 +163,7 @@ def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
     assert History.load(tmp_path / "out" / "history.nc").duration == pytest.approx(0.05, rel=1e-9)
 
 
-@pytest.mark.simulation
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_a_killed_study_goes_on_too(tmp_path):
     script = (

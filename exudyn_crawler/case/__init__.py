@@ -12,12 +12,15 @@ from exudyn_crawler.case.drive import Drive
 from exudyn_crawler.case.files import read_case, write_case
 from exudyn_crawler.case.flexible import FlexibleShoes
 from exudyn_crawler.case.loads import LoadCycle, Phase
+from exudyn_crawler.case.machine import MachineCycle, MachinePhase, Pose, Shovel
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.case.profile import StepProfile
+from exudyn_crawler.case.rails import Rails
 from exudyn_crawler.case.shoe import Shoe
 from exudyn_crawler.case.solver import Solver
 from exudyn_crawler.case.terrain import Terrain
 from exudyn_crawler.case.track import Track
+from exudyn_crawler.case.undercarriage import Undercarriage
 
 __all__ = [
     "Case",
@@ -25,15 +28,21 @@ __all__ = [
     "Drive",
     "FlexibleShoes",
     "LoadCycle",
+    "MachineCycle",
+    "MachinePhase",
     "Outputs",
     "PairContact",
     "Phase",
+    "Pose",
+    "Rails",
     "Shoe",
+    "Shovel",
     "Solver",
     "SphereContact",
     "StepProfile",
     "Terrain",
     "Track",
+    "Undercarriage",
     "read_case",
     "write_case",
 ]

@@ -12,10 +12,14 @@ from exudyn_crawler.case.contact import Contact, PairContact, SphereContact
 from exudyn_crawler.case.drive import Drive
 from exudyn_crawler.case.flexible import FlexibleShoes
 from exudyn_crawler.case.loads import LoadCycle
+from exudyn_crawler.case.machine import MachineCycle
+from exudyn_crawler.case.rails import Rails
+from exudyn_crawler.case.rolled import check_length, check_rolled
 from exudyn_crawler.case.shoe import Shoe
 from exudyn_crawler.case.solver import Solver
 from exudyn_crawler.case.terrain import Terrain
 from exudyn_crawler.case.track import Track
+from exudyn_crawler.case.undercarriage import Undercarriage
 
 Kind = TypeVar("Kind", PairContact, SphereContact)
 
@@ -38,6 +42,14 @@ class Case(Parameters):
     drive: Drive
     loads: LoadCycle
     flexible: FlexibleShoes | None = None
+    undercarriage: Undercarriage | None = Field(
+        default=None,
+        description="side frame that rolls over the shoes with the drive's speed; none: the drive drags the "
+        "front shoe, and the machine is a load on each",
+    )
+    machine: MachineCycle | None = Field(
+        default=None, description="what the machine does on the side frame; none: its weight alone"
+    )
     solver: Solver = Solver()
     terrain_formulation: Literal["reduced", "constrained"] = Field(
         default="reduced",
@@ -72,10 +84,24 @@ class Case(Parameters):
             self._check_spheres(self.contact.radius)
         elif self.terrain.heights is not None:
             raise ValueError(
-                "terrain.heights must be None with contact.model 'pair', whose law presumes one height; "
-                "contact.model 'spheres' takes uneven ground, with rigid shoes; ground that slopes as a "
-                "whole, by terrain.grade and terrain.side_slope, goes with both"
+                "terrain.heights must be None with contact.model 'pair', whose law takes no steps between "
+                "units but a smooth terrain.profile, also with flexible shoes; contact.model 'spheres' takes "
+                "steps, with rigid shoes; ground that slopes as a whole, by terrain.grade and "
+                "terrain.side_slope, goes with both"
             )
+        if self.terrain.profile is not None:
+            self._check_profile()
+        if self.undercarriage is not None:
+            if self.formulation == "engine" or not self._can_be_compiled:
+                raise ValueError(
+                    "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
+                    "not go with an undercarriage, which the compiled equations alone carry"
+                )
+            check_rolled(self.undercarriage, self.shoe, self.track, self.drive, self.loads)
+            if self.machine is not None:
+                self.machine.check_balance(self.undercarriage, self.gravity_vector())
+        elif self.machine is not None:
+            raise ValueError("machine must be None without an undercarriage, on which it acts")
         if self.formulation == "compiled" and not self._can_be_compiled:
             raise ValueError(
                 "formulation must be 'engine' with contact.model 'spheres' or terrain_formulation "
@@ -83,6 +109,11 @@ class Case(Parameters):
             )
         self.check_support(0.0)
         return self
+
+    @property
+    def propel(self) -> Literal["dragged", "rolled"]:
+        """How the machine moves: a side frame rolls over shoes that stand, or the front shoe is dragged."""
+        return "dragged" if self.undercarriage is None else "rolled"
 
     @property
     def _can_be_compiled(self) -> bool:
@@ -101,8 +132,20 @@ class Case(Parameters):
         if isinstance(self.contact, SphereContact):
             raise ValueError(
                 "flexible must be None with contact.model 'spheres', whose shoes are rigid; flexible shoes "
-                "go with contact.model 'pair' on even ground, which may slope by terrain.grade and "
-                "terrain.side_slope"
+                "go with contact.model 'pair' on even ground or a smooth terrain.profile, which both may "
+                "slope as a whole by terrain.grade and terrain.side_slope"
+            )
+
+    def _check_profile(self) -> None:
+        if isinstance(self.contact, SphereContact):
+            raise ValueError(
+                "terrain.profile must be None with contact.model 'spheres', which takes terrain.heights; "
+                "contact.model 'pair' takes a profile"
+            )
+        if self.terrain_formulation != "reduced":
+            raise ValueError(
+                "terrain_formulation must be 'reduced' on a terrain.profile, "
+                f"got {self.terrain_formulation!r}"
             )
 
     def _check_spheres(self, radius: float) -> None:
@@ -150,9 +193,40 @@ class Case(Parameters):
         return (np.asarray(load) + self.shoe.mass * self.gravity) * -self.terrain.down[2]
 
     @property
+    def first_loads(self) -> NDArray:
+        """Loads on the shoes at t = 0: array (shoes,), N along gravity.
+
+        Those of a side frame about: its weight evenly on the shoes between its outer rollers.
+        """
+        loads = self.loads.loads(0.0)[0]
+        if self.undercarriage is not None:
+            coms = self.track.com_positions(self.shoe.com_height)[:, 0]
+            off = np.array(self.undercarriage.rollers)[[0, -1]] + self.undercarriage.start
+            under = (coms >= off[0] - 0.5 * self.track.pitch) & (coms <= off[1] + 0.5 * self.track.pitch)
+            loads = loads + under * self.undercarriage.mass * self.gravity / max(1, under.sum())
+        return loads
+
+    def machine_wrench(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
+        """Force (N) and moment about a side frame's origin (N m) of the machine beside the frame's weight.
+
+        Parameters
+        ----------
+        time : array (times,)
+            s.
+
+        Returns
+        -------
+        tuple of array (times, 3)
+            Global.
+        """
+        if self.machine is None:
+            return np.zeros((np.size(time), 3)), np.zeros((np.size(time), 3))
+        return self.machine.wrench(time)
+
+    @property
     def mean_load(self) -> float:
         """Mean over the shoes of the normal force that the ground carries at t = 0, N: load and weight."""
-        return float(self.pressed(self.loads.loads(0.0).mean()))
+        return float(self.pressed(self.first_loads.mean()))
 
     @property
     def settled_penetration(self) -> float:
@@ -213,11 +287,37 @@ class Case(Parameters):
             flexible=FlexibleShoes.ph4100c(mesh),
         )
 
+    @classmethod
+    def rolled(cls, shoe_count: int = 24) -> Self:
+        """Straight propel of a side frame that rolls over rigid shoes laid out before it.
+
+        On units of 1 m, whose contacts share a shoe by area: shoes that tilt under the rollers stand on
+        several.
+
+        Parameters
+        ----------
+        shoe_count : int
+            Of the track: 24 give the frame 5 m of way.
+        """
+        track = Track.ph4100c().with_(shoe_count=shoe_count)
+        terrain = Terrain.stress()
+        end = track.first_com[0] + shoe_count * track.pitch + 4.0 - terrain.origin[0]
+        return cls(
+            name="rolled",
+            shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
+            track=track,
+            terrain=terrain.with_(columns=int(np.ceil(end / terrain.unit_length))),
+            contact=PairContact.oil_sand(sharing="area"),
+            drive=Drive.translation(),
+            loads=LoadCycle.constant([0.0] * shoe_count),
+            undercarriage=Undercarriage.ph4100c(),
+        )
+
     def outline(self, time: float) -> NDArray:
         """Corners of the track on the ground at a time: array (4, 2), m, global x and y.
 
         The track is rigid seen from above, since its hinges only pitch: the drive carries its outline
-        along and turns it about its middle.
+        along and turns it about its middle. A track that a side frame rolls over stays where it is.
         """
         footprint = self.shoe.footprint
         coms = self.track.com_positions(self.shoe.com_height)
@@ -227,17 +327,19 @@ class Case(Parameters):
         middle = corners.mean(axis=0)
         angle = self.drive.turn(time)
         c, s = np.cos(angle), np.sin(angle)
-        travel = np.array([self.drive.travel(time), 0.0])
+        travel = np.array([self.drive.travel(time) if self.propel == "dragged" else 0.0, 0.0])
         return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + travel
 
     def check_support(self, duration: float) -> None:
-        """Refuse a drive that takes the track off the terrain within `duration` (s).
+        """Refuse a drive that takes the track off the terrain, or a frame off the track, in `duration` (s).
 
         Raises
         ------
         ValueError
             With the time, the place and the terrain's extent.
         """
+        if self.undercarriage is not None:
+            check_length(self.undercarriage, self.track, self.drive, duration)
         for time in np.linspace(0.0, duration, 101 if duration > 0.0 else 1):
             corners = self.outline(time)
             for axis, name in enumerate("xy"):

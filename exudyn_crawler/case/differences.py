@@ -1,17 +1,36 @@
 """What cases have otherwise than others: than the papers' case that is nearest, or than any."""
 
-import pandas as pd
+from typing import NamedTuple
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile
 from exudyn_crawler.case.fields import named_values
-from exudyn_crawler.case.text import case_table
+from exudyn_crawler.case.text import Row, case_rows
 
 ABSENT = "-"
 """In place of a value that the base has not."""
 
 
-def table_beside_base(case_file: CaseFile) -> tuple[str, pd.DataFrame]:
+class Beside(NamedTuple):
+    """A value of a case beside that of its base, which is empty where it is the same."""
+
+    key: str
+    value: str
+    in_the_base: str
+    unit: str
+    meaning: str
+
+
+class Difference(NamedTuple):
+    """A value in which two cases differ."""
+
+    key: str
+    first: str
+    second: str
+    unit: str
+
+
+def rows_beside_base(case_file: CaseFile) -> tuple[str, list[Beside]]:
     """Every value of a case file beside that of the named case from which the fewest differ.
 
     Name, duration and outputs are not compared.
@@ -20,33 +39,35 @@ def table_beside_base(case_file: CaseFile) -> tuple[str, pd.DataFrame]:
     -------
     base : str
         Name of that case, as `base` in a case file.
-    table : pandas.DataFrame
-        Columns key, value, "in the base" (the base's value where it differs, else empty), unit and meaning.
+    rows : list of Beside
     """
-    own = case_table(case_file)
-    compared = (own["key"] != "name") & own["key"].isin(case_table(case_file.case)["key"])
-    found: dict[str, tuple[int, pd.Series]] = {}
+    own = case_rows(case_file)
+    compared = {row.key for row in case_rows(case_file.case)} - {"name"}
+    found: dict[str, tuple[int, dict[str, str]]] = {}
     for name, make in named_values(Case).items():
-        values = case_table(make()).set_index("key")["value"]
-        there = own["key"].map(values).fillna(ABSENT)
-        differing = compared & (there != own["value"])
-        lost = len(set(values.index) - set(own["key"]))
-        found[name] = int(differing.sum()) + lost, there.where(differing, "")
-    base = min(found, key=lambda name: found[name][0])
-    own.insert(2, "in the base", found[base][1])
-    return base, own
-
-
-def parameter_differences(first: Case, second: Case) -> pd.DataFrame:
-    """Values in which two cases differ: columns key, A, B, unit; their names are not compared."""
-    a, b = (case_table(case).set_index("key") for case in (first, second))
-    keys = [key for key in dict.fromkeys([*a.index, *b.index]) if key != "name"]
-    table = pd.DataFrame(
-        {
-            "key": keys,
-            "A": a["value"].reindex(keys).fillna(ABSENT).tolist(),
-            "B": b["value"].reindex(keys).fillna(ABSENT).tolist(),
-            "unit": a["unit"].reindex(keys).fillna(b["unit"].reindex(keys)).tolist(),
+        values = {row.key: row.value for row in case_rows(make())}
+        differing = {
+            row.key: there
+            for row in own
+            if row.key in compared and (there := values.get(row.key, ABSENT)) != row.value
         }
-    )
-    return table[table["A"] != table["B"]].reset_index(drop=True)
+        lost = len(values.keys() - {row.key for row in own})
+        found[name] = len(differing) + lost, differing
+    base = min(found, key=lambda name: found[name][0])
+    return base, [Beside(*row[:2], found[base][1].get(row.key, ""), *row[2:]) for row in own]
+
+
+def parameter_differences(first: Case, second: Case) -> list[Difference]:
+    """Values in which two cases differ; their names are not compared."""
+    a, b = ({row.key: row for row in case_rows(case)} for case in (first, second))
+    rows = []
+    for key in dict.fromkeys([*a, *b]):
+        row = a.get(key) or b[key]
+        one, other = (_value(rows_of, key) for rows_of in (a, b))
+        if key != "name" and one != other:
+            rows.append(Difference(key, one, other, row.unit))
+    return rows
+
+
+def _value(rows: dict[str, Row], key: str) -> str:
+    return rows[key].value if key in rows else ABSENT

@@ -42,7 +42,7 @@ Model = TypeVar("Model", bound=BaseModel)
 CYCLE = "file"
 """Key of the loads that names a file with their cycle."""
 
-__all__ = ["CaseFile", "read_case", "saved_case", "write_case"]
+__all__ = ["CaseFile", "case_of", "read_case", "saved_case", "write_case"]
 
 
 def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
@@ -88,8 +88,26 @@ def validated_file(
         As of `read_case`.
     """
     try:
+        content = toml_content(path, what)
+    except (ValueError, RecursionError) as error:
+        raise CaseFileError(path, [str(error)]) from error
+    return _validated(content, path, kind, resolved)
+
+
+def case_of(content: dict[str, Any], path: Path) -> CaseFile:
+    """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
+    return _validated(content, path, CaseFile, lambda given: _resolved(migrated(given, path), path.parent))
+
+
+def _validated(
+    content: dict[str, Any],
+    path: Path,
+    kind: type[Model],
+    resolved: Callable[[dict[str, Any]], dict[str, Any]],
+) -> Model:
+    try:
         # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
-        text = json.dumps(resolved(toml_content(path, what)), default=_untyped)
+        text = json.dumps(resolved(content), default=_untyped)
         return kind.model_validate_json(text, strict=True)
     except ValidationError as error:
         raise CaseFileError(path, list(faults(error, kind))) from error

@@ -47,6 +47,11 @@ class FlexibleShoes(Parameters):
         description="whether the static answer to the machine load joins both bases, which else lose what "
         "the load bends between the lowest modes",
     )
+    static_fields: bool = Field(
+        default=False,
+        description="whether stress has, beside the modes, what the static answers to all loads have beyond "
+        "theirs: no error of truncation but the inertia of left-out modes",
+    )
     highest_frequency: float | None = quantity(
         "Hz",
         "modes of the integrated basis above this are left out",

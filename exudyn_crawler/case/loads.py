@@ -2,10 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
-import pandas as pd
 from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
@@ -15,6 +14,9 @@ from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Name, Parameters, quantity
 from exudyn_crawler.case.profile import StepProfile
 from exudyn_crawler.case.toml import toml_content
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Load = Annotated[float, Ge(-1e10), Le(1e10)]
 """Load on a shoe, N."""
@@ -130,8 +132,11 @@ class LoadCycle(Parameters):
         """
         return cls.model_validate(with_equal_loads(cycle_content(path), shoe_count))
 
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""
+        # a third of the time that a case takes to be shown
+        import pandas as pd
+
         columns = {
             f"{phase.name} ({phase.end:g} s)": [*phase.loads, sum(phase.loads)] for phase in self.phases
         }

@@ -10,7 +10,14 @@ from exudyn_crawler.case.base import Parameters, quantity
 class Outputs(Parameters):
     """What a run leaves beside its history, whose interval is `solver.output_interval`."""
 
-    figures: bool = Field(default=True, description="whether kinematics and forces are drawn")
+    figures: bool = Field(default=True, description="whether curves of kinematics and forces are drawn")
+    pictures: bool = Field(
+        default=True, description="whether flexible shoes are drawn with their stress at the chosen times"
+    )
+    paraview: bool = Field(
+        default=True,
+        description="whether their stress is written for ParaView, at the chosen times and highest",
+    )
     figure_format: Literal["png", "pdf", "svg"] = Field(
         default="png", description="of the figures; pictures of stress are png"
     )

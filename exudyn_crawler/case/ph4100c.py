@@ -36,6 +36,15 @@ SHOE: Mapping[str, Any] = {
     "load_point": (0.0, 0.0, 0.2014),  # m from the COM. Not printed: the mesh's top face at its centroid
 }
 """Shoe of the rigid studies (K-chapter and K-paper, tables of shoe properties and COMs)."""
+RAILS: Mapping[str, Any] = {
+    "rear": ShoeDimensions.beam_center_x - 0.5 * ShoeDimensions.top_length,  # m
+    "front": ShoeDimensions.beam_center_x + 0.5 * ShoeDimensions.top_length,
+    "right": -ShoeDimensions.rail_center_y,
+    "left": ShoeDimensions.rail_center_y,
+    "width": ShoeDimensions.rail_width,
+    "height": ShoeDimensions.rail_height - COM_HEIGHT,
+}
+"""Rails of the roller path. No paper prints them: those of the shoe in `meshes/`."""
 
 SHOE_COUNT = 13
 """Shoes 1..13 = Parts 2..14."""
@@ -138,6 +147,54 @@ DIG_LOAD, SWING_LOAD, DUMP_LOAD = 384e3, 732e3, 541e3
 """N on the middle shoe at the ends of dig, swing and dump (S-paper)."""
 PROPEL_END, DIG_END, SWING_END, DUMP_END, RETURN_END = REST_START, 22.5, 30.0, 33.5, 40.0
 """s, ends of the phases (S-paper)."""
+
+# rolling propel
+MACHINE_MASS, SHOES_ON_GROUND = 1_410_184.0, 16
+"""kg, and shoes of a track that touch the ground (K-chapter)."""
+CRAWLER_LENGTH, TRACK_DISTANCE = 11.6, 12.8 - ShoeDimensions.width
+"""m (K-chapter): length of a crawler; between the tracks' middles, from the width over both."""
+_CARRIED = 0.5 * MACHINE_MASS - SHOES_ON_GROUND * SHOE["mass"]
+UNDERCARRIAGE: Mapping[str, Any] = {
+    "mass": _CARRIED,  # kg: half the machine less the shoes of a track that touch the ground
+    # kg m2. Open: radii of gyration of 1.5 m in roll, which the other track resists, and 4 m in pitch and yaw
+    "inertia": (_CARRIED * 1.5**2, _CARRIED * 4.0**2, _CARRIED * 4.0**2, 0.0, 0.0, 0.0),
+    "com": (0.0, 0.0, 0.5),  # m. Open: where the car body rests on the side frame
+    "start": 15.8,  # m. Chosen here: the whole frame is over shoes
+    "ends": (-0.5 * CRAWLER_LENGTH, 0.5 * CRAWLER_LENGTH),
+    # m. Open: no public source has number, spacing and radius of the lower rollers; 8 over 8.75 m
+    "rollers": tuple(1.25 * (k - 3.5) for k in range(8)),
+    "radius": 0.4,  # m. Open
+    "tread_width": 0.18,  # m. Open: within the rails
+    # N/m. Open: of the order of Hertz's line contact; the local indentation is beyond the shoe's mesh
+    "stiffness": 1.0e9,
+    "damping": 3.0e5,  # N s/m. Chosen here: a tenth of critical for a shoe under one roller
+    "damping_depth": 1.0e-4,  # m. Chosen here
+    "rolling_resistance": 0.03,  # Open: a few per cent
+    "resistance_speed": 5.0e-3,  # m/s. Chosen here: a twentieth of the propel speed
+    "tumbler": -5.0,  # m. Open: at the rear
+    "end_tension": 0.0,  # N. Open: none
+}
+"""Side frame, lower rollers and drive of one track."""
+
+SHOVEL: Mapping[str, Any] = {
+    "mass": 2.0 * _CARRIED,  # kg: the machine without the shoes that touch the ground
+    "upper": 800e3,  # kg. Open: machinery deck with counterweight, without the front
+    "upper_place": (-2.5, 4.0),  # m behind the swing axis and above the rollers' axes. Open
+    "front": 130e3,  # kg at the dipper. Open: dipper, handle and their part of the boom
+    "lower_height": 0.5,  # m. Open
+}
+"""Masses of the shovel and their places."""
+_PAYLOAD = 2.0 * DIPPER_LOAD / GRAVITY
+"""kg: the dipper's load on both tracks."""
+SHOVEL_POSES: tuple[tuple[Any, ...], ...] = (
+    # end in s (S-paper); swing in rad, reach and height in m, payload in kg, force of the bank in N: open
+    ("propel", PROPEL_END, 0.0, 14.0, 6.0, 0.0),
+    ("dig", DIG_END, 0.0, 17.0, 4.0, 0.5 * _PAYLOAD, (-4e5, -4e5)),
+    ("hoist and swing", SWING_END, 0.5 * math.pi, 15.0, 9.0, _PAYLOAD),
+    ("dump", DUMP_END, 0.5 * math.pi, 15.0, 9.0, 0.0),
+    ("return", RETURN_END, 0.0, 14.0, 6.0, 0.0),
+)
+"""Upper structure at the ends of the phases of a cycle."""
 
 # flexible shoes
 DAMPING_FREQUENCIES, DAMPING_RATIOS = (1000.0, 10000.0), (0.005, 1.0)

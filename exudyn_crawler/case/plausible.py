@@ -50,7 +50,7 @@ def _loads(case: Case) -> Iterator[str]:
     """Phases whose loads are next to nothing, or beyond any machine."""
     for number, phase in enumerate(case.loads.phases):
         whole, count = sum(phase.loads), len(phase.loads)
-        if LEAST_LOAD <= whole / count <= GREATEST_LOAD:
+        if LEAST_LOAD <= whole / count <= GREATEST_LOAD or case.propel == "rolled":
             continue
         if whole == 0.0:
             cause = "nothing, so that the ground carries the shoes alone"

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Self
 import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import NDArray
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, Place, quantity
+from exudyn_crawler.case.rails import Rails
 
 if TYPE_CHECKING:
     from fem import Mesh
@@ -46,6 +47,8 @@ class Shoe(Parameters):
         "centroid of the top face, where the machine load acts, in the shoe's frame",
         plausible=(-3.0, 3.0),
     )
+
+    rails: Rails | None = Field(default=None, description="rails that rollers roll on")
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -97,6 +100,7 @@ class Shoe(Parameters):
         # a case without a mesh need not wait for finite elements
         from fem import ElasticBody
         from meshes import STEEL, mesh_named, with_load_surfaces
+        from meshes.rails import rail_outline
 
         found = mesh_named(mesh) if isinstance(mesh, str) else with_load_surfaces(mesh)
         body = ElasticBody(found, replace(STEEL, density=density))
@@ -118,6 +122,7 @@ class Shoe(Parameters):
             width=high[1] - low[1],
             underside_center=tuple((0.5 * (low + high)[:2]).tolist()),
             load_point=tuple((weights @ found.nodes / weights.sum()).tolist()),
+            rails=Rails(**rail_outline(found)._asdict()) if "roller path" in found.surfaces else None,
         )
 
     def of_mass(self, mass: float) -> Self:

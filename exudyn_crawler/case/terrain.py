@@ -1,14 +1,18 @@
 """Oil-sand terrain as a grid of units on spring-dampers."""
 
 import math
+from collections.abc import Callable
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import model_validator
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Parameters, Place, quantity
+
+STEEPEST = 0.2
+"""Greatest slope of a profile: gaps between the units' faces are half its square of their length, 2 %."""
 
 
 class Terrain(Parameters):
@@ -54,11 +58,35 @@ class Terrain(Parameters):
         default=None,
     )
 
+    profile: tuple[Place, ...] | None = quantity(
+        "m",
+        "height of the ground at the edges of the columns along x, the same across y, for a smooth ground: "
+        "units are moved and pitched so that their faces meet; None: even",
+        plausible=(-20.0, 20.0),
+        default=None,
+    )
+
     @model_validator(mode="after")
     def _check_heights(self) -> Self:
         if self.heights is not None and len(self.heights) != self.unit_count:
             raise ValueError(f"heights must name every unit ({self.unit_count}), got {len(self.heights)}")
+        if self.profile is not None:
+            self._check_profile(len(self.profile))
         return self
+
+    def _check_profile(self, count: int) -> None:
+        if count != self.columns + 1:
+            raise ValueError(f"profile must name every edge of columns ({self.columns + 1}), got {count}")
+        if self.heights is not None:
+            raise ValueError("heights must be None where a profile is given, got both")
+        if self.tilt != "pitch":
+            raise ValueError(f"tilt must be 'pitch' where a profile is given, got {self.tilt!r}")
+        steepest = float(self.slopes[np.abs(self.slopes).argmax()])
+        if abs(steepest) > STEEPEST:
+            raise ValueError(
+                f"profile must not rise or fall by more than {STEEPEST:g} m a metre, got {steepest:g}, "
+                "which the model's small gaps and tilts would not hold for; terrain.grade leans all of it"
+            )
 
     @classmethod
     def kinematics(cls) -> Self:
@@ -110,13 +138,48 @@ class Terrain(Parameters):
             raise ValueError(f"standard_deviation must be finite and not negative, got {standard_deviation}")
         return self._raised(np.random.default_rng(seed).normal(0.0, standard_deviation, self.unit_count))
 
+    def with_profile(self, height: Callable[[NDArray], ArrayLike]) -> Self:
+        """Copy with a smooth ground whose height (m) is a function of x (m, array), straight along each unit.
+
+        Raises
+        ------
+        ValueError
+            If it is too steep, the units do not pitch or already have heights.
+        """
+        heights = np.broadcast_to(np.asarray(height(self.edges), dtype=float), self.edges.shape)
+        return self.with_(profile=tuple(heights.tolist()))
+
     def _raised(self, change: NDArray) -> Self:
         return self.with_(heights=tuple((self.top_heights + change).tolist()))
 
     @property
     def top_heights(self) -> NDArray:
-        """Height of every unit's top face, with the springs free: array (units,), m."""
+        """Height of the middle of every unit's top face, with the springs free: array (units,), m."""
+        if self.profile is not None:
+            edges = np.array(self.profile)
+            return np.repeat(0.5 * (edges[:-1] + edges[1:]), self.rows)
         return np.zeros(self.unit_count) if self.heights is None else np.array(self.heights)
+
+    @property
+    def edges(self) -> NDArray:
+        """Places of the edges of the columns: array (columns + 1,), m, global x."""
+        return self.origin[0] + self.unit_length * np.arange(self.columns + 1)
+
+    @property
+    def slopes(self) -> NDArray:
+        """Rise over run along x of every unit's top face, with the springs free: array (units,)."""
+        if self.profile is None:
+            return np.zeros(self.unit_count)
+        return np.repeat(np.diff(self.profile) / self.unit_length, self.rows)
+
+    @property
+    def tilts(self) -> NDArray:
+        """Tilt of every unit with the springs free: array (units,), rad; positive lowers the front."""
+        return -np.arctan(self.slopes)
+
+    def profile_along(self, x: NDArray) -> NDArray:
+        """Height of the profile at places x (m): array of their shape, m; zero without a profile."""
+        return np.zeros_like(x) if self.profile is None else np.interp(x, self.edges, self.profile)
 
     @property
     def down(self) -> NDArray:
@@ -145,16 +208,24 @@ class Terrain(Parameters):
         return (x, x + self.columns * self.unit_length), (y, y + self.rows * self.unit_width)
 
     @property
-    def centers(self) -> NDArray:
-        """Unit centres with the springs free: array (units, 3), m, global."""
+    def middles(self) -> NDArray:
+        """Middles of the units' top faces with the springs free: array (units, 2), m, global x and y."""
         column, row = np.divmod(np.arange(self.unit_count), self.rows)
         return np.column_stack(
             (
                 self.origin[0] + (column + 0.5) * self.unit_length,
                 self.origin[1] + (row + 0.5) * self.unit_width,
-                np.full(self.unit_count, -0.5 * self.unit_height),
             )
         )
+
+    @property
+    def centers(self) -> NDArray:
+        """Unit centres with the springs free: array (units, 3), m, global."""
+        places = np.column_stack((self.middles, np.full(self.unit_count, -0.5 * self.unit_height)))
+        if self.profile is not None:
+            places[:, 0] -= 0.5 * self.unit_height * np.sin(self.tilts)
+            places[:, 2] = self.top_heights - 0.5 * self.unit_height * np.cos(self.tilts)
+        return places
 
     @property
     def tilt_axis(self) -> int:

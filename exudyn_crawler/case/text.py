@@ -1,8 +1,8 @@
 """Case files as text: every value with its unit and meaning; and the same as a table."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
-import pandas as pd
 import tomlkit
 from pydantic import BaseModel
 from tomlkit.items import Array, Float, InlineTable, Item, Trivia
@@ -78,14 +78,22 @@ def number_text(value: float) -> str:
     return repr(value)
 
 
-def case_table(case: BaseModel) -> pd.DataFrame:
-    """Every value of a case or a case file: columns key, value, unit, meaning."""
-    rows = [
-        (entry.path, value_text(entry.value), entry.unit, entry.meaning)
+class Row(NamedTuple):
+    """A value of a case for reading."""
+
+    key: str
+    value: str
+    unit: str
+    meaning: str
+
+
+def case_rows(case: BaseModel) -> list[Row]:
+    """Every value of a case or a case file."""
+    return [
+        Row(entry.path, value_text(entry.value), entry.unit, entry.meaning)
         for entry in walk(case)
         if not is_table(entry.value)
     ]
-    return pd.DataFrame(rows, columns=["key", "value", "unit", "meaning"])
 
 
 def shoe_weights(case: Case) -> str:

@@ -79,11 +79,11 @@ def info(
 
     Example: exudyn-crawler info soft_ground.toml
     """
-    from exudyn_crawler.case.differences import table_beside_base
+    from exudyn_crawler.case.differences import rows_beside_base
     from exudyn_crawler.case.files import read_case
     from exudyn_crawler.case.plausible import warn_implausible
     from exudyn_crawler.case.text import shoe_weights
-    from exudyn_crawler.views.tables import print_table
+    from exudyn_crawler.views.terminal import print_rows
 
     if case in registered(CASES):
         if changes:
@@ -91,9 +91,10 @@ def info(
         case_file = study_case(case)
     else:
         case_file = read_case(case, changes or ())
-    base, table = table_beside_base(case_file)
-    differing = int((table["in the base"] != "").sum())
-    print_table(table, f"{case}: {differing} of {len(table)} values differ from the case {base!r}")
+    base, rows = rows_beside_base(case_file)
+    differing = sum(row.in_the_base != "" for row in rows)
+    columns = ("key", "value", "in the base", "unit", "meaning")
+    print_rows(columns, rows, f"{case}: {differing} of {len(rows)} values differ from the case {base!r}")
     if weights := shoe_weights(case_file.case):
         typer.echo(weights)
     warn_implausible(case_file.case, case_file.duration)

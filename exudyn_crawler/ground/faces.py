@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from exudyn_crawler.ground.frames import compiled
+from exudyn_crawler.ground.frames import compiled, within
 
 FACE, EDGE, CORNER = 0.0, 1.0, 2.0
 """What a sphere touches."""
@@ -19,7 +19,7 @@ class Nearest(NamedTuple):
     kind: float
 
 
-@compiled
+@within
 def _on_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> tuple[float, Nearest]:
     """Squared distance and nearest point of a segment from a to b."""
     dx, dy = bx - ax, by - ay
@@ -31,7 +31,7 @@ def _on_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float) 
     return (x - px) ** 2 + (y - py) ** 2, Nearest(px, py, dx / length, dy / length, kind)
 
 
-@compiled
+@within
 def _on_triangle(x: float, y: float, half_x: float, half_y: float, side: float) -> Nearest:
     """Nearest edge point of half a face to a point outside it: `side` 1 the half at +x, -1 that at +y.
 

@@ -13,14 +13,19 @@ from fem.compiling import FEM, compiler
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 
-SOURCES = (Path(__file__).parent, FEM)
-"""Where compiled functions of this room, and what they call, are."""
+SOURCES = (Path(__file__).parent, FEM / "compiling.py", FEM / "patches.py")
+"""Compiled functions of this room and what they call are here; the rest of `fem` does not make them stale."""
 
 compiled = compiler(*SOURCES, error_model="numpy")
 """Compiles a function; dividing by zero gives what IEEE says in place of an exception.
 
 Every literal integer among a call's arguments compiles the function once more, so that counts that are handed
 on start as ``np.int64(0)``.
+"""
+
+within = compiler(*SOURCES, error_model="numpy", no_cpython_wrapper=True)
+"""Compiles a function for compiled callers alone: what Python would need to call it, and numba takes long to
+make, is left out, and calling it from Python ends the process.
 """
 
 inlined = compiler(*SOURCES, error_model="numpy", inline="always")

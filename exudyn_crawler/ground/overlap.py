@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import compiled
+from exudyn_crawler.ground.frames import compiled, within
 from exudyn_crawler.ground.rotations import FloatArray
 
 VERTICES = 12
@@ -46,7 +46,7 @@ class Overlap(NamedTuple):
 NO_OVERLAP = Overlap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@compiled
+@within
 def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: float, limit: float) -> int:
     """Keep the part of a polygon with ``sign * coordinate <= limit``; rows are (xi, eta, depth).
 
@@ -71,7 +71,7 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
     return kept if kept > 2 else 0
 
 
-@compiled
+@within
 def _integrated(points: FloatArray, count: int) -> Overlap:
     """Integrals of the depth over a polygon of (xi, eta, depth), a fan of triangles."""
     area = 0.0

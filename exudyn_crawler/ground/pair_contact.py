@@ -88,7 +88,7 @@ class PairGroundContact:
         row[list(flexible_shoes)] = np.arange(len(flexible_shoes))
         self.coordinates = coordinates
         self.shoe_reference = np.hstack((com_positions, np.zeros((shoes, 3))))
-        self.unit_reference = np.hstack((terrain.centers, np.zeros((units, 1))))
+        self.unit_reference = np.hstack((terrain.centers, terrain.tilts[:, None]))
         self._law = law
         self._row = row
         self._grid = grid_of(terrain)
@@ -143,6 +143,7 @@ class PairGroundContact:
     def _bodies(self, q: NDArray, q_t: NDArray) -> Bodies:
         """Places of all bodies, as the coordinates have them."""
         split, modal = self.shoe_reference.size, self._first_modal
+        last = modal + self._sums.modal.size
         self.coordinates.motion(q[split:modal], self._displacements)
         self.coordinates.motion(q_t[split:modal], self._unit_rates)
         return Bodies(
@@ -150,8 +151,8 @@ class PairGroundContact:
             q_t[:split].reshape(-1, 6),
             self.unit_reference + self._displacements,
             self._unit_rates,
-            q[modal:].reshape(self._sums.modal.shape),
-            q_t[modal:].reshape(self._sums.modal.shape),
+            q[modal:last].reshape(self._sums.modal.shape),
+            q_t[modal:last].reshape(self._sums.modal.shape),
         )
 
     def forces(self, q: NDArray, q_t: NDArray) -> NDArray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import compiled, inlined, norm
+from exudyn_crawler.ground.frames import compiled, inlined, norm, within
 from exudyn_crawler.ground.laws import drag_ratio
 from exudyn_crawler.ground.overlap import Overlap
 from exudyn_crawler.ground.pair_overlaps import below, standing
@@ -49,7 +49,7 @@ def _add_difference(
     column[7] += factor * (moved.unit.moment[axis] - base.unit.moment[axis])
 
 
-@compiled
+@within
 def _block(
     part: Overlap,
     state: FloatArray,

@@ -22,6 +22,7 @@ from exudyn_crawler.ground.frames import (
     norm,
     turned,
     upward,
+    within,
 )
 from exudyn_crawler.ground.laws import drag_ratio, normal_force, spin_torque
 from exudyn_crawler.ground.overlap import Overlap
@@ -77,7 +78,7 @@ class TouchingPairs(NamedTuple):
         )
 
 
-@compiled
+@within
 def _write_motion(
     contact: Contact, shoe: Frame, unit: Frame, at: Attitude, tilt_axis: int, motion: FloatArray
 ) -> None:
@@ -100,13 +101,13 @@ def _write_motion(
     motion[3, 7] = -normal[tilt_axis]
 
 
-@compiled
+@within
 def _spin(shoe: Frame, unit: Frame) -> float:
     """Rate of turning of a shoe against a unit about the unit's normal, rad/s."""
     return dot(along(shoe.omega, -1.0, unit.omega), upward(unit.R))
 
 
-@compiled
+@within
 def _write_stiffness(
     part: Overlap,
     contact: Contact,
@@ -155,7 +156,7 @@ def _write_stiffness(
     out[3, 3] = weights.velocity * (turned_more - torque) / RATE_STEP
 
 
-@compiled
+@within
 def _write_wrench(contact: Contact, normal: Vector, wrench: FloatArray) -> None:
     """Write force and torque of a contact on its shoe (MOTIONS,)."""
     force = along(contact.normal_force, 1.0, contact.friction_force)
@@ -164,7 +165,7 @@ def _write_wrench(contact: Contact, normal: Vector, wrench: FloatArray) -> None:
     wrench[3] = dot(contact.friction_torque, normal)
 
 
-@compiled
+@within
 def _patch(bodies: Bodies, f: int, rows: FloatArray) -> Patch:
     """Mean motion of the patch that has these rows (3, modes) on the flexible shoe in row f."""
     moved, moving = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.ground.faces import EDGE, FACE
-from exudyn_crawler.ground.frames import Vector, along, basis, compiled, cross, dot, norm
+from exudyn_crawler.ground.frames import Vector, along, basis, compiled, cross, dot, norm, within
 from exudyn_crawler.ground.laws.linear import Linear
 from exudyn_crawler.ground.rotations import FloatArray, attitude, to_angles
 from exudyn_crawler.ground.spheres import Touch, kept, touch_force
@@ -28,7 +28,7 @@ class Centers(NamedTuple):
     axis: int
 
 
-@compiled
+@within
 def _lever(at: Centers, place: Vector, c: int) -> Vector:
     """Motion of a place on the shoe less that on the unit, by coordinate c of the pair."""
     if c < 3:
@@ -40,7 +40,7 @@ def _lever(at: Centers, place: Vector, c: int) -> Vector:
     return cross(along(place, -1.0, at.unit), basis(at.axis))
 
 
-@compiled
+@within
 def _held(touch: Touch, motion: Vector) -> Vector:
     """Part of a motion of the centre that the nearest point does not follow."""
     if touch.kind == FACE:
@@ -50,7 +50,7 @@ def _held(touch: Touch, motion: Vector) -> Vector:
     return motion
 
 
-@compiled
+@within
 def _by_place(touch: Touch, law: Linear, motion: Vector) -> Vector:
     """Change of the force by a motion of the centre: of its depth, and of its normal beside a face."""
     deeper = -law.stiffness * dot(touch.normal, motion)
@@ -60,7 +60,7 @@ def _by_place(touch: Touch, law: Linear, motion: Vector) -> Vector:
     return along(along((0.0, 0.0, 0.0), deeper, push), touch.size / touch.distance, turn)
 
 
-@compiled
+@within
 def _by_speed(touch: Touch, law: Linear, motion: Vector, secant: bool) -> Vector:
     """Change of the force by a velocity of the shoe at the point."""
     nearer = dot(touch.normal, motion)
@@ -73,7 +73,7 @@ def _by_speed(touch: Touch, law: Linear, motion: Vector, secant: bool) -> Vector
     return along(along((0.0, 0.0, 0.0), -law.damping * nearer, push), -touch.drag, across)
 
 
-@compiled
+@within
 def _add_sphere(touch: Touch, at: Centers, law: Linear, weights: Weights, block: FloatArray) -> None:
     """Add one sphere's derivatives to its pair's block."""
     force = touch_force(touch)
@@ -102,7 +102,7 @@ def _add_sphere(touch: Touch, at: Centers, law: Linear, weights: Weights, block:
         block[7, c] -= weights.position * dot(basis(at.axis), unit_moment)
 
 
-@compiled
+@within
 def _pair(pairs: NDArray[np.int64], count: int, s: int, u: int) -> int:
     """Index of a pair among the first `count`, or `count` where it is new."""
     for p in range(count):

@@ -22,6 +22,7 @@ from exudyn_crawler.ground.frames import (
     turned,
     turned_back,
     velocity_at,
+    within,
 )
 from exudyn_crawler.ground.grid import Grid, cell, cells_about
 from exudyn_crawler.ground.laws import Law, drag_ratio, named_law, normal_force
@@ -110,7 +111,7 @@ COLUMN, COLUMNS = columns_of(Touch, "shoe", "unit")
 """Columns of a touching sphere, shoe and unit from 0, and how many they are."""
 
 
-@compiled
+@within
 def _append(touch: Touch, s: int, u: int, table: FloatArray, count: int) -> int:
     """Write a sphere of shoe s on unit u that is deep enough below `count` rows; gives their number."""
     if touch.depth <= 0.0 or count >= table.shape[0]:
@@ -132,7 +133,7 @@ def kept(row: FloatArray) -> Touch:
     return Touch(row[2], row[3], point, normal, row[10], slip, row[14], row[15], edge, row[19])
 
 
-@compiled
+@within
 def _shoe_touches(
     shoe: Frame, s: int, bodies: SphereBodies, track: SphereTrack, table: FloatArray, count: int
 ) -> int:

@@ -18,7 +18,7 @@ from exudyn_crawler.case.flexible import CONSTRAINT_MODES
 from exudyn_crawler.case.size import check_modes
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.reductions import kept_reduction
-from exudyn_crawler.model.shoe_mesh import check_footprint, check_surfaces, pin_interfaces
+from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, check_surfaces, pin_interfaces
 from fem import ElasticBody, Interface, Kept, Material, ReducedBody, nested_reduction
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
@@ -147,6 +147,8 @@ def check_shoe(case: Case) -> None:
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
     check_footprint(body.mesh, flexible.mesh, case.shoe)
+    if case.undercarriage is not None and case.shoe.rails is not None:
+        check_rails(body.mesh, flexible.mesh, case.shoe.rails)
 
 
 def whole_reduction(case: Case) -> Kept:
@@ -248,6 +250,16 @@ def side_weights(weights: NDArray, nodes: NDArray) -> tuple[NDArray, NDArray]:
     across = nodes[:, 1] - weights @ nodes[:, 1] / weights.sum()
     part = across / np.abs(across[weights != 0.0]).max()
     return weights * (1.0 - part), weights * (1.0 + part)
+
+
+def weights_a_metre(weights: NDArray, nodes: NDArray) -> NDArray:
+    """Weights (n,) that a load over a surface has more for each metre of shift to the left.
+
+    Parameters are those of `side_weights`.
+    """
+    right, left = side_weights(weights, nodes)
+    apart = left @ nodes[:, 1] / left.sum() - right @ nodes[:, 1] / right.sum()
+    return np.asarray((left / left.sum() - right / right.sum()) / apart)
 
 
 def _skew(vectors: NDArray) -> NDArray:

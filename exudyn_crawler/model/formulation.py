@@ -7,11 +7,17 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.contact import GroundContact
+from exudyn_crawler.ground.pair_derivatives import pair_derivatives
+from exudyn_crawler.ground.sphere_derivatives import sphere_derivatives
+from exudyn_crawler.model.compiled.equations import evaluate
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.state import StateLayout
 from exudyn_crawler.model.system import build
+
+EQUATIONS = (evaluate, pair_derivatives, sphere_derivatives)
+"""Compiled functions of which every run needs one; each is made of many others."""
 
 
 class TrackSystem(Protocol):
@@ -40,6 +46,15 @@ class TrackSystem(Protocol):
     @property
     def frequencies(self) -> NDArray | None:
         """Of the flexible shoes' modes, Hz: array (modes,); None without flexible shoes."""
+        ...
+
+    @property
+    def treads(self) -> Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]] | None:
+        """Reads the treads of a side frame at a time (s), coordinates and rates; None without a frame.
+
+        Gives forces on the shoes and their places, both (rollers, strips of both rails, 2, 3), global, N and
+        m, on the shoe behind every roller's axis and on the next, and the former's index (rollers,).
+        """
         ...
 
     def set_initial(self, q: NDArray) -> None:

@@ -62,7 +62,7 @@ def grips(case: Case, masses: NDArray) -> tuple[NDArray, NDArray]:
         N, and N m about the COM.
     """
     along_ground = case.terrain.down * np.array([1.0, 1.0, 0.0])
-    loads = case.loads.loads(0.0)[0]
+    loads = case.first_loads
     height = 0.5 * case.settled_penetration - case.shoe.com_height
     force = -(loads + masses * case.gravity)[:, None] * along_ground
     return force, np.cross([*case.shoe.underside_center, height], force)

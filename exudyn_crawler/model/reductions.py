@@ -13,7 +13,7 @@ from platformdirs import user_cache_path
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem import ElasticBody, Interface, Kept
+    from fem import ElasticBody, Interface, Kept, StaticFields, UnitLoads
 
 VARIABLE = "EXUDYN_CRAWLER_CACHE"
 """Environment variable that names the folder of caches in place of the user's own."""
@@ -56,6 +56,13 @@ def kept_reduction(
     return cached_craig_bampton(
         reductions_folder(), body, interfaces, fixed_modes, loads, warn=logger.warning
     )
+
+
+def kept_fields(body: "ElasticBody", kept: "Kept", families: "Mapping[str, UnitLoads]") -> "StaticFields":
+    """Static fields as of `fem.cached_static_fields`; what is wrong with kept ones goes to the log."""
+    from fem import cached_static_fields
+
+    return cached_static_fields(reductions_folder(), body, kept, families, warn=logger.warning)
 
 
 def reductions_line() -> str:

@@ -3,9 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import FlexibleShoes, Shoe, Track
+from exudyn_crawler.case import FlexibleShoes, Rails, Shoe, Track
 from fem import Interface, Mesh
 from meshes import LOAD_SURFACES
+from meshes.rails import rail_outline
 
 PIN_TOLERANCE = 1e-3
 """m, between the axis of a bore and the pin."""
@@ -91,6 +92,27 @@ def check_footprint(mesh: Mesh, name: str, shoe: Shoe) -> None:
             f"the mesh {name!r} must have the underside of the case's shoes within {UNDERSIDE_TOLERANCE} m, "
             f"{_rectangle(shoe.footprint)}; it has {_rectangle(found)}. "
             f"Shoe.from_mesh({name!r}) is a shoe as the mesh has it"
+        )
+
+
+def check_rails(mesh: Mesh, name: str, rails: Rails) -> None:
+    """Refuse a mesh whose rails are not those of the rigid shoes.
+
+    Raises
+    ------
+    ValueError
+        With both, or with what the mesh lacks.
+    """
+    try:
+        found = rail_outline(mesh)
+    except ValueError as error:
+        raise ValueError(f"flexible.mesh {name!r} does not go with an undercarriage: {error}") from error
+    off = {key: value - getattr(rails, key) for key, value in found._asdict().items()}
+    far = {key: round(value, 4) for key, value in off.items() if abs(value) > UNDERSIDE_TOLERANCE}
+    if far:
+        raise ValueError(
+            f"the mesh {name!r} must have the rails of shoe.rails within {UNDERSIDE_TOLERANCE} m, "
+            f"they are off by {far} m"
         )
 
 

@@ -3,7 +3,7 @@
 A row holds the time; the coordinates, their first and their second rates; the Lagrange multipliers, item by
 item; and, where the engine's own contact makes the forces, those on the shoes. Coordinates are six a shoe
 (COM displacement from t = 0, then the angles about x, y, z), then the terrain's, then the flexible shoes'
-modes.
+modes, last the heave of a side frame that rolls over the track and its angles about x and y.
 """
 
 import json
@@ -24,6 +24,9 @@ RATES = ("", " rate", " acceleration")
 
 BODY_COORDINATES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
+FRAME_COORDINATES = BODY_COORDINATES[2:5]
+"""Of a side frame, whose x the drive prescribes."""
+
 
 def pin_name(side: str, link: int) -> str:
     """Name of the joint at one pin, "right" or "left", of a link (numbers from 1)."""
@@ -34,9 +37,10 @@ def pin_name(side: str, link: int) -> str:
 class StateLayout:
     """Parts of a state by name.
 
-    The parts are "time"; "shoes" (shoes, 6), "terrain" (coordinates,) and "modes" (flexible shoes, modes),
-    together "coordinates", each also followed by " rate" and " acceleration"; every item with multipliers,
-    such as "right pin of link 1", "drive" and "turn", together "multipliers"; "contact forces" (shoes, 6).
+    The parts are "time"; "shoes" (shoes, 6), "terrain" (coordinates,), "modes" (flexible shoes, modes) and
+    "frame" (3 or none), together "coordinates", each also followed by " rate" and " acceleration"; every item
+    with multipliers, such as "right pin of link 1", "drive" and "turn", together "multipliers"; "contact
+    forces" (shoes, 6).
 
     Attributes
     ----------
@@ -54,6 +58,8 @@ class StateLayout:
         Items with Lagrange multipliers and how many each has.
     contact_forces : bool
         Whether the engine's contact forces on the shoes are kept.
+    frame : int
+        Number of coordinates of a side frame.
     """
 
     shoes: int
@@ -63,6 +69,7 @@ class StateLayout:
     modes: int = 0
     multipliers: tuple[tuple[str, int], ...] = ()
     contact_forces: bool = False
+    frame: int = 0
 
     @cached_property
     def _coordinate_shapes(self) -> dict[str, tuple[int, ...]]:
@@ -70,6 +77,7 @@ class StateLayout:
             "shoes": (self.shoes, 6),
             "terrain": (self.terrain,),
             "modes": (len(self.flexible_shoes), self.modes),
+            "frame": (self.frame,),
         }
 
     @cached_property
@@ -176,9 +184,14 @@ class StateLayout:
             if self.terrain_bodies:
                 return f"unit {body - self.shoes + 1} ({BODY_COORDINATES[own]})"
             return f"terrain (coordinate {row - 6 * self.shoes + 1})"
+        if row >= self.coordinate_count - self.frame:
+            return f"side frame ({FRAME_COORDINATES[row - self.coordinate_count + self.frame]})"
         shoe, mode = divmod(row - 6 * self.shoes - self.terrain, self.modes)
         return f"modes of shoe {self.flexible_shoes[shoe]} (mode {mode + 1})"
 
     def to_json(self) -> str:
-        """Layout as text, with its version."""
-        return json.dumps({"version": VERSION} | asdict(self))
+        """Layout as text, with its version; that of a track without a side frame does not speak of one."""
+        values = asdict(self)
+        if not self.frame:
+            del values["frame"]
+        return json.dumps({"version": VERSION} | values)

@@ -59,6 +59,8 @@ class System(Integrated):
     layout: StateLayout
     drives: tuple[int, ...]
 
+    treads = None
+
     def sunken(self) -> list[int]:
         """Numbers of the shoes that have sunk through the ground in the current state."""
         if self.contact.spheres is None:
@@ -134,7 +136,14 @@ def build(case: Case, static: bool = False) -> System:
     static : bool
         Hold the front shoe in x, y and about z instead of driving it. Nothing else fixes the track in
         the plane, since friction needs slip.
+
+    Raises
+    ------
+    ValueError
+        If the case has a side frame, which the compiled equations alone carry.
     """
+    if case.undercarriage is not None:
+        raise ValueError("undercarriage must be None for a system of Exudyn's items")
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     ground = mbs.AddObject(items.ObjectGround())

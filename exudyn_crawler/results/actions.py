@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case, FlexibleShoes
+from exudyn_crawler.case import Case, FlexibleShoes, Undercarriage
 from exudyn_crawler.case.track import SIDES, Track
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import shoe_model, side_weights
@@ -73,7 +73,23 @@ class OverMass:
     """Enters a flexible shoe spread as its mass, to which every elastic mode is orthogonal."""
 
 
-Entry = AtInterface | OverSurface | OverRectangle | AtDrivePoint | OnFrame | OverMass
+@dataclass(frozen=True)
+class OnRail:
+    """Enters a flexible shoe at a place on one of its rails.
+
+    Attributes
+    ----------
+    line : int
+        Strip of the treads, counted from 0 over both rails.
+    x : array (times,)
+        Place along the rail, m, in the shoe's frame.
+    """
+
+    line: int
+    x: NDArray
+
+
+Entry = AtInterface | OverSurface | OverRectangle | AtDrivePoint | OnFrame | OverMass | OnRail
 
 
 @dataclass(frozen=True)
@@ -83,7 +99,8 @@ class Action:
     Attributes
     ----------
     kind : str
-        "joint", "weight", "load", "contact" or "drive".
+        "joint", "weight", "load", "contact", "drive"; under a side frame "roller" and "chain" (pull of the
+        drive and tension of the ends).
     shoe : int
         Number of the shoe.
     where : str
@@ -140,7 +157,7 @@ def _mesh_mass(flexible: FlexibleShoes, track: Track) -> ShoeMass:
 
 
 def actions(history: History, shoe: int | None = None) -> list[Action]:
-    """All that acts on the shoes of a history, or on one of them: joints, weight, load, contacts, drive."""
+    """All that acts on the shoes of a history, or on one of them, as of `Action.kind`."""
     shoes = history.case.track.shoes.tolist() if shoe is None else [shoe]
     return [action for number in shoes for action in _on_shoe(history, number)]
 
@@ -153,6 +170,9 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
     yield from _contacts(history, shoe, position, frames)
     if shoe == history.case.track.shoe_count:
         yield from _drive(history, shoe, position, frames)
+    if history.case.undercarriage is not None:
+        yield from _rollers(history, shoe, position, frames)
+        yield from _chain(history, history.case.undercarriage, shoe, position, frames)
 
 
 def link_reactions(history: History, joint: int) -> list[tuple[str, NDArray, NDArray]]:
@@ -207,7 +227,7 @@ def _contacts(history: History, shoe: int, position: NDArray, frames: NDArray) -
     shortened = np.stack((frames[:, 0, 0], frames[:, 1, 1]), axis=-1)
     for index in np.flatnonzero(history.contact_shoe.values == shoe):
         unit = int(history.contact_unit[index])
-        center = terrain.centers[unit - 1, :2]
+        center = terrain.middles[unit - 1]
         rectangle = OverRectangle(
             low=np.maximum((center - half - origin) / shortened, footprint[[0, 2]]),
             high=np.minimum((center + half - origin) / shortened, footprint[[1, 3]]),
@@ -232,3 +252,46 @@ def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> I
     at = history.case.drive.point
     yield Action("drive", shoe, at, history.drive_point.values, force, zero, AtDrivePoint())
     yield Action("drive", shoe, "frame", position, zero, moment, OnFrame())
+
+
+def _rollers(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+    """Every strip of a roller that was ever on the shoe."""
+    behind, zero = history.roller_shoe.values, np.zeros_like(position)
+    _, rollers, rails, strips, neighbours, _ = history.tread_force.shape
+    for roller, rail, strip in np.ndindex(rollers, rails, strips):
+        force, foot = zero.copy(), position.copy()
+        for neighbour in range(neighbours):
+            here = behind[:, roller] + neighbour == shoe
+            at = (slice(None), roller, rail, strip, neighbour)
+            pressed = here & history.tread_force.values[at].any(axis=1)
+            force[pressed] = history.tread_force.values[at][pressed]
+            foot[pressed] = history.tread_foot.values[at][pressed]
+        if force.any():
+            x = np.einsum("ti,ti->t", foot - position, frames[:, :, 0])
+            where = f"roller {roller + 1} {SIDES[rail]}"
+            yield Action("roller", shoe, where, foot, force, zero, OnRail(rail * strips + strip, x))
+
+
+def _chain(
+    history: History, frame: Undercarriage, shoe: int, position: NDArray, frames: NDArray
+) -> Iterator[Action]:
+    """Pull of the drive at the shoe's front pins, and the tension of the chain at the outermost ones."""
+    track, zero = history.case.track, np.zeros_like(position)
+    pull = -history.drive_pull.values * pulled_shares(history, frame)[:, shoe - 1]
+    pulls = {"front": pull + frame.end_tension * (shoe == track.shoe_count), "rear": zero[:, 0]}
+    if shoe == 1:
+        pulls["rear"] = pulls["rear"] - frame.end_tension
+    for where, center in track.joint_centers.items():
+        force = zero.copy()
+        force[:, 0] = 0.5 * pulls[where.split()[0]]
+        if force.any():
+            yield Action("chain", shoe, where, position + frames @ center, force, zero, AtInterface(where))
+
+
+def pulled_shares(history: History, frame: Undercarriage) -> NDArray:
+    """Share of each shoe's front pins in the pull of the drive: array (times, shoes)."""
+    track = history.case.track
+    first = history.position.sel(shoe=1, axis="x").values + track.pin_ahead
+    tumbler = history.side_frame_position.sel(axis="x").values + frame.tumbler
+    shares = frame.shares_of_links(tumbler - first, track.shoe_count - 1, track.pitch)
+    return np.column_stack((shares, np.zeros(len(shares))))

@@ -11,13 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.actions import actions, shoe_mass
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.rollers import frame_energies, frame_powers
 
 FORCE = {"units": "N"}
 MOMENT = {"units": "N m"}
 
 
 KINDS = ("weight", "load", "contact", "drive", "joint")
-"""Kinds of actions on shoes, in the order in which they are added."""
+ROLLED_KINDS = (*KINDS, "roller", "chain")
+"""Kinds of actions on shoes, in the order in which they are added; under a side frame."""
 
 
 def shoe_actions(history: History) -> xr.Dataset:
@@ -27,20 +29,22 @@ def shoe_actions(history: History) -> xr.Dataset:
     -------
     xarray.Dataset
         `force` (N) and `moment` about the origin of the shoe's frame (N m), both (source, time, shoe, axis);
-        sources are weight, load, contact, drive and joint (those of both links of a shoe together).
+        sources are weight, load, contact, drive and joint (those of both links of a shoe together), and under
+        a side frame roller and chain.
     """
     position = history.position.values
-    forces = np.zeros((len(KINDS), *position.shape))
+    kinds = KINDS if history.case.propel == "dragged" else ROLLED_KINDS
+    forces = np.zeros((len(kinds), *position.shape))
     moments = np.zeros_like(forces)
     for action in actions(history):
-        source, shoe = KINDS.index(action.kind), action.shoe - 1
+        source, shoe = kinds.index(action.kind), action.shoe - 1
         forces[source, :, shoe] += action.force
         moments[source, :, shoe] += action.moment_about(position[:, shoe])
     dims = ("source", "time", "shoe", "axis")
     return xr.Dataset(
         {"force": (dims, forces, FORCE), "moment": (dims, moments, MOMENT)},
         coords={
-            "source": list(KINDS),
+            "source": list(kinds),
             "time": history.time,
             "shoe": history.shoe,
             "axis": history.axis,
@@ -112,6 +116,7 @@ def energies(history: History) -> xr.Dataset:
     """Stored energy of track and terrain over time, J: kinetic, gravitational and of the springs.
 
     Each (time,). Heights count from the origin of the COMs of shoes and from free springs of the units.
+    Under a side frame also those of `rollers.frame_energies`.
 
     Raises
     ------
@@ -135,13 +140,15 @@ def energies(history: History) -> xr.Dataset:
     weight += terrain.unit_mass * heave.sum(axis=1) * gravity[2]
     springs = 0.5 * terrain.heave_stiffness * np.sum(heave**2, axis=1)
     springs += 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
-    return _over_time(history, "J", kinetic=moving, gravitational=-weight, springs=springs)
+    found = _over_time(history, "J", kinetic=moving, gravitational=-weight, springs=springs)
+    return found if case.undercarriage is None else found.assign(frame_energies(history, case.undercarriage))
 
 
 def powers(history: History) -> xr.Dataset:
     """Power of all that stores no energy of its own in `energies`, W, each (time,).
 
-    `drive` and `machine_load` bring power in; `elastic_contact` goes into the contact's stiffness and
+    `drive` and `machine_load` bring power in, under a side frame as `rollers.frame_powers` has it with what
+    its rollers take; `elastic_contact` goes into the contact's stiffness and
     comes back from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping`
     take power.
 
@@ -181,7 +188,7 @@ def powers(history: History) -> xr.Dataset:
 
     absorbed = terrain.heave_stiffness * np.sum(history.unit_heave_rate.values**2, axis=1)
     absorbed += terrain.tilt_stiffness * np.sum(history.unit_tilt_rate.values**2, axis=1)
-    return _over_time(
+    found = _over_time(
         history,
         "W",
         drive=driven,
@@ -191,6 +198,7 @@ def powers(history: History) -> xr.Dataset:
         friction=-rubbed.sum(axis=(1, 2)),
         terrain_damping=terrain.damping_time * absorbed,
     )
+    return found if case.undercarriage is None else found.assign(frame_powers(history, case.undercarriage))
 
 
 def energy_balance(history: History) -> xr.Dataset:
@@ -200,13 +208,13 @@ def energy_balance(history: History) -> xr.Dataset:
     -------
     xarray.Dataset
         The changes of `energies`, the works of `powers` (by the trapezoidal rule over the stored states)
-        and `imbalance`: work of drive and machine load less everything else; each (time,).
+        and `imbalance`: work of drive and machine's forces less everything else; each (time,).
     """
     stored = energies(history)
     change = stored - stored.isel(time=0)
     work = powers(history).cumulative_integrate("time")
     given = work["drive"] + work["machine_load"]
-    taken = sum(work[name] for name in ("elastic_contact", "contact_damping", "friction", "terrain_damping"))
+    taken = sum(power for name, power in work.data_vars.items() if name not in ("drive", "machine_load"))
     balance = xr.merge((change, work), combine_attrs="drop").assign(
         imbalance=given - taken - sum(change.data_vars.values())
     )

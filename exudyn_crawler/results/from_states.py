@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.track import SIDES
+from exudyn_crawler.ground.coordinates import TerrainCoordinates
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
+from exudyn_crawler.results.compact import CONTACT_TYPE, TERRAIN_COORDINATES, motion_variables
 from exudyn_crawler.results.history import LAYOUT_VERSION, History
 from exudyn_crawler.results.quantities import Variable, variable
+from exudyn_crawler.results.rolled_states import Treads, rolled_coordinates, rolled_variables
 
 AXES = ["x", "y", "z"]
 
@@ -35,6 +38,11 @@ CONTACTS = (
 
 class Contact(Protocol):
     """What reads contacts and units off a state."""
+
+    @property
+    def coordinates(self) -> TerrainCoordinates:
+        """How the terrain's coordinates carry the units."""
+        ...
 
     @property
     def results(self) -> Callable[..., NDArray]:
@@ -65,6 +73,7 @@ def history_of(
     rows: NDArray,
     point: DrivePoint,
     frequencies: NDArray | None = None,
+    treads: Treads | None = None,
 ) -> History:
     """Turn the stored states of a run into its history.
 
@@ -82,13 +91,18 @@ def history_of(
         Of the front shoe, where the drive acts.
     frequencies : array (modes,), optional
         Of the flexible shoes' modes, Hz.
+    treads : Treads, optional
+        Reads the treads of a side frame, where the case has one.
     """
     states = _States(case, layout, rows)
     time = states.part("time")
     variables = _shoes(states) | _reactions(states, point) | _terrain(states, contact)
     variables["shoe_load"] = variable("shoe_load", case.loads.loads(time))
     variables |= _flexible(states)
+    if treads is not None:
+        variables |= rolled_variables(case, layout, rows, treads)
     contacts, pairs = _contacts(states, contact)
+    motion = {name: variables.pop(name) for name in TERRAIN_COORDINATES if name in variables}
     dataset = xr.Dataset(
         variables | contacts,
         coords={
@@ -97,7 +111,9 @@ def history_of(
             "joint": ("joint", case.track.joints, {"long_name": "link of shoes i and i + 1"}),
             "unit": case.terrain.units,
             "axis": AXES,
+            **motion,
             **_flexible_coordinates(layout, frequencies),
+            **rolled_coordinates(case),
             "contact_shoe": ("contact", pairs[:, 0]),
             "contact_unit": ("contact", pairs[:, 1]),
         },
@@ -155,7 +171,7 @@ def _reactions(states: _States, point: DrivePoint) -> dict[str, Variable]:
     named = {
         "joint_force": force,
         "joint_torque": torque,
-        "drive_force": -states.part("drive")[:, 0],
+        "drive_force": -states.part("drive")[:, 0] * (states.case.propel == "dragged"),
         "drive_point": _drive_point(states, point),
         "drive_torque": turn,
     }
@@ -203,12 +219,18 @@ def _flexible(states: _States) -> dict[str, Variable]:
 
 
 def _terrain(states: _States, contact: Contact) -> dict[str, Variable]:
+    shapes = contact.coordinates.shapes
+    if shapes is not None:
+        first = 6 * len(states.case.track.shoes)
+        own = slice(first, first + contact.coordinates.size)
+        motion = {rate.replace(" ", "_"): states.part(f"coordinates{rate}")[:, own].copy() for rate in RATES}
+        return motion_variables(shapes.heave, shapes.tilt, motion)
     named: dict[str, Variable] = {}
     for rate in RATES:
-        motion = np.stack([contact.unit_motion(row) for row in states.part(f"coordinates{rate}")])
+        units = np.stack([contact.unit_motion(row) for row in states.part(f"coordinates{rate}")])
         for name, column in (("heave", 2), ("tilt", 3)):
             name = f"unit_{name}{rate.replace(' ', '_')}"
-            named[name] = variable(name, motion[..., column])
+            named[name] = variable(name, units[..., column])
     return named
 
 
@@ -229,6 +251,7 @@ def _contacts(states: _States, contact: Contact) -> tuple[dict[str, Variable], N
     for name in CONTACTS:
         values = rows[..., RESULT[name]]
         table = np.zeros((len(found), len(pairs), *values.shape[1:]))
-        table[when, column.ravel()] = values
+        # a history in memory has the numbers of its file
+        table[when, column.ravel()] = values.astype(CONTACT_TYPE)
         variables[name] = variable(name, table)
     return variables, pairs

@@ -15,6 +15,7 @@ from exudyn_crawler.case.faults import faults
 from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.files import write_netcdf_along
 from exudyn_crawler.model.state import VERSION
+from exudyn_crawler.results.compact import packed, unpacked
 from exudyn_crawler.results.pieces import CASE, CASE_DIGEST, blocks, case_digest, with_case, without_case
 from exudyn_crawler.results.quantities import check_dimensions
 
@@ -70,14 +71,14 @@ class History:
         return float(self.dataset.time[-1])
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
-        """Write everything to one NetCDF file.
+        """Write everything to one NetCDF file, as `results.compact` tells: contacts in single precision.
 
         Raises
         ------
         FileExistsError
             If the file exists and `overwrite` is false.
         """
-        whole = with_case(self.dataset, self.case)
+        whole = with_case(packed(self.dataset), self.case)
         return write_netcdf_along("time", whole.sizes["time"], blocks(whole), Path(path), overwrite)
 
     @classmethod
@@ -106,11 +107,11 @@ class History:
                 if file.attrs.get(CASE_DIGEST, case_digest(text)) != case_digest(text):
                     raise ValueError("its case was altered: the digest is wrong")
                 case = saved_case(text, path)
-            dataset = xr.open_dataset(path, engine="h5netcdf", cache=False)
+            file_dataset = xr.open_dataset(path, engine="h5netcdf", cache=False)
+            dataset = without_case(unpacked(file_dataset))
             if dataset.nbytes <= MOST_IN_MEMORY:
                 dataset = dataset.load()
-                dataset.close()
-            dataset = without_case(dataset)
+                file_dataset.close()
             _check(case, dataset)
         except FutureWarning:
             raise

@@ -13,12 +13,19 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import drive_point
-from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, side_weights, whole_reduction
+from exudyn_crawler.model.flexible_shoes import (
+    floating_shoe,
+    shoe_model,
+    weights_a_metre,
+    whole_reduction,
+)
+from exudyn_crawler.model.rail_rows import RailRows, rail_rows, rows_along
 from exudyn_crawler.results.actions import (
     Action,
     AtDrivePoint,
     AtInterface,
     OnFrame,
+    OnRail,
     OverMass,
     OverRectangle,
     OverSurface,
@@ -43,12 +50,15 @@ class StressBasis:
         Integrated underside of the whole basis.
     pulled : array (3, M)
         Displacement of the drive's point, on a front shoe, by each mode.
+    rails : RailRows
+        Displacements of the rails under a side frame's rollers; of no lines without one.
     """
 
     whole: ReducedBody
     inside: NDArray
     underside: Underside
     pulled: NDArray
+    rails: RailRows
 
 
 def stress_basis(history: History) -> StressBasis:
@@ -77,6 +87,7 @@ def stress_basis(history: History) -> StressBasis:
             body.mesh.nodes[under, :2], whole.modes[under], history.case.shoe.footprint
         ),
         pulled=drive_point(history.case, whole).rows,
+        rails=rail_rows(whole, history.case),
     )
 
 
@@ -110,33 +121,29 @@ def coordinates_by_load(history: History, basis: StressBasis, shoe: int) -> dict
 def _add_modal_loads(loads: NDArray, action: Action, frames: NDArray, basis: StressBasis) -> None:
     """Add the modal loads of one action to `loads` (times, M)."""
     whole = basis.whole
-    force = _in_body(frames, action.force)
+    force = in_body(frames, action.force)
     match action.entry:
         case AtInterface(name):
             number = [interface.name for interface in whole.interfaces].index(name)
-            loads += np.hstack((force, _in_body(frames, action.moment))) @ whole.pilots[number]
+            loads += np.hstack((force, in_body(frames, action.moment))) @ whole.pilots[number]
         case OverSurface(name, shift):
             weights = whole.weights(name)
             loads += force @ whole.mean_rows(weights)
             if shift is not None:
-                loads += (shift[:, None] * force) @ _rows_a_metre(whole, weights)
+                more = np.tensordot(weights_a_metre(weights, whole.nodes), whole.modes, axes=1)
+                loads += (shift[:, None] * force) @ more
         case OverRectangle(low, high, pressed):
             spread = rectangle_loads(basis.underside, force[pressed], low[pressed], high[pressed])
             loads[pressed] += spread
         case AtDrivePoint():
             loads += force @ basis.pulled
+        case OnRail(line, x):
+            loads += np.einsum("tc,tck->tk", force[:, [0, 2]], rows_along(basis.rails, line, x))
         case OnFrame() | OverMass():
             pass
 
 
-def _rows_a_metre(whole: ReducedBody, weights: NDArray) -> NDArray:
-    """Displacement rows (3, M) that a load over a surface has more for each metre of shift to the left."""
-    right, left = side_weights(weights, whole.nodes)
-    apart = left @ whole.nodes[:, 1] / left.sum() - right @ whole.nodes[:, 1] / right.sum()
-    return (whole.mean_rows(left) - whole.mean_rows(right)) / apart
-
-
-def _in_body(frames: NDArray, vectors: NDArray) -> NDArray:
+def in_body(frames: NDArray, vectors: NDArray) -> NDArray:
     """Global vectors (times, 3) in the axes of a shoe."""
     return np.einsum("tji,tj->ti", frames, vectors)
 
@@ -153,6 +160,11 @@ def whole_coordinates(history: History, basis: StressBasis, shoe: int) -> NDArra
     ValueError
         If the shoe is not a flexible one of the history.
     """
+    return coordinates_and_momentum(history, basis, shoe)[0]
+
+
+def coordinates_and_momentum(history: History, basis: StressBasis, shoe: int) -> tuple[NDArray, NDArray]:
+    """Coordinates as of `whole_coordinates` and, (times, m) in N kg^-0.5, momentum ``k q - P^T f``."""
     flexible = history.case.flexible
     if flexible is None or shoe not in flexible.shoes:
         raise ValueError(f"shoe {shoe} is not flexible in this history")
@@ -160,5 +172,6 @@ def whole_coordinates(history: History, basis: StressBasis, shoe: int) -> NDArra
     q = history.modal_coordinate.sel(flexible_shoe=shoe).values
     own = (2.0 * np.pi * history.frequency.values) ** 2
     loads = modal_loads(history, basis, shoe)
-    elastic = loads + (q * own - loads @ inside) @ inside.T
-    return elastic / (2.0 * np.pi * basis.whole.frequencies) ** 2
+    momentum = q * own - loads @ inside
+    elastic = loads + momentum @ inside.T
+    return elastic / (2.0 * np.pi * basis.whole.frequencies) ** 2, momentum

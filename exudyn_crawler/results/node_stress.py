@@ -6,7 +6,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+from exudyn_crawler.results.stress_columns import stress_columns
 from fem.stress import principal, von_mises
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
@@ -50,8 +50,8 @@ def node_stress(
     place = None if near is None else np.asarray(near, dtype=float)
     if place is not None and (place.shape != (3,) or not np.isfinite(place).all()):
         raise ValueError(f"near must be three finite numbers in m, got {near!r}")
-    basis = stress_basis(history)
-    whole = basis.whole
+    columns = stress_columns(history, [shoe])
+    whole = columns.shapes
     number, distance = int(node or 0), 0.0
     if place is not None:
         distances = np.linalg.norm(whole.nodes - place, axis=1)
@@ -59,7 +59,7 @@ def node_stress(
         distance = float(distances[number])
     if not 0 <= number < len(whole.nodes):
         raise ValueError(f"node must be in 0..{len(whole.nodes) - 1}, got {node}")
-    stress = whole.stress(whole_coordinates(history, basis, shoe), np.array([number]))[:, 0]
+    stress = whole.stress(columns.coordinates[shoe], np.array([number]))[:, 0]
     pascal = {"units": "Pa"}
     return xr.Dataset(
         {

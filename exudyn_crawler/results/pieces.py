@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import write_netcdf_along
+from exudyn_crawler.results.compact import packed, unpacked
 
 CASE, CASE_DIGEST = "case", "case_digest"
 """Attributes of a file; the first histories have no digest."""
@@ -49,7 +50,7 @@ class Piece:
 
         def parts() -> Iterator[xr.Dataset]:
             with xr.open_dataset(path, engine="h5netcdf", cache=False) as dataset:
-                yield from blocks(without_case(dataset).isel(time=slice(times)))
+                yield from blocks(without_case(unpacked(dataset)).isel(time=slice(times)))
 
         return cls(times, pairs, parts)
 
@@ -103,7 +104,7 @@ def save_joined(case: Case, pieces: Sequence[Piece], path: Path, overwrite: bool
     FileExistsError, OSError
         As of `files.whole_file`.
     """
-    whole = (with_case(part, case) for part in _parts(pieces))
+    whole = (with_case(packed(part), case) for part in _parts(pieces))
     times = sum(piece.times for piece in pieces)
     return write_netcdf_along("time", times, whole, path, overwrite)
 

@@ -12,19 +12,22 @@ from exudyn_crawler.files import whole_file
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
+from exudyn_crawler.model.rail_rows import strip_lines
 from exudyn_crawler.results.actions import (
     AtDrivePoint,
     AtInterface,
+    OnRail,
     OverRectangle,
     OverSurface,
     actions,
     shoe_mass,
 )
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+from exudyn_crawler.results.stress_columns import stress_columns
 from fem import ElasticBody, Interface, Mesh, Program, recover_extremes, write_load_deck
 from fem.interfaces import rigid_motion_of_centers
 from fem.patches import integrate_underside, mean_rows
+from meshes.rails import station_weights
 
 AXES = ("x", "y", "z")
 
@@ -120,8 +123,8 @@ def peak_time(history: History, shoe: int) -> float:
     ValueError
         If the shoe is not a flexible one of the history.
     """
-    basis = stress_basis(history)
-    found = recover_extremes(basis.whole.stress_modes, whole_coordinates(history, basis, shoe))
+    columns = stress_columns(history, [shoe])
+    found = recover_extremes(columns.shapes.stress_modes, columns.coordinates[shoe])
     return float(history.time[int(found.highest.argmax())])
 
 
@@ -211,7 +214,9 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
             case OverSurface(name):
                 nodal += body.surface_load(name, force)
             case OverRectangle():
-                nodal += _patch_weights(history.case, body, action.entry)[:, None] * force
+                nodal += patch_weights(history.case, body, action.entry)[:, None] * force
+            case OnRail(line, x):
+                nodal += _rail_weights(history.case, body, line, float(x[0]))[:, None] * force
             case AtDrivePoint():
                 _add_drive(nodal, centers, force, history.case, interfaces, body.mesh)
     nodal += _elastic_inertia(now, shoe, body, nodal, centers)
@@ -222,7 +227,7 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
     return replace(loads, nodal=nodal - relief.reshape(-1, 3))
 
 
-def _patch_weights(case: Case, body: ElasticBody, entry: OverRectangle) -> NDArray:
+def patch_weights(case: Case, body: ElasticBody, entry: OverRectangle) -> NDArray:
     """Shares (n,) of the nodes in a force spread evenly over a rectangle of the underside; zero without one.
 
     The same mean over the rectangle gives the run its modal loads.
@@ -237,6 +242,15 @@ def _patch_weights(case: Case, body: ElasticBody, entry: OverRectangle) -> NDArr
         mean_rows(grid.corner, grid.cell, grid.integral, (x0, x1, y0, y1), share)
         weights[under] = share[0]
     return weights
+
+
+def _rail_weights(case: Case, body: ElasticBody, line: int, x: float) -> NDArray:
+    """Shares (n,) of the nodes in a force of a roller's strip at a place along its line (m)."""
+    frame, rails = case.undercarriage, case.shoe.rails
+    if frame is None or rails is None:
+        raise ValueError("the case has no undercarriage")
+    y = strip_lines(frame, rails)[line]
+    return station_weights(body.mesh, [(min(max(x, rails.rear), rails.front), y)])[0]
 
 
 def _add_drive(

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.modal_coordinates import StressBasis, stress_basis, whole_coordinates
 from exudyn_crawler.results.phases import phases
 from exudyn_crawler.results.quantities import variable
-from fem import Extremes, ReducedBody, hot_spots, recover_extremes
+from exudyn_crawler.results.stress_columns import stress_columns
+from fem import Extremes, Shapes, hot_spots, judged, mesh_error, recover_extremes
 
 HOT_SPOTS = 5
 """Rows of the S-paper's hot-spot tables."""
@@ -35,21 +35,22 @@ class StressResults:
         - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
         - frame_von_mises (frame, shoe, node), and frame_name (frame): "begin", "end of dig" or "peak", each
           as far as it is one
+        - frame_mesh_error (frame, shoe, node), what the mesh leaves open of it, as of `fem.mesh_error`
         - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
         - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices
         - in_spider (node), whether a node is held by a joint's rigid spider
         - at_load (shoe, node), whether it belongs to an element about the node that the drive pulls: the
           stress that a force on one node makes there grows without limit as the mesh is refined
     hot_spots : mapping
-        Table of every flexible shoe, as of `fem.hot_spots`, of nodes that are not at_load; places global,
-        those of the track at t = 0.
-    whole : ReducedBody
-        Modes that the stresses are made of.
+        Table of every flexible shoe, as of `fem.hot_spots` and `fem.judged`, of nodes that are not at_load;
+        places global, those of the track at t = 0.
+    whole : Shapes
+        Modes, and static fields, that the stresses are made of.
     """
 
     dataset: xr.Dataset
     hot_spots: Mapping[int, pd.DataFrame]
-    whole: ReducedBody
+    whole: Shapes
 
     def _repr_html_(self) -> str:
         """Hot spots of every shoe and the dataset, for notebooks."""
@@ -89,30 +90,29 @@ def recover_stresses(
     ValueError
         If the run has no flexible shoes, or none of the times lies within it.
     """
-    basis = stress_basis(history)
-    shoes = list(history.case.flexible_shoes().shoes)
     named = _named_times(history, times)
-    coordinates, reached, found, tables = {}, {}, [], {}
-    for shoe in shoes:
-        q = coordinates[shoe] = whole_coordinates(history, basis, shoe)
-        away = np.flatnonzero(~near_pull(history, basis.whole, shoe))
-        reached[shoe] = recover_extremes(basis.whole.stress_modes, q, ranked=away)
+    columns = stress_columns(history)
+    whole, coordinates = columns.shapes, columns.coordinates
+    reached, found, tables = {}, [], {}
+    for shoe, q in coordinates.items():
+        away = np.flatnonzero(~near_pull(history, whole, shoe))
+        reached[shoe] = recover_extremes(whole.stress_modes, q, ranked=away)
     if peak:
         highest = np.max([one.highest for one in reached.values()], axis=0)
         named.append((float(history.time[int(highest.argmax())]), "peak"))
     frames, names = _frames(history, named)
     for shoe, q in coordinates.items():
-        extremes, at_load = reached[shoe], near_pull(history, basis.whole, shoe)
+        extremes, at_load = reached[shoe], near_pull(history, whole, shoe)
         away = np.flatnonzero(~at_load)
         found.append(
-            _of_shoe(history, basis, q, extremes, frames).assign(
+            _of_shoe(history, whole, q, extremes, frames).assign(
                 at_load=variable("at_load", at_load, without=("shoe",))
             )
         )
-        table = hot_spots(basis.whole, history.time.values, q, HOT_SPOTS, nodes=away, peaks=extremes.peaks)
-        tables[shoe] = _placed(table, history, shoe)
-    dataset = xr.concat(found, dim=xr.Variable("shoe", shoes)).transpose("time", "frame", "shoe", ...)
-    whole = basis.whole
+        table = hot_spots(whole, history.time.values, q, HOT_SPOTS, nodes=away, peaks=extremes.peaks)
+        tables[shoe] = _placed(judged(table, columns.bound), history, shoe)
+    shoes = xr.Variable("shoe", list(coordinates))
+    dataset = xr.concat(found, dim=shoes).transpose("time", "frame", "shoe", ...)
     spider = np.zeros(len(whole.nodes), dtype=bool)
     spider[whole.spider_nodes] = True
     dataset = dataset.assign(
@@ -148,7 +148,7 @@ def _frames(history: History, named: Sequence[tuple[float, str]]) -> tuple[NDArr
     return np.array(rows), [", ".join(filter(None, names[row])) for row in rows]
 
 
-def near_pull(history: History, whole: ReducedBody, shoe: int) -> NDArray:
+def near_pull(history: History, whole: Shapes, shoe: int) -> NDArray:
     """Whether each node belongs to an element about the node that the drive pulls: array (nodes,)."""
     marked = np.zeros(len(whole.nodes), dtype=bool)
     node = pulled_node(history.case, whole.mesh)
@@ -158,12 +158,11 @@ def near_pull(history: History, whole: ReducedBody, shoe: int) -> NDArray:
     return marked
 
 
-def _of_shoe(
-    history: History, basis: StressBasis, q: NDArray, found: Extremes, frames: NDArray
-) -> xr.Dataset:
-    """Stress of one shoe with modal coordinates q (times, M)."""
-    whole = basis.whole
+def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frames: NDArray) -> xr.Dataset:
+    """Stress of one shoe with coordinates q (times, columns)."""
     time = history.time.values
+    displacements = whole.displacement(q[frames])
+    errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
     named = {
         "highest_von_mises": found.highest,
         "highest_node": found.highest_nodes,
@@ -171,7 +170,8 @@ def _of_shoe(
         "peak_time": time[found.greatest_at],
         "least_von_mises": found.least,
         "frame_von_mises": whole.von_mises(q[frames]).astype(np.float32),
-        "frame_displacement": whole.displacement(q[frames]).astype(np.float32),
+        "frame_mesh_error": np.array(errors, dtype=np.float32),
+        "frame_displacement": displacements.astype(np.float32),
     }
     return xr.Dataset(
         {name: variable(name, values, without=("shoe",)) for name, values in named.items()},

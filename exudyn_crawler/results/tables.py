@@ -68,7 +68,7 @@ def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
 
 
 def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
-    """Hot spots of a shoe: stresses in MPa, places in the shoe's frame and in the track at t = 0."""
+    """Hot spots of a shoe: stresses in MPa, places in the shoe and in the track at t = 0, and verdicts."""
     places = stress.node_position.transpose("node", "axis").values[hot_spots["node"]]
     table = pd.DataFrame(
         {
@@ -82,7 +82,9 @@ def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
         table[f"{axis} in the shoe in m"] = values
     for axis in "xyz":
         table[f"{axis} in the track at t = 0 in m"] = hot_spots[axis]
-    return table.assign(**{"flag": hot_spots["flag"], "jump in MPa": hot_spots["jump"] / MEGA})
+    for name in ("jump", "error"):
+        table[f"{name} in MPa"] = hot_spots[name] / MEGA
+    return table.assign(flag=hot_spots["flag"], verdict=hot_spots["verdict"])
 
 
 def _place(place: np.ndarray) -> dict[str, float]:

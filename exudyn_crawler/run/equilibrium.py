@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.model.compiled.rest import rest
+from exudyn_crawler.files import interrupts_wait
+from exudyn_crawler.model.compiled.rest import crept, rest
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
@@ -17,6 +18,13 @@ RESIDUAL = 1e-3
 """N, root mean square of the residual that ends the iteration: 1e-9 of a shoe's load."""
 
 ITERATIONS = 50
+
+PORTIONS = 8
+"""Steps in which a profile rises where Newton's method finds no rest on all of it at once."""
+FIRST_DEPTH = 1e-5
+"""m, of all rollers in their rails to start from: enough to be felt."""
+OIL_SPEED = 0.02
+"""m/s, more than shoes slip that creep: friction is nearly in proportion to the slip below it."""
 
 RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
 """s, s and number: duration, step and most repetitions of the damped motion on uneven ground."""
@@ -66,10 +74,38 @@ def static_equilibrium(case: Case) -> NDArray:
 
 def _compiled_rest(case: Case) -> NDArray:
     system = compiled_system(case)
+    guess = _first_guess(system)
     try:
-        return rest(system, _first_guess(system), RESIDUAL, ITERATIONS)
+        if case.undercarriage is not None:
+            return crept(compiled_system(_oiled(case)), guess)
+        return rest(system, guess, RESIDUAL, ITERATIONS)
     except NewtonError as failed:
-        raise _no_rest(system, failed) from failed
+        if case.terrain.profile is None or case.undercarriage is not None:
+            raise _no_rest(system, failed) from failed
+    return _on_rising_ground(case)
+
+
+def _on_rising_ground(case: Case) -> NDArray:
+    """Rest on a profile that rises from even ground in steps, each from the rest on the one before."""
+    profile = np.array(case.terrain.profile)
+    found = guess = np.zeros(0)
+    for share in np.linspace(0.0, 1.0, PORTIONS + 1):
+        terrain = case.terrain.with_(profile=tuple((share * profile).tolist()))
+        system = compiled_system(case.with_(terrain=terrain))
+        before, guess = guess, _first_guess(system)
+        start = found + guess - before if found.size else guess
+        try:
+            found = rest(system, start, RESIDUAL, ITERATIONS)
+        except NewtonError as failed:
+            raise _no_rest(system, failed) from failed
+    return found
+
+
+def _oiled(case: Case) -> Case:
+    """Same case with friction that does not fall with the slip, so that creeping shoes find their rest."""
+    contact = case.pair_contact()
+    oil = {"stiction_speed": OIL_SPEED, "friction_speed": 2.0 * OIL_SPEED}
+    return case.with_(contact=contact.with_(dynamic_friction=contact.static_friction, **oil))
 
 
 def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
@@ -93,7 +129,9 @@ def _rest(system: System, guess: NDArray) -> NDArray:
     newton.weightTolerancePerCoordinate = True
     newton.maxIterations = ITERATIONS
     try:
-        return system.rest(settings)
+        # Exudyn takes an interrupt within its calls for an error of its own
+        with interrupts_wait():
+            return system.rest(settings)
     except NewtonError as failed:
         raise _no_rest(system, failed) from failed
 
@@ -136,7 +174,7 @@ def _relaxed(system: System, q: NDArray) -> NDArray:
     for _ in range(RELAXATIONS):
         system.set_initial(q)
         try:
-            system.solve(settings)
+            _damped_motion(system, settings)
         except NewtonError as failed:
             raise EquilibriumError(
                 f"no static equilibrium of case {name!r} was found on its uneven ground: damped motion "
@@ -156,6 +194,13 @@ def _relaxed(system: System, q: NDArray) -> NDArray:
     )
 
 
+def _damped_motion(system: System, settings: "exu.SimulationSettings") -> None:
+    """One motion, which an interrupt ends after its step."""
+    with interrupts_wait() as waiting:
+        system.after_step(lambda _time: not waiting)
+        system.solve(settings)
+
+
 def _unsupported(system: System) -> str:
     """Which shoes the ground carries least in the last state of a search."""
     q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
@@ -172,11 +217,18 @@ def _first_guess(system: TrackSystem) -> NDArray:
     Close enough for Newton's method, which does the rest.
     """
     case = system.case
-    q = np.zeros(system.contact.size)
+    q = np.zeros(system.layout.coordinate_count)
     shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
-    loads = case.pressed(case.loads.loads(0.0)[0])
+    # rails of neighbours at one height: rollers may be on either
+    loads = case.pressed(case.first_loads if case.undercarriage is None else case.loads.loads(0.0)[0])
     sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
     shoes[:, 2] = -sag - system.contact.settled_depth(loads)
+    x, half = system.contact.shoe_reference[:, 0], 0.5 * case.shoe.length
+    rear, front = case.terrain.profile_along(x - half), case.terrain.profile_along(x + half)
+    shoes[:, 2] += 0.5 * (rear + front)
+    shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
     terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
     terrain[:] = system.contact.coordinates.sunk_evenly(-sag)
+    if case.undercarriage is not None:
+        q[-system.layout.frame] = shoes[0, 2] - FIRST_DEPTH
     return q

@@ -61,7 +61,7 @@ def kept_run(
     if out is None:
         yield Keeper(tell)
         return
-    with _held(writable_folder(out)):
+    with held(writable_folder(out)):
         found = earlier_record(out)
         holds = study_standing(out, cases or {}) if case_file is None else standing(out, case_file)
         keeper = _keeper(holds, found, overwrite, tell)
@@ -121,21 +121,32 @@ def note_file(path: Path) -> None:
     out = path.parent
     if not earlier_record(out):
         return
-    with suppress(BlockingIOError), _held(out):
+    with suppress(BlockingIOError), held(out):
         found = earlier_record(out)
         write_record(out, found | {"files": sorted({*named_files(found, "files"), path.name})})
 
 
 @contextmanager
-def _held(out: Path) -> Iterator[None]:
-    """Hold a folder's lock, which the operating system releases when the process ends, however it does."""
+def held(out: Path, what: str = "run") -> Iterator[None]:
+    """Hold a folder's lock, which the operating system releases when the process ends, however it does.
+
+    Parameters
+    ----------
+    what : str
+        What works there, for the error.
+
+    Raises
+    ------
+    BlockingIOError
+        If another process holds it.
+    """
     lock = FileLock(out / LOCK)
     try:
         lock.acquire(timeout=0)
     except Timeout as error:
         record = earlier_record(out)
         raise BlockingIOError(
-            f"{out} is in use by another run (process {record.get('process', 'unknown')}, begun "
+            f"{out} is in use by another {what} (process {record.get('process', 'unknown')}, begun "
             f"{record.get('started', 'just now')}): choose another folder or wait"
         ) from error
     try:

@@ -16,11 +16,15 @@ LINE_EVERY = 10.0
 
 
 @contextmanager
-def progress_bar(title: str, duration: float, show: bool | None = None) -> Iterator[Callable[[float], None]]:
+def progress_bar(
+    title: str, duration: float, show: bool | None = None, unit: str = "s"
+) -> Iterator[Callable[[float], None]]:
     """Show simulated time, speed and time left; the block gets a function to tell the time to.
 
     Parameters
     ----------
+    unit : str
+        Of the duration, where something else than time is counted.
     show : bool, optional
         None shows a bar on a terminal, and a line every `LINE_EVERY` where stderr is something else.
     """
@@ -28,18 +32,19 @@ def progress_bar(title: str, duration: float, show: bool | None = None) -> Itera
     if show is False:
         yield lambda _time: None
     elif show or console.is_terminal:
-        with _bar(title, duration, console) as tell:
+        with _bar(title, duration, console, unit) as tell:
             yield tell
     else:
-        yield _lines(title, duration)
+        yield _lines(title, duration, unit)
 
 
 @contextmanager
-def _bar(title: str, duration: float, console: Console) -> Iterator[Callable[[float], None]]:
+def _bar(title: str, duration: float, console: Console, unit: str) -> Iterator[Callable[[float], None]]:
+    digits = ".2f" if unit == "s" else ".0f"
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
-        TextColumn("{task.completed:.2f} of {task.total:g} s"),
+        TextColumn(f"{{task.completed:{digits}}} of {{task.total:g}} {unit}"),
         TextColumn("{task.fields[speed]}"),
         TimeRemainingColumn(),
     )
@@ -55,12 +60,12 @@ def _bar(title: str, duration: float, console: Console) -> Iterator[Callable[[fl
             if now - last < REFRESH and time < duration:
                 return
             last = now
-            bar.update(task, completed=time, speed=_speed(now - start, time - first))
+            bar.update(task, completed=time, speed=_speed(now - start, time - first, unit))
 
         yield tell
 
 
-def _lines(title: str, duration: float) -> Callable[[float], None]:
+def _lines(title: str, duration: float, unit: str) -> Callable[[float], None]:
     """Function that writes a line every `LINE_EVERY` until the run's end."""
     start = last = clock.perf_counter()
     first: float | None = None
@@ -72,18 +77,23 @@ def _lines(title: str, duration: float) -> Callable[[float], None]:
         if now - last < LINE_EVERY or time >= duration:
             return
         last = now
-        parts = [f"{title}: {time:.4g} of {duration:g} s", _speed(now - start, time - first)]
+        parts = [f"{title}: {time:.4g} of {duration:g} {unit}", _speed(now - start, time - first, unit)]
         if time > first:
             left = (now - start) / (time - first) * (duration - time)
             parts.append(f"about {left:.0f} s left")
-        print(", ".join(filter(None, parts)), file=sys.stderr, flush=True)
+        note(", ".join(filter(None, parts)))
 
     return tell
 
 
-def _speed(wall: float, simulated: float) -> str:
-    """Wall time for a simulated second; empty as long as nothing was simulated."""
-    return f"{wall / simulated:.3g} s wall per s" if simulated > 0.0 else ""
+def note(line: str) -> None:
+    """Write a line to stderr, where progress is shown, too."""
+    print(line, file=sys.stderr, flush=True)
+
+
+def _speed(wall: float, simulated: float, unit: str) -> str:
+    """Wall time for a simulated second, or for one of what is counted; empty as long as there was none."""
+    return f"{wall / simulated:.3g} s wall per {unit.removesuffix('s') or unit}" if simulated > 0.0 else ""
 
 
 @contextmanager
@@ -94,7 +104,7 @@ def heartbeat(title: str) -> Iterator[None]:
 
     def beat() -> None:
         while not ended.wait(LINE_EVERY):
-            print(f"{title}: {clock.perf_counter() - start:.0f} s so far", file=sys.stderr, flush=True)
+            note(f"{title}: {clock.perf_counter() - start:.0f} s so far")
 
     thread = threading.Thread(target=beat, daemon=True)
     thread.start()

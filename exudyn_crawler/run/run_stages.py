@@ -90,4 +90,6 @@ class RunStages:
 
 def system_history(system: TrackSystem, rows: NDArray) -> History:
     """History of states (times, layout.size) of a system."""
-    return history_of(system.case, system.layout, system.contact, rows, system.point, system.frequencies)
+    return history_of(
+        system.case, system.layout, system.contact, rows, system.point, system.frequencies, system.treads
+    )

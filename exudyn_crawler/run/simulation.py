@@ -1,15 +1,20 @@
 """Run of a case from its static equilibrium."""
 
 import math
+from contextlib import nullcontext
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.plausible import warn_implausible
 from exudyn_crawler.case.size import check_size
-from exudyn_crawler.model.formulation import track_system
+from exudyn_crawler.model.formulation import EQUATIONS, track_system
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.equilibrium import static_equilibrium
 from exudyn_crawler.run.integration import integrate
+from exudyn_crawler.run.progress import note
+from fem.compiling import told_of_compiling
+
+COMPILING = "compiling the equations of motion, once on a machine: half a minute or more"
 
 
 def simulate(
@@ -54,6 +59,8 @@ def simulate(
     warn_implausible(case, duration)
     if checkpoints is not None:
         checkpoints.load(case)
-    system = track_system(case)
-    system.set_initial(static_equilibrium(case))
-    return integrate(system, duration, progress, checkpoints=checkpoints)
+    told = nullcontext() if progress is False else told_of_compiling(EQUATIONS, lambda: note(COMPILING))
+    with told:
+        system = track_system(case)
+        system.set_initial(static_equilibrium(case))
+        return integrate(system, duration, progress, checkpoints=checkpoints)

@@ -161,10 +161,14 @@ def check_sliding(case: Case, speed: float) -> None:
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be positive and finite, got {speed!r} m/s")
     case.pair_contact()
+    if case.undercarriage is not None:
+        raise ValueError("undercarriage must be None: shoes that a side frame rolls over do not slide")
     if case.terrain.side_slope != 0.0:
         raise ValueError(
             "terrain.side_slope must be 0: a track that slides along x slips down a side slope, too"
         )
+    if case.terrain.profile is not None:
+        raise ValueError("terrain.profile must be None: a track has no steady state over hills")
     if case.drive.turn_rate is not None:
         raise ValueError("drive.turn_rate must be None: a track that turns has no steady state")
 

@@ -69,7 +69,8 @@ def comparison_tables(
     """What differs in the cases and in the results of two runs by name, the first A and the second B."""
     first, second = histories.values()
     results = difference_table(*(compared(one, stresses.get(name)) for name, one in histories.items()))
-    return parameter_differences(first.case, second.case), results
+    differences = parameter_differences(first.case, second.case)
+    return pd.DataFrame(differences, columns=["key", "A", "B", "unit"]), results
 
 
 def write_comparison(

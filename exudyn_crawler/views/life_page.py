@@ -9,7 +9,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 from plotly.offline import get_plotlyjs
 
-from exudyn_crawler.case.text import case_table
+from exudyn_crawler.case.text import case_rows
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.life import LifeResults
 from exudyn_crawler.results.life_table import BEYOND, in_words, life_hours, life_words
@@ -59,7 +59,7 @@ def life_page(found: LifeResults) -> str:
         curves=_shown(damage_curves(found), "damage"),
         table=html_table("Shortest lives by region", in_words(found.table)),
         parts=html_table("Parts of the damage at these nodes", damage_parts(found)),
-        duty=html_table("Duty", case_table(found.duty)),
+        duty=html_table("Duty", pd.DataFrame(case_rows(found.duty))),
         plotly=Markup(get_plotlyjs()),
     )
 

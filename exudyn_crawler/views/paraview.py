@@ -131,10 +131,11 @@ def _surroundings(case: Case, now: xr.Dataset) -> Iterator[tuple[str, Content]]:
 
     terrain = case.terrain
     angles = np.zeros((terrain.unit_count, 3))
-    angles[:, terrain.tilt_axis] = now.unit_tilt.values
+    angles[:, terrain.tilt_axis] = terrain.tilts + now.unit_tilt.values
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, terrain.unit_height])
     boxes = np.tile(half * BOX, (terrain.unit_count, 1, 1))
-    boxes[:, BOX[:, 2] > 0.0, 2] += terrain.top_heights[:, None]
+    if terrain.heights is not None:
+        boxes[:, BOX[:, 2] > 0.0, 2] += terrain.top_heights[:, None]
     units = np.einsum("uij,ucj->uci", rotation_matrices(angles), boxes) + terrain.centers[:, None]
     units[:, :, 2] += now.unit_heave.values[:, None]
     yield "terrain", _boxes(units, {"heave": now.unit_heave.values})

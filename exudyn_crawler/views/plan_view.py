@@ -34,7 +34,7 @@ class PlanView:
         corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
         heave = 1e3 * history.unit_heave.values
         self.ground = PolyCollection(
-            list(terrain.centers[:, None, :2] + corners),
+            list(terrain.middles[:, None] + corners),
             array=heave[0],
             cmap=HEAVE_MAP,
             clim=(heave.min(), heave.max()),

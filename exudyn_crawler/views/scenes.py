@@ -111,6 +111,8 @@ class Scene:
         projected = view.project(self.points)
         here = projected[point]
         others = projected[self.triangles[(self.triangles != point).all(axis=1)]]
+        around = (others.min(axis=1) <= here) & (others.max(axis=1) >= here)
+        others = others[around[:, :2].all(axis=1)]
         origin = others[:, 0, :2]
         sides = np.stack((others[:, 1, :2] - origin, others[:, 2, :2] - origin), axis=-1)
         shares = np.linalg.pinv(sides) @ (here[:2] - origin)[:, :, None]
@@ -171,7 +173,8 @@ def draw_scene(
         box = ax.get_window_extent()
         per_metre = min(box.width / (window[1] - window[0]), box.height / (window[3] - window[2]))
         image = opengl_image(scene, view, window, limits, per_metre * dpi / ax.figure.dpi)
-        ax.imshow(image, extent=window, aspect="equal", interpolation="lanczos", zorder=1)
+        # a pixel of the image is one of the figure: finer interpolation would cost half of all for nothing
+        ax.imshow(image, extent=window, aspect="equal", interpolation="nearest", zorder=1)
     else:
         draw_plain(ax, scene, view, limits)
     return ax
@@ -194,7 +197,7 @@ def opengl_image(
     size = (max(2, round(width * pixels_per_metre)), max(2, round(height * pixels_per_metre)))
     plotter = pyvista.Plotter(off_screen=True, window_size=size, lighting="none")
     try:
-        plotter.enable_anti_aliasing("ssaa")
+        plotter.enable_anti_aliasing("msaa", multi_samples=4)
         plotter.add_mesh(
             pyvista.PolyData.from_regular_faces(scene.points, scene.triangles),
             scalars=scene.values,

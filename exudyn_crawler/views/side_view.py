@@ -103,7 +103,7 @@ class SideView:
         """Make the axes show the length that the run covers, and the ground and the track there."""
         x = shown_length(history)
         terrain, shoe = self._case.terrain, self._case.shoe
-        away = np.abs(terrain.centers[self._row, 0] - np.mean(x))
+        away = np.abs(terrain.middles[self._row, 0] - np.mean(x))
         tops = self._tops[away < 0.5 * (np.ptp(x) + terrain.unit_length)]
         height = shoe.com_height + shoe.load_point[2]
         ax.set(
@@ -121,13 +121,14 @@ class SideView:
         # a positive pitch lowers the front edge
         pitch = now.unit_tilt.values[self._row] if terrain.tilt == "pitch" else np.zeros(len(self._row))
         displacement = now.unit_heave.values[self._row, None] - pitch[:, None] * offset
-        return terrain.centers[self._row, :1] + offset, displacement
+        return terrain.middles[self._row, :1] + offset, displacement
 
     def show(self, now: xr.Dataset) -> None:
         """Bring everything to one instant of the history."""
         x, displacement = self._surface(now)
         larger = (self._scale - 1.0) * (displacement - unloaded_level(self._case))
-        top = self._tops[:, None] + displacement + larger
+        rise = self._case.terrain.slopes[self._row, None] * (x - x.mean(axis=1, keepdims=True))
+        top = self._tops[:, None] + rise + displacement + larger
         deep = np.full(x.shape, self._tops.min() - 2.0 * DEPTH)
         outline_x = np.concatenate((x, x[:, ::-1]), axis=1)
         outline_z = np.concatenate((deep, top[:, ::-1]), axis=1)

@@ -4,34 +4,16 @@ from pathlib import Path
 
 import pandas as pd
 from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 
 from exudyn_crawler.files import whole_file
-
-VERDICT_STYLES = {"yes": "green", "no": "red", "not reached": "", "": ""}
+from exudyn_crawler.views.terminal import print_rows
 
 
 def print_table(table: pd.DataFrame, title: str, console: Console | None = None) -> None:
     """Print a table; a column `within` is coloured."""
-    console = console or Console()
-    if not console.is_terminal:
-        console = Console(width=150)
-    shown = Table(title=escape(title), title_justify="left")
-    numeric = [pd.api.types.is_numeric_dtype(table[name]) for name in table.columns]
-    for name, right in zip(table.columns, numeric, strict=True):
-        shown.add_column(escape(str(name)), justify="right" if right else "left")
-    for row in table.itertuples(index=False):
-        cells = [escape(_cell(value)) for value in row]
-        style = VERDICT_STYLES.get(getattr(row, "within", ""), "")
-        shown.add_row(*cells, style=style)
-    console.print(shown)
-
-
-def _cell(value: object) -> str:
-    if isinstance(value, float):
-        return "" if value != value else f"{value:.4g}"
-    return str(value)
+    numeric = [str(name) for name in table.columns if pd.api.types.is_numeric_dtype(table[name])]
+    rows = table.itertuples(index=False)
+    print_rows([str(name) for name in table.columns], rows, title, numeric, console)
 
 
 DIGITS = 10

@@ -22,7 +22,7 @@ from exudyn_crawler import (
     write_case,
 )
 from exudyn_crawler.case.fields import key_paths, named_values
-from exudyn_crawler.case.text import case_table, case_text, number_text
+from exudyn_crawler.case.text import case_rows, case_text, number_text
 from exudyn_crawler.errors import CaseFileError
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed
@@ -89,10 +89,10 @@ def test_every_value_has_its_unit_and_meaning():
     text = case_text(CaseFile(case=Case.turning()))
     assert "spring_stiffness = 20e6 # N/m, stiffness of each spring\n" in text
     assert "turn_rate = {times = [0.0, 5.0], values = [0.0, 0.017453292519943295]} # rad/s, " in text
-    table = case_table(CaseFile(case=Case.turning())).set_index("key")
-    assert (table["meaning"] != "").all()
-    assert table.loc["terrain.density"].tolist() == ["1600", "kg/m3", "density of the units"]
-    assert table.loc["loads.phases[0].loads", "value"] == "13 x 386400"
+    rows = {row.key: row for row in case_rows(CaseFile(case=Case.turning()))}
+    assert all(row.meaning for row in rows.values())
+    assert rows["terrain.density"][1:] == ("1600", "kg/m3", "density of the units")
+    assert rows["loads.phases[0].loads"].value == "13 x 386400"
 
 
 def test_a_file_gives_only_what_differs_from_its_base(read):

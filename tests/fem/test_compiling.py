@@ -11,7 +11,14 @@ HELPER = "from fem.compiling import compiler\nfrom pathlib import Path\n"
 HELPER += "\ncompiled = compiler(Path(__file__).parent)\n"
 INNER = HELPER + "\n\n@compiled\ndef inner(x):\n    return {factor} * x\n"
 OUTER = "from inner import compiled, inner\n\n\n@compiled\ndef outer(x):\n    return inner(x) + 1.0\n"
-ASK = "from outer import outer; print(outer(3.0), outer.stats.cache_hits)"
+ASK = """
+from fem.compiling import told_of_compiling
+from outer import outer
+told = []
+with told_of_compiling([outer], lambda: told.append(1)):
+    result = outer(3.0)
+print(result, len(told), outer.stats.cache_hits)
+"""
 FULL_DISK = """
 import resource, signal
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -30,12 +37,12 @@ def result(folder: Path, before: str = "") -> str:
 def test_a_kept_function_notices_a_change_of_what_it_calls(tmp_path):
     (tmp_path / "outer.py").write_text(OUTER)
     (tmp_path / "inner.py").write_text(INNER.format(factor="2.0"))
-    assert result(tmp_path).startswith("7.0 ")
+    assert result(tmp_path).startswith("7.0 1 ")
     again = result(tmp_path)
-    assert again.startswith("7.0 ")
+    assert again.startswith("7.0 0 ")
     assert not again.rstrip().endswith("Counter()")
     (tmp_path / "inner.py").write_text(INNER.format(factor="5.0"))
-    assert result(tmp_path).startswith("16.0 ")
+    assert result(tmp_path).startswith("16.0 1 ")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
@@ -43,4 +50,4 @@ def test_a_function_that_finds_no_room_to_be_kept_is_compiled_all_the_same(tmp_p
     (tmp_path / "outer.py").write_text(OUTER)
     (tmp_path / "inner.py").write_text(INNER.format(factor="2.0"))
     for _ in range(2):
-        assert result(tmp_path, FULL_DISK) == "7.0 Counter()\n"
+        assert result(tmp_path, FULL_DISK) == "7.0 1 Counter()\n"

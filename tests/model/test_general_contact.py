@@ -19,7 +19,7 @@ from exudyn_crawler.run.integration import integrate
 from studies.comparison import compare_kinematics
 from studies.force_comparison import compare_forces
 from studies.forces import study as forces_study
-from studies.uneven_ground import uneven_case
+from studies.grounds import uneven_case
 
 pytestmark = pytest.mark.simulation
 

@@ -90,6 +90,8 @@ def test_results_are_selected_by_name(translation):
 def test_dimensions_are_those_of_the_papers(translation):
     sizes = dict(translation.dataset.sizes)
     assert sizes.pop("contact") == 14  # shoe 7 on two units
+    # 10 + 5 coordinates carry the terrain of 10 x 5 units
+    assert sizes.pop("terrain_mode") == 15
     assert sizes == {"time": 201, "shoe": 13, "joint": 12, "unit": 50, "axis": 3}
     assert np.diff(translation.time) == pytest.approx(np.full(200, 2e-3), rel=1e-9)
 

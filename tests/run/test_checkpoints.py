@@ -70,11 +70,26 @@ def test_a_killed_run_goes_on_and_gives_the_same_numbers(tmp_path):
     assert resumed.dataset.identical(straight.dataset)
 
 
-def test_the_second_contact_model_goes_on_from_checkpoints_too(tmp_path):
-    case = staged().with_(contact=SphereContact.oil_sand())
-    whole = simulate(case, 3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+def flexible():
+    case = Case.stress("coarse")
+    return case.with_(flexible=case.flexible.with_(shoes=(7, 13), fixed_modes=4))
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(lambda: Case.translation().with_(contact=SphereContact.oil_sand()), id="spheres"),
+        pytest.param(Case.turning, id="turning"),
+        pytest.param(flexible, id="flexible"),
+        pytest.param(lambda: flexible().with_(formulation="engine"), id="engine"),
+    ],
+)
+def test_a_run_that_goes_on_from_checkpoints_gives_the_same_numbers(tmp_path, case):
+    case = case()
+    case = case.with_(solver=case.solver.with_(checkpoint_interval=INTERVAL / 5))
+    whole = simulate(case, 3 * INTERVAL / 5, checkpoints=Checkpoints(tmp_path))
     (tmp_path / "stage_0001.npz").unlink()
-    resumed = simulate(case, 3 * INTERVAL, checkpoints=Checkpoints(tmp_path))
+    resumed = simulate(case, 3 * INTERVAL / 5, checkpoints=Checkpoints(tmp_path))
     assert resumed.dataset.identical(whole.dataset)
 
 

@@ -1,9 +1,12 @@
 """Failed steps and searches name what they hang on."""
 
+import signal
+
 import numpy as np
 import pytest
 
 from exudyn_crawler import Case, EquilibriumError, LoadCycle, SimulationStopped, simulate
+from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.model.compiled import system as compiled
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.engine import exu
@@ -103,3 +106,18 @@ def test_a_search_for_rest_names_what_does_not_come_to_rest():
     said = r"failed, the equations are singular, greatest residual at shoe \d+ \(z\)"
     with pytest.raises(EquilibriumError, match=said):
         simulate(Case.translation().with_(loads=loads), 0.01)
+
+
+def test_a_search_for_rest_is_interrupted_within_the_engine(monkeypatch):
+    calls, forces = [], PairGroundContact.forces
+
+    def pressed(contact, q, q_t):
+        calls.append(q)
+        if len(calls) == 3:
+            signal.raise_signal(signal.SIGINT)
+        return forces(contact, q, q_t)
+
+    monkeypatch.setattr(PairGroundContact, "forces", pressed)
+    with pytest.raises(KeyboardInterrupt):
+        static_equilibrium(Case.translation().with_(formulation="engine"))
+    assert len(calls) > 3  # Exudyn has ended its search itself

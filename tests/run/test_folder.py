@@ -24,7 +24,7 @@ from studies.kinematics import study as kinematics_study
 
 pytestmark = pytest.mark.simulation
 
-QUIET = Outputs(figures=False)
+QUIET = Outputs(figures=False, pictures=False, paraview=False)
 SHORT = CaseFile(case=Case.turning(), duration=0.05, outputs=QUIET)
 HOLD = """
 import sys, time
@@ -94,7 +94,7 @@ def test_flexible_shoes_repeat_bit_for_bit(tmp_path):
     text = (
         'base = "translation"\nduration = 0.01\n[terrain]\nbase = "stress"\n'
         '[flexible]\nbase = "ph4100c"\nmesh = "coarse"\nshoes = [13]\nfixed_modes = 4\n'
-        "[outputs]\nfigures = false\n"
+        "[outputs]\nfigures = false\npictures = false\nparaview = false\n"
     )
     (tmp_path / "case.toml").write_text(text)
     for name in ("first", "again"):

@@ -5,12 +5,14 @@ import pkgutil
 import signal
 import sys
 
+import numba
 import numpy as np
 import pytest
 
 from exudyn_crawler import Case, SimulationStopped, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.balance import shoe_imbalance, track_imbalance
+from exudyn_crawler.run import simulation
 
 pytestmark = pytest.mark.simulation
 
@@ -85,6 +87,17 @@ def test_every_variable_of_a_history_is_an_attribute(translation):
     for name, values in translation.dataset.variables.items():
         assert getattr(translation, name).shape == values.shape
         assert name in translation.dataset.coords or values.attrs["units"]
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("progress", [None, False])
+def test_a_run_that_compiles_says_so_in_a_line(monkeypatch, capsys, progress):
+    half = numba.njit(lambda x: 0.5 * x)
+    monkeypatch.setattr(simulation, "EQUATIONS", [half])
+    monkeypatch.setattr(simulation, "integrate", lambda *_, **__: half(1.0))
+    for told in ("" if progress is False else f"{simulation.COMPILING}\n", ""):
+        simulate(Case.translation(), 0.01, progress)
+        assert capsys.readouterr() == ("", told)
 
 
 def test_states_are_stored_at_the_output_interval():

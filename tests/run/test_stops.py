@@ -21,7 +21,7 @@ pytestmark = pytest.mark.simulation
 
 # the package's public function of this name hides the module
 case_run_module = importlib.import_module("exudyn_crawler.case_run")
-QUIET = Outputs(figures=False)
+QUIET = Outputs(figures=False, pictures=False, paraview=False)
 STAGED = CaseFile(
     case=Case.turning().with_(solver=Case.turning().solver.with_(checkpoint_interval=0.05)),
     duration=0.15,

@@ -51,9 +51,13 @@ def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
         for writer in STRESS_WRITERS:
             writer(history, results, tmp_path, outputs, True)
 
-    write(Outputs(tables=False, figures=False))
+    nothing = Outputs(tables=False, figures=False, pictures=False, paraview=False)
+    write(nothing)
     assert {path.name for path in tmp_path.iterdir()} == {"stress.nc"}
-    write(Outputs(tables=False, figure_format="svg"))
+    write(nothing.with_(paraview=True))
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"stress.nc", "track.pvd", "track_parts", *(f"fields_shoe_{n}.vtu" for n in (7, 13))}
+    write(Outputs(tables=False, figure_format="svg", paraview=False))
     names = {path.name for path in tmp_path.iterdir()}
     assert not [name for name in names if name.endswith(".csv")]
     assert {name for name in names if name.endswith(".png")} == {

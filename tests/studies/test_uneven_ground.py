@@ -16,16 +16,16 @@ from exudyn_crawler.model.system import build
 from exudyn_crawler.results.balance import shoe_imbalance
 from exudyn_crawler.run.equilibrium import static_equilibrium
 from studies.comparison import time_mean
-from studies.uneven_ground import (
+from studies.grounds import (
     RAMP_END,
     RAMP_HEIGHT,
     RAMP_START,
     STEP_HEIGHT,
     STEP_PLACE,
     strip,
-    study,
     uneven_case,
 )
+from studies.uneven_ground import study
 
 pytestmark = pytest.mark.simulation
 

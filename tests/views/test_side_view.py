@@ -8,7 +8,7 @@ from exudyn_crawler import simulate
 from exudyn_crawler.views.ground_figures import ground_figure
 from exudyn_crawler.views.placement import shoe_forces, unloaded_level
 from exudyn_crawler.views.side_view import DEPTH, SideView
-from studies.uneven_ground import STEP_HEIGHT, STEP_PLACE, uneven_case
+from studies.grounds import STEP_HEIGHT, STEP_PLACE, uneven_case
 from tests.views.drawn import corners
 
 pytestmark = pytest.mark.simulation

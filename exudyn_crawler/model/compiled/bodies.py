@@ -13,7 +13,7 @@ import numpy as np
 
 from exudyn_crawler.ground.frames import Matrix, Vector, along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.rotations import Attitude, FloatArray
-from exudyn_crawler.model.compiled.elimination import solving
+from exudyn_crawler.model.compiled.elimination import solving_within
 
 
 class Body(NamedTuple):
@@ -57,6 +57,35 @@ class Body(NamedTuple):
     side_shapes: FloatArray
 
 
+def rigid_body(mass: float, inertia: FloatArray, center: FloatArray, load_place: FloatArray) -> Body:
+    """Body without modes.
+
+    Parameters
+    ----------
+    mass : float
+        kg.
+    inertia : array (3, 3)
+        About the centre of mass, kg m2.
+    center, load_place : array (3,)
+        Centre of mass and where a load acts, m.
+    """
+    none = np.zeros((3, 0))
+    return Body(
+        mass=float(mass),
+        first=mass * center,
+        second=0.5 * np.trace(inertia) * np.eye(3) - inertia + mass * np.outer(center, center),
+        shapes=none,
+        places=np.zeros(0),
+        products=np.zeros((0, 0)),
+        stiffness=np.zeros(0),
+        damping=np.zeros(0),
+        load_place=load_place,
+        load_shapes=none,
+        side_place=np.array([0.0, 1.0, 0.0]),
+        side_shapes=none,
+    )
+
+
 class Inertia(NamedTuple):
     """Integrals over the mass of a shoe as it is bent, in its frame.
 
@@ -75,7 +104,7 @@ class Inertia(NamedTuple):
     turning: FloatArray
 
 
-@solving
+@solving_within
 def moved(place: Vector, shapes: FloatArray, own: FloatArray) -> Vector:
     """Place (m, the shoe's frame) moved by shapes (3, m) at the shoe's coordinates and modes (6 + m,)."""
     x, y, z = place
@@ -86,20 +115,20 @@ def moved(place: Vector, shapes: FloatArray, own: FloatArray) -> Vector:
     return x, y, z
 
 
-@solving
+@solving_within
 def _moment_of(tensor: FloatArray) -> Vector:
     """Moment of ``integral p_a f_c``."""
     return tensor[1, 2] - tensor[2, 1], tensor[2, 0] - tensor[0, 2], tensor[0, 1] - tensor[1, 0]
 
 
-@solving
+@solving_within
 def _angular(at: Attitude, rates: Vector) -> Vector:
     """Angular velocity (rad/s) in the shoe's frame of the rates of its angles."""
     turning = along((rates[0], 0.0, 0.0), rates[1], at.axes[1])
     return turned_back(at.R, along(turning, rates[2], at.axes[2]))
 
 
-@solving
+@solving_within
 def _angular_acceleration(at: Attitude, rates: Vector, accelerations: Vector) -> Vector:
     """Angular acceleration (rad/s2) in the shoe's frame; the axes of the angles turn along."""
     first = (rates[0], 0.0, 0.0)
@@ -120,7 +149,7 @@ class Motion(NamedTuple):
     acceleration: Vector
 
 
-@solving
+@solving_within
 def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
     """Motion of the frame of a shoe at its coordinates, rates and accelerations (3, 6 + m)."""
     rates = (state[1, 3], state[1, 4], state[1, 5])
@@ -135,12 +164,12 @@ def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
     return Motion(w, turning, turned_back(at.R, upward))
 
 
-@solving
+@solving_within
 def _column(tensor: FloatArray, a: int, k: int) -> Vector:
     return tensor[a, k, 0], tensor[a, k, 1], tensor[a, k, 2]
 
 
-@solving
+@solving_within
 def _bend(
     body: Body, state: FloatArray, motion: Motion, residual: FloatArray, inertia: Inertia, tensor: FloatArray
 ) -> Vector:
@@ -181,7 +210,7 @@ def _bend(
     return force
 
 
-@solving
+@solving_within
 def body_residual(
     body: Body,
     at: Attitude,
@@ -224,7 +253,7 @@ def body_residual(
     _apply_load(body, at, state[0], load, residual)
 
 
-@solving
+@solving_within
 def _apply_load(
     body: Body, at: Attitude, own: FloatArray, load: tuple[Vector, float], residual: FloatArray
 ) -> None:
@@ -239,7 +268,7 @@ def _apply_load(
             residual[6 + k] += (body.load_shapes[a, k] + shift * body.side_shapes[a, k]) * push[a]
 
 
-@solving
+@solving_within
 def _apply(at: Attitude, force: Vector, moment: Vector, residual: FloatArray) -> None:
     """Add a force and a moment about the frame's origin, in its axes, to the shoe's six equations."""
     force, moment = turned(at.R, force), turned(at.axes, turned(at.R, moment))
@@ -248,7 +277,7 @@ def _apply(at: Attitude, force: Vector, moment: Vector, residual: FloatArray) ->
         residual[3 + k] += moment[k]
 
 
-@solving
+@solving_within
 def add_mass(body: Body, at: Attitude, inertia: Inertia, factor: float, matrix: FloatArray) -> None:
     """Add the mass matrix of a shoe times a factor to the leading 6 + m rows and columns of a matrix."""
     m = body.stiffness.shape[0]

@@ -21,6 +21,9 @@ solving = compiler(Path(__file__).parent, *SOURCES, error_model="numpy")
 """Compiles a function of this room. Sums are taken in their order: where the compiler may choose, processes
 that compile apart from each other get other last digits."""
 
+solving_within = compiler(Path(__file__).parent, *SOURCES, error_model="numpy", no_cpython_wrapper=True)
+"""The same for compiled callers alone, as `ground.frames.within`."""
+
 IntArray = NDArray[np.int64]
 
 

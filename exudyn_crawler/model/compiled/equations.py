@@ -2,175 +2,28 @@
 
 The unknowns are the coordinates, in the order of `model.state`, and behind them the multipliers: five a
 pin, one of the drive and one of the turn. The residual is inertia less forces plus constraint forces for the
-first, and what constraints are off for the second.
+first, and what constraints are off for the second. Where a side frame rolls over the track, the drive's
+multiplier is what pulls the chain, and its equation the frame's along x.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import Vector, inlined
 from exudyn_crawler.ground.pair_stiffness import MOTIONS, TouchingPairs, touching_pairs
 from exudyn_crawler.ground.pair_track import Bodies
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude
-from exudyn_crawler.model.compiled.bodies import Body, Inertia, body_residual
-from exudyn_crawler.model.compiled.elimination import Fronts, IntArray, solving
+from exudyn_crawler.ground.rotations import Attitude, FloatArray
+from exudyn_crawler.model.compiled.bodies import Inertia, body_residual
+from exudyn_crawler.model.compiled.elimination import solving, solving_within
 from exudyn_crawler.model.compiled.joints import ROWS, End, Pins, direction, end_of, pin
+from exudyn_crawler.model.compiled.own import add_own, modal_start, read_own, shoe_attitude
+from exudyn_crawler.model.compiled.records import Ground, Inputs, Memory, Model, Weights, named_model
+from exudyn_crawler.model.compiled.side_frame import add_side_frame
 
 STIFFNESS = 1e9
 """N/m and N m/rad, what turns a gap of a constraint into a residual beside forces: about what closing it
 within a step of some ms takes of a shoe's mass."""
 
 
-class Sizes(NamedTuple):
-    """Numbers of things: coordinates of the terrain, modes of a flexible shoe."""
-
-    shoes: int
-    terrain: int
-    modes: int
-    pins: int
-
-
-class Ground(NamedTuple):
-    """Terrain in its own coordinates, whose mass is 1; arrays over them.
-
-    `heave` and `tilt` (units, coordinates) carry the units, `reference` (units, 4) is where they are with
-    free springs; `stiffness` (1/s2) and `damping` (1/s) are of the supports, `weight` the load of a unit of
-    gravity.
-    """
-
-    heave: FloatArray
-    tilt: FloatArray
-    reference: FloatArray
-    stiffness: FloatArray
-    damping: FloatArray
-    weight: FloatArray
-
-
-class Places(NamedTuple):
-    """Where in the fronts the terms of the equations go.
-
-    Attributes
-    ----------
-    terrain : array (shoes,)
-        Row of the terrain's first coordinate in the front of each shoe.
-    pins : array (pins, 2)
-        Row of a pin's first multiplier in the fronts of its shoes.
-    drive : array (2,)
-        Rows of the multipliers of drive and turn in the front of the last shoe.
-    border : array (3,)
-        Number of the last front, which the terrain heads, and rows of drive and turn in it.
-    """
-
-    terrain: IntArray
-    pins: IntArray
-    drive: IntArray
-    border: IntArray
-
-
-class Model(NamedTuple):
-    """All that does not change; `contact` is `pair_track.Track` as plain tuples."""
-
-    sizes: Sizes
-    rigid: Body
-    flexible: Body
-    row: IntArray
-    reference: FloatArray
-    ground: Ground
-    pins: Pins
-    pulled: tuple[FloatArray, FloatArray, FloatArray]
-    contact: tuple
-    fronts: Fronts
-    places: Places
-
-
-class Inputs(NamedTuple):
-    """What time makes of loads and drive.
-
-    Attributes
-    ----------
-    gravity : Vector
-        m/s2, global.
-    loads : array (shoes, 3)
-        Machine loads, N, global.
-    shift : float
-        How far they act to the left of their places, m.
-    drive : array (2, 2)
-        Of drive and turn: whether it acts (1 or 0), and the speed, m/s or rad/s.
-    """
-
-    gravity: Vector
-    loads: FloatArray
-    shift: float
-    drive: FloatArray
-
-
-class Weights(NamedTuple):
-    """Weights of the derivatives by coordinates, rates and accelerations.
-
-    `secant` as of `triplets.Weights`; `level` is what turns what a constraint on velocity is off into a gap.
-    """
-
-    position: float
-    velocity: float
-    acceleration: float
-    secant: bool
-    level: float
-
-
-class Memory(NamedTuple):
-    """What an evaluation leaves for the derivative and for the next one.
-
-    Attributes
-    ----------
-    units, unit_rates : array (units, 4)
-        Places and rates of the units.
-    touching : tuple
-        `TouchingPairs` as a plain tuple.
-    first, second, turning : array (shoes, ...)
-        `Inertia` of every shoe.
-    off : array (multipliers,)
-        What constraints are off, m, rad and their rates.
-    pins : array (pins, 2, ROWS, 6 + modes)
-        Directions of the pins.
-    drive : array (2, 6 + modes)
-        Directions of drive and turn.
-    work : array
-        Scratch of the contact.
-    """
-
-    units: FloatArray
-    unit_rates: FloatArray
-    touching: tuple
-    first: FloatArray
-    second: FloatArray
-    turning: FloatArray
-    off: FloatArray
-    pins: FloatArray
-    drive: FloatArray
-    work: FloatArray
-
-
-@inlined
-def named_model(values: tuple) -> Model:
-    """Model of its values as plain tuples, which Python hands over in less time."""
-    sizes, rigid, flexible, row, reference, ground, pins, pulled, contact, fronts, places = values
-    return Model(
-        Sizes(*sizes),
-        Body(*rigid),
-        Body(*flexible),
-        row,
-        reference,
-        Ground(*ground),
-        Pins(*pins),
-        pulled,
-        contact,
-        Fronts(*fronts),
-        Places(*places),
-    )
-
-
-@solving
+@solving_within
 def _units(ground: Ground, q: FloatArray, out: FloatArray) -> None:
     """Write heave and tilt of the units by the terrain's coordinates, or their rates."""
     for u in range(ground.heave.shape[0]):
@@ -181,38 +34,7 @@ def _units(ground: Ground, q: FloatArray, out: FloatArray) -> None:
         out[u, 2], out[u, 3] = z, a
 
 
-@solving
-def _modal(sizes: Sizes, f: int) -> int:
-    """First modal coordinate of the flexible shoe in row f; -1 for a rigid one, whose f is negative."""
-    return 6 * sizes.shoes + sizes.terrain + f * sizes.modes if f >= 0 else -1
-
-
-@solving
-def _own(s: int, modal: int, values: FloatArray, out: FloatArray) -> None:
-    """Write the coordinates of a shoe and its modes, or zeros, into one row."""
-    for k in range(6):
-        out[k] = values[6 * s + k]
-    for k in range(6, out.shape[0]):
-        out[k] = values[modal + k - 6] if modal >= 0 else 0.0
-
-
-@solving
-def _add_own(s: int, modal: int, own: FloatArray, factor: float, residual: FloatArray) -> None:
-    """Add a row of a shoe's coordinates and modes, times a factor."""
-    for k in range(6):
-        residual[6 * s + k] += factor * own[k]
-    if modal >= 0:
-        for k in range(6, own.shape[0]):
-            residual[modal + k - 6] += factor * own[k]
-
-
-@solving
-def shoe_attitude(state: FloatArray, s: int) -> Attitude:
-    """Attitude of a shoe."""
-    return attitude(state[0, 6 * s + 3], state[0, 6 * s + 4], state[0, 6 * s + 5])
-
-
-@solving
+@solving_within
 def _contact(model: Model, state: FloatArray, weights: Weights, memory: Memory, residual: FloatArray) -> int:
     """Take the contact forces off the residual; gives the number of contacts."""
     n, t, m = model.sizes.shoes, model.sizes.terrain, model.sizes.modes
@@ -223,8 +45,8 @@ def _contact(model: Model, state: FloatArray, weights: Weights, memory: Memory, 
         for k in range(4):
             memory.units[u, k] = ground.reference[u, k] + (memory.units[u, k] if k > 1 else 0.0)
     shoes = model.reference + state[0, :terrain].reshape((n, 6))
-    modal = state[0, terrain + t : state.shape[1]]
-    rates = state[1, terrain + t : state.shape[1]]
+    modal = state[0, terrain + t : state.shape[1] - model.sizes.frame]
+    rates = state[1, terrain + t : state.shape[1] - model.sizes.frame]
     flexible = modal.shape[0] // max(m, 1)
     bodies = Bodies(
         shoes,
@@ -256,7 +78,7 @@ def _contact(model: Model, state: FloatArray, weights: Weights, memory: Memory, 
                     push += motion[r, 8 + c] * wrench[r]
                 for k in range(m):
                     own[6 + k] += push * found.rows[p, c, k]
-        _add_own(s, _modal(model.sizes, model.row[s]), own, -1.0, residual)
+        add_own(s, modal_start(model.sizes, model.row[s]), own, -1.0, residual)
     for u in range(forces.shape[0]):
         if forces[u, 0] != 0.0 or forces[u, 1] != 0.0:
             for k in range(t):
@@ -264,7 +86,7 @@ def _contact(model: Model, state: FloatArray, weights: Weights, memory: Memory, 
     return count
 
 
-@solving
+@solving_within
 def _tuple(bodies: Bodies) -> tuple:
     """Bodies as a plain tuple."""
     return (
@@ -277,7 +99,7 @@ def _tuple(bodies: Bodies) -> tuple:
     )
 
 
-@solving
+@solving_within
 def _terrain(model: Model, state: FloatArray, inputs: Inputs, residual: FloatArray) -> None:
     """Add inertia, supports and weight of the terrain."""
     first, ground = 6 * model.sizes.shoes, model.ground
@@ -288,15 +110,15 @@ def _terrain(model: Model, state: FloatArray, inputs: Inputs, residual: FloatArr
         residual[first + i] += force
 
 
-@solving
+@solving_within
 def _bodies(model: Model, state: FloatArray, inputs: Inputs, memory: Memory, residual: FloatArray) -> None:
     """Add inertia, elastic forces, weights and loads of all shoes."""
     m = model.sizes.modes
     own, forces = np.empty((3, 6 + m)), np.empty(6 + m)
     for s in range(model.sizes.shoes):
-        modal = _modal(model.sizes, model.row[s])
+        modal = modal_start(model.sizes, model.row[s])
         for rate in range(3):
-            _own(s, modal, state[rate], own[rate])
+            read_own(s, modal, state[rate], own[rate])
         forces.fill(0.0)
         inertia = Inertia(memory.first[s], memory.second[s], memory.turning[s])
         load = ((inputs.loads[s, 0], inputs.loads[s, 1], inputs.loads[s, 2]), inputs.shift)
@@ -305,15 +127,15 @@ def _bodies(model: Model, state: FloatArray, inputs: Inputs, memory: Memory, res
             body_residual(model.flexible, at, own, inputs.gravity, load, forces, inertia)
         else:
             body_residual(model.rigid, at, own, inputs.gravity, load, forces, inertia)
-        _add_own(s, modal, forces, 1.0, residual)
+        add_own(s, modal, forces, 1.0, residual)
 
 
-@solving
+@solving_within
 def _end(pins: Pins, p: int, end: int, at: Attitude, own: FloatArray) -> End:
     return end_of(pins.places[p, end], pins.shifts[p, end], pins.turns[p, end], at, own)
 
 
-@solving
+@solving_within
 def _pins(
     model: Model, state: FloatArray, multipliers: FloatArray, memory: Memory, residual: FloatArray
 ) -> None:
@@ -322,9 +144,9 @@ def _pins(
     own = np.empty((2, 6 + sizes.modes))
     for p in range(sizes.pins):
         a, b = pins.shoes[p, 0], pins.shoes[p, 1]
-        modal_a, modal_b = _modal(sizes, model.row[a]), _modal(sizes, model.row[b])
-        _own(a, modal_a, state[0], own[0])
-        _own(b, modal_b, state[0], own[1])
+        modal_a, modal_b = modal_start(sizes, model.row[a]), modal_start(sizes, model.row[b])
+        read_own(a, modal_a, state[0], own[0])
+        read_own(b, modal_b, state[0], own[1])
         at_a, at_b = shoe_attitude(state, a), shoe_attitude(state, b)
         apart = (
             reference[b, 0] + own[1, 0] - reference[a, 0] - own[0, 0],
@@ -335,11 +157,11 @@ def _pins(
         ends = _end(pins, p, 0, at_a, own[0]), _end(pins, p, 1, at_b, own[1])
         pin(shapes, ends, (at_a, at_b), apart, memory.off[ROWS * p : ROWS * p + ROWS], memory.pins[p])
         for r in range(ROWS):
-            _add_own(a, modal_a, memory.pins[p, 0, r], multipliers[ROWS * p + r], residual)
-            _add_own(b, modal_b, memory.pins[p, 1, r], multipliers[ROWS * p + r], residual)
+            add_own(a, modal_a, memory.pins[p, 0, r], multipliers[ROWS * p + r], residual)
+            add_own(b, modal_b, memory.pins[p, 1, r], multipliers[ROWS * p + r], residual)
 
 
-@solving
+@solving_within
 def _drive(
     model: Model,
     state: FloatArray,
@@ -350,10 +172,10 @@ def _drive(
 ) -> None:
     """Add the forces of drive and turn on the last shoe, and write what its speeds are off."""
     s, first = model.sizes.shoes - 1, ROWS * model.sizes.pins
-    modal = _modal(model.sizes, model.row[s])
+    modal = modal_start(model.sizes, model.row[s])
     own = np.empty((2, 6 + model.sizes.modes))
-    _own(s, modal, state[0], own[0])
-    _own(s, modal, state[1], own[1])
+    read_own(s, modal, state[0], own[0])
+    read_own(s, modal, state[1], own[1])
     at = shoe_attitude(state, s)
     place, shifts, none = model.pulled
     pulled = end_of(place, shifts, none, at, own[0])
@@ -367,7 +189,7 @@ def _drive(
             for c in range(own.shape[1]):
                 speed += memory.drive[k, c] * own[1, c]
             memory.off[first + k] = speed
-            _add_own(s, modal, memory.drive[k], multipliers[first + k], residual)
+            add_own(s, modal, memory.drive[k], multipliers[first + k], residual)
         else:
             memory.off[first + k] = multipliers[first + k]
 
@@ -403,6 +225,7 @@ def evaluate(
     _terrain(model, state, inputs, residual)
     _pins(model, state, multipliers, memory, residual)
     _drive(model, state, multipliers, inputs, memory, residual)
+    add_side_frame(model, state, multipliers, inputs, weights, memory, residual)
     pins = ROWS * model.sizes.pins
     for k in range(pins):
         residual[n + k] = STIFFNESS * memory.off[k]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned, turned_back
 from exudyn_crawler.ground.rotations import Attitude, FloatArray
 from exudyn_crawler.model.compiled.bodies import moved
-from exudyn_crawler.model.compiled.elimination import IntArray, solving
+from exudyn_crawler.model.compiled.elimination import IntArray, solving_within
 
 ROWS = 5
 """Equations of a pin: its place, and its axis y across the axes x and z of the shoe in front."""
@@ -49,14 +49,14 @@ class End(NamedTuple):
     rotation: Vector
 
 
-@solving
+@solving_within
 def end_of(place: FloatArray, shifts: FloatArray, turns: FloatArray, at: Attitude, own: FloatArray) -> End:
     """End of a pin at the coordinates of its shoe and its modes (6 + m,)."""
     lever = turned(at.R, moved((place[0], place[1], place[2]), shifts, own))
     return End(lever, moved((0.0, 0.0, 0.0), turns, own))
 
 
-@solving
+@solving_within
 def _factors(angle: float) -> tuple[float, float, float]:
     """``sin a / a``, ``(1 - cos a) / a^2`` and ``(a - sin a) / a^3``."""
     if angle < SMALL:
@@ -66,7 +66,7 @@ def _factors(angle: float) -> tuple[float, float, float]:
     return s, (1.0 - math.cos(angle)) / angle**2, (1.0 - s) / angle**2
 
 
-@solving
+@solving_within
 def axis_of(end: End, at: Attitude, k: int) -> Vector:
     """Axis k of an end, global: ``R exp(rotation) e_k``."""
     t = end.rotation
@@ -75,7 +75,7 @@ def axis_of(end: End, at: Attitude, k: int) -> Vector:
     return turned(at.R, along(along(basis(k), s, once), c, cross(t, once)))
 
 
-@solving
+@solving_within
 def _by_rotation(end: End, moment: Vector) -> Vector:
     """Part of a moment (the shoe's frame) that the rates of an end's rotation vector feel.
 
@@ -88,7 +88,7 @@ def _by_rotation(end: End, moment: Vector) -> Vector:
     return along(along(moment, -c, once), d, cross(t, once))
 
 
-@solving
+@solving_within
 def direction(
     force: Vector,
     moment: Vector,
@@ -115,7 +115,7 @@ def direction(
         out[6 + k] = sign * work
 
 
-@solving
+@solving_within
 def pin(
     shapes: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
     ends: tuple[End, End],

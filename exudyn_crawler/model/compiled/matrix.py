@@ -10,21 +10,15 @@ import numpy as np
 from exudyn_crawler.ground.pair_stiffness import MOTIONS, TouchingPairs
 from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.model.compiled.bodies import Inertia, add_mass
-from exudyn_crawler.model.compiled.elimination import front, solving
-from exudyn_crawler.model.compiled.equations import (
-    STIFFNESS,
-    Ground,
-    Inputs,
-    Memory,
-    Model,
-    Weights,
-    named_model,
-    shoe_attitude,
-)
+from exudyn_crawler.model.compiled.elimination import front, solving, solving_within
+from exudyn_crawler.model.compiled.equations import STIFFNESS
 from exudyn_crawler.model.compiled.joints import ROWS
+from exudyn_crawler.model.compiled.own import shoe_attitude
+from exudyn_crawler.model.compiled.records import Ground, Inputs, Memory, Model, Weights, named_model
+from exudyn_crawler.model.compiled.side_frame import assemble_side_frame
 
 
-@solving
+@solving_within
 def _motions(found: TouchingPairs, first: int, last: int, modes: int, ground: Ground) -> FloatArray:
     """Motions of a shoe's contacts by its coordinates and the terrain's, row under row."""
     terrain, size = ground.heave.shape[1], 6 + modes
@@ -44,7 +38,7 @@ def _motions(found: TouchingPairs, first: int, last: int, modes: int, ground: Gr
     return out
 
 
-@solving
+@solving_within
 def _add_contacts(
     found: TouchingPairs, first: int, last: int, modes: int, ground: Ground, shift: int, matrix: FloatArray
 ) -> None:
@@ -68,7 +62,7 @@ def _add_contacts(
             matrix[i, c + shift] += block[r, c]
 
 
-@solving
+@solving_within
 def _add_pins(model: Model, memory: Memory, values: FloatArray) -> None:
     """Add the directions of all pins to the fronts of their shoes."""
     for p in range(model.sizes.pins):
@@ -82,7 +76,7 @@ def _add_pins(model: Model, memory: Memory, values: FloatArray) -> None:
                     matrix[row + r, c] += STIFFNESS * memory.pins[p, end, r, c]
 
 
-@solving
+@solving_within
 def _add_drive(model: Model, inputs: Inputs, weights: Weights, memory: Memory, values: FloatArray) -> None:
     """Add the directions of drive and turn to the front of the last shoe."""
     s = model.sizes.shoes - 1
@@ -90,6 +84,8 @@ def _add_drive(model: Model, inputs: Inputs, weights: Weights, memory: Memory, v
     size = 6 + (model.sizes.modes if model.row[s] >= 0 else 0)
     factor = STIFFNESS * weights.level * (weights.velocity if weights.velocity != 0.0 else 1.0)
     for k in range(2):
+        if k == 0 and model.sizes.frame > 0:
+            continue
         if inputs.drive[k, 0] <= 0.0:
             border[model.places.border[1 + k], model.places.border[1 + k]] += 1.0
             continue
@@ -150,3 +146,4 @@ def assemble(
             )
     _add_pins(model, memory, values)
     _add_drive(model, inputs, weights, memory, values)
+    assemble_side_frame(model, state, weights, memory, values)

@@ -10,32 +10,20 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.case.track import SIDES
 from exudyn_crawler.ground.coordinates import ReducedCoordinates
 from exudyn_crawler.ground.pair_contact import PairGroundContact
-from exudyn_crawler.model.compiled.bodies import Body
+from exudyn_crawler.model.compiled.bodies import Body, rigid_body
 from exudyn_crawler.model.compiled.elimination import Fronts, fronts_of
-from exudyn_crawler.model.compiled.equations import Ground, Model, Places, Sizes
 from exudyn_crawler.model.compiled.joints import ROWS, Pins
+from exudyn_crawler.model.compiled.own import Sizes
+from exudyn_crawler.model.compiled.records import Ground, Model, Places
+from exudyn_crawler.model.compiled.rollers import FRAME
+from exudyn_crawler.model.compiled.undercarriage import frame_body, frame_place, rollers_of
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, shoe_model
 
 
-def _rigid_body(case: Case) -> Body:
+def _rigid_shoe(case: Case) -> Body:
     shoe = case.shoe
-    inertia = shoe.inertia_tensor
-    none = np.zeros((3, 0))
-    return Body(
-        mass=float(shoe.mass),
-        first=np.zeros(3),
-        second=0.5 * np.trace(inertia) * np.eye(3) - inertia,
-        shapes=none,
-        places=np.zeros(0),
-        products=np.zeros((0, 0)),
-        stiffness=np.zeros(0),
-        damping=np.zeros(0),
-        load_place=np.array(shoe.load_point, dtype=float),
-        load_shapes=none,
-        side_place=np.array([0.0, 1.0, 0.0]),
-        side_shapes=none,
-    )
+    return rigid_body(shoe.mass, shoe.inertia_tensor, np.zeros(3), np.array(shoe.load_point, dtype=float))
 
 
 def _flexible_body(case: Case, floating: FloatingShoe) -> Body:
@@ -94,14 +82,15 @@ def _pins(case: Case, floating: FloatingShoe | None, flexible: NDArray) -> tuple
 
 
 def _elimination(sizes: Sizes, row: NDArray, links: Sequence[int], pins: Pins) -> tuple[Fronts, Places]:
-    """Shoes go first, then the links along the chain, last the terrain with drive and turn.
+    """Shoes go first, then the links along the chain, last the terrain with drive, turn and side frame.
 
     `links` names the link of every pin.
     """
     n, t, m = sizes.shoes, sizes.terrain, sizes.modes
     terrain = list(range(6 * n, 6 * n + t))
     modal, flexible = 6 * n + t, int(row.max()) + 1
-    first = modal + flexible * m
+    frame = list(range(modal + flexible * m, modal + flexible * m + sizes.frame))
+    first = modal + flexible * m + sizes.frame
     shoes = [
         [*range(6 * s, 6 * s + 6), *(range(modal + f * m, modal + f * m + m) if f >= 0 else ())]
         for s, f in enumerate(row)
@@ -113,7 +102,9 @@ def _elimination(sizes: Sizes, row: NDArray, links: Sequence[int], pins: Pins) -
         chain.setdefault(link, []).extend(own)
     couplings = [[*shoe, *terrain] for shoe in shoes] + [[*shoes[-1], *drive]]
     couplings += [[*shoes[s], *own] for own, pair in zip(multipliers, pins.shoes, strict=True) for s in pair]
-    fronts = fronts_of([*shoes, *chain.values(), [*terrain, *drive]], couplings)
+    rolled = [frame[0], drive[0]] if frame else []
+    couplings += [[*shoe, *frame, *rolled[1:]] for shoe in shoes] if frame else []
+    fronts = fronts_of([*shoes, *chain.values(), [*terrain, *drive, *frame]], couplings)
     last = len(fronts.own) - 1
     places = Places(
         np.array([fronts.row(s, terrain[0]) for s in range(n)]),
@@ -126,6 +117,7 @@ def _elimination(sizes: Sizes, row: NDArray, links: Sequence[int], pins: Pins) -
         ).reshape(-1, 2),
         np.array([fronts.row(n - 1, unknown) for unknown in drive]),
         np.array([last, t, t + 1]),
+        np.array([[fronts.row(k, one) for one in rolled] for k in (*range(n), last)], dtype=np.int64),
     )
     return fronts, places
 
@@ -140,12 +132,13 @@ def track_model(
     row = contact.flexible_rows
     modes = 0 if floating is None else floating.mode_count
     pins, names = _pins(case, floating, row >= 0)
-    sizes = Sizes(case.track.shoe_count, coordinates.size, modes, len(names))
+    framed = 0 if case.undercarriage is None else FRAME
+    sizes = Sizes(case.track.shoe_count, coordinates.size, modes, len(names), framed)
     fronts, places = _elimination(sizes, row, [link for link, _ in names], pins)
     shapes = np.zeros((3, modes))
     if point.rows.size:
         shapes[:] = point.rows
-    rigid = _rigid_body(case)
+    rigid = _rigid_shoe(case)
     terrain = coordinates.modes
     model = Model(
         sizes=sizes,
@@ -166,5 +159,8 @@ def track_model(
         contact=contact.track,
         fronts=fronts,
         places=places,
+        frame=frame_body(case),
+        place=frame_place(case),
+        rollers=rollers_of(case, None if floating is None else floating.reduced),
     )
     return model, names

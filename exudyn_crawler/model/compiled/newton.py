@@ -3,9 +3,10 @@
 import numpy as np
 
 from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.model.compiled.elimination import eliminate, solve, solving
-from exudyn_crawler.model.compiled.equations import Weights, evaluate
+from exudyn_crawler.model.compiled.elimination import eliminate, solve, solving, solving_within
+from exudyn_crawler.model.compiled.equations import evaluate
 from exudyn_crawler.model.compiled.matrix import assemble
+from exudyn_crawler.model.compiled.records import Weights
 
 CONTRACTION = 0.5
 """Residual over the last one above which the matrix is made anew."""
@@ -15,7 +16,7 @@ TANGENTS = 2
 """Matrices of one step with the tangent of the friction curve; later ones take the secant."""
 
 
-@solving
+@solving_within
 def _norm(residual: FloatArray) -> float:
     """Root mean square."""
     return np.sqrt(np.sum(residual * residual) / residual.shape[0])

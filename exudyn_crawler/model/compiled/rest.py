@@ -18,6 +18,50 @@ HELD = (1, 5)
 slip, so that nothing else holds a track at rest in the plane."""
 
 
+DRAG = 100.0
+"""1/s, of what drains momentum in creeping, so that shoes slip slowly."""
+CREEPING = 4.0
+"""s, after which what still creeps is held by friction."""
+FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.2, 1e-7
+"""s, of creeping."""
+CREEPING_LIMIT = 1.0
+"""N, root mean square of the residual that ends a step's search."""
+FEW, MANY = 8, 25
+"""Iterations below which the next step is longer, and most of them."""
+
+
+def crept(system: CompiledSystem, guess: NDArray) -> NDArray:
+    """Coordinates that a track under a side frame has crept to from a guess.
+
+    Frictionless it may have no rest at all: the rollers fold the chain up, and only friction holds the shoes
+    where they are. So all bodies creep to where they stay, without inertia and slowed in proportion to their
+    mass, while friction in proportion to the slip holds what it would hold.
+
+    Parameters
+    ----------
+    guess : array (coordinates,)
+        To start from.
+
+    Raises
+    ------
+    NewtonError
+        If a step fails however short it is.
+    """
+    q, multipliers, step, time = guess, np.zeros(len(system.multipliers)), FIRST_STEP, 0.0
+    while time < CREEPING:
+        found = system.creep(q, multipliers, (step, DRAG), (CREEPING_LIMIT, MANY))
+        if found is None:
+            step *= 0.25
+            if step < LEAST_STEP:
+                raise system.failure()
+            continue
+        q, multipliers, iterations = found
+        time += step
+        if iterations < FEW:
+            step = min(1.5 * step, LONGEST_STEP)
+    return q
+
+
 def rest(system: CompiledSystem, guess: NDArray, limit: float, iterations: int) -> NDArray:
     """Coordinates at which a track with its front shoe held rests.
 

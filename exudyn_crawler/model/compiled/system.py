@@ -4,6 +4,7 @@ Exudyn's generalized-alpha method predicts a step, accepts or halves it and says
 is a single object that has the coordinates and nothing else.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,12 +18,15 @@ from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.pair_stiffness import TouchingPairs
 from exudyn_crawler.ground.rotations import moments_on_angles
 from exudyn_crawler.model.compiled.elimination import eliminate, solve
-from exudyn_crawler.model.compiled.equations import STIFFNESS, Memory, Model, Weights, evaluate
+from exudyn_crawler.model.compiled.equations import STIFFNESS, evaluate
 from exudyn_crawler.model.compiled.inputs import table_of, values_at
 from exudyn_crawler.model.compiled.joints import ROWS
 from exudyn_crawler.model.compiled.matrix import assemble
 from exudyn_crawler.model.compiled.model import track_model
 from exudyn_crawler.model.compiled.newton import step
+from exudyn_crawler.model.compiled.records import Inputs, Memory, Model, Weights
+from exudyn_crawler.model.compiled.rollers import TOUCHED, Rolling
+from exudyn_crawler.model.compiled.undercarriage import FrameInputs
 from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.failure import NewtonError
@@ -66,15 +70,17 @@ class CompiledSystem(Integrated):
                 ("drive", 1),
                 *((("turn", 1),) if turning else ()),
             ),
+            frame=model.sizes.frame,
         )
         size, multipliers = self.layout.coordinate_count, ROWS * model.sizes.pins + 2
         self.container = exu.SystemContainer()
         self.mbs = _coordinates_only(self.container, size)
-        self._on = True
+        self._on = case.undercarriage is None
         self._state = np.zeros((3, size))
         self._multipliers = np.zeros(multipliers)
         self._scratch = (np.zeros(size + multipliers), np.zeros(model.fronts.size))
-        self._memory = self._room(contact)
+        self._memory = self._room(contact, *model.rollers.places.shape[:2])
+        self._frame_inputs = FrameInputs(case)
         self._loads = table_of([case.loads.profile(number) for number in case.track.shoes])
         turn = case.drive.turn_rate or StepProfile.constant(0.0)
         self._speeds = table_of([case.drive.speed, turn, case.loads.side_shift])
@@ -85,7 +91,7 @@ class CompiledSystem(Integrated):
         self._limits = (0.0, 0)
         self._singular = False
 
-    def _room(self, contact: PairGroundContact) -> tuple:
+    def _room(self, contact: PairGroundContact, rollers: int, strips: int) -> tuple:
         """Memory of evaluations."""
         sizes = self._sizes
         return plain(
@@ -100,16 +106,33 @@ class CompiledSystem(Integrated):
                 np.zeros((sizes.pins, 2, ROWS, 6 + sizes.modes)),
                 np.zeros((2, 6 + sizes.modes)),
                 overlap_workspace(),
+                tuple(Rolling.room(rollers, strips, sizes.modes)) if sizes.frame else (),
             )
         )
+
+    @property
+    def treads(self) -> Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]] | None:
+        """As of `formulation.TrackSystem`."""
+        return self._treads if self.layout.frame else None
+
+    def _treads(self, time: float, q: NDArray, q_t: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        state = np.stack((q, q_t, np.zeros_like(q)))
+        residual, none = np.empty_like(self._scratch[0]), np.zeros_like(self._multipliers)
+        weights = (0.0, 0.0, 0.0, False, 1.0)
+        evaluate(self._model, state, none, self._inputs(time), weights, self._memory, residual)
+        found = Rolling(*Memory(*self._memory).rolling)
+        shape = (len(found.rear), -1, TOUCHED, 3)
+        touching = (found.depth > 0.0)[:, None]
+        forces, feet = -found.force * touching, found.foot * touching
+        return forces.reshape(shape), feet.reshape(shape), found.rear.copy()
 
     def sunken(self) -> list[int]:
         """None: the pair law pushes a shoe up from any depth."""
         return []
 
     def switch_drive(self, on: bool) -> None:
-        """Move the front shoe from now on, or leave it free."""
-        self._on = on
+        """Move the front shoe from now on, or leave it free; under a side frame it always is."""
+        self._on = on and not self.layout.frame
 
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`."""
@@ -153,7 +176,16 @@ class CompiledSystem(Integrated):
         solver: Any = exu.MainSolverImplicitSecondOrder()
         solver.SetUserFunctionNewton(self.mbs, self._newton)
         if not solver.SolveSystem(self.mbs, settings):
-            raise NewtonError(self.in_layout(self._scratch[0]), self._singular)
+            raise self.failure()
+
+    def failure(self) -> NewtonError:
+        """Error of the last step that was tried."""
+        return NewtonError(self.in_layout(self._scratch[0]), self._singular)
+
+    @property
+    def multipliers(self) -> NDArray:
+        """Of pins, drive and turn: N and N m."""
+        return self._multipliers
 
     @property
     def pin_rows(self) -> int:
@@ -182,13 +214,13 @@ class CompiledSystem(Integrated):
         direction : array (coordinates,)
             Generalized force of a unit force of the drive.
         """
-        *given, drive = self._inputs(0.0)
-        drive[:, 0] = 0.0
+        given = Inputs(*self._inputs(0.0))
+        given.drive[:, 0] = 0.0
         state = np.zeros_like(self._state)
         state[0] = q
         none, residual = (0.0, 0.0, 0.0, False, 1.0), np.empty_like(self._scratch[0])
         both = np.concatenate((multipliers, np.zeros(2)))
-        evaluate(self._model, state, both, (*given, drive), none, self._memory, residual)
+        evaluate(self._model, state, both, tuple(given), none, self._memory, residual)
         if self._down[2] > -1.0:
             shoes = residual[: 6 * self.layout.shoes].reshape(-1, 6)
             angles = q[: shoes.size].reshape(-1, 6)[:, 3:]
@@ -201,6 +233,45 @@ class CompiledSystem(Integrated):
             direction[-self.point.rows.shape[1] :] = own[6:]
         return residual[:-2], direction
 
+    def creep(
+        self, q: NDArray, multipliers: NDArray, pace: tuple[float, float], limits: tuple[float, int]
+    ) -> tuple[NDArray, NDArray, int] | None:
+        """One step without inertia from coordinates and multipliers, under the loads of t = 0.
+
+        Parameters
+        ----------
+        pace : tuple
+            Length of the step (s), and force over momentum (1/s) that slows every body.
+        limits : tuple
+            Residual (N, root mean square) that ends the search, and most iterations.
+
+        Returns
+        -------
+        tuple, optional
+            Coordinates, multipliers and iterations; None if the step is too long to be found.
+        """
+        h, drag = pace
+        self._state[0], self._state[1:] = q, 0.0
+        self._multipliers[:] = multipliers
+        weights, inputs = (1.0, 1.0 / h, drag / h, False, h), self._inputs(0.0)
+        try:
+            converged, iterations, *_ = step(
+                self._model,
+                self._state,
+                self._multipliers,
+                inputs,
+                weights,
+                limits,
+                self._memory,
+                self._scratch,
+            )
+            self._singular = False
+        except np.linalg.LinAlgError:
+            converged, self._singular = False, True
+        if not (converged and np.isfinite(self._state).all()):
+            return None
+        return self._state[0].copy(), self._multipliers.copy(), iterations
+
     def in_layout(self, residual: NDArray) -> NDArray:
         """Residual with or without the drive's, in the order and the units of the layout's equations."""
         coordinates, off = np.split(residual, [self.layout.coordinate_count])
@@ -209,7 +280,7 @@ class CompiledSystem(Integrated):
         pins = np.zeros((self._sizes.pins, ENGINE_ROWS))
         pins[:, HELD] = off[: self.pin_rows].reshape(-1, ROWS) / STIFFNESS
         equations[len(coordinates) : len(coordinates) + pins.size] = pins.ravel()
-        drives = off[self.pin_rows :][: 1 + self._turning] / STIFFNESS
+        drives = off[self.pin_rows :][: 1 + self._turning] / (1.0 if self.layout.frame else STIFFNESS)
         equations[len(coordinates) + pins.size :][: len(drives)] = drives
         return equations
 
@@ -250,7 +321,8 @@ class CompiledSystem(Integrated):
         values_at(tuple(self._loads), time, sizes)
         values_at(tuple(self._speeds), time, speeds)
         drive = np.column_stack(([self._on, self._on and self._turning], speeds[:2]))
-        return self._gravity, np.outer(sizes, self._down), float(speeds[2]), drive
+        frame = self._frame_inputs.at(time)
+        return self._gravity, np.outer(sizes, self._down), float(speeds[2]), drive, *frame
 
     def _accelerate(self, time: float) -> None:
         """Accelerations and multipliers of a track at rest."""
@@ -263,9 +335,10 @@ class CompiledSystem(Integrated):
         assemble(model, self._state, inputs, weights, contacts, self._memory, values)
         fronts = tuple(Model(*model).fronts)
         eliminate(fronts, values)
-        # at rest constraints are off by nothing, and their rates do not change by themselves
+        # at rest constraints are off by nothing, and their rates do not change by themselves; a frame's
+        # balance along x is no constraint
         n = self._state.shape[1]
-        residual[n:] = 0.0
+        residual[n : n + self.pin_rows if self.layout.frame else None] = 0.0
         solve(fronts, values, residual)
         self._state[2] = -residual[:n]
         self._multipliers[:] = -residual[n:]

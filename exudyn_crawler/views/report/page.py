@@ -12,7 +12,7 @@ import xarray as xr
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
-from exudyn_crawler.case.text import case_table
+from exudyn_crawler.case.text import case_rows
 from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
@@ -146,7 +146,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
             lambda path: _short_table(path, path.relative_to(folder).as_posix()),
         ),
         "cases": [
-            {"title": name, "rows": case_table(one.case).to_dict("records")}
+            {"title": name, "rows": [row._asdict() for row in case_rows(one.case)]}
             for name, one in histories.items()
         ],
         "texts": left_out.of_all([folder / "case.toml", folder / "run.json"], _text),
@@ -200,13 +200,24 @@ def _holds_a_case(path: Path) -> bool:
 
 
 def stress_of(folder: Path) -> xr.Dataset | None:
-    """Stresses that a run has left in a folder; None if there are none."""
+    """Stresses that a run has left in a folder; None if there are none.
+
+    Raises
+    ------
+    ValueError
+        Naming the file, if it cannot be read.
+    """
     path = folder / STRESSES
     if not path.is_file():
         return None
-    _holds_a_case(path)
-    dataset = xr.load_dataset(path, engine="h5netcdf")
-    check_dimensions(dataset)
+    try:
+        _holds_a_case(path)
+        dataset = xr.load_dataset(path, engine="h5netcdf")
+        check_dimensions(dataset)
+    # altered bytes make the readers raise all kinds of errors
+    except Exception as error:
+        reason = " ".join(str(error).split()) or repr(error)
+        raise ValueError(f"{path} cannot be read: {reason}") from error
     return dataset
 
 

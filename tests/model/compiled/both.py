@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.model.compiled.equations import Memory, evaluate
+from exudyn_crawler.model.compiled.equations import evaluate
 from exudyn_crawler.model.compiled.matrix import assemble
+from exudyn_crawler.model.compiled.records import Memory
 from exudyn_crawler.model.compiled.system import HELD, compiled_system
 from exudyn_crawler.run.steady_sliding import equations_of
 

@@ -1,0 +1,103 @@
+"""What sweeps cost beside their runs: efficiency of workers, overhead a run, memory of the scheduler.
+
+``python -m benchmarks.sweep`` prints the tables of docs/sweeps.md; it takes some minutes.
+"""
+
+import json
+import os
+import time
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pandas as pd
+import psutil
+from distributed import Client
+
+from exudyn_crawler import Answer, Case, CaseFile, Sweep, Vary
+from exudyn_crawler.sweep.cluster import connected, outcomes
+from exudyn_crawler.sweep.running import tasks_of
+from exudyn_crawler.sweep.storage import Outcome, folder_of
+from exudyn_crawler.sweep.worker import Task, own_versions
+from exudyn_crawler.views.tables import print_table
+
+RUNS, DURATION = 16, 2.0
+TINY = 10_000
+
+
+def short_sweep(count: int) -> Sweep:
+    """Runs of the whole rigid track."""
+    return Sweep(
+        case=CaseFile(case=Case.translation(), duration=DURATION),
+        vary=(Vary(key="terrain.spring_stiffness", low=10e6, high=80e6, count=count),),
+        answers=(Answer(quantity="joint_force"),),
+    )
+
+
+def short_runs(workers: int) -> dict[str, float]:
+    """Wall time of all runs on some workers that have done one before, and what of it are the runs."""
+    sweep = short_sweep(RUNS + workers)
+    with TemporaryDirectory() as folder, connected(None, workers, folder, lambda _text: None) as client:
+        tasks = tasks_of(sweep, {one.digest: one for one in sweep.planned}, folder)
+        list(outcomes(client, islice(tasks, workers)))
+        begun = time.perf_counter()
+        found = list(outcomes(client, tasks))
+        wall = time.perf_counter() - begun
+        records = [Path(folder_of(folder, one["digest"])) / "run.json" for one in found]
+        own = [json.loads(path.read_text(encoding="utf-8"))["wall_time_s"] for path in records]
+    busy = sum(own) / workers
+    return {
+        "workers": workers,
+        "runs": len(found),
+        "wall time, s": wall,
+        "a run itself, s": sum(own) / len(own),
+        "overhead a run, s": (wall - busy) * workers / len(own),
+        "workers at runs": busy / wall,
+    }
+
+
+def tiny(task: Task) -> Outcome:
+    """Do nothing."""
+    return {"digest": task.digest, "status": "done", "process": os.getpid()}
+
+
+def tiny_tasks(client: Client) -> dict[str, float]:
+    """Tasks that do nothing through the scheduler, which lives in this process as the client does."""
+    process = psutil.Process()
+
+    def tasks() -> Iterator[Task]:
+        text = short_sweep(2).case.model_dump_json()
+        for k in range(TINY):
+            yield Task(f"{k:064d}", text, "[]", "", None, own_versions())
+
+    before = greatest = process.memory_info().rss
+    begun, busy = time.perf_counter(), time.process_time()
+    for count, _ in enumerate(outcomes(client, tasks(), tiny), 1):
+        if count % 100 == 0:
+            greatest = max(greatest, process.memory_info().rss)
+    wall, busy = time.perf_counter() - begun, time.process_time() - busy
+    return {
+        "tasks": TINY,
+        "wall time, s": wall,
+        "processor time of scheduler and client a task, ms": 1e3 * busy / TINY,
+        "memory before, MB": before / 1e6,
+        "growth, MB": (greatest - before) / 1e6,
+    }
+
+
+def main() -> None:
+    """Print all tables."""
+    table = pd.DataFrame([short_runs(1), short_runs(2)])
+    table["efficiency"] = table["wall time, s"][0] / (table["workers"] * table["wall time, s"])
+    print_table(table, f"{RUNS} runs of {DURATION:g} s, {os.cpu_count()} cores")
+    print(f"load of the machine over the last minutes: {os.getloadavg()}")
+    with (
+        TemporaryDirectory() as folder,
+        connected(None, 2, folder, lambda _text: None) as client,
+    ):
+        print_table(pd.DataFrame([tiny_tasks(client)]), "Tasks that do nothing, on two workers")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,73 @@
+"""Loads of a history as coordinates of static fields: all that acts on a flexible shoe, by family."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.load_places import DRIVE, GROUND, INERTIA, JOINTS, MACHINE, ground_grid
+from exudyn_crawler.results.actions import (
+    Action,
+    AtDrivePoint,
+    AtInterface,
+    OnFrame,
+    OverMass,
+    OverRectangle,
+    OverSurface,
+    actions,
+)
+from exudyn_crawler.results.history import History
+from exudyn_crawler.results.modal_coordinates import in_body
+from fem import PressureGrid, Shapes, StaticFields
+
+
+def field_loads(
+    history: History, fields: StaticFields, body: Shapes, momentum: NDArray, shoe: int
+) -> NDArray:
+    """Coordinates (times, loads) of static fields by all that acts on a flexible shoe.
+
+    Parameters
+    ----------
+    fields : StaticFields
+        Of `model.load_places`.
+    body : Shapes
+        Mesh and joints of the shoe.
+    momentum : array (times, modes)
+        Of the integrated modes, as of `coordinates_and_momentum`.
+    shoe : int
+        Number of a flexible shoe.
+    """
+    frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+    times = len(frames)
+    loads = {name: np.zeros((times, count)) for name, count in fields.families.items()}
+    loads[INERTIA] = momentum
+    names = [interface.name for interface in body.interfaces]
+    grid = ground_grid(body.mesh)
+    for action in actions(history, shoe):
+        _add(loads, action, frames, names, grid)
+    return fields.coordinates(loads)
+
+
+def _add(
+    loads: dict[str, NDArray], action: Action, frames: NDArray, joints: list[str], grid: PressureGrid
+) -> None:
+    """Add the coordinates of one action to those of its family (times, ...)."""
+    force = in_body(frames, action.force)
+    times = len(force)
+    match action.entry:
+        case AtInterface(name):
+            both = np.hstack((force, in_body(frames, action.moment)))
+            loads[JOINTS].reshape(times, -1, 6)[:, joints.index(name)] += both
+        case OverSurface(_, shift):
+            shifted = np.zeros(times) if shift is None else shift
+            loads[MACHINE] += np.hstack((force, shifted[:, None] * force))
+        case OverRectangle(low, high, pressed):
+            spread = grid.coordinates(force[pressed], low[pressed], high[pressed])
+            loads[GROUND][pressed] += spread.reshape(len(spread), -1)
+        case AtDrivePoint() if DRIVE in loads:
+            loads[DRIVE] += force
+        case AtDrivePoint():
+            pins = [number for number, name in enumerate(joints) if name.startswith("front")]
+            if action.where == "front pins":
+                loads[JOINTS].reshape(times, -1, 6)[:, pins, :3] += force[:, None] / len(pins)
+        case OnFrame() | OverMass():
+            pass

@@ -1,0 +1,72 @@
+"""What the stress of a history is the product of: columns of stress and their coordinates over time.
+
+The columns are the whole modal basis and, where the case asks for them, static fields: what the static
+answers to the loads of this history have beyond those of the modes. Modes and fields then answer the same
+loads, those of the fields.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.model.flexible_shoes import shoe_model
+from exudyn_crawler.model.load_places import shoe_fields
+from exudyn_crawler.results.field_loads import field_loads
+from exudyn_crawler.results.history import History
+from exudyn_crawler.results.modal_coordinates import coordinates_and_momentum, stress_basis
+from fem import Shapes, field_columns
+
+TOLERANCE = 1e4
+"""Pa by which fields that are left out may change a stress, as far as `SHARE` allows: 0.01 MPa."""
+SHARE = 0.4
+"""Greatest number of fields over that of modes."""
+
+
+@dataclass(frozen=True)
+class StressColumns:
+    """Columns of displacement and stress with their coordinates.
+
+    Attributes
+    ----------
+    shapes : Shapes
+        Modes, and static fields beside them.
+    coordinates : mapping of int to array (times, columns)
+        By number of the shoe.
+    bound : float or None
+        Pa by which fields that were left out change the stress of no node at no time; None without fields,
+        where the error of truncation is not known.
+    """
+
+    shapes: Shapes
+    coordinates: Mapping[int, NDArray]
+    bound: float | None
+
+
+def stress_columns(history: History, shoes: Sequence[int] | None = None) -> StressColumns:
+    """Columns and coordinates of flexible shoes, of all of them if not said otherwise.
+
+    Raises
+    ------
+    ValueError
+        If the history has no flexible shoes, or one of the shoes is not among them.
+    """
+    basis = stress_basis(history)
+    flexible = history.case.flexible_shoes()
+    chosen = list(flexible.shoes if shoes is None else shoes)
+    found = {shoe: coordinates_and_momentum(history, basis, shoe) for shoe in chosen}
+    if not flexible.static_fields:
+        return StressColumns(basis.whole, {shoe: q for shoe, (q, _) in found.items()}, None)
+    body, _ = shoe_model(flexible, history.case.track)
+    fields = shoe_fields(history.case)
+    loads = {
+        shoe: field_loads(history, fields, basis.whole, momentum, shoe)
+        for shoe, (_, momentum) in found.items()
+    }
+    frequencies = basis.whole.frequencies
+    columns = field_columns(body, fields, list(loads.values()), TOLERANCE, int(SHARE * len(frequencies)))
+    held = fields.work / (2.0 * np.pi * frequencies) ** 2
+    both = np.hstack((held, columns.turn))
+    coordinates = {shoe: load @ both for shoe, load in loads.items()}
+    return StressColumns(columns.beside(basis.whole), coordinates, columns.bound)

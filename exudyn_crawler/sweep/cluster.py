@@ -1,0 +1,185 @@
+"""Dask for sweeps: a cluster of this machine's, or a scheduler elsewhere, and tasks run by its workers."""
+
+import logging
+import os
+import uuid
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import islice
+from pathlib import Path
+
+import dask
+from distributed import Client, LocalCluster, as_completed
+from distributed.client import FutureCancelledError
+from distributed.scheduler import KilledWorker
+from distributed.versions import VersionMismatchWarning
+
+from exudyn_crawler.sweep.storage import Outcome, is_address
+from exudyn_crawler.sweep.worker import Task, check_versions, failed_outcome, own_versions, run_task
+
+CONNECT_WAIT = 20.0
+"""s to wait for a scheduler."""
+WORKER_WAIT = 120.0
+"""s to wait for the first worker: a batch system may have to start it."""
+LEAST_AHEAD, AHEAD = 64, 4
+"""Tasks that the scheduler holds: so many at least, and so many a worker. It never has all of a sweep."""
+
+
+@contextmanager
+def connected(
+    scheduler: str | None, workers: int | None, storage: str, tell: Callable[[str], None]
+) -> Iterator[Client]:
+    """Client of a cluster whose workers can do what a sweep asks for.
+
+    Parameters
+    ----------
+    scheduler : str, optional
+        Address (``tcp://host:8786``) or scheduler file; None starts a cluster on this machine, of one
+        process a core with one thread each.
+    workers : int, optional
+        Processes of the cluster on this machine.
+    storage : str
+        Where runs are kept; workers have to see a folder.
+
+    Raises
+    ------
+    ValueError
+        If no scheduler answers, no worker is there, or one has other versions or does not see the storage.
+    """
+    with warnings.catch_warnings():
+        # check_versions says it in a line, and of what matters
+        warnings.simplefilter("ignore", VersionMismatchWarning)
+        with _local(workers) if scheduler is None else _remote(scheduler) as client:
+            if client.dashboard_link:
+                tell(f"dashboard: {client.dashboard_link}")
+            _check_workers(client, storage)
+            yield client
+
+
+@contextmanager
+def _local(workers: int | None) -> Iterator[Client]:
+    count = workers or os.cpu_count() or 1
+    environment = dask.config.get("distributed.nanny.pre-spawn-environ") | {"NUMBA_NUM_THREADS": 1}
+    with (
+        dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),
+        LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address="127.0.0.1:0",
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        yield client
+
+
+@contextmanager
+def _remote(scheduler: str) -> Iterator[Client]:
+    try:
+        if Path(scheduler).suffix == ".json":
+            if not Path(scheduler).is_file():
+                raise FileNotFoundError("no such file")
+            client = Client(scheduler_file=scheduler, timeout=CONNECT_WAIT)
+        else:
+            client = Client(scheduler, timeout=CONNECT_WAIT)
+    except (OSError, ValueError, TimeoutError) as error:
+        told = " ".join(str(error).split()) or type(error).__name__
+        raise ValueError(f"scheduler must be one that answers, got {scheduler}: {told}") from error
+    with client:
+        yield client
+
+
+def _check_workers(client: Client, storage: str) -> None:
+    """Refuse workers that could not do what a sweep asks for; a scheduler may get some only by and by."""
+    try:
+        client.wait_for_workers(1, timeout=WORKER_WAIT)
+    except TimeoutError as error:
+        raise ValueError(
+            f"the scheduler must have a worker within {WORKER_WAIT:g} s, got none: {client.scheduler.address}"
+        ) from error
+    # by name: a worker without the package fails on the import, which is told apart
+    for where, found in client.run(_versions_here, on_error="return").items():
+        if isinstance(found, BaseException):
+            raise ValueError(f"worker {where} does not have the package: {found}")
+        check_versions(own_versions(), found, where)
+    if is_address(storage):
+        return
+    token = Path(storage) / f".seen-{uuid.uuid4().hex}"
+    token.touch()
+    try:
+        for where, sees in client.run(_sees, str(token)).items():
+            if not sees:
+                raise ValueError(
+                    f"worker {where} must see {storage}: put it on storage that all machines share"
+                )
+    finally:
+        token.unlink()
+
+
+def _versions_here() -> dict[str, str]:
+    return own_versions()
+
+
+def _sees(path: str) -> bool:
+    return Path(path).exists()
+
+
+def run_alone(task: Task) -> Outcome:
+    """Do a task as `run_task`, on a worker of a cluster."""
+    # xarray would take locks of the cluster for files that a run has for itself
+    with dask.config.set(scheduler="synchronous"):
+        return run_task(task)
+
+
+def outcomes(
+    client: Client, tasks: Iterator[Task], run: Callable[[Task], Outcome] = run_alone
+) -> Iterator[Outcome]:
+    """Outcomes of tasks as they come; a task whose worker dies goes to another one, a few times.
+
+    The scheduler holds a few tasks a worker at a time.
+
+    Parameters
+    ----------
+    run : callable
+        What a worker does with a task.
+
+    Raises
+    ------
+    VersionsDiffer
+        If a worker that came later has other versions.
+    ConnectionError
+        If the scheduler is lost.
+    """
+    running = as_completed(raise_errors=False)
+    held: dict[str, Task] = {}
+
+    def submit(count: int) -> None:
+        for task in islice(tasks, count):
+            future = client.submit(run, task, key=f"run-{task.digest}", pure=False)
+            held[future.key] = task
+            running.add(future)
+
+    submit(max(LEAST_AHEAD, AHEAD * len(client.scheduler_info()["workers"])))
+    for future in running:
+        task = held.pop(future.key)
+        try:
+            outcome = future.result()
+        except KilledWorker as error:
+            outcome = failed_outcome(task, _KilledError(error))
+        except FutureCancelledError as error:
+            raise ConnectionError(f"the scheduler was lost: {error}") from error
+        future.release()
+        yield outcome
+        submit(1)
+
+
+class _KilledError(RuntimeError):
+    """Why a run whose workers died has failed."""
+
+    def __init__(self, error: KilledWorker) -> None:
+        super().__init__(
+            f"{error.allowed_failures + 1} workers died while they ran it, the last one "
+            f"{error.last_worker.address}"
+        )

@@ -1,0 +1,196 @@
+"""What a sweep is: a case, what of it varies, by which design, and the answers that are wanted."""
+
+import hashlib
+import json
+import warnings
+from collections import Counter
+from functools import cache, cached_property
+from importlib.metadata import version
+from pathlib import Path
+from typing import NamedTuple, Self
+
+import pandas as pd
+from pydantic import Field, model_validator
+
+from exudyn_crawler.case import CaseFile, Outputs
+from exudyn_crawler.case.base import Parameters
+from exudyn_crawler.errors import ImplausibleWarning
+from exudyn_crawler.run.record import PROGRAM
+from exudyn_crawler.sweep.answers import Answers
+from exudyn_crawler.sweep.design import SAMPLED, Design, Row, design_rows
+from exudyn_crawler.sweep.idle import idle
+from exudyn_crawler.sweep.paths import checked_case, content_of
+from exudyn_crawler.sweep.vary import Vary
+
+LIGHT = Outputs(figures=False, forces=False, tables=False)
+"""What a run leaves beside its history where a sweep says nothing: pictures of all runs take longer than
+they."""
+MOST_RUNS = 1_000_000
+SHOWN_FAULTS = 3
+"""Runs at fault that an error names."""
+FOLDER_DIGITS = 16
+"""Of a digest, in the name of a run's folder."""
+OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
+"""Columns of a sweep's table beside those of what varies and of the answers."""
+
+
+class PlannedRun(NamedTuple):
+    """A run of a sweep.
+
+    Attributes
+    ----------
+    number : int
+        From 1, in the order of the design.
+    values : tuple
+        One of every `Vary`.
+    digest : str
+        SHA-256 of its case, duration and outputs and of the versions: the name of its folder. Runs of the
+        same case are the same run.
+    """
+
+    number: int
+    values: Row
+    digest: str
+
+
+class Sweep(Parameters):
+    """A case, what of it varies, by which design, and the answers that are wanted of every run.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        Where something does not fit: unknown paths, bounds in another unit or order, answers that the runs
+        cannot give.
+    """
+
+    case: CaseFile
+    vary: tuple[Vary, ...] = Field(min_length=1, description="what varies")
+    answers: tuple[Answers, ...] = Field(min_length=1, description="what is wanted of every run")
+    design: Design = Field(default="grid", description="grid, list, latin_hypercube, sobol or saltelli")
+    runs: int | None = Field(
+        default=None, ge=1, le=MOST_RUNS, description="points that latin_hypercube, sobol and saltelli draw"
+    )
+    seed: int = Field(default=1, ge=0, le=2**32 - 1, description="of the random numbers")
+    outputs: Outputs = Field(
+        default=LIGHT, description="what every run leaves; those of the case do not count"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]
+        twice = [name for name, count in Counter(names).items() if count > 1]
+        if twice:
+            raise ValueError(f"name must be given where columns would be the same: {', '.join(twice)}")
+        paths = Counter(path for one in self.vary for path in one.keys)
+        if again := [path for path, count in paths.items() if count > 1]:
+            raise ValueError(f"a path must vary once, got {', '.join(again)} again")
+        if self.design not in SAMPLED and self.runs is None:
+            count = 1
+            for one in self.vary:
+                count *= len(one.values) if one.values is not None else one.count or 1
+                if self.design == "grid" and count > MOST_RUNS:
+                    raise ValueError(f"runs must be at most {MOST_RUNS}, got a grid of at least {count}")
+        for one in self.vary:
+            one.check(self.case)
+        for answer in self.answers:
+            answer.check(self.case)
+        self.rows  # noqa: B018 - refuses numbers of runs that do not fit the design
+        return self
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of what varies."""
+        return tuple(one.label for one in self.vary)
+
+    @cached_property
+    def rows(self) -> list[Row]:
+        """Values of all runs."""
+        return design_rows(self.design, self.vary, self.runs, self.seed)
+
+    @cached_property
+    def _text(self) -> str:
+        return self.case.with_(outputs=self.outputs).model_dump_json()
+
+    def case_of(self, values: Row) -> tuple[CaseFile, str]:
+        """Case, duration and outputs of a run, and their digest, with which the case's name ends.
+
+        Raises
+        ------
+        ValueError
+            Naming everything at fault.
+        """
+        content = json.loads(self._text)
+        for one, value in zip(self.vary, values, strict=True):
+            one.apply(content, value)
+        case_file = checked_case(content)
+        digest = run_digest(case_file)
+        name = f"{case_file.case.name[:80]} {digest[:FOLDER_DIGITS]}"
+        # it was checked as it is
+        return case_file.model_copy(update={"case": case_file.case.model_copy(update={"name": name})}), digest
+
+    @cached_property
+    def planned(self) -> tuple[PlannedRun, ...]:
+        """All runs, each of which was checked.
+
+        Raises
+        ------
+        ValueError
+            Naming runs whose values do not fit each other, or answers that one cannot give.
+
+        Warns
+        -----
+        ImplausibleWarning
+            Of what varies without any effect.
+        """
+        found, faults, idling = [], [], Counter[str]()
+        for number, values in enumerate(self.rows, 1):
+            try:
+                case_file, digest = self.case_of(values)
+                for answer in self.answers:
+                    answer.check(case_file)
+            except ValueError as error:
+                told = ", ".join(
+                    f"{name} = {value}" for name, value in zip(self.columns, values, strict=True)
+                )
+                faults.append(f"run {number} ({told}): {error}")
+                continue
+            idling.update(line for one in self.vary for line in idle(one.keys, case_file.case))
+            found.append(PlannedRun(number, values, digest))
+        if faults:
+            more = f"; {len(faults)} of {len(self.rows)} runs are at fault" if len(faults) > 1 else ""
+            raise ValueError("; ".join(faults[:SHOWN_FAULTS]) + more)
+        for line, count in idling.items():
+            if count == len(self.rows):
+                warnings.warn(line, ImplausibleWarning, stacklevel=2)
+        return tuple(found)
+
+    def table(self) -> pd.DataFrame:
+        """All runs: columns run, folder and those of what varies; raises and warns as `planned`."""
+        rows = [(one.number, one.digest[:FOLDER_DIGITS], *one.values) for one in self.planned]
+        return pd.DataFrame(rows, columns=["run", "folder", *self.columns])
+
+    def units(self) -> dict[str, str]:
+        """Units of the columns of what varies and of the answers, empty for what has none."""
+        varied = {one.label: one.unit_in(self.case) for one in self.vary}
+        return varied | {answer.label: answer.unit for answer in self.answers}
+
+    def meanings(self) -> dict[str, str]:
+        """What those columns are."""
+        varied = {one.label: ("factor of " if one.factor else "") + ", ".join(one.keys) for one in self.vary}
+        return varied | {answer.label: answer.meaning for answer in self.answers}
+
+
+def run_digest(case_file: CaseFile) -> str:
+    """SHA-256 of what a run depends on: its case but for the name, duration, outputs, mesh and versions."""
+    content = content_of(case_file)
+    del content["case"]["name"]
+    content["versions"] = _versions()
+    mesh = None if case_file.case.flexible is None else Path(case_file.case.flexible.mesh)
+    if mesh is not None and mesh.is_file():
+        content["mesh"] = hashlib.sha256(mesh.read_bytes()).hexdigest()
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def _versions() -> list[str]:
+    return [version(name) for name in (PROGRAM, "exudyn")]

@@ -1,0 +1,140 @@
+"""What answers depend on: main effects, and shares of their variance by what varies (Sobol indices)."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from exudyn_crawler.sweep.definition import Sweep
+from exudyn_crawler.sweep.design import salib_problem
+from exudyn_crawler.sweep.table import numbers_of
+from exudyn_crawler.sweep.worker import DONE
+
+BINS = 8
+"""Of what varies continuously, for main effects."""
+LEAST_RUNS = 64
+"""Finished runs of a sample from which first-order indices are estimated."""
+SMALL = 1e-12
+"""Of an answer's size: spread below which it does not vary."""
+COLUMNS = ("answer", "varied", "first", "first_conf", "total", "total_conf")
+
+
+def main_effects(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
+    """Mean and extremes of every answer at the levels of what varies, over all else.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns answer, varied, level (number, or text of what has none), mean, least, greatest and runs.
+        Of samples the levels are means of bins with as many runs each.
+    """
+    done = table[table["status"] == DONE]
+    rows: list[dict[str, Any]] = []
+    for name in sweep.columns if len(done) else ():
+        values, texts = numbers_of(done, name)
+        groups = _binned(values) if len(np.unique(values)) > 2 * BINS else values
+        for answer in sweep.answers:
+            numbers = done[answer.label].to_numpy(dtype=float)
+            for group in np.unique(groups):
+                own = numbers[(groups == group) & np.isfinite(numbers)]
+                level = float(values[groups == group].mean())
+                if len(own):
+                    spread = {"mean": own.mean(), "least": own.min(), "greatest": own.max(), "runs": len(own)}
+                    at = texts[round(level)] if texts else level
+                    rows.append({"answer": answer.label, "varied": name, "level": at} | spread)
+    return pd.DataFrame(
+        rows, columns=["answer", "varied", "level", "mean", "least", "greatest", "runs"], dtype=object
+    ).infer_objects()
+
+
+def _binned(values: NDArray) -> NDArray:
+    """Bin of every value, as many values in each."""
+    order = np.argsort(np.argsort(values, kind="stable"), kind="stable")
+    return (order * BINS) // len(values)
+
+
+def sobol_indices(sweep: Sweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]:
+    """Shares of every answer's variance that what varies makes, alone (first) and in all (total).
+
+    On a whole grid they are those of its points, exactly: the variance of the means over all else, and what
+    is left when one is averaged over. Saltelli's points give estimates with their 95 % confidence (SALib,
+    Saltelli 2010), other samples first-order ones by RBD-FAST (Tarantola 2006).
+
+    Returns
+    -------
+    table : pandas.DataFrame
+        Columns answer, varied, first, first_conf, total, total_conf; NaN where the design gives none. Empty
+        where it gives no indices at all.
+    method : str
+        How they were found, or why there are none.
+    """
+    done = table["status"] == DONE
+    varying = [
+        answer.label
+        for answer in sweep.answers
+        if table.loc[done, answer.label].notna().all() and _varies(table.loc[done, answer.label])
+    ]
+    if not varying:
+        return pd.DataFrame(columns=list(COLUMNS)), "no answer varies"
+    if sweep.design in ("grid", "saltelli") and not done.all():
+        return pd.DataFrame(columns=list(COLUMNS)), f"design {sweep.design!r} needs all runs to have finished"
+    if sweep.design == "grid":
+        rows = [row for name in varying for row in _of_grid(sweep, table, name)]
+        return pd.DataFrame(rows, columns=list(COLUMNS)), "variance of the grid's points"
+    if sweep.design == "saltelli":
+        rows = [row for name in varying for row in _of_saltelli(sweep, table, name)]
+        return pd.DataFrame(rows, columns=list(COLUMNS)), "Saltelli's estimators"
+    if sweep.design == "list" or int(done.sum()) < LEAST_RUNS:
+        return (
+            pd.DataFrame(columns=list(COLUMNS)),
+            f"they need a grid, or at least {LEAST_RUNS} finished runs of a sample",
+        )
+    rows = [row for name in varying for row in _of_sample(sweep, table[done], name)]
+    return pd.DataFrame(rows, columns=list(COLUMNS)), "RBD-FAST, first order"
+
+
+def _varies(values: pd.Series) -> bool:
+    return bool(values.max() - values.min() > SMALL * values.abs().max())
+
+
+def _of_grid(sweep: Sweep, table: pd.DataFrame, answer: str) -> list[dict[str, Any]]:
+    shape = [len(one.levels()) for one in sweep.vary]
+    values = table[answer].to_numpy(dtype=float).reshape(shape)
+    whole, axes = values.var(), tuple(range(len(shape)))
+    rows = []
+    for axis, name in enumerate(sweep.columns):
+        first = values.mean(axis=tuple(one for one in axes if one != axis)).var() / whole
+        total = 1.0 - values.mean(axis=axis).var() / whole
+        rows.append({"answer": answer, "varied": name, "first": first, "total": total})
+    return rows
+
+
+def _of_saltelli(sweep: Sweep, table: pd.DataFrame, answer: str) -> list[dict[str, Any]]:
+    from SALib.analyze.sobol import analyze
+
+    values = table[answer].to_numpy(dtype=float)
+    found = analyze(salib_problem(len(sweep.vary)), values, calc_second_order=False, seed=sweep.seed)
+    return [
+        {
+            "answer": answer,
+            "varied": name,
+            "first": found["S1"][k],
+            "first_conf": found["S1_conf"][k],
+            "total": found["ST"][k],
+            "total_conf": found["ST_conf"][k],
+        }
+        for k, name in enumerate(sweep.columns)
+    ]
+
+
+def _of_sample(sweep: Sweep, done: pd.DataFrame, answer: str) -> list[dict[str, Any]]:
+    from SALib.analyze.rbd_fast import analyze
+
+    points = np.column_stack([numbers_of(done, name)[0] for name in sweep.columns])
+    values = done[answer].to_numpy(dtype=float)
+    found = analyze(salib_problem(len(sweep.vary)), points, values, seed=sweep.seed)
+    return [
+        {"answer": answer, "varied": name, "first": found["S1"][k], "first_conf": found["S1_conf"][k]}
+        for k, name in enumerate(sweep.columns)
+    ]

@@ -1,0 +1,76 @@
+"""Sweep files: TOML with the case, what of it varies, the design and the answers."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from exudyn_crawler.case import Case, CaseFile, read_case
+from exudyn_crawler.case.faults import faults
+from exudyn_crawler.case.fields import BASE, TAG, named_values
+from exudyn_crawler.case.files import case_of
+from exudyn_crawler.case.toml import toml_content
+from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.sweep.definition import Sweep
+from meshes import SHOE_SIZES
+
+MESH = "flexible.mesh"
+
+
+def read_sweep(path: str | Path) -> Sweep:
+    """Read a sweep file; paths of cases and meshes count from its folder.
+
+    `case` is a case file, the name of a case such as "translation", or a table with the content of a case
+    file; the other keys are those of `Sweep`, tables ``[[vary]]`` and ``[[answers]]`` among them.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file, or no such case file.
+    CaseFileError
+        Naming everything at fault by its path, and what is allowed there.
+    """
+    path = Path(path)
+    try:
+        content = toml_content(path, "sweep file")
+        if "case" not in content:
+            raise ValueError("case must be a case file, the name of a case, or a table of one")
+        case_file = _case(content["case"], path)
+        for one in content["vary"] if isinstance(content.get("vary"), list) else ():
+            _resolve_meshes(one, path.parent)
+        whole = content | {"case": json.loads(case_file.model_dump_json())}
+        if isinstance(content.get("answers"), list):
+            whole["answers"] = [_with_model(one) for one in content["answers"]]
+        return Sweep.model_validate_json(json.dumps(whole, default=str), strict=True)
+    except ValidationError as error:
+        raise CaseFileError(path, list(faults(error, Sweep))) from error
+    except CaseFileError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise CaseFileError(path, [str(error)]) from error
+
+
+def _case(given: Any, path: Path) -> CaseFile:
+    """Case of a sweep file."""
+    if isinstance(given, str) and given in named_values(Case):
+        given = {BASE: given}
+    if isinstance(given, dict):
+        return case_of(given, path)
+    if not isinstance(given, str):
+        raise ValueError(f"case must be a case file, the name of a case, or a table of one, got {given!r}")
+    return read_case(path.parent / given)
+
+
+def _with_model(answer: Any) -> Any:
+    """Answer of a sweep file; one that does not say what it is, is a quantity."""
+    return {TAG: "quantity", **answer} if isinstance(answer, dict) else answer
+
+
+def _resolve_meshes(varied: Any, folder: Path) -> None:
+    """Put whole paths in place of names of mesh files that vary."""
+    if isinstance(varied, dict) and varied.get("key") == MESH and isinstance(varied.get("values"), list):
+        varied["values"] = [
+            one if one in SHOE_SIZES or not isinstance(one, str) else str((folder / one).resolve())
+            for one in varied["values"]
+        ]

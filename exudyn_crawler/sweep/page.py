@@ -1,0 +1,102 @@
+"""Page of a sweep, with the reports of its best and worst runs."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+
+from exudyn_crawler.files import note_written, whole_file
+from exudyn_crawler.run.folder import note_file
+from exudyn_crawler.sweep.definition import Sweep
+from exudyn_crawler.sweep.effects import main_effects, sobol_indices
+from exudyn_crawler.sweep.storage import OUTCOME, folder_of, is_address
+from exudyn_crawler.sweep.worker import DONE
+from exudyn_crawler.views.report.page import REPORT, write_report
+from exudyn_crawler.views.sweep_page import Best, SweepView, sweep_page
+
+
+def write_page(
+    sweep: Sweep, table: pd.DataFrame, folder: Path, storage: str, say: Callable[[str], None]
+) -> Path:
+    """Write the page of a sweep's results into its folder.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Of `results_table`.
+    storage : str
+        Where the runs are; on object storage they get no reports of their own.
+    say : callable
+        Is told of reports that cannot be written.
+    """
+    local = not is_address(storage)
+    best = best_and_worst(sweep, table)
+    if local:
+        for name in dict.fromkeys(one.folder for one in best):
+            _report_of(Path(folder_of(storage, name)), say)
+    indices, method = sobol_indices(sweep, table)
+    view = SweepView(
+        title=f"Sweep of {sweep.case.case.name}",
+        lead=(_lead(sweep, table),),
+        table=table,
+        varied=sweep.columns,
+        answers=tuple(answer.label for answer in sweep.answers),
+        logarithmic=frozenset(one.label for one in sweep.vary if one.scale == "log"),
+        is_grid=sweep.design == "grid",
+        effects=main_effects(sweep, table),
+        indices=indices,
+        method=method,
+        best=best,
+        links={name: _link(folder, storage, name) for name in table["folder"]} if local else {},
+    )
+    path = folder / REPORT
+    with whole_file(path, overwrite=True) as temporary:
+        temporary.write_text(sweep_page(view), encoding="utf-8")
+    return path
+
+
+def best_and_worst(sweep: Sweep, table: pd.DataFrame) -> list[Best]:
+    """Best and worst finished run of every answer."""
+    done = table[table["status"] == DONE]
+    found = []
+    for answer in sweep.answers:
+        values = done[answer.label].dropna()
+        if values.empty:
+            continue
+        ends = [("best", values.idxmin()), ("worst", values.idxmax())]
+        if answer.better == "more":
+            ends = [("best", values.idxmax()), ("worst", values.idxmin())]
+        for which, index in ends:
+            row = done.loc[index]
+            found.append(Best(answer.label, which, int(row["run"]), str(row["folder"]), float(values[index])))
+    return found
+
+
+def _lead(sweep: Sweep, table: pd.DataFrame) -> str:
+    counts = table["status"].value_counts().to_dict()
+    told = ", ".join(f"{count} {status}" for status, count in counts.items())
+    drawn = f", {sweep.runs} points drawn with seed {sweep.seed}" if sweep.runs else ""
+    return f"{len(table)} runs of {sweep.case.duration:g} s, design {sweep.design}{drawn}: {told}"
+
+
+def _report_of(run: Path, say: Callable[[str], None]) -> None:
+    """Write the report of a run, unless it is there and as new as the run."""
+    report = run / REPORT
+    outcome = run / OUTCOME
+    if report.is_file() and outcome.is_file() and report.stat().st_mtime >= outcome.stat().st_mtime:
+        note_written(report)
+        return
+    try:
+        write_report(run, overwrite=True)
+        note_file(report)
+    # altered bytes make the readers raise all kinds of errors
+    except Exception as error:
+        say(f"no report of {run}: {' '.join(str(error).split())}")
+
+
+def _link(folder: Path, storage: str, name: str) -> str:
+    """Address of a run's report from the page, or of its folder where it has none."""
+    run = Path(folder_of(storage, name))
+    there = run / REPORT if (run / REPORT).is_file() else run
+    return Path(os.path.relpath(there, folder.resolve())).as_posix()

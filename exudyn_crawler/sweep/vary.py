@@ -1,0 +1,208 @@
+"""What of a case the runs of a sweep have otherwise."""
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, ValidationError, model_validator
+
+from exudyn_crawler.case import CaseFile
+from exudyn_crawler.case.base import Name, Parameters
+from exudyn_crawler.case.faults import shown
+from exudyn_crawler.case.fields import TAG, Entry, is_table
+from exudyn_crawler.case.plausible import likely_cause, plausible_range
+from exudyn_crawler.sweep.paths import (
+    Content,
+    change_at,
+    checked_case,
+    content_of,
+    entry_at,
+    place_of,
+)
+
+Key = Annotated[str, Field(min_length=1, max_length=200)]
+
+
+class Vary(Parameters):
+    """A value of the case that varies from run to run, or several that change together."""
+
+    key: Key | tuple[Key, ...] = Field(
+        description="path of the value, such as terrain.spring_stiffness; loads.phases[*].loads means all "
+        "phases; several paths have the same value or factor"
+    )
+    name: Name | None = Field(default=None, description="column of the table; the path's end, if not given")
+    unit: str | None = Field(
+        default=None, description="of values and bounds, to be sure: it has to be that of the case"
+    )
+    values: tuple[Any, ...] | None = Field(default=None, description="all values, in place of bounds")
+    low: float | None = Field(default=None, description="least value")
+    high: float | None = Field(default=None, description="greatest value")
+    count: int | None = Field(default=None, ge=2, le=1_000_000, description="values of a grid between bounds")
+    scale: Literal["linear", "log"] = Field(
+        default="linear", description="whether equal steps or equal ratios lie between bounds"
+    )
+    factor: bool = Field(default=False, description="whether values and bounds multiply what the base has")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        for path in self.keys:
+            place_of(path)
+        if not self.keys or len(set(self.keys)) != len(self.keys):
+            raise ValueError(f"key must be a path, or different ones, got {list(self.keys)}")
+        if self.values is not None:
+            if (self.low, self.high, self.count) != (None, None, None):
+                raise ValueError(f"{self.label}: values take the place of low, high and count")
+            if not self.values or any(one in self.values[:k] for k, one in enumerate(self.values)):
+                raise ValueError(f"{self.label}: values must be different ones, got {list(self.values)}")
+            return self
+        if self.low is None or self.high is None:
+            raise ValueError(f"{self.label}: give values, or low and high")
+        if self.low >= self.high:
+            raise ValueError(f"{self.label}: low must be less than high = {self.high:g}, got {self.low:g}")
+        if self.scale == "log" and self.low <= 0.0:
+            raise ValueError(f"{self.label}: low must be positive with scale 'log', got {self.low:g}")
+        return self
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All paths."""
+        return (self.key,) if isinstance(self.key, str) else self.key
+
+    @property
+    def label(self) -> str:
+        """Name of the column."""
+        return self.name or str(next(p for p in reversed(place_of(self.keys[0])) if isinstance(p, str)))
+
+    @property
+    def is_continuous(self) -> bool:
+        """Whether there are bounds, and anything between them."""
+        return self.values is None
+
+    def levels(self) -> tuple[Any, ...]:
+        """Values of a grid.
+
+        Raises
+        ------
+        ValueError
+            If there are bounds without a count.
+        """
+        if self.values is not None:
+            return self.values
+        if self.count is None:
+            raise ValueError(f"{self.label}: count must be given for a grid")
+        return tuple(self.at(u) for u in np.linspace(0.0, 1.0, self.count))
+
+    def at(self, portion: float) -> Any:
+        """Value at a portion, from 0 to 1, of the way from low to high, or through the values."""
+        if self.values is not None:
+            return self.values[min(int(portion * len(self.values)), len(self.values) - 1)]
+        assert self.low is not None and self.high is not None  # noqa: PT018 - both or neither
+        if portion in (0.0, 1.0):
+            return self.high if portion else self.low
+        if self.scale == "log":
+            return float(self.low * (self.high / self.low) ** portion)
+        return float(self.low + portion * (self.high - self.low))
+
+    def unit_in(self, case_file: CaseFile) -> str:
+        """Unit of the column; empty for factors and for what has none."""
+        entry = entry_at(case_file, place_of(self.keys[0]))
+        return "" if self.factor or entry is None else entry.unit
+
+    def apply(self, content: Content, value: Any) -> None:
+        """Put a value into a case's content, or multiply what is there.
+
+        Raises
+        ------
+        ValueError
+            If a path leads to a part that a list does not have, or a factor to what is no number.
+        """
+
+        def change(before: Any) -> Any:
+            if self.factor:
+                return _multiplied(before, value)
+            # a count between bounds is a whole number, too
+            whole = isinstance(before, int) and not isinstance(before, bool) and isinstance(value, float)
+            return round(value) if whole and self.is_continuous else value
+
+        for path in self.keys:
+            try:
+                change_at(content, place_of(path), change)
+            except ValueError as error:
+                raise ValueError(f"{path}: {error}") from error
+
+    def check(self, case_file: CaseFile) -> None:
+        """Refuse what does not fit a case: unknown paths, another unit, values that it cannot have.
+
+        Raises
+        ------
+        ValueError
+            Naming the path.
+        """
+        for path in self.keys:
+            entry = entry_at(case_file, place_of(path))
+            if entry is not None and is_table(entry.value):
+                raise ValueError(f"{path} is a table; key must be the path of a value in it")
+            if entry is not None and entry.place[-1] == TAG:
+                raise ValueError(f"{path} cannot vary: each has values of its own; make a sweep of each")
+            if entry is not None:
+                self._check_unit(path, entry)
+        for value in self.values or (self.low, self.high):
+            try:
+                content = content_of(case_file)
+                self.apply(content, value)
+                checked_case(content)
+            except ValueError as error:
+                # whether values fit each other depends on what else varies
+                if not _only_together(error):
+                    raise
+        if self.factor:
+            self._check_multiplies(case_file)
+
+    def _check_multiplies(self, case_file: CaseFile) -> None:
+        """Refuse factors of what is zero."""
+        content = content_of(case_file)
+        for value in (self.values or (self.low, self.high))[:2]:
+            self.apply(content, value)
+        if content == content_of(case_file):
+            raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
+
+    def _check_unit(self, path: str, entry: Entry) -> None:
+        """Refuse another unit, and numbers that without a unit are likely in another."""
+        if self.unit is not None and self.unit != ("" if self.factor else entry.unit):
+            meant = "none with a factor" if self.factor else repr(entry.unit)
+            raise ValueError(f"{path}: unit must be {meant}, got {self.unit!r}: values are in SI units")
+        if self.unit is not None or self.factor:
+            return
+        for value in self.values or (self.low, self.high):
+            if not isinstance(value, int | float) or isinstance(value, bool) or _plausible(value, entry):
+                continue
+            if cause := likely_cause(float(value), entry.field):
+                unit = f" {entry.unit}" if entry.unit else ""
+                raise ValueError(
+                    f"{path}: {value:g}{unit} is beyond what there is{cause}; if it is meant, say "
+                    f"unit = {entry.unit!r}"
+                )
+
+
+def _plausible(value: float, entry: Entry) -> bool:
+    """Whether a machine or a ground may have a value."""
+    least, greatest = plausible_range(entry.field) or (value, value)
+    return least <= value <= greatest
+
+
+def _only_together(error: ValueError) -> bool:
+    """Whether a case is refused for values that do not fit each other, each being allowed."""
+    cause = error.__cause__
+    return isinstance(cause, ValidationError) and all(one["type"] == "value_error" for one in cause.errors())
+
+
+def _multiplied(before: Any, factor: Any) -> Any:
+    """Number, or numbers of a list, times a factor."""
+    if isinstance(before, list):
+        return [_multiplied(one, factor) for one in before]
+    if any(isinstance(one, bool) or not isinstance(one, int | float) for one in (before, factor)):
+        raise ValueError(f"a factor needs numbers, got {shown(factor)} times {shown(before)}")
+    product = before * factor
+    if not math.isfinite(product):
+        raise ValueError(f"the product must be finite, got {product}")
+    return round(product) if isinstance(before, int) and product == round(product) else product

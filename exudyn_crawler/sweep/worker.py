@@ -1,0 +1,172 @@
+"""One run of a sweep in its own folder, as a worker does it."""
+
+import json
+import os
+import platform
+import socket
+import time
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from pydantic import TypeAdapter
+
+from exudyn_crawler.case import CaseFile
+from exudyn_crawler.case_run import run_case
+from exudyn_crawler.errors import CrawlerError, ImplausibleWarning
+from exudyn_crawler.run.folder import note_file
+from exudyn_crawler.run.record import timestamp
+from exudyn_crawler.sweep.answers import Answers
+from exudyn_crawler.sweep.storage import OUTCOME, Outcome, read_outcome, working_folder, write_outcome
+from fem.compiling import source_digest
+
+LOCK_WAIT = 600.0
+"""s for which a run waits for another process at it: a worker that the scheduler took for dead, say."""
+DONE, FAILED = "done", "failed"
+
+_answers: TypeAdapter[tuple[Answers, ...]] = TypeAdapter(tuple[Answers, ...])
+
+
+class VersionsDiffer(CrawlerError, ValueError):  # noqa: N818 - it says what is the matter
+    """A worker would not compute what the client asks for."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a worker needs to know of a run.
+
+    Attributes
+    ----------
+    digest : str
+        Of the run.
+    case, answers : str
+        JSON of its case file and of the definitions of its answers.
+    storage : str
+        Where runs are kept.
+    reductions : str or None
+        Folder of reductions of flexible shoes; None leaves it to the worker's machine.
+    versions : mapping
+        Of the client.
+    again : bool
+        Whether a run that has failed is run anew.
+    """
+
+    digest: str
+    case: str
+    answers: str
+    storage: str
+    reductions: str | None
+    versions: Mapping[str, str]
+    again: bool = False
+
+
+@cache
+def own_versions() -> dict[str, str]:
+    """What has to be the same on client and workers, by name."""
+    beside = Path(__file__).parents[2]
+    python = ".".join(platform.python_version_tuple()[:2])
+    names = ("exudyn-crawler", "exudyn", "numpy", "scipy", "distributed")
+    folders = [beside / name for name in ("exudyn_crawler", "fem", "meshes")]
+    return {
+        "Python": python,
+        **{name: version(name) for name in names},
+        "sources": source_digest(*folders)[:12],
+    }
+
+
+def check_versions(wanted: Mapping[str, str], found: Mapping[str, str], where: str) -> None:
+    """Refuse a worker whose versions are not the client's.
+
+    Raises
+    ------
+    VersionsDiffer
+        Naming what differs.
+    """
+    differing = [
+        f"{name} {found.get(name, 'missing')} there, {own} here"
+        for name, own in wanted.items()
+        if found.get(name) != own
+    ]
+    if differing:
+        raise VersionsDiffer(f"worker {where} has other versions: {', '.join(differing)}")
+
+
+def run_task(task: Task) -> Outcome:
+    """Run a case into its folder, or what is missing of it, and answer; what goes wrong is the outcome, too.
+
+    Raises
+    ------
+    VersionsDiffer
+        If this worker has other versions than the client.
+    """
+    check_versions(task.versions, own_versions(), socket.gethostname())
+    begun = time.perf_counter()
+    outcome: Outcome = {
+        "digest": task.digest,
+        "host": socket.gethostname(),
+        "process": os.getpid(),
+        "asked": json.loads(task.answers),
+    }
+    failed_before = (read_outcome(task.storage, task.digest) or {}).get("status") == FAILED
+    with working_folder(task.storage, task.digest) as folder:
+        try:
+            answers = _answered(task, folder, overwrite=task.again and failed_before)
+            outcome |= {"status": DONE, "reason": "", "answers": answers}
+        except Exception as error:
+            outcome |= {"status": FAILED, "reason": reason_of(error), "answers": {}}
+        took = time.perf_counter() - begun
+        outcome |= {"wall_time_s": round(took, 3), "finished": timestamp()}
+        write_outcome(folder, outcome)
+        note_file(folder / OUTCOME)
+    return outcome
+
+
+def reason_of(error: BaseException) -> str:
+    """Error in a line, with its kind where it is none of the package's own."""
+    told = " ".join(str(error).split())
+    own = isinstance(error, CrawlerError | ValueError | OSError) and told
+    return told if own else f"{type(error).__name__}: {told}"
+
+
+def failed_outcome(task: Task, error: BaseException) -> Outcome:
+    """Outcome of a run that its worker could not tell of: it died, say."""
+    outcome: Outcome = {
+        "digest": task.digest,
+        "asked": json.loads(task.answers),
+        "status": FAILED,
+        "reason": reason_of(error),
+        "answers": {},
+        "finished": timestamp(),
+    }
+    with working_folder(task.storage, task.digest) as folder:
+        write_outcome(folder, outcome)
+    return outcome
+
+
+def _answered(task: Task, folder: Path, overwrite: bool) -> dict[str, float | None]:
+    """Answers of a run by name; None where a run has none."""
+    case_file = CaseFile.model_validate_json(task.case)
+    give_up = time.monotonic() + LOCK_WAIT
+    with warnings.catch_warnings():
+        # the sweep tells of them once
+        warnings.simplefilter("ignore", ImplausibleWarning)
+        while True:
+            try:
+                run = run_case(
+                    case_file,
+                    folder,
+                    overwrite=overwrite,
+                    finished_since="",
+                    progress=False,
+                    reductions=task.reductions,
+                )
+                break
+            except BlockingIOError:
+                if time.monotonic() > give_up:
+                    raise
+                time.sleep(1.0)
+        found = {one.label: one.of_run(run) for one in _answers.validate_json(task.answers)}
+    return {name: None if value != value else value for name, value in found.items()}

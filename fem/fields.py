@@ -1,0 +1,245 @@
+"""What static answers to loads have beyond those of a reduced body's modes: further fields of stress.
+
+The answer of a body to a load is that of its modes and a rest that follows the load at once: the static
+answer with inertia relief less what the modes make of the same load (residual attachment modes; R. R. Craig,
+Structural Dynamics, 1981, ch. 15). With the loads themselves as coordinates f of these rests, the stress
+``X q + S f`` lacks nothing but the inertia of what the modes leave out.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Self
+
+import numpy as np
+from scipy.sparse import csr_array, hstack, kron
+
+from fem.body import ElasticBody
+from fem.interfaces import Interface
+from fem.mesh import Floats
+from fem.recovery import DEVIATOR
+from fem.reduced import ReducedBody
+from fem.reduction import Partition
+from fem.shapes import Shapes, SideBySide
+
+AT_ONCE = 32
+"""Fields that are solved for, or whose stress is recovered, together."""
+NOISE = 1e-12
+"""Strain energy, over that of the greatest direction, below which a direction is rounding."""
+
+
+class UnitLoads(NamedTuple):
+    """A family of k loads.
+
+    Attributes
+    ----------
+    forces : sparse array (3n, k)
+        Nodal forces in N, xyz per node, per unit of a coordinate.
+    centers : array (6 i, k)
+        Force and moment on each joint centre in N and N m.
+    """
+
+    forces: csr_array
+    centers: Floats
+
+    @classmethod
+    def spread(cls, weights: csr_array | Floats, interfaces: Sequence[Interface]) -> Self:
+        """Forces along x, y, z with nodal weights (n, p): 3 p coordinates, xyz for each weight."""
+        forces = csr_array(kron(csr_array(weights), np.eye(3), format="csr"))
+        return cls(forces, np.zeros((6 * len(interfaces), forces.shape[1])))
+
+    @classmethod
+    def at_centers(cls, nodes: int, interfaces: Sequence[Interface]) -> Self:
+        """Force and moment on every joint centre: 6 i coordinates."""
+        count = 6 * len(interfaces)
+        return cls(csr_array((3 * nodes, count)), np.eye(count))
+
+    @classmethod
+    def of_inertia(cls, body: ElasticBody, modes: Floats, interfaces: Sequence[Interface]) -> Self:
+        """Momentum of modes (n, 3, m) as nodal forces: m coordinates, kg^0.5 m/s2."""
+        momentum = body.mass_matrix @ modes.reshape(-1, modes.shape[2])
+        return cls(csr_array(momentum), np.zeros((6 * len(interfaces), modes.shape[2])))
+
+
+@dataclass(frozen=True, eq=False)
+class StaticFields:
+    """Rests of the static answers to k unit loads that a body's m modes do not have.
+
+    Attributes
+    ----------
+    families : mapping of str to int
+        Number of loads of each family, in order.
+    displacements : array (n, 3, k)
+        In m per unit of a load's coordinate; orthogonal in stiffness to the modes.
+    energy : array (k, k)
+        Twice the strain energy of the rests: products of forces and displacements.
+    work : array (k, m)
+        Modal loads of the unit loads.
+    """
+
+    families: Mapping[str, int]
+    displacements: Floats
+    energy: Floats
+    work: Floats
+
+    def coordinates(self, loads: Mapping[str, Floats]) -> Floats:
+        """Coordinates (t, k) of loads (t, ...) by family; a family that is left out does not act.
+
+        Raises
+        ------
+        ValueError
+            If there is none, a family is unknown or has another number of loads.
+        """
+        unknown = sorted(set(loads) - set(self.families))
+        if unknown or not loads:
+            raise ValueError(f"loads must be of the families {list(self.families)}, got {unknown or 'none'}")
+        times = len(next(iter(loads.values())))
+        parts = []
+        for name, count in self.families.items():
+            part = np.reshape(loads[name], (times, -1)) if name in loads else np.zeros((times, count))
+            if part.shape[1] != count:
+                raise ValueError(f"loads of {name!r} must have {count} coordinates, got {part.shape[1]}")
+            parts.append(part)
+        return np.concatenate(parts, axis=1)
+
+
+def static_fields(
+    partition: Partition, reduced: ReducedBody, families: Mapping[str, UnitLoads]
+) -> StaticFields:
+    """Solve for what the modes of a body lack of the static answers to families of loads.
+
+    Parameters
+    ----------
+    partition : Partition
+        Of the body that was reduced, with the same interfaces.
+    reduced : ReducedBody
+    families : mapping of str to UnitLoads
+
+    Raises
+    ------
+    ValueError
+        If there is no family, or one is not of this mesh and these interfaces.
+    """
+    size, centers = reduced.modes.shape[0] * 3, 6 * len(reduced.interfaces)
+    if not families:
+        raise ValueError("families must be at least one, got none")
+    for name, family in families.items():
+        if family.forces.shape[0] != size or family.centers.shape[0] != centers:
+            raise ValueError(
+                f"loads of {name!r} must be on {size} displacements and {centers} motions of centres, "
+                f"got {family.forces.shape[0]} and {family.centers.shape[0]}"
+            )
+    forces = hstack([family.forces for family in families.values()], format="csc")
+    at_centers = np.concatenate([family.centers for family in families.values()], axis=1)
+    modes = reduced.modes.reshape(size, -1)
+    work = forces.T @ modes + at_centers.T @ reduced.pilots.reshape(centers, -1)
+    answered = work / (2.0 * np.pi * reduced.frequencies) ** 2
+    rest = np.empty(forces.shape)
+    for first in range(0, rest.shape[1], AT_ONCE):
+        at = slice(first, first + AT_ONCE)
+        whole = partition.static_response(forces[:, at].toarray(), at_centers[:, at])
+        rest[:, at] = whole - modes @ answered[at].T
+    return StaticFields(
+        {name: family.centers.shape[1] for name, family in families.items()},
+        rest.reshape(-1, 3, rest.shape[1]),
+        rest.T @ (partition.body.stiffness @ rest),
+        work,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class FieldColumns:
+    """Few fields that serve in place of many for certain histories of loads.
+
+    Attributes
+    ----------
+    turn : array (k, r)
+        Coordinates of the r fields of those of k loads: ``f @ turn``.
+    modes : array (n, 3, r)
+        Displacements in m per unit.
+    stress_modes : array (n, 6, r)
+        Nodal stress in Pa per unit.
+    bound : float
+        Von Mises stress in Pa by which what is left out changes the stress of no node at no time.
+    """
+
+    turn: Floats
+    modes: Floats
+    stress_modes: Floats
+    bound: float
+
+    def beside(self, body: ReducedBody) -> Shapes:
+        """Modes of a body and these fields, with coordinates one after the other."""
+        return Shapes(
+            body.mesh,
+            body.material,
+            body.interfaces,
+            SideBySide((body.modes, self.modes)),
+            SideBySide((body.stress_modes, self.stress_modes)),
+        )
+
+
+def field_columns(
+    body: ElasticBody,
+    fields: StaticFields,
+    histories: Sequence[Floats],
+    tolerance: float = 0.0,
+    most: int | None = None,
+) -> FieldColumns:
+    """Fields along the directions in which histories of loads move, by a singular value decomposition.
+
+    Loads count by the strain energy in their rests, in which the directions are orthogonal.
+
+    Parameters
+    ----------
+    body : ElasticBody
+    fields : StaticFields
+    histories : sequence of array (t, k)
+        Coordinates of the loads, of one body in several places.
+    tolerance : float
+        In Pa: what is left out changes no stress by more, if `most` allows.
+    most : int, optional
+        Greatest number of directions, whatever the tolerance.
+
+    Raises
+    ------
+    ValueError
+        If there is no history, or one is not finite or has another number of loads.
+    """
+    count = len(fields.energy)
+    for history in histories:
+        if history.ndim != 2 or history.shape[1] != count:
+            raise ValueError(f"histories must be (times, {count}), got {history.shape}")
+        if not np.isfinite(history).all():
+            raise ValueError("histories must be finite, got other numbers")
+    if not histories:
+        raise ValueError("histories must be at least one, got none")
+    into, out = _energy_root(fields.energy)
+    moved = sum(history.T @ history for history in histories)
+    values, directions = np.linalg.eigh(into @ moved @ into.T)
+    directions = directions[:, ::-1][:, values[::-1] > NOISE * values[-1]]
+    turn, back = into.T @ directions, out @ directions
+    greatest = np.max([np.abs(history @ turn).max(axis=0, initial=0.0) for history in histories], axis=0)
+    shapes = fields.displacements @ back
+    stress = np.empty((len(shapes), 6, shapes.shape[2]))
+    for first in range(0, shapes.shape[2], AT_ONCE):
+        at = slice(first, first + AT_ONCE)
+        stress[:, :, at] = body.stress(shapes[:, :, at])
+    lengths = np.linalg.norm(np.tensordot(DEVIATOR, stress, axes=([1], [1])), axis=0) * greatest
+    bounds = np.append(np.cumsum(lengths[:, ::-1], axis=1)[:, ::-1].max(axis=0, initial=0.0), 0.0)
+    rank = int(np.flatnonzero(bounds <= tolerance)[0])
+    rank = rank if most is None else min(rank, most)
+    return FieldColumns(
+        turn[:, :rank],
+        np.ascontiguousarray(shapes[:, :, :rank]),
+        np.ascontiguousarray(stress[:, :, :rank]),
+        float(bounds[rank]),
+    )
+
+
+def _energy_root(energy: Floats) -> tuple[Floats, Floats]:
+    """Matrices (r, k), (k, r): from loads to coordinates of unit energy, from fields to their shapes."""
+    scale = np.sqrt(np.maximum(np.diag(energy), np.finfo(float).tiny))
+    values, vectors = np.linalg.eigh(energy / np.outer(scale, scale))
+    kept = values > NOISE * values[-1]
+    values, vectors = values[kept], vectors[:, kept]
+    return np.sqrt(values)[:, None] * (vectors * scale[:, None]).T, vectors / scale[:, None] / np.sqrt(values)

@@ -1,0 +1,97 @@
+"""Force and moment of a shovel on the side frame of one track."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from exudyn_crawler import Case
+from exudyn_crawler.case import MachineCycle, MachinePhase, Pose, Shovel, Undercarriage, ph4100c
+
+FRAME = Undercarriage.ph4100c()
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def resultant(cycle, k):
+    """Vertical force on the frame (N, downward) with its weight, and x and y where it acts, m."""
+    phase = cycle.phases[k]
+    weight = FRAME.mass * ph4100c.GRAVITY * DOWN
+    force, moment = np.array(phase.force) + weight, np.array(phase.moment) + np.cross(FRAME.com, weight)
+    return -force[2], moment[1] / -force[2], -moment[0] / -force[2]
+
+
+def poses(*swings, payload=0.0):
+    return [Pose(f"at {s:g}", 1.0 + k, s, 15.0, 5.0, payload) for k, s in enumerate(swings)]
+
+
+def test_both_tracks_carry_the_whole():
+    for pose in (poses(0.7, payload=9e4), poses(np.pi / 2, payload=9e4)):
+        left, right = (MachineCycle.shovel(poses=pose, side=side) for side in (1.0, -1.0))
+        carried = resultant(left, 0)[0] + resultant(right, 0)[0]
+        assert carried == pytest.approx((Shovel().mass + 9e4) * ph4100c.GRAVITY)
+
+
+def test_shares_are_those_of_statics():
+    """Levers by hand: payload and front at 15 m to the left, the upper structure 2.5 m to the right."""
+    shovel, payload = Shovel(), 9e4
+    left = resultant(MachineCycle.shovel(poses=poses(np.pi / 2, payload=payload)), 0)[0]
+    whole = (shovel.mass + payload) * ph4100c.GRAVITY
+    lever = ((shovel.front + payload) * 15.0 + shovel.upper * shovel.upper_place[0]) * ph4100c.GRAVITY
+    assert left == pytest.approx(0.5 * whole + lever / ph4100c.TRACK_DISTANCE)
+
+
+def test_straight_ahead_the_weight_moves_ahead_and_the_tracks_share_alike():
+    shovel, payload = Shovel(), 9e4
+    carried, x, y = resultant(MachineCycle.shovel(poses=poses(0.0, payload=payload)), 0)
+    masses = shovel.mass + payload
+    lever = (shovel.front + payload) * 15.0 + shovel.upper * shovel.upper_place[0]
+    assert carried == pytest.approx(0.5 * masses * ph4100c.GRAVITY)
+    assert x == pytest.approx(lever / masses)
+    assert y == pytest.approx(0.0, abs=1e-9)
+
+
+def test_papers_machine_can_stand():
+    case = Case.rolled().with_(machine=MachineCycle.shovel())
+    force, moment = case.machine_wrench(np.linspace(0.0, 40.0, 9))
+    assert force.shape == moment.shape == (9, 3)
+    assert np.ptp(force[:, 2]) > 1e6
+
+
+def test_wrench_is_joined_by_steps():
+    cycle = MachineCycle(
+        phases=(
+            MachinePhase(name="a", end=0.0, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)),
+            MachinePhase(name="b", end=2.0, force=(0.0, 0.0, -4.0), moment=(0.0, 8.0, 0.0)),
+        )
+    )
+    force, moment = cycle.wrench([0.0, 1.0, 5.0])
+    np.testing.assert_allclose(force[:, 2], [0.0, -2.0, -4.0])
+    np.testing.assert_allclose(moment[:, 1], [0.0, 4.0, 8.0])
+
+
+def test_machine_that_tips_over_a_track_is_refused():
+    with pytest.raises(ValueError, match="the machine tips sideways at the end of 'at 1.5708'"):
+        MachineCycle.shovel(poses=poses(np.pi / 2, payload=1e6))
+
+
+@pytest.mark.parametrize(
+    ("force", "moment", "said"),
+    [
+        ((0.0, 0.0, 7e6), (0.0, 0.0, 0.0), "it lifts the side frame"),
+        ((0.0, 0.0, 0.0), (0.0, 3e7, 0.0), "the rollers stand from -4.375 to 4.375 m: it tips"),
+        ((0.0, 0.0, 0.0), (3e6, 0.0, 0.0), "the side frame tips"),
+    ],
+)
+def test_cycles_in_which_a_roller_would_pull_are_refused(force, moment, said):
+    phase = MachinePhase(name="wrong", end=1.0, force=force, moment=moment)
+    with pytest.raises(ValidationError, match=said):
+        Case.rolled().with_(machine=MachineCycle(phases=(phase,)))
+
+
+def test_times_that_do_not_increase_are_refused():
+    with pytest.raises(ValidationError, match="the phases' ends must increase"):
+        MachineCycle.shovel(poses=[*poses(0.0), *poses(0.1)])
+
+
+def test_machine_without_a_frame_is_refused():
+    with pytest.raises(ValidationError, match="machine must be None without an undercarriage"):
+        Case.translation().with_(machine=MachineCycle.shovel())

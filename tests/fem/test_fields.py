@@ -1,0 +1,207 @@
+"""Modes and static fields together against the full static answer, and against all modes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fem
+from fem.fields import UnitLoads
+from fem.places import PressureGrid, Stations, flat_parts
+from fem.stress import von_mises
+from meshes import STEEL
+from tests.fem.bodies import beam_interfaces, box_mesh
+
+
+@pytest.fixture(scope="module")
+def stations(shoe: fem.ElasticBody) -> Stations:
+    return Stations(flat_parts(shoe.mesh, "roller path")[0], 5, 0.1)
+
+
+@pytest.fixture(scope="module")
+def families(shoe: fem.ElasticBody, partition: fem.Partition, stations: Stations) -> dict[str, UnitLoads]:
+    grid = PressureGrid(flat_parts(shoe.mesh, "underside")[0], (2, 3))
+    return {
+        "rail": UnitLoads.spread(stations.weights, partition.interfaces),
+        "ground": UnitLoads.spread(grid.weights, partition.interfaces),
+        "joints": UnitLoads.at_centers(len(shoe.mesh.nodes), partition.interfaces),
+    }
+
+
+@pytest.fixture(scope="module")
+def fields(
+    partition: fem.Partition, reduced: fem.ReducedBody, families: dict[str, UnitLoads]
+) -> fem.StaticFields:
+    return fem.static_fields(partition, reduced, families)
+
+
+def static(reduced: fem.ReducedBody, fields: fem.StaticFields, loads: np.ndarray) -> np.ndarray:
+    """Modal coordinates (t, m) that loads (t, k) hold still."""
+    return loads @ fields.work / (2 * np.pi * reduced.frequencies) ** 2
+
+
+def exact_stress(
+    partition: fem.Partition, families: dict[str, UnitLoads], name: str, load: np.ndarray
+) -> np.ndarray:
+    """Full static answer to the loads (k,) of one family: nodal stress (n, 6)."""
+    family = families[name]
+    u = partition.static_response((family.forces @ load)[:, None], (family.centers @ load)[:, None])
+    return partition.body.stress(u.reshape(-1, 3, 1))[:, :, 0]
+
+
+@pytest.mark.parametrize("name", ["rail", "ground", "joints"])
+def test_modes_and_fields_are_the_full_static_answer(
+    shoe: fem.ElasticBody,
+    partition: fem.Partition,
+    reduced: fem.ReducedBody,
+    families: dict[str, UnitLoads],
+    fields: fem.StaticFields,
+    name: str,
+) -> None:
+    load = np.random.default_rng(5).standard_normal(fields.families[name])
+    exact = exact_stress(partition, families, name, load)
+    loads = fields.coordinates({name: load[None]})
+    q = static(reduced, fields, loads)
+    columns = fem.field_columns(shoe, fields, [loads])
+    assert columns.turn.shape[1] == 1
+    assert columns.bound == 0.0
+    found = columns.beside(reduced).stress(np.hstack((q, loads @ columns.turn)))[0]
+    peak = von_mises(exact).max()
+    assert von_mises(found - exact).max() < 1e-7 * peak
+    lost = von_mises(reduced.stress(q)[0] - exact).max() / peak
+    assert lost > (1e-3 if name == "joints" else 0.1)
+
+
+def test_rests_are_orthogonal_to_the_modes(
+    shoe: fem.ElasticBody, reduced: fem.ReducedBody, fields: fem.StaticFields
+) -> None:
+    modes = reduced.modes.reshape(-1, len(reduced.frequencies)) / (2 * np.pi * reduced.frequencies)
+    # modes have all but the rigid acceleration of loads on joints: those rests are rounding
+    kept = slice(fields.families["rail"] + fields.families["ground"])
+    rests = fields.displacements[:, :, kept].reshape(len(modes), -1) / np.sqrt(np.diag(fields.energy)[kept])
+    assert np.abs(modes.T @ (shoe.stiffness @ rests)).max() < 1e-6
+    momentum = shoe.rigid_modes.T @ (shoe.mass_matrix @ rests)
+    scale = np.abs(shoe.rigid_modes).T @ (shoe.mass_matrix @ np.abs(rests))
+    assert (np.abs(momentum) < 1e-8 * scale).all()
+
+
+def test_all_modes_leave_nothing_to_fields() -> None:
+    """A bar of few nodes, whose modes are complete: rests are rounding."""
+    mesh = box_mesh((2, 1, 1), (0.6, 0.1, 0.1))
+    ends = {
+        name: mesh.boundary[np.isclose(mesh.nodes[mesh.boundary][:, :, 0], x).all(axis=1)]
+        for name, x in (("left", 0.0), ("right", 0.6))
+    }
+    body = fem.ElasticBody(fem.Mesh(mesh.nodes, mesh.elements, ends), STEEL)
+    partition = fem.Partition(body, beam_interfaces(body))
+    weights = np.zeros((len(mesh.nodes), 1))
+    free = np.setdiff1d(np.arange(len(mesh.nodes)), np.concatenate([i.nodes for i in partition.interfaces]))
+    weights[free[0]] = 1.0
+    family = {"push": UnitLoads.spread(weights, partition.interfaces)}
+    sizes = []
+    for count in (4, partition.of_rest.shape[1]):
+        reduced = fem.craig_bampton(body, partition.interfaces, count, partition=partition)
+        found = fem.static_fields(partition, reduced, family)
+        exact = partition.static_response(family["push"].forces.toarray())
+        sizes.append(np.abs(found.displacements).max() / np.abs(exact).max())
+    assert sizes[0] > 0.01
+    assert sizes[1] < 1e-9
+
+
+def test_what_few_directions_leave_out_is_within_their_bound(
+    shoe: fem.ElasticBody, reduced: fem.ReducedBody, fields: fem.StaticFields, stations: Stations
+) -> None:
+    t = np.linspace(0.0, 1.0, 40)
+    x = np.linspace(stations.rectangle.low[0], stations.rectangle.high[0], 40)
+    force = np.column_stack((0.1 * np.sin(9 * t), 0.0 * t, -1.0 - 0.1 * np.cos(7 * t))) * 1e6
+    loads = fields.coordinates({"rail": stations.coordinates(force, x)})
+    nodes = np.arange(0, len(reduced.nodes), 50)
+    rest = fem.field_columns(shoe, fields, [loads])
+    exact = np.tensordot(loads @ rest.turn, rest.stress_modes[nodes], axes=([1], [2]))
+    ranks = []
+    for tolerance in (1e8, 1e7, 1e5):
+        few = fem.field_columns(shoe, fields, [loads[:25], loads[25:]], tolerance)
+        ranks.append(few.turn.shape[1])
+        assert few.bound <= tolerance
+        found = np.tensordot(loads @ few.turn, few.stress_modes[nodes], axes=([1], [2]))
+        left_out = von_mises(found - exact).max()
+        assert left_out <= few.bound
+        assert left_out > 0.05 * few.bound
+    assert ranks[0] < ranks[1] < ranks[2]
+    capped = fem.field_columns(shoe, fields, [loads], 1e5, most=2)
+    assert capped.turn.shape[1] == 2
+    assert capped.bound > 1e5
+
+
+def test_extremes_and_hot_spots_take_fields_as_more_columns(
+    shoe: fem.ElasticBody, reduced: fem.ReducedBody, fields: fem.StaticFields, stations: Stations
+) -> None:
+    t = np.linspace(0.0, 1.0, 300)
+    x = np.linspace(stations.rectangle.low[0], stations.rectangle.high[0], 300)
+    force = -1e6 * np.column_stack((0.1 * np.sin(30 * t), 0.2 * t, 1.0 + 0.3 * np.cos(40 * t)))
+    loads = fields.coordinates({"rail": stations.coordinates(force, x)})
+    columns = fem.field_columns(shoe, fields, [loads])
+    shapes = columns.beside(reduced)
+    q = np.hstack((static(reduced, fields, loads), loads @ columns.turn))
+    found = fem.recover_extremes(shapes.stress_modes, q)
+    rows = np.unique(found.greatest_at[found.peaks.order[:3]])
+    at_rows = shapes.von_mises(q[rows])
+    np.testing.assert_allclose(found.highest[rows], at_rows.max(axis=1), rtol=1e-12)
+    whole = np.concatenate(shapes.stress_modes.parts, axis=2)
+    plain = fem.recover_extremes(whole, q)
+    np.testing.assert_array_equal(found.greatest_at, plain.greatest_at)
+    np.testing.assert_allclose(found.greatest, plain.greatest, rtol=1e-12)
+    np.testing.assert_array_equal(found.highest_nodes, plain.highest_nodes)
+    table = fem.hot_spots(shapes, t, q, 3, peaks=found.peaks)
+    top = table.iloc[0]
+    assert top["value"] == pytest.approx(found.greatest.max())
+    row = int(np.abs(t - top["time"]).argmin())
+    jump = fem.stress.stress_jump(shoe.mesh, shoe.material, shapes.displacement(q[row])[0])
+    assert top["jump"] == pytest.approx(jump[top["node"]])
+
+
+def test_fields_are_kept_by_all_that_they_depend_on(tmp_path: Path, beam: fem.ElasticBody) -> None:
+    ends = beam_interfaces(beam)
+    kept = fem.cached_craig_bampton(tmp_path, beam, ends, 4)
+    more = fem.cached_craig_bampton(tmp_path, beam, ends, 5)
+    weights = np.eye(len(beam.mesh.nodes), 2, -7)
+    push = {"push": UnitLoads.spread(weights, ends)}
+    other = {"push": UnitLoads.spread(2.0 * weights, ends)}
+    first = fem.cached_static_fields(tmp_path, beam, kept, push)
+    again = fem.cached_static_fields(tmp_path, beam, kept, push)
+    np.testing.assert_array_equal(first.displacements, again.displacements)
+    assert again.families == {"push": 6}
+    for body, loads in ((more, push), (kept, other)):
+        fem.cached_static_fields(tmp_path, beam, body, loads)
+    files = sorted(tmp_path.glob("*.fields.h5"))
+    assert len(files) == 3
+    told: list[str] = []
+    files[0].write_bytes(files[0].read_bytes()[:3000])
+    for body, loads in ((kept, push), (more, push), (kept, other)):
+        fem.cached_static_fields(tmp_path, beam, body, loads, warn=told.append)
+    (line,) = told
+    assert line.startswith(f"the file of static fields is made anew: {files[0]} must be")
+
+
+def test_bad_fields(
+    shoe: fem.ElasticBody, partition: fem.Partition, reduced: fem.ReducedBody, fields: fem.StaticFields
+) -> None:
+    with pytest.raises(ValueError, match="families must be at least one, got none"):
+        fem.static_fields(partition, reduced, {})
+    short = UnitLoads.spread(np.ones((4, 1)), partition.interfaces)
+    with pytest.raises(ValueError, match=r"loads of 'short' must be on 41319 .* got 12 and 24"):
+        fem.static_fields(partition, reduced, {"short": short})
+    with pytest.raises(ValueError, match=r"loads must be of the families .* got \['roof'\]"):
+        fields.coordinates({"roof": np.zeros((1, 3))})
+    with pytest.raises(ValueError, match="got none"):
+        fields.coordinates({})
+    with pytest.raises(ValueError, match="loads of 'rail' must have 15 coordinates, got 3"):
+        fields.coordinates({"rail": np.zeros((1, 3))})
+    with pytest.raises(ValueError, match="histories must be at least one, got none"):
+        fem.field_columns(shoe, fields, [])
+    with pytest.raises(ValueError, match=r"histories must be \(times, 57\), got \(1, 3\)"):
+        fem.field_columns(shoe, fields, [np.zeros((1, 3))])
+    with pytest.raises(ValueError, match="histories must be finite"):
+        fem.field_columns(shoe, fields, [np.full((1, 57), np.nan)])
+    with pytest.raises(ValueError, match="parts must be of the same nodes"):
+        fem.SideBySide((np.zeros((3, 6, 1)), np.zeros((4, 6, 1))))

@@ -1,0 +1,120 @@
+"""Static fields beside the modes of a run: against the full static answer to all that acts on a shoe."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from exudyn_crawler import History
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.flexible_shoes import shoe_model
+from exudyn_crawler.model.load_places import ground_grid, rail_stations, shoe_fields
+from exudyn_crawler.results.actions import OverRectangle, actions
+from exudyn_crawler.results.field_loads import field_loads
+from exudyn_crawler.results.modal_coordinates import coordinates_and_momentum, modal_loads, stress_basis
+from exudyn_crawler.results.node_stress import node_stress
+from exudyn_crawler.results.shoe_loads import at_instant, patch_weights, shoe_loads
+from exudyn_crawler.results.stress_columns import SHARE, StressColumns, stress_columns
+from exudyn_crawler.results.stresses import recover_stresses
+from fem import Partition
+from fem.stress import von_mises
+
+Run = tuple[History, xr.Dataset, dict[int, pd.DataFrame]]
+
+
+@pytest.fixture(scope="module")
+def with_fields(flexible_run: Run) -> History:
+    history = flexible_run[0]
+    flexible = history.case.flexible_shoes().with_(static_fields=True)
+    return History(history.case.with_(flexible=flexible), history.dataset)
+
+
+@pytest.fixture(scope="module")
+def columns(with_fields: History) -> StressColumns:
+    return stress_columns(with_fields)
+
+
+def test_coordinates_do_the_work_of_the_modal_loads(with_fields: History) -> None:
+    """The ground's grid apart, which holds a pressure's resultants and not its seams."""
+    basis = stress_basis(with_fields)
+    fields = shoe_fields(with_fields.case)
+    for shoe in (7, 13):
+        _, momentum = coordinates_and_momentum(with_fields, basis, shoe)
+        loads = field_loads(with_fields, fields, basis.whole, momentum, shoe)
+        expected = modal_loads(with_fields, basis, shoe) + momentum @ basis.inside.T
+        np.testing.assert_allclose(loads @ fields.work, expected, atol=0.02 * np.abs(expected).max())
+        low = slice(6)
+        np.testing.assert_allclose(
+            (loads @ fields.work)[:, low], expected[:, low], atol=2e-3 * np.abs(expected).max()
+        )
+
+
+def consistent_nodal(history: History, shoe: int) -> np.ndarray:
+    """Nodal forces (n, 3) of `shoe_loads` in whose place pressures press on the elements, not on nodes."""
+    case = history.case
+    body, _ = shoe_model(case.flexible_shoes(), case.track)
+    nodal = shoe_loads(history, shoe, history.duration).nodal.copy()
+    rectangle = ground_grid(body.mesh).rectangle
+    now = at_instant(history, history.duration)
+    frame = rotation_matrices(now.angles.sel(shoe=shoe).values)[0]
+    middles = (np.arange(60) + 0.5) / 60
+    for action in actions(now, shoe):
+        if isinstance(action.entry, OverRectangle) and action.entry.pressed[0]:
+            low, high = action.entry.low[0], action.entry.high[0]
+            x, y = (a + (b - a) * middles for a, b in zip(low, high, strict=True))
+            points = np.meshgrid(x, y, indexing="ij")
+            share = rectangle.samples(points[0].ravel(), points[1].ravel()).mean(axis=0)
+            share -= patch_weights(case, body, action.entry)
+            nodal += np.outer(share, action.force[0] @ frame)
+    return nodal
+
+
+def test_stress_is_that_of_the_full_static_answer(
+    with_fields: History, flexible_run: Run, columns: StressColumns
+) -> None:
+    case = with_fields.case
+    body, interfaces = shoe_model(case.flexible_shoes(), case.track)
+    partition = Partition(body, interfaces)
+    alone = stress_columns(flexible_run[0])
+    for shoe in (7, 13):
+        nodal = consistent_nodal(with_fields, shoe).reshape(-1, 1)
+        centers = shoe_loads(with_fields, shoe, with_fields.duration).centers.reshape(-1, 1)
+        u = partition.static_response(nodal, centers)
+        exact = body.stress(u.reshape(-1, 3, 1))[:, :, 0]
+        error, truncated = (
+            von_mises(one.shapes.stress(one.coordinates[shoe][-1])[0] - exact).max() / von_mises(exact).max()
+            for one in (columns, alone)
+        )
+        assert error < 0.01
+        assert truncated > 4.0 * error
+
+
+def test_fields_are_few_and_their_bound_is_known(columns: StressColumns, flexible_run: Run) -> None:
+    modes = len(stress_basis(flexible_run[0]).whole.frequencies)
+    assert modes < columns.shapes.stress_modes.shape[2] <= (1.0 + SHARE) * modes
+    assert columns.bound is not None
+    assert stress_columns(flexible_run[0], [7]).bound is None
+
+
+def test_results_and_single_nodes_have_the_same_fields(with_fields: History, flexible_run: Run) -> None:
+    found = recover_stresses(with_fields, [0.0, 0.06], peak=False)
+    _, plain, tables = flexible_run
+    for shoe, table in found.hot_spots.items():
+        top = table.iloc[0]
+        whole = node_stress(with_fields, shoe, node=int(top["node"]))
+        assert float(whole.von_mises.max()) == pytest.approx(top["value"], rel=1e-4)
+        assert not table["verdict"].str.contains("truncation").any()
+        good = tables[shoe]["verdict"].str.startswith("good")
+        assert (tables[shoe]["verdict"].str.contains("truncation") == good).all()
+    off = np.abs(found.dataset.peak_von_mises - plain.peak_von_mises) / plain.peak_von_mises.max("node")
+    assert 0.002 < float(off.max()) < 0.5
+
+
+def test_places_of_loads_cover_a_shoe(with_fields: History) -> None:
+    mesh = stress_basis(with_fields).whole.mesh
+    grid = ground_grid(mesh)
+    area = np.prod(grid.rectangle.high - grid.rectangle.low)
+    assert grid.weights.sum() == pytest.approx(area)
+    right, left = rail_stations(mesh)
+    assert right.rectangle.high[1] < 0.0 < left.rectangle.low[1]
+    assert np.diff(right.positions).max() < 0.4 * right.reach

@@ -1,0 +1,179 @@
+"""A side frame that rolls over shoes: mechanics of short runs, and its rest against a chain of beams."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import simulate
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.rail_rows import rows_along
+from exudyn_crawler.results.actions import OnRail, actions
+from exudyn_crawler.results.balance import energy_balance, shoe_imbalance, track_imbalance
+from exudyn_crawler.results.modal_coordinates import stress_basis
+from exudyn_crawler.results.rollers import frame_imbalance, roller_loads
+from exudyn_crawler.results.shoe_loads import shoe_loads
+from exudyn_crawler.run.equilibrium import static_equilibrium
+from exudyn_crawler.run.run_stages import system_history
+from tests.model.compiled.both import evaluated
+from tests.rolled import ROLLERS, small_case, small_flexible_case
+
+pytestmark = pytest.mark.simulation
+
+
+@pytest.fixture(scope="module")
+def rolled():
+    """A fifth of a second, in which the frame moves by 75 mm."""
+    return simulate(small_case(), 0.2, progress=False)
+
+
+@pytest.fixture(scope="module")
+def bent():
+    """The same over two flexible shoes, shorter."""
+    return simulate(small_flexible_case(), 0.06, progress=False)
+
+
+def weight(history):
+    return history.case.undercarriage.mass * history.case.gravity
+
+
+@pytest.mark.parametrize("name", ["rolled", "bent"])
+def test_frame_is_in_balance_at_every_stored_instant(name, request):
+    history = request.getfixturevalue(name)
+    off = frame_imbalance(history)
+    assert set(off.data_vars) == {"travel", "heave", "roll", "pitch"}
+    for direction, values in off.data_vars.items():
+        assert np.abs(values).max() < 1e-6 * weight(history), direction
+
+
+def test_shoes_and_track_are_in_balance(rolled):
+    for off in (shoe_imbalance(rolled), track_imbalance(rolled, (12.0, 9.3, 0.0))):
+        assert np.abs(off["force"]).max() < 2e-6 * weight(rolled)
+        assert np.abs(off["moment"]).max() < 2e-6 * weight(rolled)
+
+
+def test_flexible_shoes_are_in_balance(bent):
+    assert np.abs(shoe_imbalance(bent)["force"]).max() < 3e-6 * weight(bent)
+
+
+def test_work_of_the_drive_goes_into_resistance_friction_damping_and_energy(rolled):
+    balance = energy_balance(rolled)
+    end = balance.isel(time=-1)
+    assert float(end["drive"]) > 1e4
+    assert np.abs(balance["imbalance"]).max() < 0.01 * float(end["drive"])
+    assert float(end["rolling_resistance"]) > 0.0
+    assert float(end["tread_damping"]) > 0.0
+
+
+def test_rollers_carry_the_frame_from_the_start(rolled):
+    carried = -rolled.roller_force.values[0, ..., 2].sum()
+    assert carried == pytest.approx(weight(rolled), rel=0.02)
+
+
+def test_shoes_that_no_roller_is_on_carry_themselves(rolled):
+    """The last shoes lie ahead of the front roller by more than a shoe."""
+    assert rolled.roller_shoe.values.max() <= 7
+    level = rolled.case.shoe.mass * rolled.case.gravity
+    contact = rolled.normal_force.values[0, rolled.contact_shoe.values == 10, 2].sum()
+    assert contact == pytest.approx(level, rel=0.1)
+
+
+def test_loads_of_a_shoe_are_those_of_its_rails(rolled, bent):
+    for history, shoe in ((rolled, 5), (bent, 5)):
+        found = roller_loads(history, shoe)
+        rails = history.case.shoe.rails
+        pressed = np.abs(found["force"].values).sum(axis=-1) > 0.0
+        assert pressed.any()
+        x, y = (found["place"].values[..., k][pressed] for k in (0, 1))
+        assert ((x > rails.rear - 1e-6) & (x < rails.front + 1e-6)).all()
+        np.testing.assert_allclose(np.abs(y), rails.left, atol=0.05)
+        assert (found["force"].values[..., 2][pressed] < 0.0).all()
+
+
+def test_symmetric_machine_gives_symmetric_results():
+    case = small_case()
+    middle = case.track.first_com[1]
+    terrain = case.terrain.with_(rows=1, origin=(0.0, middle - 0.5 * case.terrain.unit_width))
+    track = case.track.with_(spherical_y=middle - 0.7, parallel_y=middle + 0.7)
+    history = simulate(case.with_(terrain=terrain, track=track), 0.05, progress=False)
+    force = history.roller_force.values
+    np.testing.assert_allclose(force[:, :, 0], force[:, :, 1], atol=1e-6 * weight(history))
+
+
+def test_modes_feel_in_the_stresses_what_they_feel_in_the_run():
+    """Roller forces on the modes by the records of a history are those that leave with a lifted frame."""
+    case = small_flexible_case()
+    system, q = compiled_system(case), static_equilibrium(case)
+    layout, still = system.layout, np.zeros_like(q)
+    parts = {"coordinates": q, "coordinates rate": still, "coordinates acceleration": still, "time": 0.0}
+    none = np.zeros(sum(size for _, size in layout.multipliers))
+    history = system_history(system, layout.pack(parts | {"multipliers": none})[None])
+    lifted = q.copy()
+    lifted[-3] += 0.1
+    residual = evaluated(system, q, still)[0] - evaluated(system, lifted, still)[0]
+    modal = residual[: len(q)][-3 - len(layout.flexible_shoes) * layout.modes : -3]
+    basis, pressed = stress_basis(history), []
+    for shoe, found in zip(layout.flexible_shoes, modal.reshape(-1, layout.modes), strict=True):
+        frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+        loads = np.zeros(len(basis.whole.frequencies))
+        for action in actions(history, shoe):
+            if isinstance(action.entry, OnRail):
+                force = (action.force[0] @ frames[0])[[0, 2]]
+                loads += force @ rows_along(basis.rails, action.entry.line, action.entry.x)[0]
+        np.testing.assert_allclose(found, -loads @ basis.inside, atol=1e-6 * np.abs(modal).max())
+        pressed.append(loads.any())
+    assert any(pressed)
+
+
+def test_loads_of_an_instant_have_the_rollers(bent):
+    loads = shoe_loads(bent, 5, 0.04)
+    assert (loads.table["kind"] == "roller").sum() >= 2
+    assert np.abs(loads.residual).max() < 1e-3 * weight(bent)
+
+
+def beams(case, k, weight_of_shoe):
+    """Heights of the pins and the frame's heave and pitch of hinged rigid beams on springs, solved directly.
+
+    Each shoe is a beam from pin to pin on an even bed of stiffness k; rollers are springs between it and the
+    frame. Unknown are the depth of every pin, with the track's two free ends, and the frame's motion.
+    """
+    frame, track, shoe = case.undercarriage, case.track, case.shoe
+    n = track.shoe_count
+    pins = track.first_com[0] + track.pin_ahead + track.pitch * np.arange(-1, n)
+    matrix, load = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
+    for s in range(n):
+        at = lambda x, s=s: np.array([(pins[s + 1] - x), (x - pins[s])]) / track.pitch  # noqa: E731
+        center = track.first_com[0] + s * track.pitch
+        mean, slope = at(center), np.array([-1.0, 1.0]) / track.pitch
+        bed = k * np.outer(mean, mean) + k * shoe.length**2 / 12.0 * np.outer(slope, slope)
+        matrix[s : s + 2, s : s + 2] += bed
+        load[s : s + 2] += weight_of_shoe * mean
+    for x in frame.rollers:
+        place = frame.start + x
+        s = int(np.searchsorted(pins, place)) - 1
+        row = np.zeros(n + 3)
+        row[s : s + 2] = [(pins[s + 1] - place) / track.pitch, (place - pins[s]) / track.pitch]
+        row[n + 1], row[n + 2] = -1.0, -x
+        matrix += 2.0 * frame.stiffness * np.outer(row, row)
+    load[n + 1] = frame.mass * case.gravity
+    found = np.linalg.solve(matrix, load)
+    return found, pins
+
+
+def test_rest_is_that_of_hinged_beams_on_springs():
+    """Heavy shoes under a light frame on linear ground, so that no edge of a shoe leaves it."""
+    k, frame_mass, shoe_mass = 2e8, 6e3, 60e3
+    case = small_case(mass=frame_mass, inertia=(1e4, 1e4, 1e4, 0.0, 0.0, 0.0), com=(0.0, 0.0, 0.0))
+    contact = case.contact.with_(stiffness=k, exponent=1.0)
+    terrain = case.terrain.with_(spring_stiffness=1e14)
+    case = case.with_(contact=contact, terrain=terrain, shoe=case.shoe.of_mass(shoe_mass))
+    q = static_equilibrium(case)
+    shoes, frame = q[: 6 * case.track.shoe_count].reshape(-1, 6), q[-3:]
+    found, pins = beams(case, k, shoe_mass * case.gravity)
+    share = (case.track.com_positions(0.0)[:, 0] - pins[:-1]) / case.track.pitch
+    depth = found[:-3] * (1.0 - share) + found[1:-2] * share
+    tilt = np.diff(found[:-2]) / case.track.pitch
+    level = shoe_mass * case.gravity / k
+    np.testing.assert_allclose(-shoes[:, 2] - level, depth - level, atol=0.02 * np.ptp(depth))
+    np.testing.assert_allclose(shoes[:, 4], tilt, atol=0.02 * np.abs(tilt).max())
+    assert -frame[0] == pytest.approx(found[-2], rel=0.01)
+    assert len(ROLLERS) == len(case.undercarriage.rollers)

@@ -1,0 +1,29 @@
+"""Small cases and sweeps of them, which take a moment."""
+
+from typing import Any
+
+from exudyn_crawler import Answer, Case, CaseFile, LoadCycle, Sweep, Vary
+
+STIFFNESS, DAMPING = "terrain.spring_stiffness", "terrain.spring_damping"
+FORCE = Answer(quantity="joint_force")
+
+
+def small_case(duration: float = 0.02, shoes: int = 3) -> CaseFile:
+    """Three rigid shoes."""
+    base = Case.translation()
+    case = base.with_(
+        name="small",
+        track=base.track.with_(shoe_count=shoes),
+        loads=LoadCycle.constant([450e3] * shoes),
+    )
+    return CaseFile(case=case, duration=duration)
+
+
+def small_sweep(duration: float = 0.02, **changes: Any) -> Sweep:
+    """Two stiffnesses of the small case."""
+    given: dict[str, Any] = {
+        "case": small_case(duration),
+        "vary": (Vary(key=STIFFNESS, values=(1e7, 2e7)),),
+        "answers": (FORCE,),
+    }
+    return Sweep(**given | changes)

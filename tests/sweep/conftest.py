@@ -1,0 +1,13 @@
+"""A scheduler and a worker in this process: a cluster of processes takes seconds to start."""
+
+from collections.abc import Iterator
+
+import pytest
+from distributed import LocalCluster
+
+
+@pytest.fixture(scope="session")
+def scheduler() -> Iterator[str]:
+    """Address of a scheduler."""
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as cluster:
+        yield cluster.scheduler_address

@@ -1,0 +1,104 @@
+"""Answers of a run against its history by hand, and those that it cannot give."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Answer, Case, CaseFile, CaseRun, HotSpot, StressResults
+from tests.sweep.cases import small_case
+
+
+@pytest.fixture(scope="module")
+def run(translation):
+    return CaseRun(translation, None, None)
+
+
+def answered(run, **given):
+    return Answer(**given).of_run(run)
+
+
+def test_vectors_count_by_their_length_or_an_axis(run, translation):
+    force = translation.joint_force.values
+    assert answered(run, quantity="joint_force") == np.linalg.norm(force, axis=-1).max()
+    assert answered(run, quantity="joint_force", axis="x", statistic="least") == force[..., 0].min()
+
+
+def test_statistics_are_those_of_all_times_and_items_together(run, translation):
+    heave = translation.unit_heave.values
+    wanted = {
+        "greatest": heave.max(),
+        "least": heave.min(),
+        "largest": np.abs(heave).max(),
+        "mean": heave.mean(),
+        "rms": np.sqrt((heave**2).mean()),
+        "range": np.ptp(heave),
+        "end": heave[-1].mean(),
+    }
+    found = {name: answered(run, quantity="unit_heave", statistic=name) for name in wanted}
+    assert found == pytest.approx(wanted, rel=1e-12)
+
+
+def test_shoes_and_times_are_chosen(run, translation):
+    part = translation.position.sel(shoe=[2, 13], axis="z").values[translation.time.values >= 0.2 - 1e-9]
+    chosen = {"of": (2, 13), "axis": "z", "start": 0.2}
+    assert answered(run, quantity="position", statistic="mean", **chosen) == pytest.approx(part.mean())
+    first = {"start": 0.0, "end": 0.002, "statistic": "range"}
+    assert answered(run, quantity="drive_force", **first) == np.ptp(translation.drive_force.values[:2])
+
+
+def test_contacts_are_told_by_shoe(run, translation):
+    forces = translation.normal_force.values + translation.friction_force.values
+    own = forces[:, translation.contact_shoe.values == 5].sum(axis=1)
+    found = answered(run, quantity="contact_force", of=(5,), statistic="mean")
+    assert found == pytest.approx(np.linalg.norm(own, axis=-1).mean())
+
+
+def test_hot_spots_and_highest_stresses_are_those_of_the_tables(flexible_run):
+    history, stress, tables = flexible_run
+    run = CaseRun(history, StressResults(stress, tables, whole=None), None)
+    assert HotSpot(shoe=13, rank=2).of_run(run) == tables[13]["value"].iloc[1]
+    highest = answered(run, quantity="highest_von_mises", of=(7,))
+    assert highest == float(stress.highest_von_mises.sel(shoe=7).max())
+    # the hottest spot of a shoe is its highest stress
+    assert HotSpot(shoe=7).of_run(run) == pytest.approx(highest, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"quantity": "joint_forc"}, "quantity must be one over time, got 'joint_forc'; the nearest is"),
+        ({"quantity": "peak_von_mises"}, "quantity must be one over time"),
+        ({"quantity": "drive_force", "axis": "x"}, "axis must be left out with drive_force"),
+        ({"quantity": "joint_force", "start": 1.0, "end": 0.5}, "end must be greater than start = 1 s"),
+    ],
+)
+def test_answers_that_make_no_sense_are_refused(given, told):
+    with pytest.raises(ValueError, match=told):
+        Answer(**given)
+
+
+@pytest.mark.parametrize(
+    ("answer", "told"),
+    [
+        (
+            Answer(quantity="pin_force"),
+            "needs flexible shoes, the case has none .joint_force is",
+        ),
+        (Answer(quantity="highest_von_mises"), "needs flexible shoes"),
+        (Answer(quantity="joint_force", of=(2, 3)), r"of must be links of 1\.\.2, got \[3\]"),
+        (Answer(quantity="drive_force", of=(1,)), "of must be left out, drive_force is of the whole track"),
+        (Answer(quantity="joint_force", end=0.5), "end must lie within the run of 0.02 s, got 0.5 s"),
+        (HotSpot(shoe=3), r"shoe must be a flexible one \(none\), got 3"),
+    ],
+)
+def test_answers_that_the_runs_cannot_give_are_refused(answer, told):
+    with pytest.raises(ValueError, match=told):
+        answer.check(small_case())
+
+
+def test_pins_are_those_of_flexible_shoes():
+    case = CaseFile(case=Case.stress("coarse"), duration=0.02)
+    flexible = case.case.flexible_shoes().shoes
+    Answer(quantity="pin_force", of=(flexible[0],)).check(case)
+    HotSpot(shoe=flexible[-1]).check(case)
+    with pytest.raises(ValueError, match=r"of must be links of .*, got \[1\]"):
+        Answer(quantity="pin_force", of=(1,)).check(case)

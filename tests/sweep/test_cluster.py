@@ -1,0 +1,203 @@
+"""Workers that die, schedulers that do not answer, sweeps that are killed: by really doing so."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import dask
+import pytest
+
+from exudyn_crawler import Answer, Case, CaseFile, HotSpot, Sweep, Vary, run_sweep
+from exudyn_crawler.model.reductions import VARIABLE
+from exudyn_crawler.sweep import cluster, page
+from exudyn_crawler.sweep.cluster import connected, outcomes
+from exudyn_crawler.sweep.worker import Task, VersionsDiffer, own_versions
+from tests.sweep.cases import FORCE, STIFFNESS, small_sweep
+
+
+def running(folder: Path) -> list[int]:
+    """Processes that work at runs of a sweep."""
+    found = []
+    for path in folder.glob("runs/*/run.json"):
+        record = json.loads(path.read_text())
+        if record["status"] == "running":
+            found.append(record["process"])
+    return found
+
+
+def kill_the_first_at_work(folder: Path, killed: list[int]) -> threading.Thread:
+    """Kill the first process that works at a run, as soon as it does."""
+
+    def kill():
+        give_up = time.monotonic() + 120.0
+        while not killed and time.monotonic() < give_up:
+            if found := running(folder):
+                os.kill(found[0], signal.SIGKILL)
+                killed.append(found[0])
+            time.sleep(0.005)
+
+    thread = threading.Thread(target=kill, daemon=True)
+    thread.start()
+    return thread
+
+
+@pytest.fixture(autouse=True)
+def _without_reports(monkeypatch):
+    monkeypatch.setattr(page, "_report_of", lambda *_: None)
+
+
+@pytest.mark.slow
+def test_a_worker_that_is_killed_is_survived(scheduler, tmp_path):
+    sweep, killed = small_sweep(0.5), []
+    thread = kill_the_first_at_work(tmp_path / "killed", killed)
+    run = run_sweep(sweep, tmp_path / "killed", workers=2, progress=False)
+    thread.join()
+    assert len(killed) == 1
+    assert killed[0] != os.getpid()
+    assert run.table["status"].tolist() == ["done", "done"]
+    whole = run_sweep(sweep, tmp_path / "whole", scheduler=scheduler, progress=False)
+    assert run.table[FORCE.label].tolist() == whole.table[FORCE.label].tolist()
+    finished_by = {json.loads(path.read_text())["process"] for path in run.folder.glob("runs/*/outcome.json")}
+    assert killed[0] not in finished_by
+
+
+@pytest.mark.slow
+def test_a_run_whose_workers_die_fails_with_this_reason_and_may_be_retried(tmp_path):
+    sweep, killed = small_sweep(0.5, vary=(Vary(key=STIFFNESS, values=(1e7,)),)), []
+    thread = kill_the_first_at_work(tmp_path, killed)
+    with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
+        run = run_sweep(sweep, tmp_path, workers=1, progress=False)
+    thread.join()
+    assert run.table["status"].tolist() == ["failed"]
+    assert "1 workers died while they ran it" in run.table["reason"][0]
+    again = run_sweep(sweep, tmp_path, workers=1, progress=False, retry=True)
+    assert again.table["status"].tolist() == ["done"]
+
+
+SWEEP = """
+[case]
+base = "translation"
+duration = 1.0
+[case.solver]
+checkpoint_interval = 0.2
+[[vary]]
+key = "terrain.spring_stiffness"
+values = [1e7, 2e7, 3e7, 4e7]
+[[answers]]
+quantity = "joint_force"
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
+def test_a_sweep_that_is_stopped_goes_on(tmp_path, kind):
+    (tmp_path / "s.toml").write_text(SWEEP)
+    command = [sys.executable, "-m", "exudyn_crawler", "sweep", "s.toml", "--workers", "2", "--out"]
+    subprocess.run([*command, "whole"], cwd=tmp_path, check=True, capture_output=True)
+    process = subprocess.Popen(
+        [*command, "stopped"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    while not list(tmp_path.glob("stopped/runs/*/outcome.json")):
+        assert process.poll() is None
+        time.sleep(0.02)
+    process.send_signal(kind)
+    _, told = process.communicate(timeout=60)
+    if kind != signal.SIGKILL:
+        assert process.returncode == 130
+        assert told.splitlines()[-1] == "error: interrupted; the same command goes on"
+    before = {
+        path: path.stat().st_mtime_ns
+        for path in tmp_path.glob("stopped/runs/*/history.nc")
+        if (path.parent / "outcome.json").is_file()
+    }
+    assert 0 < len(before) < 4
+    # workers whose sweep was killed end soon
+    give_up = time.monotonic() + 60.0
+    while any(Path(f"/proc/{pid}").exists() for pid in running(tmp_path / "stopped")):
+        assert time.monotonic() < give_up
+        time.sleep(0.1)
+    again = subprocess.run([*command, "stopped"], cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert f"4 runs: {len(before)} are there" in again.stdout
+    assert all(path.stat().st_mtime_ns == time for path, time in before.items())
+    results = [
+        [line.rpartition(",")[0] for line in (tmp_path / name / "results.csv").read_text().splitlines()]
+        for name in ("whole", "stopped")
+    ]
+    assert results[0] == results[1]
+
+
+def test_a_scheduler_that_does_not_answer_is_told_in_a_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "CONNECT_WAIT", 0.5)
+    for address, told in (
+        ("tcp://127.0.0.1:9", "got tcp://127.0.0.1:9: "),
+        (str(tmp_path / "none.json"), "none.json: no such file"),
+        ("nowhere", "scheduler must be one that answers, got nowhere"),
+    ):
+        with pytest.raises(ValueError, match="scheduler must be one that answers") as refused:
+            run_sweep(small_sweep(), tmp_path / "out", scheduler=address)
+        assert told in str(refused.value)
+        assert "\n" not in str(refused.value)
+    assert list((tmp_path / "out" / "runs").iterdir()) == []
+
+
+def test_workers_of_other_versions_are_refused_before_anything_runs(scheduler, tmp_path, monkeypatch):
+    versions = iter([own_versions(), own_versions() | {"exudyn": "0.1"}])
+    monkeypatch.setattr(cluster, "own_versions", lambda: next(versions))
+    with pytest.raises(VersionsDiffer, match=r"worker .* has other versions: exudyn "):
+        run_sweep(small_sweep(), tmp_path, scheduler=scheduler)
+    assert list((tmp_path / "runs").iterdir()) == []
+
+
+def test_a_worker_of_another_version_that_comes_later_ends_the_sweep(scheduler, tmp_path):
+    task = Task("0" * 64, "", "[]", str(tmp_path), None, own_versions() | {"exudyn": "0.1"})
+    with connected(scheduler, None, str(tmp_path), print) as client, pytest.raises(VersionsDiffer):
+        list(outcomes(client, iter([task])))
+
+
+def test_workers_that_do_not_see_the_folder_are_refused(scheduler, tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "_sees", lambda _path: False)
+    with pytest.raises(ValueError, match=r"must see .*runs: put it on storage that all machines share"):
+        run_sweep(small_sweep(), tmp_path, scheduler=scheduler)
+    assert list((tmp_path / "runs").iterdir()) == []
+
+
+def test_the_scheduler_holds_few_tasks_at_a_time(scheduler, tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "LEAST_AHEAD", 5)
+    asked, came = [], []
+
+    def tasks():
+        for k in range(40):
+            asked.append(k)
+            yield Task(f"{k:064d}", "", "[]", str(tmp_path), None, {})
+
+    with connected(scheduler, None, str(tmp_path), print) as client:
+        for outcome in outcomes(client, tasks(), lambda task: {"digest": task.digest}):
+            came.append(outcome["digest"])
+            assert len(asked) - len(came) <= 5
+    assert sorted(came) == [f"{k:064d}" for k in range(40)]
+
+
+@pytest.mark.slow
+def test_workers_reduce_a_shoe_once_for_all_grounds(tmp_path, monkeypatch):
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "cache"))
+    base = Case.stress("coarse")
+    case = base.with_(flexible=base.flexible_shoes().with_(shoes=(13,)))
+    sweep = Sweep(
+        case=CaseFile(case=case, duration=0.02),
+        vary=(Vary(key=STIFFNESS, values=(1e7, 2e7, 4e7)),),
+        answers=(HotSpot(shoe=13), Answer(quantity="highest_von_mises")),
+    )
+    run = run_sweep(sweep, tmp_path / "sweep", workers=2, progress=False)
+    assert run.table["status"].tolist() == ["done"] * 3
+    logs = [path.read_text() for path in run.folder.glob("runs/*/run.log")]
+    # all but the first find what it left
+    assert sum("the reduced shoe is taken from" in log for log in logs) == 2
+    assert len(list((tmp_path / "cache" / "reductions").glob("[!.]*.h5"))) == 1
+    hot, highest = (run.table[answer.label].to_numpy() for answer in sweep.answers)
+    assert hot == pytest.approx(highest, rel=1e-6)
+    assert (hot > 1e6).all()

@@ -1,0 +1,145 @@
+"""Sweeps into their folders: what is run, what is taken as it is, what is left."""
+
+import json
+
+import pandas as pd
+import pytest
+import xarray as xr
+
+from exudyn_crawler import Answer, Vary, run_sweep
+from exudyn_crawler.run.folder import held
+from exudyn_crawler.sweep import page, worker
+from exudyn_crawler.sweep.running import standing_of
+from tests.sweep.cases import FORCE, STIFFNESS, small_sweep
+
+pytestmark = pytest.mark.simulation
+
+
+@pytest.fixture(scope="module")
+def ran(scheduler, tmp_path_factory):
+    """Sweep of two runs in its folder, and the lines that it told."""
+    told = []
+    folder = tmp_path_factory.mktemp("sweep")
+    return run_sweep(small_sweep(), folder, scheduler=scheduler, progress=False, say=told.append), told
+
+
+@pytest.fixture
+def without_reports(monkeypatch):
+    """Write no reports of single runs, which take longer than the runs."""
+    monkeypatch.setattr(page, "_report_of", lambda *_: None)
+
+
+def times_of(run):
+    return [path.stat().st_mtime_ns for path in sorted(run.folder.glob("runs/*/history.nc"))]
+
+
+def test_a_sweep_is_a_folder_of_ordinary_runs_with_their_answers(ran):
+    run, told = ran
+    assert told[0] == "2 runs: 0 are there, 2 to run"
+    assert run.table["status"].tolist() == ["done", "done"]
+    for name in run.table["folder"]:
+        folder = run.folder / "runs" / name
+        outcome = json.loads((folder / "outcome.json").read_text())
+        found = run.table.set_index("folder").loc[name, FORCE.label]
+        assert outcome["answers"] == {FORCE.label: found}
+        assert {"case.toml", "run.json", "history.nc"} <= {path.name for path in folder.iterdir()}
+        assert json.loads((folder / "run.json").read_text())["status"] == "done"
+    assert json.loads((run.folder / "run.json").read_text())["status"] == "done"
+
+
+def test_results_are_one_table_in_all_forms(ran):
+    run, _ = ran
+    column = run.table[FORCE.label].tolist()
+    assert pd.read_parquet(run.folder / "results.parquet")[FORCE.label].tolist() == column
+    read = pd.read_csv(run.folder / "results.csv")[f"{FORCE.label} in N"]
+    assert read.tolist() == pytest.approx(column, rel=1e-9)
+    with xr.open_dataset(run.folder / "results.nc", engine="h5netcdf") as dataset:
+        assert dataset[FORCE.label].sel(spring_stiffness=[1e7, 2e7]).values.tolist() == column
+    assert run.table[FORCE.label].nunique() == 2
+
+
+@pytest.mark.usefixtures("without_reports")
+def test_finished_runs_are_taken_as_they_are_and_more_of_them_added(ran, scheduler):
+    run, _ = ran
+    before, told = times_of(run), []
+    again = run_sweep(small_sweep(), run.folder, say=told.append)
+    assert told[0] == "2 runs: 2 are there, 0 to run"
+    assert again.table.equals(run.table)
+    more = small_sweep(vary=(Vary(key=STIFFNESS, values=(1e7, 2e7, 3e7)),))
+    assert standing_of(more, run.folder, storage=None, workers=1, retry=False).startswith(
+        "3 runs: 2 are there, 1 to run\n1 runs of about"
+    )
+    wider = run_sweep(more, run.folder, scheduler=scheduler, progress=False)
+    assert wider.table["status"].tolist() == ["done"] * 3
+    assert set(before) < set(times_of(run))
+
+
+@pytest.mark.usefixtures("without_reports")
+def test_other_answers_are_those_of_the_same_histories(ran, scheduler):
+    run, _ = ran
+    before = times_of(run)
+    other = small_sweep(answers=(Answer(quantity="penetration", statistic="mean"),))
+    found = run_sweep(other, run.folder, scheduler=scheduler, progress=False)
+    assert found.table["penetration_mean"].notna().all()
+    assert times_of(run) == before
+
+
+def test_the_page_links_to_reports_of_best_and_worst_runs(ran):
+    run, _ = ran
+    text = (run.folder / "report.html").read_text()
+    for name in run.table["folder"]:
+        assert f'href="runs/{name}/report.html"' in text
+        assert (run.folder / "runs" / name / "report.html").is_file()
+    for heading in ("Best and worst runs", "Response curves", "Main effects", "Sobol indices"):
+        assert f"<h2>{heading}</h2>" in text
+    assert "variance of the grid" in text
+
+
+def test_two_sweeps_in_one_folder_are_refused(ran):
+    run, _ = ran
+    with held(run.folder), pytest.raises(BlockingIOError, match="is in use by another sweep"):
+        run_sweep(small_sweep(), run.folder)
+
+
+@pytest.mark.usefixtures("without_reports")
+def test_failed_runs_are_kept_with_their_reason_and_stop_no_others(scheduler, tmp_path, monkeypatch):
+    whole = worker.run_case
+
+    def failing(case_file, *given, **how):
+        if case_file.case.terrain.spring_stiffness == 1e7:
+            raise RuntimeError("it sank")
+        return whole(case_file, *given, **how)
+
+    told = []
+    with monkeypatch.context() as patch:
+        patch.setattr(worker, "run_case", failing)
+        run = run_sweep(small_sweep(), tmp_path, scheduler=scheduler, progress=False, say=told.append)
+    assert run.table["status"].tolist() == ["failed", "done"]
+    assert run.table["reason"].tolist() == ["RuntimeError: it sank", ""]
+    assert any(line.endswith("failed: RuntimeError: it sank") for line in told)
+    # it stays so until it is asked for
+    kept = run_sweep(small_sweep(), tmp_path, scheduler=scheduler, progress=False)
+    assert kept.table["status"].tolist() == ["failed", "done"]
+    retried = run_sweep(small_sweep(), tmp_path, scheduler=scheduler, progress=False, retry=True)
+    assert retried.table["status"].tolist() == ["done", "done"]
+
+
+@pytest.mark.slow
+def test_runs_may_be_kept_on_object_storage(scheduler, tmp_path):
+    storage = (tmp_path / "bucket").as_uri()
+    how = {"scheduler": scheduler, "storage": storage, "progress": False}
+    run = run_sweep(small_sweep(), tmp_path / "here", **how)
+    assert run.table["status"].tolist() == ["done", "done"]
+    kept = {path.parent.name for path in (tmp_path / "bucket").glob("*/history.nc")}
+    assert kept == set(run.table["folder"])
+    assert not (tmp_path / "here" / "runs").exists()
+    told = []
+    run_sweep(small_sweep(), tmp_path / "here", **how, say=told.append)
+    assert told[0] == "2 runs: 2 are there, 0 to run"
+
+
+def test_what_is_refused_leaves_no_folder(tmp_path):
+    wrong = small_sweep(vary=(Vary(key="contact.dynamic_friction", values=(0.5,)),))
+    with pytest.raises(ValueError, match="dynamic_friction must not exceed"):
+        run_sweep(wrong, tmp_path / "out")
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,90 @@
+"""What varies: levels, factors, and what does not fit the case."""
+
+import pytest
+
+from exudyn_crawler import Vary
+from exudyn_crawler.sweep.paths import checked_case, content_of
+from tests.sweep.cases import STIFFNESS, small_case
+
+
+def applied(vary, value):
+    content = content_of(small_case())
+    vary.apply(content, value)
+    return checked_case(content).case
+
+
+def test_levels_lie_evenly_or_in_equal_ratios():
+    assert Vary(key=STIFFNESS, low=1e6, high=3e6, count=3).levels() == (1e6, 2e6, 3e6)
+    levels = Vary(key=STIFFNESS, low=5e6, high=80e6, count=5, scale="log").levels()
+    assert levels == pytest.approx([5e6 * 2.0**k for k in range(5)])
+    assert (levels[0], levels[-1]) == (5e6, 80e6)
+
+
+def test_portions_lead_from_low_to_high_and_through_values():
+    assert Vary(key=STIFFNESS, low=1.0, high=3.0).at(0.25) == 1.5
+    values = Vary(key="flexible.mesh", values=("coarse", "study"))
+    assert [values.at(u) for u in (0.0, 0.49, 0.5, 1.0)] == ["coarse", "coarse", "study", "study"]
+
+
+def test_factors_multiply_what_the_base_has_everywhere():
+    friction = Vary(
+        key=("contact.static_friction", "contact.dynamic_friction"), values=(0.5, 1.0), factor=True
+    )
+    before, after = small_case().case.contact, applied(friction, 0.5).contact
+    assert after.static_friction == 0.5 * before.static_friction
+    assert after.dynamic_friction == 0.5 * before.dynamic_friction
+    loads = Vary(key="loads.phases[*].loads", low=0.5, high=2.0, factor=True)
+    assert applied(loads, 2.0).loads.phases[0].loads == (900e3,) * 3
+
+
+def test_counts_between_bounds_are_whole_numbers():
+    assert applied(Vary(key="terrain.columns", low=9, high=12), 10.6).terrain.columns == 11
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"low": 2.0, "high": 1.0}, "low must be less than high = 1, got 2"),
+        ({"low": -1.0, "high": 1.0, "scale": "log"}, "low must be positive with scale 'log', got -1"),
+        ({"low": 1.0}, "give values, or low and high"),
+        ({"values": (1.0,), "low": 1.0}, "values take the place of low, high and count"),
+        ({"values": (1.0, 1.0)}, "values must be different ones"),
+        ({"values": ()}, "values must be different ones"),
+    ],
+)
+def test_bounds_that_make_no_sense_are_refused(given, told):
+    with pytest.raises(ValueError, match=told):
+        Vary(key=STIFFNESS, **given)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"key": "terrain.spring_stifness", "values": (1e7,)}, "did you mean terrain.spring_stiffness?"),
+        ({"key": STIFFNESS, "low": 5.0, "high": 80.0}, "is it in MN/m? It has to be in N/m"),
+        ({"key": STIFFNESS, "low": 5.0, "high": 80.0, "unit": "MN/m"}, "unit must be 'N/m', got 'MN/m'"),
+        ({"key": STIFFNESS, "low": -5.0, "high": 80e6, "unit": "N/m"}, "greater than or equal to 1, got -5"),
+        ({"key": "contact.friction", "low": 0.1, "high": 0.5}, "model = 'spheres' has it"),
+        ({"key": "contact.model", "values": ("spheres",)}, "cannot vary: each has values of its own"),
+        ({"key": "terrain", "values": (1.0,)}, "terrain is a table"),
+        (
+            {"key": "terrain.heights", "values": (2.0,), "factor": True},
+            "a factor needs numbers, got 2.0 times",
+        ),
+        ({"key": "terrain.grade", "values": (2.0, 3.0), "factor": True}, "a factor of zero changes nothing"),
+        ({"key": STIFFNESS, "values": ("soft",)}, "Input should be a valid number, got 'soft'"),
+    ],
+)
+def test_what_does_not_fit_the_case_is_refused(given, told):
+    with pytest.raises(ValueError) as refused:  # noqa: PT011 - the words are below
+        Vary(**given).check(small_case())
+    assert told in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_numbers_that_are_meant_are_taken_with_their_unit():
+    Vary(key=STIFFNESS, low=5.0, high=80.0, unit="N/m").check(small_case())
+
+
+def test_values_that_only_others_allow_are_left_to_the_runs():
+    Vary(key="contact.dynamic_friction", values=(0.5,)).check(small_case())

@@ -1,0 +1,125 @@
+"""Page of a sweep: what its figures hold, and that names cannot be markup."""
+
+import json
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from exudyn_crawler.views import sweep_page as page
+from exudyn_crawler.views.sweep_page import Best, SweepView
+from exudyn_crawler.views.sweep_page import sweep_page as html_of
+
+
+def view_of(is_grid=True, **changes):
+    """Two values of everything and one run that has failed."""
+    table = pd.DataFrame(
+        {
+            "run": [1, 2, 3, 4],
+            "folder": ["a", "b", "c", "d"],
+            "stiffness": [1e7, 1e7, 2e7, 2e7],
+            "law": ["pair", "area", "pair", "area"],
+            "force": [1.0, 3.0, 2.0, np.nan],
+            "status": ["done", "done", "done", "failed"],
+            "reason": ["", "", "", "it <b>sank</b>"],
+        }
+    )
+    table.attrs = {
+        "units": {"stiffness": "N/m", "law": "", "force": "N"},
+        "meanings": {"stiffness": "k", "law": "sharing", "force": "greatest of the force"},
+    }
+    effects = pd.DataFrame(
+        [("force", "stiffness", 1e7, 2.0, 1.0, 3.0), ("force", "stiffness", 2e7, 2.0, 2.0, 2.0)],
+        columns=["answer", "varied", "level", "mean", "least", "greatest"],
+    )
+    given = {
+        "title": "Sweep of small",
+        "lead": ("4 runs",),
+        "table": table,
+        "varied": ("stiffness", "law"),
+        "answers": ("force",),
+        "logarithmic": frozenset({"stiffness"}),
+        "is_grid": is_grid,
+        "effects": effects,
+        "indices": pd.DataFrame(),
+        "method": "design 'grid' needs all runs to have finished",
+        "best": [Best("force", "best", 1, "a", 1.0), Best("force", "worst", 2, "b", 3.0)],
+        "links": {"a": "runs/a/report.html", "b": "runs/b"},
+    }
+    return SweepView(**given | changes)
+
+
+def test_parallel_coordinates_have_a_line_a_finished_run():
+    (lines,) = page.parallel_coordinates(view_of()).data
+    assert [one.label for one in lines.dimensions] == ["stiffness in N/m", "law", "force in N"]
+    assert list(lines.dimensions[0]["values"]) == [1e7, 1e7, 2e7]
+    assert list(lines.dimensions[1]["values"]) == [0, 1, 0]
+    assert list(lines.dimensions[1].ticktext) == ["pair", "area"]
+    assert list(lines.line.color) == [1.0, 3.0, 2.0]
+
+
+def test_a_grid_has_a_curve_a_level_of_what_varies_next():
+    curves = page.response_curves(view_of(), "force").data
+    assert [(one.name, list(one.x), list(one.y)) for one in curves] == [
+        ("law = area", [1e7], [3.0]),
+        ("law = pair", [1e7, 2e7], [1.0, 2.0]),
+        ("stiffness = 1e+07", ["area", "pair"], [3.0, 1.0]),
+        ("stiffness = 2e+07", ["pair"], [2.0]),
+    ]
+
+
+def test_other_designs_have_a_point_a_run():
+    points = page.response_curves(view_of(is_grid=False), "force").data
+    assert [(list(one.x), list(one.y)) for one in points] == [
+        ([1e7, 1e7, 2e7], [1.0, 3.0, 2.0]),
+        (["pair", "area", "pair"], [1.0, 3.0, 2.0]),
+    ]
+
+
+def test_effects_reach_from_the_least_to_the_greatest_over_axes_as_they_vary():
+    figure = page.effect_figure(view_of(), "force")
+    line = figure.data[0]
+    assert list(line.y) == [2.0, 2.0]
+    assert list(line.error_y.array) == [1.0, 0.0]
+    assert list(line.error_y.arrayminus) == [1.0, 0.0]
+    assert (figure.layout.xaxis.type, figure.layout.xaxis2.type) == ("log", None)
+
+
+def test_indices_are_bars_with_their_confidence_as_far_as_there_is_one():
+    columns = ["answer", "varied", "first", "first_conf", "total", "total_conf"]
+    rows = [("force", "stiffness", 0.2, 0.05, np.nan, np.nan), ("force", "law", 0.7, 0.1, np.nan, np.nan)]
+    (bars,) = page.index_figure(view_of(indices=pd.DataFrame(rows, columns=columns))).data
+    assert (bars.name, list(bars.y), list(bars.error_y.array)) == ("first", [0.2, 0.7], [0.05, 0.1])
+
+
+def test_the_page_links_to_runs_and_tells_of_failures_without_their_markup():
+    text = html_of(view_of())
+    assert 'href="runs/a/report.html">1</a>' in text
+    assert "it &lt;b&gt;sank&lt;/b&gt;" in text
+    assert "<p>None: design &#39;grid&#39; needs all runs to have finished.</p>" in text
+    assert "1 N" in text
+
+
+def test_a_sweep_without_a_finished_run_has_a_page_without_figures():
+    view = view_of()
+    view.table["force"] = np.nan
+    text = html_of(SweepView(**vars(view) | {"best": []}))
+    assert "No run has finished." in text
+    assert "plotly" not in text.lower()
+
+
+@pytest.mark.parametrize(("count", "drawn"), [(4, 4), (page.MOST_DRAWN + 1, page.MOST_DRAWN // 2 + 1)])
+def test_very_many_runs_are_thinned(count, drawn):
+    table = pd.DataFrame({"force": np.arange(count, dtype=float)})
+    done = view_of(table=table).done
+    assert len(done) == drawn
+    assert done["force"].iloc[0] == 0.0
+
+
+def test_long_tables_are_cut(monkeypatch):
+    monkeypatch.setattr(page, "LONGEST_TABLE", 3)
+    text = html_of(view_of())
+    assert "1 more are in results.csv." in text
+    assert "sank" not in re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
+    assert json.dumps("area")[1:-1] in text
