@@ -23,6 +23,8 @@ PROPEL_SHARE = 0.07
 """Of machine hours, at most (makers' figures for rope shovels)."""
 CYCLES_AN_HOUR = 70.0
 """Dig cycles: one in 40 to 60 s makes 60 to 90 of a full hour; assumed within."""
+CHANGES_AN_HOUR = 4.0
+"""Moves between places to dig: propel in stretches of about a minute, in which the run's 15 s repeat; assumed."""
 MATERIALS = (FatigueMaterial.cast_nicrmo, FatigueMaterial.cast_manganese, FatigueMaterial.a36)
 """First what shoes are made of."""
 
@@ -44,7 +46,12 @@ def duty_of(cycle: Path, material: FatigueMaterial, rolled: Path | None = None) 
         propel = DutyRun(name="rolled propel", folder=str(rolled), share=PROPEL_SHARE)
     dig = DutyRun(name="dig cycle", folder=str(cycle), begin=end, an_hour=CYCLES_AN_HOUR)
     kind = "dragged" if rolled is None else "rolled"
-    return Duty(name=f"{kind} propel and dig cycle, {material.name}", runs=(propel, dig), material=material)
+    return Duty(
+        name=f"{kind} propel and dig cycle, {material.name}",
+        runs=(propel, dig),
+        material=material,
+        changes_an_hour=CHANGES_AN_HOUR,
+    )
 
 
 def study(
