@@ -8,7 +8,7 @@ OUT ?= results
 ARGS ?=
 INSTALLED := $(VENV)/installed
 
-.PHONY: help kinematics forces uneven stress verify check test test-slow lint format bench docs lock clean
+.PHONY: help kinematics forces uneven stress verify check test test-slow lint format bench docs notebooks lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -56,6 +56,9 @@ format: $(INSTALLED)  ## put the code into its standard form
 
 docs: $(INSTALLED)  ## the API reference, into site/; docs/ holds the handbook
 	$(BIN)/python -W error -m docs.build_api site
+
+notebooks: $(INSTALLED)  ## execute the handbook's notebooks anew, in their places
+	$(BIN)/python -m docs.notebooks
 
 bench: $(INSTALLED)  ## time the runs and show their accuracy
 	$(BIN)/python -m benchmarks.run

@@ -43,9 +43,9 @@ def bouncing_lines(histories: Mapping[str, History]) -> list[str]:
     """A line for each case whose contact forces show that its shoes bounce."""
     found = {name: bouncing(history) for name, history in histories.items()}
     return [
-        f"{name}: the shoes bounce at {one.frequency:.3g} Hz; the vertical force of the ground on a shoe varies by "
-        f"{100.0 * one.size:.2g} % of its mean about that (root mean square), {100.0 * one.share:.2g} % of all that "
-        f"varies above {BAND[0]:g} Hz"
+        f"{name}: the shoes bounce at {one.frequency:.3g} Hz; the vertical force of the ground on a shoe "
+        f"varies by {100.0 * one.size:.2g} % of its mean about that (root mean square), "
+        f"{100.0 * one.share:.2g} % of all that varies above {BAND[0]:g} Hz"
         for name, one in found.items()
         if one is not None
     ]
