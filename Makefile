@@ -11,7 +11,7 @@ INSTALLED := $(VENV)/installed
 ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
 .PHONY: help kinematics forces uneven stress rollers life sweep-terrain verify check test test-slow lint format bench \
-	docs lock clean
+	docs notebooks lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -68,6 +68,9 @@ format: $(INSTALLED)  ## put the code into its standard form
 
 docs: $(INSTALLED)  ## the API reference, into site/; docs/ holds the handbook
 	$(BIN)/python -W error -m docs.build_api site
+
+notebooks: $(INSTALLED)  ## execute the handbook's notebooks anew, in their places
+	$(BIN)/python -m docs.notebooks
 
 bench: $(INSTALLED)  ## time the runs and show their accuracy
 	$(BIN)/python -m benchmarks.run
