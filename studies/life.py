@@ -24,7 +24,7 @@ PROPEL_SHARE = 0.07
 CYCLES_AN_HOUR = 70.0
 """Dig cycles: one in 40 to 60 s makes 60 to 90 of a full hour; assumed within."""
 CHANGES_AN_HOUR = 4.0
-"""Moves between places to dig: propel in stretches of about a minute, in which the run's 15 s repeat; assumed."""
+"""Moves between places to dig, each of about a minute in which the run's 15 s repeat; assumed."""
 MATERIALS = (FatigueMaterial.cast_nicrmo, FatigueMaterial.cast_manganese, FatigueMaterial.a36)
 """First what shoes are made of."""
 
