@@ -10,7 +10,8 @@ INSTALLED := $(VENV)/installed
 # two processes of tests share two cores; threads that wait for each other would take half of them
 ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: help kinematics forces uneven stress life sweep-terrain verify check test test-slow lint format bench docs lock clean
+.PHONY: help kinematics forces uneven stress rollers life sweep-terrain verify check test test-slow lint format bench \
+	docs notebooks lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -38,6 +39,9 @@ stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on
 life: $(INSTALLED)  ## life of the shoes in machine hours over propel and dig cycles of the stress study
 	$(BIN)/python -m studies.life --out $(OUT)/life --stress $(OUT)/stress $(ARGS)
 
+rollers: $(INSTALLED)  ## the machine rolls over six flexible shoes and digs above them; beside the papers' dragging
+	$(BIN)/python -m studies.rollers --out $(OUT)/rollers $(ARGS)
+
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
 	$(BIN)/python -m studies.two_bodies
 
@@ -64,6 +68,9 @@ format: $(INSTALLED)  ## put the code into its standard form
 
 docs: $(INSTALLED)  ## the API reference, into site/; docs/ holds the handbook
 	$(BIN)/python -W error -m docs.build_api site
+
+notebooks: $(INSTALLED)  ## execute the handbook's notebooks anew, in their places
+	$(BIN)/python -m docs.notebooks
 
 bench: $(INSTALLED)  ## time the runs and show their accuracy
 	$(BIN)/python -m benchmarks.run

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from exudyn_crawler.sweep.answers import Answer, HotSpot
     from exudyn_crawler.sweep.definition import Sweep
     from exudyn_crawler.sweep.files import read_sweep
+    from exudyn_crawler.sweep.life import Life
     from exudyn_crawler.sweep.running import SweepRun, run_sweep
     from exudyn_crawler.sweep.vary import Vary
     from exudyn_crawler.views.animation import write_animation
@@ -90,6 +91,7 @@ _HOMES = {
     "SimulationStopped": "errors",
     "ShoeLoads": "results.shoe_loads",
     "StressResults": "results.stresses",
+    "Life": "sweep.life",
     "Sweep": "sweep.definition",
     "SweepRun": "sweep.running",
     "Vary": "sweep.vary",
@@ -137,6 +139,7 @@ __all__ = [
     "FlexibleShoes",
     "History",
     "HotSpot",
+    "Life",
     "LifeResults",
     "LoadCycle",
     "Outputs",

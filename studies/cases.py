@@ -20,6 +20,11 @@ def stress() -> CaseFile:
     return CaseFile(case=Case.stress(), duration=CYCLE_DURATION)
 
 
+def rollers() -> CaseFile:
+    """Machine that rolls over rigid shoes."""
+    return CaseFile(case=Case.rolled(), duration=DURATION)
+
+
 def uneven() -> CaseFile:
     """Straight propel over random roughness."""
     return CaseFile(case=uneven_case("rough"), duration=DURATION)

@@ -203,6 +203,33 @@ def shovel_life(
     typer.echo(f"lives, pages and summary.csv are in {out}")
 
 
+def rollers(
+    duration: Annotated[
+        float | None, typer.Option(help="simulated time in s of every case; all of each, if not given")
+    ] = None,
+    mesh: Annotated[str, typer.Option(help="coarse, study or fine, or the path of a mesh")] = "study",
+    out: Out = RESULTS / "rollers",
+    overwrite: Overwrite = False,
+    choices: Choices = False,
+    debug: Debug = False,
+) -> None:
+    """Roll the machine over six flexible shoes and let it dig above them; beside the papers' dragging.
+
+    Example: exudyn-crawler rollers --duration 2 --mesh coarse --out results/short
+    """
+    from exudyn_crawler.views.tables import print_table
+    from studies.rollers import open_choices, study
+
+    if duration is not None:
+        _positive(duration)
+    if choices:
+        print_table(open_choices(min(duration or 8.0, 8.0)), "What the open choices of the rollers do")
+        return
+    _, regions = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
+    print_table(regions, "Highest von Mises stress by region of the shoe")
+    typer.echo(f"the runs and regions.csv are in {out}")
+
+
 def verify(debug: Debug = False) -> None:
     """Solve the two-body problem by hand and by the engine, side by side.
 

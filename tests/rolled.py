@@ -29,6 +29,7 @@ def small_case(**frame):
         loads=LoadCycle.constant([0.0] * SHOES),
         terrain=terrain,
         drive=case.drive.with_(speed=SPEED),
+        solver=case.solver.with_(step=2e-3, output_interval=2e-3),
         undercarriage=whole.with_(**values | frame),
     )
 

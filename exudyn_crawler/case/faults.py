@@ -102,7 +102,8 @@ def _unknown(spot: _Spot, in_file: bool) -> str:
         names += [name for name in CaseFile.model_fields if name != "case"]
     if near := difflib.get_close_matches(wrong, names, n=1, cutoff=0.7):
         return f"unknown key; did you mean {key_path((*start, near[0]))}?"
-    elsewhere = {path.rpartition(".")[2]: path for path in key_paths(Case)}
+    # of several the first
+    elsewhere = {path.rpartition(".")[2]: path for path in reversed([*key_paths(Case)])}
     if near := difflib.get_close_matches(wrong, elsewhere, n=1, cutoff=0.7):
         return f"unknown key; did you mean {elsewhere[near[0]]}?"
     near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.0) or names[:1]

@@ -7,7 +7,8 @@ in the table of a part. Names, units and bounds are those of the parameter class
 
 import difflib
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -61,58 +62,38 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
         Naming every key at fault by its path, and what is allowed there.
     """
     path = Path(path)
-
-    def resolved(content: dict[str, Any]) -> dict[str, Any]:
-        return _resolved(migrated(changed(content, changes), path), path.parent)
-
-    return validated_file(path, "case file", CaseFile, resolved)
-
-
-def validated_file(
-    path: Path, what: str, kind: type[Model], resolved: Callable[[dict[str, Any]], dict[str, Any]]
-) -> Model:
-    """Parameter object of a TOML file.
-
-    Parameters
-    ----------
-    what : str
-        What the file holds, for the error of one that is not there.
-    kind : type
-        Parameter class.
-    resolved : callable
-        Makes values of the class of the file's content.
-
-    Raises
-    ------
-    FileNotFoundError, CaseFileError
-        As of `read_case`.
-    """
-    try:
-        content = toml_content(path, what)
-    except (ValueError, RecursionError) as error:
-        raise CaseFileError(path, [str(error)]) from error
-    return _validated(content, path, kind, resolved)
+    with faults_named(path, CaseFile):
+        content = migrated(changed(toml_content(path, "case file"), changes), path)
+        return from_content(CaseFile, _resolved(content, path.parent))
 
 
 def case_of(content: dict[str, Any], path: Path) -> CaseFile:
     """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
-    return _validated(content, path, CaseFile, lambda given: _resolved(migrated(given, path), path.parent))
+    with faults_named(path, CaseFile):
+        return from_content(CaseFile, _resolved(migrated(content, path), path.parent))
 
 
-def _validated(
-    content: dict[str, Any],
-    path: Path,
-    kind: type[Model],
-    resolved: Callable[[dict[str, Any]], dict[str, Any]],
-) -> Model:
+@contextmanager
+def faults_named(path: Path, kind: type[BaseModel]) -> Iterator[None]:
+    """Make what is wrong with the content of a file, of a parameter class, a `CaseFileError`."""
     try:
-        # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
-        text = json.dumps(resolved(content), default=_untyped)
-        return kind.model_validate_json(text, strict=True)
+        yield
     except ValidationError as error:
         raise CaseFileError(path, list(faults(error, kind))) from error
     except (ValueError, RecursionError) as error:
         raise CaseFileError(path, [str(error)]) from error
+
+
+def from_content(kind: type[Model], content: dict[str, Any]) -> Model:
+    """Parameter object of the values of a file.
+
+    Raises
+    ------
+    ValidationError
+        For what is not allowed, a text for a number, say.
+    """
+    # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
+    return kind.model_validate_json(json.dumps(content, default=_untyped), strict=True)
 
 
 def write_case(case_file: CaseFile, path: str | Path, overwrite: bool = False) -> Path:

@@ -189,7 +189,7 @@ TIPPING = 0.24
 
 
 def _loads(shovel: Shovel, pose: Pose, down: NDArray) -> tuple[NDArray, NDArray]:
-    """Forces on the machine (N) and their places (m, from the swing axis at the rollers' axes): (k, 3) each."""
+    """Forces on the machine (N) and their places from the swing axis at the rollers (m): (k, 3) each."""
     ahead = np.array([math.cos(pose.swing), math.sin(pose.swing), 0.0])
     up = np.array([0.0, 0.0, 1.0])
     back, height = shovel.upper_place

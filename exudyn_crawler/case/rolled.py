@@ -1,15 +1,26 @@
 """Whether a side frame fits the track that it rolls over."""
 
+import math
+
 import numpy as np
 
 from exudyn_crawler.case.drive import Drive
 from exudyn_crawler.case.loads import LoadCycle
 from exudyn_crawler.case.shoe import Shoe
+from exudyn_crawler.case.terrain import Terrain
 from exudyn_crawler.case.track import Track
 from exudyn_crawler.case.undercarriage import Undercarriage
 
+MARGIN = 4.0
+"""m of ground ahead of the track."""
 FEWEST_SHOES = 4
 """Two links that the tumbler pulls lie between them."""
+
+
+def ground_below(track: Track, terrain: Terrain) -> Terrain:
+    """Terrain with as many units along x as a track of any length needs."""
+    end = track.first_com[0] + track.shoe_count * track.pitch + MARGIN
+    return terrain.with_(columns=math.ceil((end - terrain.origin[0]) / terrain.unit_length))
 
 
 def check_rolled(frame: Undercarriage, shoe: Shoe, track: Track, drive: Drive, loads: LoadCycle) -> None:

@@ -20,12 +20,12 @@ SHOWN = 60
 @readable
 def sweep(
     file: Annotated[Path, typer.Argument(help="sweep file", metavar="SWEEP.toml")],
-    out: Annotated[
-        Path | None, typer.Option(help=f"folder of the sweep; {RESULTS}/SWEEP, if not given")
-    ] = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="show the runs, their number and the time they take; run none")
     ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help=f"folder of the sweep; {RESULTS}/SWEEP, if not given")
+    ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option(help="Dask scheduler: tcp://host:8786 or a scheduler file; this machine, if not given"),

@@ -1,12 +1,13 @@
 """Duty of a shovel: which runs its hours are made of, and how often an hour each of them happens."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case.base import Name, Parameters, quantity
-from exudyn_crawler.case.files import validated_file, with_base
+from exudyn_crawler.case.files import faults_named, from_content, with_base
+from exudyn_crawler.case.toml import toml_content
 from exudyn_crawler.results.fatigue_material import FatigueMaterial
 from fem.fatigue import Miner
 
@@ -135,13 +136,11 @@ def read_duty(path: str | Path) -> Duty:
         Naming every key at fault by its path, and what is allowed there.
     """
     path = Path(path)
-
-    def resolved(content: dict[str, Any]) -> dict[str, Any]:
+    with faults_named(path, Duty):
+        content = toml_content(path, "duty file")
         content.setdefault("name", path.stem)
         runs = content.get("runs")
         for run in runs if isinstance(runs, list) else []:
             if isinstance(run, dict) and isinstance(run.get("folder"), str):
                 run["folder"] = str((path.parent / run["folder"]).resolve())
-        return with_base(content, (Duty,), {}, ())
-
-    return validated_file(path, "duty file", Duty, resolved)
+        return from_content(Duty, with_base(content, (Duty,), {}, ()))

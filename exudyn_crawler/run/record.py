@@ -5,6 +5,7 @@ import json
 import os
 import platform
 import re
+import subprocess
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -60,6 +61,38 @@ def machine() -> dict[str, Any]:
         "python": platform.python_version(),
         "threads": {name: os.environ[name] for name in THREAD_VARIABLES if name in os.environ},
     }
+
+
+def commit() -> str:
+    """Commit that the program is from; empty where nothing tells.
+
+    A checkout asks git, and marks what was changed since; an installation knows it if it was made from a
+    repository's address (PEP 610).
+    """
+    root = Path(__file__).parents[2]
+    if (root / ".git").exists():
+        return _commit_of(root)
+    with suppress(importlib.metadata.PackageNotFoundError, ValueError, TypeError, AttributeError):
+        told = json.loads(importlib.metadata.distribution(PROGRAM).read_text("direct_url.json") or "{}")
+        return str(told.get("vcs_info", {}).get("commit_id", ""))
+    return ""
+
+
+def _commit_of(root: Path) -> str:
+    """Commit that a checkout is at."""
+    asked = [
+        "git",
+        "-C",
+        str(root),
+        "describe",
+        "--always",
+        "--dirty=, changed",
+        "--abbrev=12",
+        "--exclude=*",
+    ]
+    with suppress(OSError, subprocess.SubprocessError):
+        return subprocess.run(asked, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
+    return ""
 
 
 def _processor() -> str:

@@ -12,13 +12,14 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.base import Name, Parameters
 from exudyn_crawler.case.base import quantity as measured
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.contacts import contacts_of, terrain_deformation
 from exudyn_crawler.results.quantities import QUANTITIES
 from exudyn_crawler.results.stresses import HOT_SPOTS
 from exudyn_crawler.run.histories import SAME_TIME
+from exudyn_crawler.sweep.answer_base import AnyAnswer, check_within
+from exudyn_crawler.sweep.life import Life
 
 BY_SHOE = (
     "normal_force",
@@ -32,26 +33,21 @@ BY_SHOE = (
 """Quantities of contacts, which are told by shoe: two runs need not have the same pairs."""
 FLEXIBLE = ("modal_coordinate", "modal_velocity", "pin_force", "pin_torque", "highest_von_mises")
 """Quantities that only runs with flexible shoes have."""
-NOT_OF_BODIES = ("area", "point", "displacement", "highest_node")
-"""Quantities over time that are no answers: of pairs, of figures, numbers of nodes."""
+ROLLED = ("side_frame_", "drive_pull", "roller_", "tread_")
+"""How those begin that only runs with an undercarriage have."""
+NO_ANSWERS = ("area", "point", "displacement", "highest_node", "roller_shoe", "tread_foot")
+"""Quantities over time that are no answers: of pairs, of figures, numbers and places of parts."""
 QUANTITIES_OVER_TIME = tuple(
-    name for name, one in QUANTITIES.items() if "time" in one.dimensions and name not in NOT_OF_BODIES
+    name
+    for name, one in QUANTITIES.items()
+    if "time" in one.dimensions and "terrain_mode" not in one.dimensions and name not in NO_ANSWERS
 )
-ITEMS = ("shoe", "joint", "unit", "flexible_shoe")
+ITEMS = ("shoe", "joint", "unit", "flexible_shoe", "roller")
 
 Statistic = Literal["greatest", "least", "largest", "mean", "rms", "range", "end"]
 
 
-class _AnyAnswer(Parameters):
-    """What all answers have."""
-
-    name: Name | None = Field(default=None, description="column of the table; made of the rest, if not given")
-    better: Literal["less", "more"] = Field(
-        default="less", description="which runs are the best ones: those with less or with more of it"
-    )
-
-
-class Answer(_AnyAnswer):
+class Answer(AnyAnswer):
     """A quantity of the catalogue over a time, made one number by a statistic.
 
     Vectors count by their length, or by one axis. Of several shoes, links or units, contacts by shoe, the
@@ -112,15 +108,12 @@ class Answer(_AnyAnswer):
             Naming the answer.
         """
         case = case_file.case
+        if self.quantity.startswith(ROLLED) and case.undercarriage is None:
+            raise ValueError(f"{self.label}: {self.quantity} needs an undercarriage, the case has none")
         if self.quantity in FLEXIBLE and case.flexible is None:
             near = " (joint_force is that of whole links)" if self.quantity == "pin_force" else ""
             raise ValueError(f"{self.label}: {self.quantity} needs flexible shoes, the case has none{near}")
-        for name, time in (("start", self.start), ("end", self.end or 0.0)):
-            if time > case_file.duration:
-                raise ValueError(
-                    f"{self.label}: {name} must lie within the run of {case_file.duration:g} s, "
-                    f"got {time:g} s"
-                )
+        check_within(self.label, case_file, start=self.start, end=self.end)
         what, numbers = _items(self.quantity, case)
         wrong = [one for one in self.of or () if one not in numbers]
         if wrong and not what:
@@ -143,7 +136,7 @@ class Answer(_AnyAnswer):
         return _reduced(values, self.statistic)
 
 
-class HotSpot(_AnyAnswer):
+class HotSpot(AnyAnswer):
     """Von Mises stress of a hot spot of a flexible shoe over the run."""
 
     model: Literal["hot_spot"] = "hot_spot"
@@ -176,7 +169,7 @@ class HotSpot(_AnyAnswer):
         return float(found.iloc[0]) if len(found) else float("nan")
 
 
-Answers = Annotated[Answer | HotSpot, Field(discriminator="model")]
+Answers = Annotated[Answer | HotSpot | Life, Field(discriminator="model")]
 """Every kind of answer; another one is a class like these, and stands here."""
 
 
@@ -194,6 +187,8 @@ def _items(name: str, case: Case) -> tuple[str, tuple[int, ...]]:
         return "links", tuple(one for one in case.track.joints.tolist() if {one, one + 1} & set(flexible))
     if "joint" in dimensions:
         return "links", tuple(case.track.joints.tolist())
+    if "roller" in dimensions and case.undercarriage is not None:
+        return "rollers", tuple(range(1, len(case.undercarriage.rollers) + 1))
     return ("units", tuple(case.terrain.units.tolist())) if "unit" in dimensions else ("", ())
 
 

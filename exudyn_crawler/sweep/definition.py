@@ -22,7 +22,7 @@ from exudyn_crawler.sweep.idle import idle
 from exudyn_crawler.sweep.paths import checked_case, content_of
 from exudyn_crawler.sweep.vary import Vary
 
-LIGHT = Outputs(figures=False, forces=False, tables=False)
+LIGHT = Outputs(figures=False, pictures=False, paraview=False, forces=False, tables=False)
 """What a run leaves beside its history where a sweep says nothing: pictures of all runs take longer than
 they."""
 MOST_RUNS = 1_000_000
@@ -187,8 +187,14 @@ def run_digest(case_file: CaseFile) -> str:
     content["versions"] = _versions()
     mesh = None if case_file.case.flexible is None else Path(case_file.case.flexible.mesh)
     if mesh is not None and mesh.is_file():
-        content["mesh"] = hashlib.sha256(mesh.read_bytes()).hexdigest()
+        content["mesh"] = _file_digest(mesh, mesh.stat().st_mtime_ns)
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def _file_digest(path: Path, _changed_at: int) -> str:
+    """SHA-256 of a file, which many runs of a sweep share."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 @cache

@@ -9,9 +9,10 @@ from pydantic import ValidationError
 from exudyn_crawler.case import Case, CaseFile, read_case
 from exudyn_crawler.case.faults import faults
 from exudyn_crawler.case.fields import BASE, TAG, named_values
-from exudyn_crawler.case.files import case_of
+from exudyn_crawler.case.files import case_of, with_base
 from exudyn_crawler.case.toml import toml_content
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.results.fatigue_material import FatigueMaterial
 from exudyn_crawler.sweep.definition import Sweep
 from meshes import SHOE_SIZES
 
@@ -41,7 +42,7 @@ def read_sweep(path: str | Path) -> Sweep:
             _resolve_meshes(one, path.parent)
         whole = content | {"case": json.loads(case_file.model_dump_json())}
         if isinstance(content.get("answers"), list):
-            whole["answers"] = [_with_model(one) for one in content["answers"]]
+            whole["answers"] = [_answer(one, number) for number, one in enumerate(content["answers"])]
         return Sweep.model_validate_json(json.dumps(whole, default=str), strict=True)
     except ValidationError as error:
         raise CaseFileError(path, list(faults(error, Sweep))) from error
@@ -62,9 +63,14 @@ def _case(given: Any, path: Path) -> CaseFile:
     return read_case(path.parent / given)
 
 
-def _with_model(answer: Any) -> Any:
+def _answer(given: Any, number: int) -> Any:
     """Answer of a sweep file; one that does not say what it is, is a quantity."""
-    return {TAG: "quantity", **answer} if isinstance(answer, dict) else answer
+    if not isinstance(given, dict):
+        return given
+    if isinstance(given.get("material"), dict):
+        place = ("answers", number, "material")
+        given = given | {"material": with_base(given["material"], (FatigueMaterial,), {}, place)}
+    return {TAG: "quantity", **given}
 
 
 def _resolve_meshes(varied: Any, folder: Path) -> None:

@@ -42,7 +42,7 @@ STYLE: dict[Any, Any] = {
 }
 
 PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.3, 0.72, 1.0
-"""Inches: width of a figure and height of each of its panels, of what is written above and below them, and
+"""Inches: width of a figure and height of each of its panels, height of what is written above and below them,
 width of what is written at their left."""
 
 AXES = ("x", "y", "z")

@@ -173,7 +173,7 @@ def draw_scene(
         box = ax.get_window_extent()
         per_metre = min(box.width / (window[1] - window[0]), box.height / (window[3] - window[2]))
         image = opengl_image(scene, view, window, limits, per_metre * dpi / ax.figure.dpi)
-        # a pixel of the image is one of the figure: finer interpolation would cost half of all for nothing
+        # a pixel of the image is one of the figure: interpolation would cost half of all and show nothing
         ax.imshow(image, extent=window, aspect="equal", interpolation="nearest", zorder=1)
     else:
         draw_plain(ax, scene, view, limits)

@@ -181,8 +181,8 @@ def test_a_misspelt_key_is_named_with_the_one_that_was_meant(read, refused, path
     table, _, name = path.rpartition(".")
     wrong = f"{name[:2]}{name[3:]}" if len(name) > 4 else f"{name}s"
     head, start = f"[{table}]\n" if table else "", f"{table}." if table else ""
-    if table == "loads.phases":
-        head, start = "[[loads.phases]]\n", "loads.phases[0]."
+    if table.endswith(".phases"):
+        head, start = f"[[{table}]]\n", f"{table}[0]."
     elif table.endswith((".speed", ".turn_rate", ".damping")):
         head = f"[{table}]\n"
     faults = refused(f'base = "turning"\n{head}{wrong} = 1\n')

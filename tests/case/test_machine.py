@@ -69,7 +69,7 @@ def test_wrench_is_joined_by_steps():
 
 
 def test_machine_that_tips_over_a_track_is_refused():
-    with pytest.raises(ValueError, match="the machine tips sideways at the end of 'at 1.5708'"):
+    with pytest.raises(ValueError, match="the machine tips sideways at the end of"):
         MachineCycle.shovel(poses=poses(np.pi / 2, payload=1e6))
 
 

@@ -4,8 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array, hstack
 
 import fem
+from benchmarks.static_fields import EVERY, newmark, newmark_modes
 from fem.fields import UnitLoads
 from fem.places import PressureGrid, Stations, flat_parts
 from fem.stress import von_mises
@@ -106,6 +108,31 @@ def test_all_modes_leave_nothing_to_fields() -> None:
         sizes.append(np.abs(found.displacements).max() / np.abs(exact).max())
     assert sizes[0] > 0.01
     assert sizes[1] < 1e-9
+
+
+def test_a_load_in_time_against_the_full_model(
+    beam: fem.ElasticBody,
+) -> None:
+    """A beam pushed aside from rest within three periods of its first bending, Newmark's rule for both."""
+    ends = beam_interfaces(beam)
+    partition = fem.Partition(beam, ends)
+    reduced = fem.craig_bampton(beam, ends, 6, partition=partition)
+    weights = np.eye(len(beam.mesh.nodes), 1, -int(np.linalg.norm(beam.mesh.nodes - 0.1, axis=1).argmin()))
+    push = UnitLoads.spread(weights, ends)
+    step, steps = 0.01 / reduced.frequencies[0], 300
+    come = 0.5 * (1.0 - np.cos(np.pi * np.arange(steps + 1) / steps))
+    loads = 1e5 * come[:, None] * np.array([0.2, 1.0, -1.0])
+    free = csr_array(hstack([partition.of_centers, partition.of_rest]))
+    mass, stiffness = (csr_array(free.T @ m @ free) for m in (beam.mass_matrix, beam.stiffness))
+    u = free @ newmark(mass, stiffness, free.T @ (push.forces @ loads.T), step)
+    exact = beam.stress(u.reshape(-1, 3, u.shape[1]))
+    fields = fem.static_fields(partition, reduced, {"push": push})
+    q, _ = newmark_modes(reduced.frequencies, loads @ fields.work, step)
+    modes = np.tensordot(reduced.stress_modes, q, axes=([2], [1]))
+    rest = beam.stress(fields.displacements @ loads[EVERY::EVERY].T)
+    peak = von_mises(np.moveaxis(exact, 1, 2)).max()
+    assert von_mises(np.moveaxis(modes - exact, 1, 2)).max() > 0.1 * peak
+    assert von_mises(np.moveaxis(modes + rest - exact, 1, 2)).max() < 0.01 * peak
 
 
 def test_what_few_directions_leave_out_is_within_their_bound(

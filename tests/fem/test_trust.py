@@ -88,7 +88,7 @@ def test_a_mesh_made_too_coarse_is_caught() -> None:
 
 
 def test_a_coarse_shoe_is_caught(shoe: fem.ElasticBody, partition: fem.Partition) -> None:
-    """Peaks under a pull on its rear pins lie a quarter below those of a fine mesh (`docs/fem.md`)."""
+    """Peaks under a pull on its rear pins lie a sixth and more below a fine mesh's (`docs/fem.md`)."""
     pull = {f"rear {side}": [-1.3e6, 0.0, 0.0] for side in ("right", "left")}
     u = partition.static_response(center_loads=fem.center_loads(partition.interfaces, pull))
     u = u.reshape(-1, 3, 1)

@@ -1,6 +1,7 @@
 """Run folders: what a run keeps, repeats bit for bit, and never overwrites unasked."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -64,6 +65,8 @@ def test_a_folder_keeps_what_its_results_come_from(kept):
     assert found["status"] == "done"
     assert set(found["files"]) == names
     assert found["versions"]["exudyn"] == History.load(kept / "history.nc").dataset.attrs["exudyn_version"]
+    # in a checkout also whether it was changed; nothing where neither git nor the installation knows
+    assert re.fullmatch(r"([0-9a-f]{12,}(, changed)?)?", found["commit"])
     assert {"platform", "processor", "cpu_count", "python"} <= set(found["machine"])
     assert 0.0 < sum(found["stages_s"].values()) <= found["wall_time_s"]
     assert found["started"] < found["finished"]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import simulate
+from exudyn_crawler.case import MachineCycle
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.rail_rows import rows_along
@@ -87,6 +88,19 @@ def test_loads_of_a_shoe_are_those_of_its_rails(rolled, bent):
         assert ((x > rails.rear - 1e-6) & (x < rails.front + 1e-6)).all()
         np.testing.assert_allclose(np.abs(y), rails.left, atol=0.05)
         assert (found["force"].values[..., 2][pressed] < 0.0).all()
+
+
+def test_machine_presses_and_tilts_the_frame():
+    """Its force and moment go into the balance, and the front rollers carry more than the rear ones."""
+    start = {"name": "straight", "end": 0.0, "force": (0.0, 0.0, 0.0), "moment": (0.0, 0.0, 0.0)}
+    dig = {"name": "dig", "end": 0.04, "force": (-2e4, 0.0, -3e5), "moment": (0.0, 6e5, 0.0)}
+    case = small_case().with_(machine=MachineCycle(phases=(start, dig)))
+    history = simulate(case, 0.06, progress=False)
+    for direction, values in frame_imbalance(history).data_vars.items():
+        assert np.abs(values).max() < 1e-6 * weight(history), direction
+    carried = -history.roller_force.values[..., 2].sum(axis=2)
+    assert carried[-1, -1] - carried[0, -1] > 1e5
+    assert carried[-1, -1] - carried[0, -1] > carried[-1, 0] - carried[0, 0]
 
 
 def test_symmetric_machine_gives_symmetric_results():

@@ -194,10 +194,42 @@ def test_workers_reduce_a_shoe_once_for_all_grounds(tmp_path, monkeypatch):
     )
     run = run_sweep(sweep, tmp_path / "sweep", workers=2, progress=False)
     assert run.table["status"].tolist() == ["done"] * 3
-    logs = [path.read_text() for path in run.folder.glob("runs/*/run.log")]
-    # all but the first find what it left
-    assert sum("the reduced shoe is taken from" in log for log in logs) == 2
+    found = {}
+    for path in run.folder.glob("runs/*/outcome.json"):
+        took = "the reduced shoe is taken from" in (path.parent / "run.log").read_text()
+        found.setdefault(json.loads(path.read_text())["process"], []).append(took)
+    # one process makes it and remembers it, the other one finds it on disk and remembers it, too
+    assert sorted(map(any, found.values())) == [False, True]
     assert len(list((tmp_path / "cache" / "reductions").glob("[!.]*.h5"))) == 1
     hot, highest = (run.table[answer.label].to_numpy() for answer in sweep.answers)
     assert hot == pytest.approx(highest, rel=1e-6)
     assert (hot > 1e6).all()
+
+
+@pytest.mark.slow
+def test_a_scheduler_elsewhere_runs_a_sweep_by_its_address_and_by_its_file(tmp_path):
+    (tmp_path / "s.toml").write_text(SWEEP.replace("duration = 1.0", "duration = 0.02"))
+    file = tmp_path / "scheduler.json"
+    dask_command = [sys.executable, "-m", "dask"]
+    ends = ["--scheduler-file", str(file)]
+    begin = {"cwd": tmp_path, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    scheduler = subprocess.Popen(
+        [*dask_command, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", *ends], **begin
+    )
+    worker = subprocess.Popen([*dask_command, "worker", "--nworkers", "1", "--nthreads", "1", *ends], **begin)
+    try:
+        while not file.is_file():
+            assert scheduler.poll() is None
+            time.sleep(0.1)
+        address = json.loads(file.read_text())["address"]
+        for out, where in (("by_file", str(file)), ("by_address", address)):
+            command = [sys.executable, "-m", "exudyn_crawler", "sweep", "s.toml", "--out", out]
+            done = subprocess.run(
+                [*command, "--scheduler", where], cwd=tmp_path, check=True, capture_output=True, text=True
+            )
+            assert "4 runs: 0 are there, 4 to run" in done.stdout
+            assert len(list((tmp_path / out / "runs").glob("*/history.nc"))) == 4
+    finally:
+        for process in (worker, scheduler):
+            process.terminate()
+            process.wait(60.0)

@@ -1,8 +1,10 @@
 """Sweeps: their runs, digests and refusals."""
 
+import os
+
 import pytest
 
-from exudyn_crawler import Answer, Outputs, Sweep, Vary
+from exudyn_crawler import Answer, Case, CaseFile, Outputs, Sweep, Vary
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.sweep import definition
 from exudyn_crawler.sweep.definition import run_digest
@@ -40,6 +42,18 @@ def test_a_digest_is_that_of_all_that_a_run_depends_on(monkeypatch):
     before = run_digest(case)
     monkeypatch.setattr(definition, "_versions", lambda: ["another"])
     assert run_digest(case) != before
+
+
+def test_a_digest_is_that_of_the_mesh_too(tmp_path):
+    mesh = tmp_path / "own.msh"
+    mesh.write_text("first")
+    base = Case.stress("coarse")
+    case = base.with_(flexible=base.flexible_shoes().with_(mesh=str(mesh)))
+    before = run_digest(CaseFile(case=case, duration=0.1))
+    assert run_digest(CaseFile(case=case, duration=0.1)) == before
+    mesh.write_text("second")
+    os.utime(mesh, ns=(1, 1))
+    assert run_digest(CaseFile(case=case, duration=0.1)) != before
 
 
 def test_the_same_case_twice_is_the_same_run():

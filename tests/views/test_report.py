@@ -18,7 +18,7 @@ from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
 from exudyn_crawler.results.contacts import contacts_of
 from exudyn_crawler.run.folder import note_file
 from exudyn_crawler.views.report.frames import first_frame, frame_titles
-from exudyn_crawler.views.report.heading import provenance
+from exudyn_crawler.views.report.heading import bouncing_lines, provenance
 from exudyn_crawler.views.report.packing import thinned
 from exudyn_crawler.views.report.page import LONGEST_TABLE, report_page, write_report
 from exudyn_crawler.views.series import dataset_series
@@ -131,6 +131,18 @@ def test_a_broken_record_leaves_only_its_date_out(flexible_run, tmp_path, record
     assert len(lines) == 2
     assert "page made" in lines[1]
     assert "after" not in lines[1]
+
+
+def test_the_head_names_the_commit_that_ran(flexible_run, tmp_path):
+    (tmp_path / "run.json").write_text(json.dumps({"commit": "0123456789ab, changed"}))
+    assert "commit 0123456789ab, changed" in provenance(tmp_path, {"stress": flexible_run[0]})[1]
+    (tmp_path / "run.json").write_text(json.dumps({"commit": ""}))
+    assert "commit" not in provenance(tmp_path, {"stress": flexible_run[0]})[1]
+
+
+def test_the_head_tells_of_bouncing_where_it_shows(longer, translation):
+    (line,) = bouncing_lines({"long": longer, "short": translation})
+    assert re.match(r"long: the shoes bounce at \d.* Hz; ", line)
 
 
 def test_the_peak_is_shown_first_and_named_after_the_phases(flexible_run):

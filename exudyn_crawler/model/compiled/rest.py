@@ -20,7 +20,7 @@ slip, so that nothing else holds a track at rest in the plane."""
 
 DRAG = 100.0
 """1/s, of what drains momentum in creeping, so that shoes slip slowly."""
-CREEPING = 4.0
+CREEPING = 6.0
 """s, after which what still creeps is held by friction."""
 FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.2, 1e-7
 """s, of creeping."""

@@ -6,7 +6,6 @@ next to the tumbler, in shares that change evenly as the tumbler goes from one t
 """
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numba import types
@@ -316,15 +315,7 @@ def _is_framed(memory: types.NamedTuple) -> bool:
 
 
 @overload(add_side_frame)
-def _add_if_framed(
-    model: object,
-    state: object,
-    multipliers: object,
-    inputs: object,
-    weights: object,
-    memory: types.NamedTuple,
-    residual: object,
-) -> Callable:
+def _add_if_framed(model, state, multipliers, inputs, weights, memory, residual):
     def add(model, state, multipliers, inputs, weights, memory, residual):
         _add_side_frame(model, state, multipliers, inputs, weights, memory, residual)
 
@@ -335,9 +326,7 @@ def _add_if_framed(
 
 
 @overload(assemble_side_frame)
-def _assemble_if_framed(
-    model: object, state: object, weights: object, memory: types.NamedTuple, values: object
-) -> Callable:
+def _assemble_if_framed(model, state, weights, memory, values):
     def assemble(model, state, weights, memory, values):
         _assemble_side_frame(model, state, weights, memory, values)
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import xarray as xr
 
+from exudyn_crawler.results.bouncing import BAND, bouncing
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.key_results import key_results
 
@@ -24,6 +25,8 @@ def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
     ]
     made = f"page made {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
     record = _record(folder)
+    told = record.get("commit")
+    commit = [f"commit {told}"] if told and isinstance(told, str) else []
     with suppress(KeyError, TypeError, ValueError):
         finished = datetime.fromisoformat(record["finished"])
         made = f"{record['status']} {finished:%Y-%m-%d %H:%M} UTC after {record['wall_time_s']:.0f} s, {made}"
@@ -33,7 +36,19 @@ def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
         for program in ("exudyn-crawler", "exudyn")
         if (version := one.dataset.attrs.get(f"{program.replace('-', '_')}_version"))
     }
-    return [line for line in (*lines, "; ".join([*sorted(programs, reverse=True), made])) if line]
+    return [line for line in (*lines, "; ".join([*sorted(programs, reverse=True), *commit, made])) if line]
+
+
+def bouncing_lines(histories: Mapping[str, History]) -> list[str]:
+    """A line for each case whose contact forces show that its shoes bounce."""
+    found = {name: bouncing(history) for name, history in histories.items()}
+    return [
+        f"{name}: the shoes bounce at {one.frequency:.3g} Hz; the vertical force of the ground on a shoe "
+        f"varies by {100.0 * one.size:.2g} % of its mean about that (root mean square), "
+        f"{100.0 * one.share:.2g} % of all that varies above {BAND[0]:g} Hz"
+        for name, one in found.items()
+        if one is not None
+    ]
 
 
 def _record(folder: Path) -> dict[str, Any]:

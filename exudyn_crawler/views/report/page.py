@@ -17,7 +17,7 @@ from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.quantities import check_dimensions
-from exudyn_crawler.views.report.heading import key_rows, provenance
+from exudyn_crawler.views.report.heading import bouncing_lines, key_rows, provenance
 from exudyn_crawler.views.report.left_out import LeftOut
 from exudyn_crawler.views.report.pictures import embedded_picture, first_picture
 from exudyn_crawler.views.report.plots import (
@@ -132,7 +132,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     title = " and ".join(variables) if variables else folder.resolve().name
     content: dict[str, Any] = {
         "title": f"Crawler track: {title}",
-        "lead": provenance(folder, histories),
+        "lead": [*provenance(folder, histories), *bouncing_lines(histories)],
         "key_results": key_rows(histories, {} if bent is None or stress is None else {bent: stress}),
         "summary": [] if comparison is None else _summary_rows(comparison),
         "comparison": None if comparison is None else comparison_rows(comparison),

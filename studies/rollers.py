@@ -1,0 +1,218 @@
+"""Rolling propel: the side frame passes over flexible shoes and digs above them; beside the papers' dragging.
+
+No paper reports it. The S-paper (Minerals 2016, 6(3), 61) closes with what its dragged, evenly loaded track
+lacks: in the field shoes crack in the roller path, under the lower rollers.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple, Unpack
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler import Case, CaseFile, CaseRun, FlexibleShoes, LoadCycle, StepProfile, simulate
+from exudyn_crawler.case import MachineCycle, Undercarriage, ph4100c
+from exudyn_crawler.case.rolled import ground_below
+from exudyn_crawler.results.balance import energy_balance
+from exudyn_crawler.results.stresses import StressResults
+from exudyn_crawler.views.tables import write_table
+from studies.defaults import CYCLE_DURATION
+from studies.running import Running, kept_study
+
+FLEXIBLE, COUNT = (17, 18, 19, 20, 21, 22), 38
+"""Shoes that are flexible, and how many there are."""
+BEFORE, ABOVE = 15.5, 22.2
+"""m, x of the frame's origin: its front roller just behind the flexible shoes, and above their middle."""
+PASS_DURATION = 137.0
+"""s, after which the rear roller has left the last flexible shoe."""
+CHOICES_DURATION = 8.0
+"""s."""
+MEGA, KILO = 1e6, 1e3
+
+
+def rolled_case(mesh: str = "study") -> Case:
+    """One pass of the machine at the papers' speed over six flexible shoes among rigid ones."""
+    case = Case.rolled()
+    track = case.track.with_(shoe_count=COUNT)
+    return case.with_(
+        name="pass",
+        shoe=case.shoe.of_mass(ph4100c.STRESS_SHOE_MASS),
+        track=track,
+        terrain=ground_below(track, case.terrain),
+        loads=LoadCycle.constant([0.0] * COUNT),
+        flexible=FlexibleShoes.ph4100c(mesh).with_(shoes=FLEXIBLE),
+        undercarriage=Undercarriage.ph4100c().with_(start=BEFORE),
+    )
+
+
+def loading_case(mesh: str = "study") -> Case:
+    """Loading cycle of the machine that stands above the flexible shoes, from the end of propel."""
+    case = rolled_case(mesh)
+    frame = Undercarriage.ph4100c().with_(start=ABOVE)
+    whole = MachineCycle.shovel(frame)
+    start = whole.phases[0].end
+    phases = tuple(phase.with_(end=phase.end - start) for phase in whole.phases)
+    return case.with_(
+        name="loading",
+        drive=case.drive.with_(speed=StepProfile.constant(0.0)),
+        undercarriage=frame,
+        machine=MachineCycle(phases=phases),
+    )
+
+
+def study_cases(mesh: str = "study", duration: float | None = None) -> dict[str, CaseFile]:
+    """Cases of the study with their durations (s), cut at one that is given."""
+    most = np.inf if duration is None else duration
+    loading = ph4100c.RETURN_END - ph4100c.PROPEL_END
+    return {
+        "pass": CaseFile(case=rolled_case(mesh), duration=min(PASS_DURATION, most)),
+        "loading": CaseFile(case=loading_case(mesh), duration=min(loading, most)),
+        "dragged": CaseFile(case=Case.stress(mesh), duration=min(CYCLE_DURATION, most)),
+    }
+
+
+def region_of(places: np.ndarray, case: Case) -> np.ndarray:
+    """Part of the shoe that places (n, 3) in its axes belong to: array (n,) of str.
+
+    Lugs reach 0.15 m round the pins, the roller path lies under the rails from the height of the pins up, the
+    wings begin 0.5 m beside them; the web is the rest.
+    """
+    rails = case.shoe.rails or Case.rolled().shoe.rails
+    regions = np.full(len(places), "web", dtype=object)
+    if rails is None:
+        return regions
+    x, y, z = places.T
+    regions[np.abs(y) > rails.left + 0.5 * rails.width + 0.5] = "wings"
+    on_rail = np.abs(np.abs(y) - rails.left) <= 0.5 * rails.width + 0.01
+    regions[on_rail & (z > case.track.pin_height)] = "roller path"
+    for center in case.track.joint_centers.values():
+        near = np.hypot(x - center[0], z - center[2]) < 0.15
+        regions[near & (np.abs(y - center[1]) < 0.2)] = "lugs"
+    return regions
+
+
+def highest_by_region(stresses: StressResults, case: Case) -> pd.DataFrame:
+    """Highest von Mises stress of any flexible shoe in every region, MPa, with shoe and time (s).
+
+    Nodes in rigid spiders and at pulled nodes are left out.
+    """
+    data = stresses.dataset
+    regions = region_of(data.node_position.values, case)
+    rows = []
+    for region in ("roller path", "lugs", "web", "wings"):
+        chosen = (regions == region) & ~data.in_spider.values.astype(bool)
+        peaks = np.where(chosen & ~data.at_load.values.astype(bool), data.peak_von_mises.values, 0.0)
+        shoe, node = np.unravel_index(int(peaks.argmax()), peaks.shape)
+        place = data.node_position.values[node]
+        rows.append(
+            {
+                "region": region,
+                "von Mises in MPa": peaks[shoe, node] / MEGA,
+                "shoe": int(data.shoe.values[shoe]),
+                "time in s": float(data.peak_time.values[shoe, node]),
+                **{f"{axis} in m": float(one) for axis, one in zip("xyz", place, strict=True)},
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+class RollerStudy(NamedTuple):
+    """Runs by case, and the highest stresses by case and region."""
+
+    runs: dict[str, CaseRun]
+    regions: pd.DataFrame
+
+
+def study(
+    out: Path | None = None,
+    mesh: str = "study",
+    *,
+    duration: float | None = None,
+    **how: Unpack[Running],
+) -> RollerStudy:
+    """Run the pass, the loading cycle and the papers' dragged study, and set their hot spots side by side.
+
+    Parameters
+    ----------
+    out : Path, optional
+        Folder of the study: a folder a case, and `regions.csv`; None writes nothing.
+    mesh : str
+        coarse, study or fine, or the path of a mesh.
+    duration : float, optional
+        s, at which every case ends; all of each if None.
+    **how
+        Options `overwrite`, `progress` and `say` of `run_case`.
+
+    Raises
+    ------
+    FileExistsError, BlockingIOError
+        Before a run, if results are there and `overwrite` is false, or another run works there.
+    EquilibriumError, SimulationStopped
+        As of `run_case`.
+    """
+    with kept_study(out, study_cases(mesh, duration), **how) as (runs, keeper):
+        table = _regions(runs)
+        if out is not None:
+            write_table(table, out / "regions.csv", keeper.replaces)
+        return RollerStudy(runs, table)
+
+
+def _regions(runs: Mapping[str, CaseRun]) -> pd.DataFrame:
+    parts = []
+    for name, run in runs.items():
+        part = highest_by_region(run.recovered(), run.history.case)
+        part.insert(0, "case", name)
+        parts.append(part)
+    return pd.concat(parts, ignore_index=True)
+
+
+def _with_rollers(frame: Undercarriage, count: int, spacing: float) -> Undercarriage:
+    return frame.with_(rollers=tuple(spacing * (k - 0.5 * (count - 1)) for k in range(count)))
+
+
+def choices() -> dict[str, Case]:
+    """Rigid machine as it is, and with each open choice made otherwise."""
+    case, frame = Case.rolled(), Undercarriage.ph4100c()
+    changed = {
+        "as it is": frame,
+        "7 rollers over the same length": _with_rollers(frame, 7, 8.75 / 6.0),
+        "7 rollers, two shoes apart": _with_rollers(frame, 7, 2.0 * ph4100c.TRACK["pitch"]),
+        "8 rollers, 1.1 m apart": _with_rollers(frame, 8, 1.1),
+        "radius 0.3 m": frame.with_(radius=0.3),
+        "stiffness x 10": frame.with_(stiffness=10.0 * frame.stiffness),
+        "rolling resistance 0.1": frame.with_(rolling_resistance=0.1),
+        "end tension 0.5 MN": frame.with_(end_tension=5e5),
+        "tumbler in front": frame.with_(tumbler=-frame.tumbler),
+    }
+    return {name: case.with_(name=name, undercarriage=one) for name, one in changed.items()}
+
+
+def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:
+    """What the open choices do to a rigid machine over some time (s)."""
+    rows = []
+    for name, case in choices().items():
+        history = simulate(case, duration, progress=False)
+        treads = np.linalg.norm(history.roller_force.values, axis=-1)
+        heave = history.side_frame_position.values[:, 2]
+        balance = energy_balance(history).isel(time=-1)
+        rows.append(
+            {
+                "choice": name,
+                "greatest force on a rail in kN": treads.max() / KILO,
+                "mean of those that touch in kN": treads[treads > 0.0].mean() / KILO,
+                "mean pull in kN": float(history.drive_pull.mean()) / KILO,
+                "greatest pull in kN": float(history.drive_pull.max()) / KILO,
+                "greatest tilt of a shoe in rad": float(np.abs(history.angles.sel(axis="y")).max()),
+                "heave of the frame in mm": float(np.ptp(heave)) * KILO,
+                "work of the drive in kJ": float(balance["drive"]) / KILO,
+                "of it rolling resistance in kJ": float(balance["rolling_resistance"]) / KILO,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    from exudyn_crawler.cli import run_script
+
+    run_script("studies.commands:rollers")
