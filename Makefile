@@ -36,7 +36,7 @@ uneven: $(INSTALLED)  ## the track over a step, a ramp and rough ground, with th
 stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on where it was stopped
 	$(BIN)/python -m studies.stress --out $(OUT)/stress $(ARGS)
 
-life: $(INSTALLED)  ## life of the shoes in machine hours over propel and dig cycles of the stress study
+life: $(INSTALLED)  ## life of the shoes in machine hours, of the stress study; ARGS="--rollers results/rollers" adds the rolled
 	$(BIN)/python -m studies.life --out $(OUT)/life --stress $(OUT)/stress $(ARGS)
 
 rollers: $(INSTALLED)  ## the machine rolls over six flexible shoes and digs above them; beside the papers' dragging

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler import FatigueMaterial, History
-from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+from exudyn_crawler.results.stress_columns import stress_columns
 from exudyn_crawler.run.histories import HISTORY
 from exudyn_crawler.views.tables import print_table
 from fem import Counting, critical_planes, damage_on_planes, recover_damage, surface_normals
@@ -27,10 +27,9 @@ WORST = 1000
 def study(folder: Path) -> pd.DataFrame:
     """Processor seconds of both signed criteria at all surface nodes, of critical planes at the worst."""
     history = History.load(folder / HISTORY)
-    basis = stress_basis(history)
-    whole, surface = basis.whole, basis.whole.mesh.surface_nodes
-    shoes = list(history.case.flexible_shoes().shoes)
-    q = {shoe: whole_coordinates(history, basis, shoe) for shoe in shoes}
+    columns = stress_columns(history)
+    whole, q = columns.shapes, columns.coordinates
+    surface, shoes = whole.mesh.surface_nodes, list(q)
     curve = FatigueMaterial.cast_nicrmo().curve()
     counting = Counting(curve, (0.975,), np.zeros(history.time.size, dtype=np.int64), NEGLIGIBLE)
     rows, damage = [], {}

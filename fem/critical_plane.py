@@ -14,6 +14,7 @@ from fem.blocks import Fold, StressBlock, fold_stresses
 from fem.damage import TOLERANCE, Counting, check_history
 from fem.mesh import Floats, Integers, Mesh
 from fem.rank import NODE_BLOCK
+from fem.shapes import Columns
 
 APART, FINE = np.radians(10.0), np.radians(1.0)
 """Steps of the angle, of the first search and of the finer one."""
@@ -76,7 +77,7 @@ class _OnPlanes(Fold[Floats]):
 
 
 def damage_on_planes(
-    stress_modes: Floats,
+    stress_modes: Columns,
     q: Floats,
     normals: Floats,
     angles: Floats,

@@ -18,6 +18,7 @@ from fem.fatigue import SNCurve, check_survivals
 from fem.mesh import Floats, Integers
 from fem.rainflow import Cycles, repeated_cycles
 from fem.rank import NODE_BLOCK
+from fem.shapes import Columns
 
 SignedCriterion = Literal["signed von mises", "signed principal"]
 SIGNED_CRITERIA: tuple[SignedCriterion, ...] = ("signed von mises", "signed principal")
@@ -209,7 +210,7 @@ class DamageOf(Fold[Damage]):
 
 
 def recover_damage(
-    stress_modes: Floats,
+    stress_modes: Columns,
     q: Floats,
     criterion: SignedCriterion,
     counting: Counting,

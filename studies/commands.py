@@ -183,8 +183,8 @@ def shovel_life(
     stress: Annotated[
         Path, typer.Option(help="folder of the stress study, which is run there where it is missing")
     ] = RESULTS / "stress",
-    rolled: Annotated[
-        Path | None, typer.Option(help="folder of a run with rollers over the same shoes, beside the dragged")
+    rollers: Annotated[
+        Path | None, typer.Option(help="folder of the rollers study, whose runs stand beside the dragged")
     ] = None,
     out: Out = RESULTS / "life",
     overwrite: Overwrite = False,
@@ -197,7 +197,7 @@ def shovel_life(
     from exudyn_crawler.views.tables import print_table
     from studies.life import study
 
-    _, summary = study(out, stress, rolled, overwrite=overwrite, say=typer.echo)
+    _, summary = study(out, stress, rollers, overwrite=overwrite, say=typer.echo)
     shown = [name for name in summary.loc[:, :"main load"].columns if " in the shoe " not in name]
     print_table(summary[shown], "Shortest life by propel and material")
     typer.echo(f"lives, pages and summary.csv are in {out}")

@@ -1,8 +1,8 @@
 """Life of the P&H 4100C's shoes in machine hours, from the stress study's propel and loading cycle.
 
 What field observation says (S-paper, section 6): shoes crack in the roller path, their lugs stay whole. The
-papers drag the chain, so that what comes out of their load case says where a dragged shoe would crack; a run
-with rollers takes the place of the propel where one is given.
+papers drag the chain, so that what comes out of their load case says where a dragged shoe would crack; the
+runs of the rollers study stand beside it where they are given.
 """
 
 from collections.abc import Callable
@@ -24,31 +24,32 @@ PROPEL_SHARE = 0.07
 CYCLES_AN_HOUR = 70.0
 """Dig cycles: one in 40 to 60 s makes 60 to 90 of a full hour; assumed within."""
 CHANGES_AN_HOUR = 4.0
-"""Moves between places to dig: propel in stretches of about a minute, in which the run's 15 s repeat; assumed."""
+"""Moves between places to dig, each of about a minute in which the run's 15 s repeat; assumed."""
 MATERIALS = (FatigueMaterial.cast_nicrmo, FatigueMaterial.cast_manganese, FatigueMaterial.a36)
 """First what shoes are made of."""
 
 
-def duty_of(cycle: Path, material: FatigueMaterial, rolled: Path | None = None) -> Duty:
-    """Duty of a shovel that digs: the cycle's propel, or a run of rolled propel, and the rest of the cycle.
-
-    Parameters
-    ----------
-    cycle : Path
-        Folder of the stress study's run.
-    rolled : Path, optional
-        Folder of a run in which rollers pass over the same flexible shoes.
-    """
+def dragged_duty(stress: Path, material: FatigueMaterial) -> Duty:
+    """Duty of a shovel that digs, of the stress study's cycle: its propel, and the rest of it."""
+    cycle = stress / RUN
     loads = History.load(cycle / HISTORY).case.loads
     end = next(phase.end for phase in loads.phases if phase.name == PROPEL)
     propel = DutyRun(name="dragged propel", folder=str(cycle), end=end, share=PROPEL_SHARE)
-    if rolled is not None:
-        propel = DutyRun(name="rolled propel", folder=str(rolled), share=PROPEL_SHARE)
     dig = DutyRun(name="dig cycle", folder=str(cycle), begin=end, an_hour=CYCLES_AN_HOUR)
-    kind = "dragged" if rolled is None else "rolled"
+    return _duty("dragged", (propel, dig), material)
+
+
+def rolled_duty(rollers: Path, material: FatigueMaterial) -> Duty:
+    """Same of the rollers study: its pass of the machine, and its loading cycle."""
+    propel = DutyRun(name="rolled propel", folder=str(rollers / "pass"), share=PROPEL_SHARE)
+    dig = DutyRun(name="dig cycle", folder=str(rollers / "loading"), an_hour=CYCLES_AN_HOUR)
+    return _duty("rolled", (propel, dig), material)
+
+
+def _duty(kind: str, runs: tuple[DutyRun, ...], material: FatigueMaterial) -> Duty:
     return Duty(
         name=f"{kind} propel and dig cycle, {material.name}",
-        runs=(propel, dig),
+        runs=runs,
         material=material,
         changes_an_hour=CHANGES_AN_HOUR,
     )
@@ -57,7 +58,7 @@ def duty_of(cycle: Path, material: FatigueMaterial, rolled: Path | None = None) 
 def study(
     out: Path,
     stress: Path,
-    rolled: Path | None = None,
+    rollers: Path | None = None,
     *,
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
@@ -70,8 +71,8 @@ def study(
         A folder a kind of propel and material, and `summary.csv`.
     stress : Path
         Folder of the stress study.
-    rolled : Path, optional
-        Folder of a run of rolled propel; a life with it stands beside that with dragged propel.
+    rollers : Path, optional
+        Folder of the rollers study; lives with its runs stand beside those with dragged propel.
     overwrite, say
         As of `life`.
 
@@ -89,16 +90,15 @@ def study(
     ValueError
         As of `life`.
     """
-    cycle = stress / RUN
-    if not (cycle / HISTORY).is_file():
+    if not (stress / RUN / HISTORY).is_file():
         stress_study(stress, say=say)
+    duties = {f"dragged_{one.__name__}": dragged_duty(stress, one()) for one in MATERIALS}
+    if rollers is not None:
+        duties |= {f"rolled_{one.__name__}": rolled_duty(rollers, one()) for one in MATERIALS}
     found: dict[str, LifeResults] = {}
-    for propel in (None,) if rolled is None else (None, rolled):
-        for material in MATERIALS:
-            duty = duty_of(cycle, material(), propel)
-            name = f"{'dragged' if propel is None else 'rolled'}_{material.__name__}"
-            say(f"{name}: {duty.name}")
-            found[name] = life(duty, out / name, overwrite=overwrite, say=say)
+    for name, duty in duties.items():
+        say(f"{name}: {duty.name}")
+        found[name] = life(duty, out / name, overwrite=overwrite, say=say)
     summary = pd.concat(
         [one.table.head(1).assign(propel_and_material=name) for name, one in found.items()], ignore_index=True
     )

@@ -1,6 +1,6 @@
 """Runs of a duty as damage is counted over them: the parts that are repeated, checked against each other."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +10,8 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.duty import Duty, DutyRun
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.modal_coordinates import StressBasis, stress_basis, whole_coordinates
 from exudyn_crawler.results.phases import phases
+from exudyn_crawler.results.stress_columns import StressColumns, stress_columns
 from exudyn_crawler.results.stresses import near_pull
 from fem.damage import Counting
 from fem.fatigue import SNCurve
@@ -31,9 +31,8 @@ class UsedRun:
     run : DutyRun
     history : History
         Of the part.
-    basis : StressBasis
-    coordinates : mapping of int to array (times, M)
-        Coordinates of all modes by flexible shoe.
+    columns : StressColumns
+        What its stresses are the products of.
     times_an_hour : float
     phases : tuple of str
         Names of the phases that it reaches.
@@ -43,8 +42,7 @@ class UsedRun:
 
     run: DutyRun
     history: History
-    basis: StressBasis
-    coordinates: Mapping[int, NDArray]
+    columns: StressColumns
     times_an_hour: float
     phases: tuple[str, ...]
     phase: NDArray
@@ -67,18 +65,10 @@ def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
     durations = [float(part.time[-1] - part.time[0]) for part in parts]
     times = duty.times_an_hour(durations)
     _check_shoes(duty.runs, parts)
-    bases: list[tuple[Case, StressBasis]] = []
     used = []
     for run, whole, part, often in zip(duty.runs, histories, parts, times, strict=True):
-        basis = next((one for case, one in bases if case == part.case), None)
-        if basis is None:
-            basis = stress_basis(part)
-            bases.append((part.case, basis))
         names, phase = _phases(whole, part)
-        coordinates = {
-            shoe: whole_coordinates(part, basis, shoe) for shoe in part.case.flexible_shoes().shoes
-        }
-        used.append(UsedRun(run, part, basis, coordinates, often, names, phase))
+        used.append(UsedRun(run, part, stress_columns(part), often, names, phase))
     return used
 
 
@@ -89,7 +79,7 @@ def places_of(runs: Sequence[UsedRun]) -> list[int]:
 
 def pulled_nodes(runs: Sequence[UsedRun], shoe: int) -> NDArray:
     """Whether a node of a shoe belongs to an element about the node that a drive pulls: array (nodes,)."""
-    return np.any([near_pull(one.history, one.basis.whole, shoe) for one in runs], axis=0)
+    return np.any([near_pull(one.history, one.columns.shapes, shoe) for one in runs], axis=0)
 
 
 def _part(run: DutyRun, history: History) -> History:

@@ -26,7 +26,7 @@ from exudyn_crawler.results.life_table import (
     worst_nodes,
 )
 from exudyn_crawler.results.quantities import variable
-from fem import ReducedBody
+from fem import Shapes
 from fem.critical_plane import critical_planes, damage_on_planes, plane_normals, surface_normals
 from fem.damage import damage_between, recover_damage
 from fem.fatigue import SNCurve
@@ -55,15 +55,15 @@ class LifeResults:
         nodes.
     nodes : mapping of int to NodeLife
         Cycles and causes at the nodes of the table.
-    whole : ReducedBody
-        Modes that the stresses are made of.
+    whole : Shapes
+        Modes, and static fields, that the stresses are made of.
     """
 
     duty: Duty
     dataset: xr.Dataset
     table: pd.DataFrame
     nodes: Mapping[int, NodeLife]
-    whole: ReducedBody
+    whole: Shapes
 
 
 def life_of(
@@ -84,11 +84,11 @@ def life_of(
         As of `duty_runs.used_runs`; or if a chosen node is not of the surface.
     """
     runs = used_runs(duty, histories)
-    inside = sorted(set(duty.nodes) - set(runs[0].basis.whole.mesh.surface_nodes.tolist()))
+    inside = sorted(set(duty.nodes) - set(runs[0].columns.shapes.mesh.surface_nodes.tolist()))
     if inside:
         raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
     curve = duty.material.curve(duty.miner)
-    whole, places = runs[0].basis.whole, places_of(runs)
+    whole, places = runs[0].columns.shapes, places_of(runs)
     by_place, by_part = [], []
     for shoe in places:
         say(f"shoe {shoe}: counting cycles of {len(whole.mesh.surface_nodes)} nodes")
@@ -114,14 +114,14 @@ def life_of(
 
 def _at_place(duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, shoe: int) -> tuple[NDArray, NDArray]:
     """Damage an hour (survivals, nodes) of a shoe that stays at its place, and by part (parts, nodes)."""
-    whole = runs[0].basis.whole
+    whole = runs[0].columns.shapes
     surface = whole.mesh.surface_nodes
     damage = np.zeros((len(duty.survivals), len(surface)))
     parts, highest, lowest = [], np.full(len(surface), -np.inf), np.full(len(surface), np.inf)
     for one in runs:
         counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
         found = recover_damage(
-            one.basis.whole.stress_modes, one.coordinates[shoe], duty.criterion, counting, surface
+            one.columns.shapes.stress_modes, one.columns.coordinates[shoe], duty.criterion, counting, surface
         )
         each = one.times_an_hour * found.damage.transpose(1, 2, 0)
         damage += each.sum(axis=1)
@@ -151,7 +151,7 @@ def _on_critical_planes(
     duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, nodes: NDArray
 ) -> tuple[NDArray, NDArray]:
     """Damage an hour (survivals, nodes) on the critical planes of some nodes, and normals (nodes, 3)."""
-    mesh, places = runs[0].basis.whole.mesh, places_of(runs)
+    mesh, places = runs[0].columns.shapes.mesh, places_of(runs)
     normals = surface_normals(mesh)
 
     def damage_on(nodes: NDArray, angles: NDArray) -> NDArray:
@@ -159,7 +159,7 @@ def _on_critical_planes(
         for one in runs:
             counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
             for shoe in places:
-                modes, q = one.basis.whole.stress_modes, one.coordinates[shoe]
+                modes, q = one.columns.shapes.stress_modes, one.columns.coordinates[shoe]
                 each = damage_on_planes(modes, q, normals, angles, counting, nodes)
                 found += one.times_an_hour / len(places) * each
         return found
@@ -171,7 +171,7 @@ def _on_critical_planes(
 
 
 def _dataset(
-    whole: ReducedBody, damage: NDArray, parts: NDArray, on_plane: NDArray, directions: NDArray
+    whole: Shapes, damage: NDArray, parts: NDArray, on_plane: NDArray, directions: NDArray
 ) -> xr.Dataset:
     """Dataset of the damage (places, survivals, nodes), that of the parts, and on critical planes."""
     mean = damage.mean(axis=0)

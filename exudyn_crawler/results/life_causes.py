@@ -9,14 +9,21 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.results.duty import Duty
 from exudyn_crawler.results.duty_runs import UsedRun, places_of
-from exudyn_crawler.results.modal_coordinates import coordinates_by_load
+from exudyn_crawler.results.stress_columns import columns_by_load
 from fem.critical_plane import normal_stress_rows
 from fem.damage import SIGNED_CRITERIA, SignedCriterion, signed_signals
 from fem.fatigue import SNCurve
 from fem.stress import VOIGT, von_mises
 
-LOADS = {"joint": "pins", "load": "machine load", "contact": "ground"}
-"""Words for kinds of actions; others are their own."""
+LOADS = {
+    "joint": "pins",
+    "joints": "pins",
+    "load": "machine load",
+    "machine": "machine load",
+    "contact": "ground",
+    "roller": "rollers",
+}
+"""Words for kinds of actions and families of loads; others are their own."""
 SHARE = "share of "
 """What the columns of loads begin with."""
 CLASSES = 32
@@ -118,11 +125,11 @@ def node_lives(
         often = one.times_an_hour / len(places)
         counting = one.counting(curve, duty.survivals[-1:])
         for shoe in places:
-            loads = coordinates_by_load(one.history, one.basis, shoe)
+            loads = columns_by_load(one.history, one.columns, shoe)
             for node in nodes:
-                modes = one.basis.whole.stress_modes[node]
+                modes = one.columns.shapes.stress_modes[node]
                 by_load = {LOADS.get(kind, kind): q @ modes.T for kind, q in loads.items()}
-                stress = one.coordinates[shoe] @ modes.T
+                stress = one.columns.coordinates[shoe] @ modes.T
                 cycles[node].append(_cycles(duty, curve, one, shoe, often, stress, by_load))
                 for criterion in SIGNED_CRITERIA:
                     found = counting.damage(signed_signals(criterion, stress.T[None])).sum()

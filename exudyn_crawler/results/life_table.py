@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.life_causes import SHARE, NodeLife
-from fem import Mesh, ReducedBody
+from fem import Mesh, Shapes
 
 BEYOND = 1e9
 """h, beyond which lives are not told apart; damage below one over it is left out."""
@@ -52,7 +52,7 @@ def shortest_by_region(mesh: Mesh, damage: NDArray) -> list[int]:
     return sorted(found, key=lambda node: -damage[node])
 
 
-def shortest_lives(dataset: xr.Dataset, nodes: Mapping[int, NodeLife], whole: ReducedBody) -> pd.DataFrame:
+def shortest_lives(dataset: xr.Dataset, nodes: Mapping[int, NodeLife], whole: Shapes) -> pd.DataFrame:
     """Table of lives and what makes them, of some nodes such as the worst of every region.
 
     Returns
@@ -93,7 +93,7 @@ def _life_at(survival: float) -> str:
     return f"{LIFE} that {100.0 * survival:g} % survive"
 
 
-def _flag(whole: ReducedBody, node: int) -> str:
+def _flag(whole: Shapes, node: int) -> str:
     """Whether a joint's rigid spider makes the stress of a node, in words of the hot spots."""
     if node in whole.spider_nodes:
         return "in spider"

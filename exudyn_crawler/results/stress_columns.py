@@ -15,7 +15,11 @@ from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.model.load_places import shoe_fields
 from exudyn_crawler.results.field_loads import field_loads
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.modal_coordinates import coordinates_and_momentum, stress_basis
+from exudyn_crawler.results.modal_coordinates import (
+    coordinates_and_momentum,
+    coordinates_by_load,
+    stress_basis,
+)
 from fem import Shapes, field_columns
 
 TOLERANCE = 1e4
@@ -37,11 +41,14 @@ class StressColumns:
     bound : float or None
         Pa by which fields that were left out change the stress of no node at no time; None without fields,
         where the error of truncation is not known.
+    answers : array (loads, columns) or None
+        Coordinates that a unit of each load of the static fields has; None without fields.
     """
 
     shapes: Shapes
     coordinates: Mapping[int, NDArray]
     bound: float | None
+    answers: NDArray | None = None
 
 
 def stress_columns(history: History, shoes: Sequence[int] | None = None) -> StressColumns:
@@ -69,4 +76,28 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     held = fields.work / (2.0 * np.pi * frequencies) ** 2
     both = np.hstack((held, columns.turn))
     coordinates = {shoe: load @ both for shoe, load in loads.items()}
-    return StressColumns(columns.beside(basis.whole), coordinates, columns.bound)
+    return StressColumns(columns.beside(basis.whole), coordinates, columns.bound, both)
+
+
+def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict[str, NDArray]:
+    """Coordinates of a shoe by what makes them, arrays (times, columns) that add up to all of them.
+
+    By kind of action as of `modal_coordinates.coordinates_by_load`; with static fields by their family of
+    loads. Loads that make nothing are left out.
+
+    Parameters
+    ----------
+    columns : StressColumns
+        Of this history.
+    shoe : int
+        One of its shoes.
+    """
+    basis = stress_basis(history)
+    if columns.answers is None:
+        return coordinates_by_load(history, basis, shoe)
+    fields = shoe_fields(history.case)
+    _, momentum = coordinates_and_momentum(history, basis, shoe)
+    loads = field_loads(history, fields, basis.whole, momentum, shoe)
+    ends = np.cumsum(list(fields.families.values()))[:-1]
+    parts = zip(fields.families, np.split(loads, ends, axis=1), np.split(columns.answers, ends), strict=True)
+    return {name: own @ answers for name, own, answers in parts if own.any()}

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Duty, DutyRun, FatigueMaterial, History
+from exudyn_crawler import Duty, DutyRun, FatigueMaterial, History, node_stress
 from exudyn_crawler.results.life import life_of
 from exudyn_crawler.results.life_table import BETWEEN, BEYOND, in_words, life_hours, regions
+from exudyn_crawler.results.stress_columns import TOLERANCE
 
 HALF = 0.03
 WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)
@@ -138,3 +139,21 @@ def test_runs_that_do_not_fit_are_refused(flexible_run, translation):
             life_of(duty(run), [history])
     with pytest.raises(ValueError, match=r"nodes must be of the surface, got \[100000000\]"):
         life_of(duty(one, nodes=(10**8,)), [history])
+
+
+@pytest.mark.slow
+def test_static_fields_are_counted_with_the_modes(flexible_run):
+    """Their stress is what the run's own results show, and their families of loads share the damage."""
+    history = flexible_run[0]
+    fields = changed(history, flexible=history.case.flexible.with_(static_fields=True))
+    found = life_of(duty(FIRST), [fields])
+    node, peaks = int(found.table["node"][0]), []
+    for shoe in (7, 13):
+        stress = node_stress(fields, shoe, node=node)
+        peaks.append(float(stress.von_mises.sel(time=slice(0.0, HALF + 1e-9)).max()))
+    ends = found.nodes[node].cycles[["begin in Pa", "end in Pa"]].abs().to_numpy()
+    # a part of a run has other directions of its fields than the whole: either leaves this out
+    assert ends.max() == pytest.approx(max(peaks), abs=2.0 * TOLERANCE)
+    loads = found.nodes[node].load_shares
+    assert sum(loads.values()) == pytest.approx(1.0)
+    assert {"pins", "machine load", "ground"} <= set(loads)

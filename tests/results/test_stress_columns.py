@@ -14,7 +14,7 @@ from exudyn_crawler.results.field_loads import field_loads
 from exudyn_crawler.results.modal_coordinates import coordinates_and_momentum, modal_loads, stress_basis
 from exudyn_crawler.results.node_stress import node_stress
 from exudyn_crawler.results.shoe_loads import at_instant, patch_weights, shoe_loads
-from exudyn_crawler.results.stress_columns import SHARE, StressColumns, stress_columns
+from exudyn_crawler.results.stress_columns import SHARE, StressColumns, columns_by_load, stress_columns
 from exudyn_crawler.results.stresses import recover_stresses
 from fem import Partition
 from fem.stress import von_mises
@@ -118,3 +118,14 @@ def test_places_of_loads_cover_a_shoe(with_fields: History) -> None:
     right, left = rail_stations(mesh)
     assert right.rectangle.high[1] < 0.0 < left.rectangle.low[1]
     assert np.diff(right.positions).max() < 0.4 * right.reach
+
+
+def test_coordinates_by_load_add_up(flexible_run: Run, with_fields: History, columns: StressColumns) -> None:
+    """By family of loads with static fields, by kind of action without."""
+    shoes = {"joints", "machine", "ground", "inertia"}, {"joint", "load", "contact", "inertia"}
+    alone = stress_columns(flexible_run[0], [7])
+    for history, one, names in ((with_fields, columns, shoes[0]), (flexible_run[0], alone, shoes[1])):
+        parts = columns_by_load(history, one, 7)
+        assert names == set(parts)
+        whole = one.coordinates[7]
+        assert sum(parts.values()) == pytest.approx(whole, abs=1e-9 * np.abs(whole).max())

@@ -1,11 +1,14 @@
 """The life study on a short run that is taken for the stress study's cycle."""
 
+from pathlib import Path
+
 import pandas as pd
 import pytest
 
 from exudyn_crawler import FatigueMaterial, History, LoadCycle
 from exudyn_crawler.case import Phase
 from studies import life as life_study
+from studies.rollers import study_cases
 
 
 @pytest.fixture
@@ -34,11 +37,9 @@ def test_lives_of_materials_stand_side_by_side(stress_of_a_moment, tmp_path, mon
         life_study.study(out, stress_of_a_moment)
 
 
-def test_rolled_propel_takes_the_place_of_the_dragged(stress_of_a_moment, tmp_path):
-    cycle = stress_of_a_moment / "cycle"
-    dragged, rolled = (
-        life_study.duty_of(cycle, FatigueMaterial.a36(), rolled) for rolled in (None, tmp_path / "rolled")
-    )
-    assert dragged.runs[1] == rolled.runs[1]
-    assert (dragged.runs[0].end, rolled.runs[0].end) == (0.03, None)
-    assert rolled.runs[0].folder == str(tmp_path / "rolled")
+def test_rolled_runs_are_those_of_the_rollers_study(tmp_path):
+    duty = life_study.rolled_duty(tmp_path, FatigueMaterial.a36())
+    folders = [Path(run.folder) for run in duty.runs]
+    assert {folder.name for folder in folders} < set(study_cases("coarse"))
+    assert {folder.parent for folder in folders} == {tmp_path}
+    assert duty.times_an_hour([137.0, 25.0]) == pytest.approx([0.07 * 3600.0 / 137.0, 70.0])
