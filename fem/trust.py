@@ -18,7 +18,7 @@ from fem.stress import element_stress
 SAFETY = 1.5
 """Error of the nodal stress over the relative difference about it, at a bore whose solution is known."""
 MESH_LIMIT = 0.2
-"""Error of the mesh over the stress beyond which refinement comes before any use: at a shoe's fillets, it lies
+"""Error of the mesh over the stress beyond which refinement comes before any use. At a shoe's fillets it lies
 between a mesh whose peaks are a tenth low at most and one where they are a third low (`docs/fem.md`)."""
 JUMP_LIMIT = 0.5
 """Disagreement of neighbouring elements over the stress beyond which the mesh makes the peak."""
