@@ -8,7 +8,7 @@ import xarray as xr
 from exudyn_crawler import History
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import shoe_model
-from exudyn_crawler.model.load_places import ground_grid, rail_stations, shoe_fields
+from exudyn_crawler.model.load_places import ground_grid, rail_loads, rail_stations, shoe_fields
 from exudyn_crawler.results.actions import OverRectangle, actions
 from exudyn_crawler.results.field_loads import field_loads
 from exudyn_crawler.results.modal_coordinates import coordinates_and_momentum, modal_loads, stress_basis
@@ -108,6 +108,22 @@ def test_results_and_single_nodes_have_the_same_fields(with_fields: History, fle
         assert (tables[shoe]["verdict"].str.contains("truncation") == good).all()
     off = np.abs(found.dataset.peak_von_mises - plain.peak_von_mises) / plain.peak_von_mises.max("node")
     assert 0.002 < float(off.max()) < 0.5
+
+
+def test_forces_on_rails_become_coordinates(with_fields: History) -> None:
+    """Each rail has its own stations, whose forces are those on it."""
+    stations = rail_stations(stress_basis(with_fields).whole.mesh)
+    forces = np.random.default_rng(7).standard_normal((4, 3))
+    x = np.linspace(-0.2, 0.25, 4)
+    for rail, own in ((0, slice(stations[0].count)), (1, slice(stations[0].count, None))):
+        found = rail_loads(stations, rail, forces, x)
+        np.testing.assert_allclose(found.sum(axis=1), forces, atol=1e-12)
+        places = np.concatenate([one.positions for one in stations])
+        np.testing.assert_allclose(np.einsum("s,tsc->tc", places, found), x[:, None] * forces, atol=1e-12)
+        found[:, own] = 0.0
+        assert not found.any()
+    with pytest.raises(ValueError, match=r"rail must be in 0..1, got 2"):
+        rail_loads(stations, 2, forces, x)
 
 
 def test_places_of_loads_cover_a_shoe(with_fields: History) -> None:
