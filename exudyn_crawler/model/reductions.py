@@ -70,4 +70,5 @@ def reductions_line() -> str:
     folder = reductions_folder()
     sizes = {path: path.stat().st_size for path in folder.glob("[!.]*.h5")}  # a dot: being written
     shoes = [path for path in sizes if path.suffixes == [".h5"]]  # their static fields have one more
-    return f"{len(shoes)} reduced shoes are kept in {folder} ({sum(sizes.values()) / 1e6:.0f} MB), to be removed at will"
+    size = sum(sizes.values()) / 1e6
+    return f"{len(shoes)} reduced shoes are kept in {folder} ({size:.0f} MB), to be removed at will"
