@@ -18,15 +18,19 @@ if TYPE_CHECKING:
         Drive,
         FlexibleShoes,
         LoadCycle,
+        MachineCycle,
+        MachinePhase,
         Outputs,
         PairContact,
         Phase,
+        Rails,
         Shoe,
         Solver,
         SphereContact,
         StepProfile,
         Terrain,
         Track,
+        Undercarriage,
         read_case,
         write_case,
     )
@@ -39,6 +43,7 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
     from exudyn_crawler.results.node_stress import node_stress
     from exudyn_crawler.results.pins import pin_forces
+    from exudyn_crawler.results.rollers import frame_imbalance, roller_loads
     from exudyn_crawler.results.shoe_loads import ShoeLoads, action_table, peak_time, shoe_loads
     from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
@@ -78,6 +83,7 @@ _HOMES = {
     "action_table": "results.shoe_loads",
     "actions": "results.actions",
     "contacts_by_shoe": "results.contacts",
+    "frame_imbalance": "results.rollers",
     "history_series": "views.series",
     "mode_figure": "views.mode_shapes",
     "mode_table": "views.mode_shapes",
@@ -86,6 +92,7 @@ _HOMES = {
     "peak_time": "results.shoe_loads",
     "pin_forces": "results.pins",
     "recover_stresses": "results.stresses",
+    "roller_loads": "results.rollers",
     "run_case": "case_run",
     "shoe_imbalance": "results.balance",
     "shoe_loads": "results.shoe_loads",
@@ -111,9 +118,12 @@ __all__ = [
     "FlexibleShoes",
     "History",
     "LoadCycle",
+    "MachineCycle",
+    "MachinePhase",
     "Outputs",
     "PairContact",
     "Phase",
+    "Rails",
     "Shoe",
     "ShoeLoads",
     "SimulationStopped",
@@ -123,9 +133,11 @@ __all__ = [
     "StressResults",
     "Terrain",
     "Track",
+    "Undercarriage",
     "action_table",
     "actions",
     "contacts_by_shoe",
+    "frame_imbalance",
     "history_series",
     "mode_figure",
     "mode_table",
@@ -135,6 +147,7 @@ __all__ = [
     "pin_forces",
     "read_case",
     "recover_stresses",
+    "roller_loads",
     "run_case",
     "shoe_imbalance",
     "shoe_loads",
