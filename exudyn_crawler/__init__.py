@@ -18,15 +18,19 @@ if TYPE_CHECKING:
         Drive,
         FlexibleShoes,
         LoadCycle,
+        MachineCycle,
+        MachinePhase,
         Outputs,
         PairContact,
         Phase,
+        Rails,
         Shoe,
         Solver,
         SphereContact,
         StepProfile,
         Terrain,
         Track,
+        Undercarriage,
         read_case,
         write_case,
     )
@@ -43,6 +47,7 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
     from exudyn_crawler.results.node_stress import node_stress
     from exudyn_crawler.results.pins import pin_forces
+    from exudyn_crawler.results.rollers import frame_imbalance, roller_loads
     from exudyn_crawler.results.shoe_loads import ShoeLoads, action_table, peak_time, shoe_loads
     from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
@@ -98,6 +103,7 @@ _HOMES = {
     "action_table": "results.shoe_loads",
     "actions": "results.actions",
     "contacts_by_shoe": "results.contacts",
+    "frame_imbalance": "results.rollers",
     "history_series": "views.series",
     "life": "life_run",
     "mode_figure": "views.mode_shapes",
@@ -109,6 +115,7 @@ _HOMES = {
     "read_duty": "results.duty",
     "read_sweep": "sweep.files",
     "recover_stresses": "results.stresses",
+    "roller_loads": "results.rollers",
     "run_case": "case_run",
     "run_sweep": "sweep.running",
     "shoe_imbalance": "results.balance",
@@ -142,9 +149,12 @@ __all__ = [
     "Life",
     "LifeResults",
     "LoadCycle",
+    "MachineCycle",
+    "MachinePhase",
     "Outputs",
     "PairContact",
     "Phase",
+    "Rails",
     "Shoe",
     "ShoeLoads",
     "SimulationStopped",
@@ -156,10 +166,12 @@ __all__ = [
     "SweepRun",
     "Terrain",
     "Track",
+    "Undercarriage",
     "Vary",
     "action_table",
     "actions",
     "contacts_by_shoe",
+    "frame_imbalance",
     "history_series",
     "life",
     "mode_figure",
@@ -172,6 +184,7 @@ __all__ = [
     "read_duty",
     "read_sweep",
     "recover_stresses",
+    "roller_loads",
     "run_case",
     "run_sweep",
     "shoe_imbalance",

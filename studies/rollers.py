@@ -14,6 +14,7 @@ import pandas as pd
 from exudyn_crawler import Case, CaseFile, CaseRun, FlexibleShoes, LoadCycle, StepProfile, simulate
 from exudyn_crawler.case import MachineCycle, Undercarriage, ph4100c
 from exudyn_crawler.case.rolled import ground_below
+from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.balance import energy_balance
 from exudyn_crawler.results.stresses import StressResults
 from exudyn_crawler.views.tables import write_table
@@ -28,6 +29,8 @@ PASS_DURATION = 137.0
 """s, after which the rear roller has left the last flexible shoe."""
 CHOICES_DURATION = 8.0
 """s."""
+FOLDED = 1.0
+"""rad, tilt of a shoe beyond which no track is one."""
 MEGA, KILO = 1e6, 1e3
 
 
@@ -189,10 +192,21 @@ def choices() -> dict[str, Case]:
 
 
 def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:
-    """What the open choices do to a rigid machine over some time (s)."""
+    """What the open choices do to a rigid machine over some time (s).
+
+    Where the rollers fold the chain up, for which nothing but friction and tension holds it, the run stops.
+    """
     rows = []
     for name, case in choices().items():
-        history = simulate(case, duration, progress=False)
+        try:
+            history = simulate(case, duration, progress=False)
+        except SimulationStopped as stopped:
+            rows.append({"choice": name, "folds up at s": stopped.time})
+            continue
+        tilt = np.abs(history.angles.sel(axis="y").values).max(axis=1)
+        if tilt.max() > FOLDED:
+            rows.append({"choice": name, "folds up at s": float(history.time[np.argmax(tilt > FOLDED)])})
+            continue
         treads = np.linalg.norm(history.roller_force.values, axis=-1)
         heave = history.side_frame_position.values[:, 2]
         balance = energy_balance(history).isel(time=-1)
@@ -203,7 +217,7 @@ def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:
                 "mean of those that touch in kN": treads[treads > 0.0].mean() / KILO,
                 "mean pull in kN": float(history.drive_pull.mean()) / KILO,
                 "greatest pull in kN": float(history.drive_pull.max()) / KILO,
-                "greatest tilt of a shoe in rad": float(np.abs(history.angles.sel(axis="y")).max()),
+                "greatest tilt of a shoe in rad": float(tilt.max()),
                 "heave of the frame in mm": float(np.ptp(heave)) * KILO,
                 "work of the drive in kJ": float(balance["drive"]) / KILO,
                 "of it rolling resistance in kJ": float(balance["rolling_resistance"]) / KILO,

@@ -5,14 +5,17 @@
 | joints | (joint, 6): force and moment on each joint centre |
 | machine | (2, 3): force spread evenly over the loaded surface; force times its shift to the left, N m |
 | ground | (point, 3): tractions of a grid over the underside |
+| rails | (station, 3): forces at stations of the right rail, then of the left; only if asked for |
 | drive | (3,): force on the pulled node; lacking where none is |
 | inertia | (mode,): momentum of the modes that are integrated |
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array, hstack
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
 from exudyn_crawler.model.drive_point import pulled_node
@@ -35,7 +38,7 @@ from fem import (
     flat_parts,
 )
 
-JOINTS, MACHINE, GROUND, DRIVE, INERTIA = "joints", "machine", "ground", "drive", "inertia"
+JOINTS, MACHINE, GROUND, RAILS, DRIVE, INERTIA = "joints", "machine", "ground", "rails", "drive", "inertia"
 
 GROUND_SPACING = 0.2
 """m, at most, between points of the ground's grid: a fifth of a unit."""
@@ -77,23 +80,61 @@ def rail_stations(mesh: Mesh) -> list[Stations]:
     ]
 
 
-def shoe_fields(case: Case) -> StaticFields:
-    """Static fields of a case's flexible shoes beside all modes of `whole_reduction`; kept like these.
+def rail_loads(stations: Sequence[Stations], rail: int, forces: NDArray, x: NDArray) -> NDArray:
+    """Coordinates (times, stations of all rails, 3) of the family "rails" by forces on one rail.
+
+    A force acts in the middle of the rail's width and makes no moment there; several are added up.
+
+    Parameters
+    ----------
+    stations : sequence of Stations
+        Of `rail_stations`.
+    rail : int
+        Its number among them: 0 for the right one.
+    forces : array (times, 3)
+        N, body axes.
+    x : array (times,)
+        m, body axes.
 
     Raises
     ------
     ValueError
-        If the case has no flexible shoes, or the underside of their mesh is no level rectangle.
+        If there is no such rail, or a force acts beyond its ends.
+    """
+    if not 0 <= rail < len(stations):
+        raise ValueError(f"rail must be in 0..{len(stations) - 1}, got {rail}")
+    parts = [np.zeros((len(forces), one.count, 3)) for one in stations]
+    parts[rail] = stations[rail].coordinates(forces, x)
+    return np.concatenate(parts, axis=1)
+
+
+def shoe_fields(case: Case, rails: bool = False) -> StaticFields:
+    """Static fields of a case's flexible shoes beside all modes of `whole_reduction`; kept like these.
+
+    Parameters
+    ----------
+    rails : bool
+        Whether forces on the rails are among the loads.
+
+    Raises
+    ------
+    ValueError
+        If the case has no flexible shoes, or the underside of their mesh, or a rail, is no level rectangle.
     """
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
     node = pulled_node(case, body.mesh)
-    return _fields(flexible, case.track, node, whole_reduction(case), floating_shoe(case).reduced)
+    return _fields(flexible, case.track, node, whole_reduction(case), floating_shoe(case).reduced, rails)
 
 
 @lru_cache(maxsize=2)
 def _fields(
-    flexible: FlexibleShoes, track: Track, node: int | None, whole: Kept, integrated: ReducedBody
+    flexible: FlexibleShoes,
+    track: Track,
+    node: int | None,
+    whole: Kept,
+    integrated: ReducedBody,
+    rails: bool,
 ) -> StaticFields:
     body, interfaces = shoe_model(flexible, track)
     families = {
@@ -102,6 +143,9 @@ def _fields(
         GROUND: UnitLoads.spread(ground_grid(body.mesh).weights, interfaces),
         INERTIA: UnitLoads.of_inertia(body, integrated.modes, interfaces),
     }
+    if rails:
+        weights = hstack([stations.weights for stations in rail_stations(body.mesh)])
+        families[RAILS] = UnitLoads.spread(csr_array(weights), interfaces)
     if node is not None:
         families[DRIVE] = UnitLoads.spread(np.eye(len(body.mesh.nodes), 1, -node), interfaces)
     return kept_fields(body, whole, families)

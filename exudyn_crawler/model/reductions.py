@@ -68,7 +68,7 @@ def kept_fields(body: "ElasticBody", kept: "Kept", families: "Mapping[str, UnitL
 def reductions_line() -> str:
     """What is kept, in a line."""
     folder = reductions_folder()
-    sizes = [path.stat().st_size for path in folder.glob("[!.]*.h5")]  # a dot before what is being written
-    return (
-        f"{len(sizes)} reduced shoes are kept in {folder} ({sum(sizes) / 1e6:.0f} MB), to be removed at will"
-    )
+    sizes = {path: path.stat().st_size for path in folder.glob("[!.]*.h5")}  # a dot: being written
+    shoes = [path for path in sizes if path.suffixes == [".h5"]]  # their static fields have one more
+    size = sum(sizes.values()) / 1e6
+    return f"{len(shoes)} reduced shoes are kept in {folder} ({size:.0f} MB), to be removed at will"

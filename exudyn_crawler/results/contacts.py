@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.pieces import blocks
 from exudyn_crawler.results.quantities import QUANTITIES
 
 PER_CONTACT = ("normal_force", "friction_force", "friction_torque")
@@ -75,6 +76,8 @@ def terrain_deformation(history: History) -> xr.DataArray:
     Every spring of a unit deforms by the heave and, with opposite signs, by the tilt.
     """
     springs = history.case.terrain.springs_per_unit
-    total = springs * history.unit_heave.sum("unit")
+    # of a history that does not fit into memory, the motion of all units does not either
+    parts = [part.unit_heave.sum("unit") for part in blocks(history.dataset[["unit_heave"]])]
+    total = springs * xr.concat(parts, "time")
     change = total - total.isel(time=0)
     return change.assign_attrs(QUANTITIES["terrain_deformation"].attributes)

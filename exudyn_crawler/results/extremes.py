@@ -1,10 +1,15 @@
 """Least and greatest values of a history: how far everything went, where and when."""
 
+import operator
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.pieces import blocks
 
 COLUMNS = (
     "variable",
@@ -28,21 +33,32 @@ def extremes(history: History) -> pd.DataFrame:
         Columns variable, axis, unit; least and greatest, each with the shoe, joint, unit or contact that it
         is of and the time (s) that it is at. Variables without any number have no row.
     """
-    rows = []
-    for name, values in history.dataset.data_vars.items():
+    rows: dict[tuple[str, str], dict[str, Any]] = {}
+    # part by part, since a variable of a long run may be larger than memory
+    for part in blocks(history.dataset):
+        for name, axis, values in _series(part):
+            new = {"variable": name, "axis": axis, "unit": values.attrs.get("units", "")}
+            row = rows.setdefault((name, axis), new)
+            for which, better in (("least", operator.lt), ("greatest", operator.gt)):
+                found = _extreme(history, values, which)
+                if which not in row or better(found[which], row[which]):
+                    row |= found
+    return pd.DataFrame(list(rows.values()), columns=list(COLUMNS))
+
+
+def _series(part: xr.Dataset) -> Iterator[tuple[str, str, xr.DataArray]]:
+    """Every variable over time, axis by axis, with some number: its name, axis and values."""
+    for name, values in part.data_vars.items():
         if "time" not in values.dims or not np.issubdtype(values.dtype, np.number):
             continue
-        parts = {"": values}
-        if "axis" in values.dims:
-            parts = {str(axis): values.sel(axis=axis) for axis in values.axis.values}
-        for axis, part in parts.items():
-            if bool(part.notnull().any()):
-                found = {"variable": name, "axis": axis, "unit": values.attrs.get("units", "")}
-                rows.append(found | _extreme(history, part, "least") | _extreme(history, part, "greatest"))
-    return pd.DataFrame(rows, columns=list(COLUMNS))
+        loaded = values.load()
+        for axis in loaded.axis.values if "axis" in loaded.dims else ("",):
+            one = loaded.sel(axis=axis) if "axis" in loaded.dims else loaded
+            if bool(one.notnull().any()):
+                yield str(name), str(axis), one
 
 
-def _extreme(history: History, values: xr.DataArray, which: str) -> dict[str, object]:
+def _extreme(history: History, values: xr.DataArray, which: str) -> dict[str, Any]:
     """Extreme value, what it is of and when; the first where there are several."""
     flat = values.argmin(...) if which == "least" else values.argmax(...)
     place = {dim: int(index) for dim, index in flat.items()}

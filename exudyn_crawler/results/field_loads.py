@@ -9,8 +9,6 @@ from exudyn_crawler.results.actions import (
     Action,
     AtDrivePoint,
     AtInterface,
-    OnFrame,
-    OverMass,
     OverRectangle,
     OverSurface,
     actions,
@@ -50,7 +48,7 @@ def field_loads(
 def _add(
     loads: dict[str, NDArray], action: Action, frames: NDArray, joints: list[str], grid: PressureGrid
 ) -> None:
-    """Add the coordinates of one action to those of its family (times, ...)."""
+    """Add the coordinates of one action to those of its family (times, ...); what bends no shoe has none."""
     force = in_body(frames, action.force)
     times = len(force)
     match action.entry:
@@ -69,5 +67,3 @@ def _add(
             pins = [number for number, name in enumerate(joints) if name.startswith("front")]
             if action.where == "front pins":
                 loads[JOINTS].reshape(times, -1, 6)[:, pins, :3] += force[:, None] / len(pins)
-        case OnFrame() | OverMass():
-            pass

@@ -23,8 +23,9 @@ PORTIONS = 8
 """Steps in which a profile rises where Newton's method finds no rest on all of it at once."""
 FIRST_DEPTH = 1e-5
 """m, of all rollers in their rails to start from: enough to be felt."""
-OIL_SPEED = 0.02
-"""m/s, more than shoes slip that creep: friction is nearly in proportion to the slip below it."""
+OIL_SPEEDS = (0.02, 0.1, 0.5)
+"""m/s, tried in this order: up to which friction holds creeping shoes in proportion to their slip. With more
+oil shoes creep further and Newton's method fails less."""
 
 RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
 """s, s and number: duration, step and most repetitions of the damped motion on uneven ground."""
@@ -77,7 +78,7 @@ def _compiled_rest(case: Case) -> NDArray:
     guess = _first_guess(system)
     try:
         if case.undercarriage is not None:
-            return crept(compiled_system(_oiled(case)), guess)
+            return _crept(case, guess)
         return rest(system, guess, RESIDUAL, ITERATIONS)
     except NewtonError as failed:
         if case.terrain.profile is None or case.undercarriage is not None:
@@ -101,10 +102,20 @@ def _on_rising_ground(case: Case) -> NDArray:
     return found
 
 
-def _oiled(case: Case) -> Case:
-    """Same case with friction that does not fall with the slip, so that creeping shoes find their rest."""
+def _crept(case: Case, guess: NDArray) -> NDArray:
+    """Where a track under a side frame creeps to, with as little oil as lets it."""
+    for speed in OIL_SPEEDS[:-1]:
+        try:
+            return crept(compiled_system(_oiled(case, speed)), guess)
+        except NewtonError:
+            continue
+    return crept(compiled_system(_oiled(case, OIL_SPEEDS[-1])), guess)
+
+
+def _oiled(case: Case, speed: float) -> Case:
+    """Same case with friction nearly in proportion to the slip up to a speed (m/s), and even beyond."""
     contact = case.pair_contact()
-    oil = {"stiction_speed": OIL_SPEED, "friction_speed": 2.0 * OIL_SPEED}
+    oil = {"stiction_speed": speed, "friction_speed": 2.0 * speed}
     return case.with_(contact=contact.with_(dynamic_friction=contact.static_friction, **oil))
 
 

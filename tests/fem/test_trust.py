@@ -57,7 +57,7 @@ def test_estimates_follow_true_errors() -> None:
     greatest = []
     for count in (1, 2, 4, 8):
         true, estimated = true_error(cylinder((count, 2 * count, 1)))
-        assert 0.5 < estimated.max() / true.max() < 5.0
+        assert 0.6 < estimated.max() / true.max() < 1.4
         greatest.append(estimated.max())
     assert (np.diff(np.log2(greatest)) < -0.7).all()
 
@@ -69,10 +69,10 @@ def test_no_error_where_elements_agree(beam: fem.ElasticBody) -> None:
 
 
 def test_a_mesh_made_too_coarse_is_caught() -> None:
-    """The same bore, greatest stress of one load: one element through the wall, and eight."""
+    """The same bore, greatest stress of one load: one element in all, and eight through the wall."""
     verdicts = {}
     for count in (1, 8):
-        mesh = cylinder((count, 2 * count, 1))
+        mesh = cylinder((count, 2 * count - 1, 1))
         u = projected(mesh)
         stress = fem.ElasticBody(mesh, STEEL).stress(u[:, :, None])
         holds = fem.Interface("far", (0.0, OUTER, 0.01), np.flatnonzero(mesh.nodes[:, 0] < 1e-9))
@@ -114,7 +114,7 @@ def peak(**changes: float | str) -> pd.DataFrame:
         ({"value": -100.0}, {"truncation": 1.5}, "good to 10 %"),
         ({}, {"truncation": 1.0, "spread": [15.0], "choice": 6.0}, "good to 30 %"),
         ({}, {"truncation": 0.0, "spread": 60.0}, "open by more than 50 %"),
-        ({"error": 16.0}, {"truncation": 0.0}, "mesh-limited: refine here"),
+        ({"error": 21.0}, {"truncation": 0.0}, "mesh-limited: refine here"),
         ({"jump": 60.0}, {"truncation": 0.0}, "mesh-limited: refine here"),
         ({"flag": "beside spider"}, {"truncation": 0.0}, "good to 5 %"),
         ({"flag": "in spider", "error": 16.0}, {}, "inside a spider: do not use"),

@@ -8,7 +8,7 @@ import xarray as xr
 from exudyn_crawler import History
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import shoe_model
-from exudyn_crawler.model.load_places import ground_grid, rail_stations, shoe_fields
+from exudyn_crawler.model.load_places import RAILS, ground_grid, rail_loads, rail_stations, shoe_fields
 from exudyn_crawler.results.actions import OverRectangle, actions
 from exudyn_crawler.results.field_loads import field_loads
 from exudyn_crawler.results.modal_coordinates import coordinates_and_momentum, modal_loads, stress_basis
@@ -16,7 +16,7 @@ from exudyn_crawler.results.node_stress import node_stress
 from exudyn_crawler.results.shoe_loads import at_instant, patch_weights, shoe_loads
 from exudyn_crawler.results.stress_columns import SHARE, StressColumns, columns_by_load, stress_columns
 from exudyn_crawler.results.stresses import recover_stresses
-from fem import Partition
+from fem import Partition, field_columns
 from fem.stress import von_mises
 
 Run = tuple[History, xr.Dataset, dict[int, pd.DataFrame]]
@@ -108,6 +108,42 @@ def test_results_and_single_nodes_have_the_same_fields(with_fields: History, fle
         assert (tables[shoe]["verdict"].str.contains("truncation") == good).all()
     off = np.abs(found.dataset.peak_von_mises - plain.peak_von_mises) / plain.peak_von_mises.max("node")
     assert 0.002 < float(off.max()) < 0.5
+
+
+def test_forces_on_rails_become_coordinates(with_fields: History) -> None:
+    """Each rail has its own stations, whose forces are those on it."""
+    stations = rail_stations(stress_basis(with_fields).whole.mesh)
+    forces = np.random.default_rng(7).standard_normal((4, 3))
+    x = np.linspace(-0.2, 0.25, 4)
+    for rail, own in ((0, slice(stations[0].count)), (1, slice(stations[0].count, None))):
+        found = rail_loads(stations, rail, forces, x)
+        np.testing.assert_allclose(found.sum(axis=1), forces, atol=1e-12)
+        places = np.concatenate([one.positions for one in stations])
+        np.testing.assert_allclose(np.einsum("s,tsc->tc", places, found), x[:, None] * forces, atol=1e-12)
+        found[:, own] = 0.0
+        assert not found.any()
+    with pytest.raises(ValueError, match=r"rail must be in 0..1, got 2"):
+        rail_loads(stations, 2, forces, x)
+
+
+@pytest.mark.slow
+def test_a_force_at_a_station_of_a_rail_has_its_full_static_answer(with_fields: History) -> None:
+    case = with_fields.case
+    body, interfaces = shoe_model(case.flexible_shoes(), case.track)
+    whole = stress_basis(with_fields).whole
+    fields = shoe_fields(case, rails=True)
+    stations = rail_stations(body.mesh)
+    force = np.array([[0.1e6, 0.05e6, -1e6]])
+    at = stations[1].positions[[5]]
+    loads = fields.coordinates({RAILS: rail_loads(stations, 1, force, at)})
+    columns = field_columns(body, fields, [loads])
+    q = loads @ fields.work / (2.0 * np.pi * whole.frequencies) ** 2
+    found = columns.beside(whole).stress(np.hstack((q, loads @ columns.turn)))[0]
+    nodal = np.outer(stations[1].weights_at(at).toarray(), force).reshape(-1, 1)
+    u = Partition(body, interfaces).static_response(nodal)
+    exact = body.stress(u.reshape(-1, 3, 1))[:, :, 0]
+    assert von_mises(found - exact).max() < 1e-6 * von_mises(exact).max()
+    assert von_mises(whole.stress(q)[0] - exact).max() > 0.1 * von_mises(exact).max()
 
 
 def test_places_of_loads_cover_a_shoe(with_fields: History) -> None:

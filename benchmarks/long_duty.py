@@ -1,0 +1,88 @@
+"""Memory of a long duty: ``python -m benchmarks.long_duty [SECONDS]``.
+
+Three rigid shoes go to and fro under changing loads; stages go to disk as they end, so that memory should not
+grow with the simulated time. Prints the process's memory at each checkpoint, its growth a simulated second by
+a straight line over the second half, and what an hour of the papers' track would come to by that, which is an
+extrapolation: the size of a stored state is that of 13 shoes in place of 3.
+"""
+
+import resource
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler import Case, CaseFile, Drive, History, LoadCycle, Outputs, StepProfile, run_case
+from exudyn_crawler.run.checkpoints import Checkpoint, Checkpoints, KeptStage
+from exudyn_crawler.views.tables import print_table
+
+SHOES, PERIOD, STAGE = 3, 4.0, 2.5
+"""Number; s, of the way to and fro and of a stage."""
+HOUR = 3600.0
+
+
+def duty(duration: float) -> Case:
+    """Track of few shoes that goes forth and back at 5 cm/s."""
+    base = Case.translation()
+    times = np.arange(0.0, duration + PERIOD, 0.5 * PERIOD)
+    speeds = 0.05 * np.where(np.arange(len(times)) % 2, 1.0, -1.0)
+    speeds[0] = 0.0
+    return base.with_(
+        name="long duty",
+        track=base.track.with_(shoe_count=SHOES),
+        loads=LoadCycle.propel(SHOES),
+        drive=Drive(speed=StepProfile(times=tuple(times), values=tuple(speeds)), on=((0.0, duration),)),
+        solver=base.solver.with_(checkpoint_interval=STAGE),
+    )
+
+
+def memory() -> float:
+    """Resident memory of this process, MB."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * resource.getpagesize() / 1e6
+
+
+def run(duration: float) -> tuple[pd.DataFrame, int]:
+    """Memory over simulated time: columns time in s and MB; and the bytes of the history in memory."""
+    found: list[tuple[float, float]] = []
+    save = Checkpoints.save
+
+    def noted(self: Checkpoints, case: Case, checkpoint: Checkpoint) -> KeptStage:
+        kept = save(self, case, checkpoint)
+        found.append((checkpoint.time, memory()))
+        return kept
+
+    nothing = Outputs(figures=False, pictures=False, paraview=False, tables=False, forces=False)
+    Checkpoints.save = noted  # type: ignore[method-assign]
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            case_file = CaseFile(case=duty(duration), duration=duration, outputs=nothing)
+            history: History = run_case(case_file, folder, progress=False).history
+            size = history.dataset.nbytes
+            found.append((duration, memory()))
+    finally:
+        Checkpoints.save = save  # type: ignore[method-assign]
+    return pd.DataFrame(found, columns=["time in s", "MB"]), size
+
+
+def main() -> None:
+    """Run, and tell."""
+    duration = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
+    table, size = run(duration)
+    print_table(
+        table, f"{SHOES} rigid shoes, {duration:g} s; the last row is after the history was assembled"
+    )
+    late = table[:-1][table["time in s"][:-1] > 0.5 * duration]
+    growth = float(np.polyfit(late["time in s"], late["MB"], 1)[0])
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+    print(
+        f"growth while running: {1e3 * growth:.1f} kB a simulated second; peak of the process {peak:.0f} MB"
+    )
+    print(f"history in memory: {size / 1e6:.0f} MB, read from disk when asked for beyond 1000 MB")
+    print(f"an hour at this growth: {table['MB'].iloc[-2] + growth * (HOUR - duration):.0f} MB")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+"""Study of rolling propel: its cases, regions of a shoe, and a reduced run."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case
+from meshes import mesh_named
+from studies.rollers import FLEXIBLE, choices, highest_by_region, region_of, study, study_cases
+
+
+def test_pass_begins_behind_the_flexible_shoes_and_ends_beyond_them():
+    whole = study_cases("coarse")["pass"]
+    case, frame = whole.case, whole.case.undercarriage
+    places = case.track.first_com[0] + (np.array(FLEXIBLE) - 1) * case.track.pitch
+    rails = case.shoe.rails
+    assert frame.start + frame.rollers[-1] < places[0] + rails.rear
+    end = frame.start + case.drive.travel(whole.duration)
+    assert end + frame.rollers[0] > places[-1] + rails.front
+
+
+def test_machine_digs_above_the_flexible_shoes():
+    case = study_cases("coarse")["loading"].case
+    middle = case.track.first_com[0] + (np.mean(FLEXIBLE) - 1) * case.track.pitch
+    assert case.undercarriage.start == pytest.approx(middle, abs=0.1)
+    assert case.machine.phases[0].end == 0.0
+
+
+def test_regions_are_where_their_surfaces_are():
+    mesh, case = mesh_named("coarse"), Case.rolled()
+    regions = region_of(mesh.nodes, case)
+    assert set(regions) == {"roller path", "lugs", "web", "wings"}
+    assert set(regions[mesh.nodes_of("rails")]) == {"roller path"}
+    for name in case.track.joint_centers:
+        assert set(regions[mesh.nodes_of(f"bore {name}")]) == {"lugs"}
+
+
+def test_open_choices_differ_from_what_is_chosen_by_one_thing():
+    cases = choices()
+    chosen = cases.pop("as it is").undercarriage.model_dump()
+    for name, case in cases.items():
+        changed = [key for key, value in case.undercarriage.model_dump().items() if value != chosen[key]]
+        assert len(changed) == 1, name
+
+
+@pytest.mark.slow
+@pytest.mark.simulation
+def test_reduced_study_finds_stresses_in_all_regions():
+    runs, regions = study(None, "coarse", duration=0.3, progress=False)
+    assert list(runs) == ["pass", "loading", "dragged"]
+    assert (regions["von Mises in MPa"] > 0.0).all()
+    assert set(regions["region"]) == {"roller path", "lugs", "web", "wings"}
+    loading = runs["loading"]
+    again = highest_by_region(loading.recovered(), loading.history.case)
+    assert again["von Mises in MPa"].iloc[0] == regions["von Mises in MPa"].iloc[4]
