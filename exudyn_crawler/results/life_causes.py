@@ -22,6 +22,7 @@ LOADS = {
     "machine": "machine load",
     "contact": "ground",
     "roller": "rollers",
+    "rails": "rollers",
 }
 """Words for kinds of actions and families of loads; others are their own."""
 SHARE = "share of "
