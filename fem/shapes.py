@@ -68,10 +68,8 @@ class Shapes:
 
     Parameters
     ----------
-    mesh : Mesh
-    material : Material
-    interfaces : tuple of Interface
-        Attachment points.
+    mesh, material, interfaces
+        As of `reduced.ReducedBody`.
     modes : columns (n, 3, m)
         Displacement in m per unit of a coordinate.
     stress_modes : columns (n, 6, m)
