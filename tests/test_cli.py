@@ -24,6 +24,7 @@ COMMANDS = (
     "forces",
     "stress",
     "uneven",
+    "rollers",
     "verify",
     "init",
     "run",
