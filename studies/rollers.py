@@ -185,7 +185,7 @@ def choices() -> dict[str, Case]:
         "radius 0.3 m": frame.with_(radius=0.3),
         "stiffness x 10": frame.with_(stiffness=10.0 * frame.stiffness),
         "rolling resistance 0.1": frame.with_(rolling_resistance=0.1),
-        "end tension 0.5 MN": frame.with_(end_tension=5e5),
+        "no end tension": frame.with_(end_tension=0.0),
         "tumbler in front": frame.with_(tumbler=-frame.tumbler),
     }
     return {name: case.with_(name=name, undercarriage=one) for name, one in changed.items()}

@@ -25,6 +25,7 @@ COMMANDS = (
     "forces",
     "stress",
     "uneven",
+    "rollers",
     "verify",
     "init",
     "run",
@@ -315,7 +316,8 @@ def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("study", "duration"), [("kinematics", 10.0), ("forces", 10.0), ("stress", 40.0), ("uneven", 10.0)]
+    ("study", "duration"),
+    [("kinematics", 10.0), ("forces", 10.0), ("stress", 40.0), ("uneven", 10.0), ("rollers", 10.0)],
 )
 def test_every_study_has_a_case_to_start_from(call, tmp_path, study, duration):
     assert call("init", "own", "--study", study)[0] == 0

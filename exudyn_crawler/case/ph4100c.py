@@ -172,7 +172,9 @@ UNDERCARRIAGE: Mapping[str, Any] = {
     "rolling_resistance": 0.03,  # Open: a few per cent
     "resistance_speed": 5.0e-3,  # m/s. Chosen here: a twentieth of the propel speed
     "tumbler": -5.0,  # m. Open: at the rear
-    "end_tension": 0.0,  # N. Open: none
+    # N. Open. Chosen here: an open chain without tension may fold up under the rollers, where a machine's is
+    # held by its wheels
+    "end_tension": 5.0e5,
 }
 """Side frame, lower rollers and drive of one track."""
 
