@@ -26,6 +26,7 @@ COMMANDS = (
     "stress",
     "uneven",
     "rollers",
+    "shovel-life",
     "verify",
     "init",
     "run",

@@ -171,7 +171,8 @@ def test_nothing_outside_the_folder_is_removed(tmp_path):
 
 def test_the_case_of_another_run_is_refused_and_the_authors_own_file_kept(tmp_path):
     own = tmp_path / "case.toml"
-    text = 'base = "turning" # mine\nduration = 0.05\n[outputs]\nfigures = false\n'
+    quiet = "figures = false\npictures = false\nparaview = false\n"
+    text = f'base = "turning" # mine\nduration = 0.05\n[outputs]\n{quiet}'
     own.write_text(text)
     with pytest.raises(FileExistsError, match=r"case\.toml is the case of another run"):
         run_case(CaseFile(case=Case.translation(), duration=0.05), tmp_path)
