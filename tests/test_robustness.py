@@ -146,7 +146,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, pla
     assert done.stderr.count("\n") == 1
 
 
-@pytest.mark.simulation
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
     (tmp_path / "case.toml").write_text(SHORT.replace("0.05", "20.0"))

@@ -143,7 +143,7 @@ def moving_load_response(terrain, formulation):
     return np.array(heaves)
 
 
-@pytest.mark.simulation
+@pytest.mark.slow
 def test_both_formulations_answer_a_moving_load_alike():
     terrain = GRIDS["coarse"]
     reduced, full = (moving_load_response(terrain, one) for one in ("reduced", "constrained"))

@@ -89,6 +89,7 @@ def stiff_and_rigid(folder, point):
     return simulate(stiff.with_(shoe=shoe), 0.2), simulate(stiff.with_(shoe=shoe, flexible=None), 0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("point", ["frame", "front pins"])
 @pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 def test_a_shoe_a_thousand_times_stiffer_follows_the_rigid_one(tmp_path, point):

@@ -87,6 +87,7 @@ def relative_difference(one, exact):
     return float(np.sqrt(np.mean((one - exact) ** 2) / np.mean(exact**2)))
 
 
+@pytest.mark.slow
 def test_a_simply_supported_shoe_with_a_mode_for_its_load_is_the_full_model(full):
     displacement, stress = in_engine(supported_case(load_mode=True))
     assert np.abs(full[0][:, 2]).max() > 3e-5

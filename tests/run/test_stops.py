@@ -239,6 +239,7 @@ def random_stops(case_file, folder, count, seed):
     assert len(trials) == count
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_the_command_finishes_what_a_signal_stopped(tmp_path):
     random_stops(RIGID.with_(outputs=QUIET), tmp_path, 3, 5)

@@ -66,6 +66,7 @@ def test_results_are_not_overwritten_unasked(folder):
     assert (folder / "comparison.csv").stat().st_mtime_ns == before
 
 
+@pytest.mark.slow
 def test_results_are_overwritten_when_asked(tmp_path):
     kinematics_study(tmp_path, duration=0.02)
     (tmp_path / "notes.txt").write_text("mine")
@@ -101,6 +102,7 @@ def test_an_output_folder_under_a_file_is_one_line_and_exit_code_2(tmp_path):
     assert refused.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_both_cases_are_drawn_against_each_other(tmp_path):
     runs, table = kinematics_study(tmp_path, duration=0.02)
     assert list(runs) == ["translation", "turning"]

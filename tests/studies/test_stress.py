@@ -194,6 +194,7 @@ def test_a_mesh_without_bores_is_refused(tmp_path):
         stress_study(case=case.with_(flexible=case.flexible.with_(mesh=str(path))), duration=0.1)
 
 
+@pytest.mark.slow
 def test_quiet_steps_lose_nothing_of_slow_loading():
     """Dig to swing in the paper's time, without the drive: 10 ms steps against 2 ms."""
     case = Case.stress("coarse")

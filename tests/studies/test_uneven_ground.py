@@ -188,6 +188,7 @@ def test_ground_without_rest_is_named():
         static_equilibrium(case)
 
 
+@pytest.mark.slow
 def test_study_runs_as_a_script(tmp_path):
     command = [
         sys.executable,

@@ -183,6 +183,7 @@ def test_the_case_is_listed_with_units(flexible_run, tmp_path):
         assert "<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" in page
 
 
+@pytest.mark.slow
 def test_a_long_stress_study_stays_below_the_limit(flexible_run, stress_folder, tmp_path):
     """20 000 stored times of all shoes with many wiggles, eight chosen times of six shoes."""
     history, stress, _ = flexible_run

@@ -212,6 +212,7 @@ def test_pictures_and_rows_can_be_chosen(reader):
     assert all(rows.nth(k).is_visible() for k in range(rows.count()))
 
 
+@pytest.mark.slow
 def test_a_narrow_screen_needs_no_scrolling_sideways(browser, stress_folder, tmp_path):
     reader = Reader(browser, write_report(stress_folder, tmp_path / "report.html"))
     reader.page.set_viewport_size({"width": 400, "height": 800})
