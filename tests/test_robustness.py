@@ -60,6 +60,7 @@ def read_or_refused(path):
     return None
 
 
+@pytest.mark.simulation
 @OLD_KEYS
 @SAME_FOLDER
 @given(content=TOML, head=st.sampled_from(["", 'base = "translation"\n', 'base = "turning"\n']))
@@ -80,6 +81,7 @@ def test_any_bytes_are_a_case_or_refused(tmp_path, content):
     assert read_or_refused(path) is None
 
 
+@pytest.mark.simulation
 @OLD_KEYS
 @SAME_FOLDER
 @given(st.data())
@@ -134,6 +136,7 @@ def test_a_file_that_finds_no_room_is_one_line_and_leaves_nothing_half(tmp_path,
         assert read_case(tmp_path / "out" / "case.toml").duration == 0.05
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("place", ["file", "file/below", "/proc/nowhere"])
 def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, place):
     if place.startswith("/proc") and not os.path.isdir("/proc/self"):

@@ -56,6 +56,7 @@ def refused(read, tmp_path):
     return refused
 
 
+@pytest.mark.simulation
 @SAME_FOLDER
 @given(case_files())
 def test_what_is_written_is_read_back(tmp_path, case_file):
@@ -66,6 +67,7 @@ def test_what_is_written_is_read_back(tmp_path, case_file):
     assert path.read_bytes() == text
 
 
+@pytest.mark.simulation
 @SAME_FOLDER
 @given(st.sampled_from(BASES).flatmap(changed))
 def test_a_case_survives_a_history_and_knows_its_equals(case):

@@ -301,6 +301,7 @@ def test_the_load_is_an_even_share_of_the_machine_and_sinks_a_shoe_by_the_papers
     assert math.sqrt(weight / PairContact.oil_sand().stiffness) == pytest.approx(0.0657, abs=1e-4)
 
 
+@pytest.mark.simulation
 def test_a_shoe_has_the_mass_and_inertia_of_a_solid():
     shoe = Shoe.ph4100c()
     assert shoe.mass == pytest.approx(0.5966 * 7847.25, rel=1e-4)

@@ -102,6 +102,7 @@ def test_links_lead_somewhere(page):
     assert not broken
 
 
+@pytest.mark.simulation
 def test_api_reference_tells_units_of_parameters_and_sections_of_docstrings(tmp_path):
     # a process of its own: building changes the parameter classes
     command = [sys.executable, "-W", "error", "-m", "docs.build_api", str(tmp_path)]

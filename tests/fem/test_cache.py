@@ -25,6 +25,7 @@ print(kept.found, len(kept.body.frequencies))
 """
 
 
+@pytest.mark.simulation
 def test_a_reduction_is_taken_only_if_all_matches(tmp_path: Path, beam: fem.ElasticBody) -> None:
     ends = beam_interfaces(beam)
     first = fem.cached_craig_bampton(tmp_path, beam, ends, 4)
@@ -55,6 +56,7 @@ def test_a_reduction_is_taken_only_if_all_matches(tmp_path: Path, beam: fem.Elas
     assert len(fem.kept_reductions(tmp_path)) == 7
 
 
+@pytest.mark.simulation
 def test_two_processes_that_want_the_same_at_once(tmp_path: Path, small: fem.ReducedBody) -> None:
     """One of them reduces, the other waits and takes it; neither sees half a file."""
     given = tmp_path / "beam.h5"

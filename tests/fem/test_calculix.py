@@ -18,6 +18,7 @@ def test_first_twenty_elastic_frequencies(shoe: fem.ElasticBody) -> None:
     np.testing.assert_allclose(found, reference["frequencies"][6:], rtol=1e-3)
 
 
+@pytest.mark.simulation
 def test_von_mises_stress_away_from_the_bores(shoe: fem.ElasticBody) -> None:
     reference = json.loads(REFERENCE.read_text())
     displacement = shoe.displacement_under(pull_forces(shoe).reshape(-1, 1)).reshape(-1, 3, 1)

@@ -34,6 +34,7 @@ def result(folder: Path, before: str = "") -> str:
     return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
 
 
+@pytest.mark.simulation
 def test_a_kept_function_notices_a_change_of_what_it_calls(tmp_path):
     (tmp_path / "outer.py").write_text(OUTER)
     (tmp_path / "inner.py").write_text(INNER.format(factor="2.0"))
@@ -45,6 +46,7 @@ def test_a_kept_function_notices_a_change_of_what_it_calls(tmp_path):
     assert result(tmp_path).startswith("16.0 1 ")
 
 
+@pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
 def test_a_function_that_finds_no_room_to_be_kept_is_compiled_all_the_same(tmp_path):
     (tmp_path / "outer.py").write_text(OUTER)

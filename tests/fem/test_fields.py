@@ -187,6 +187,7 @@ def test_extremes_and_hot_spots_take_fields_as_more_columns(
     assert top["jump"] == pytest.approx(jump[top["node"]])
 
 
+@pytest.mark.simulation
 def test_fields_are_kept_by_all_that_they_depend_on(tmp_path: Path, beam: fem.ElasticBody) -> None:
     ends = beam_interfaces(beam)
     kept = fem.cached_craig_bampton(tmp_path, beam, ends, 4)

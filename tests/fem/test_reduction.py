@@ -106,6 +106,7 @@ def test_averaging_spider_keeps_the_bodys_own_stiffness(beam: fem.ElasticBody) -
     assert np.abs(tied - free).max() < 1e-9 * np.abs(free).max()
 
 
+@pytest.mark.simulation
 def test_frequencies_converge_from_above(beam: fem.ElasticBody) -> None:
     interfaces = beam_interfaces(beam)
     full = fem.craig_bampton(beam, interfaces, fem.Partition(beam, interfaces).of_rest.shape[1])

@@ -87,6 +87,7 @@ def test_a_mesh_made_too_coarse_is_caught() -> None:
     assert verdicts[8][1] < 0.05
 
 
+@pytest.mark.simulation
 def test_a_coarse_shoe_is_caught(shoe: fem.ElasticBody, partition: fem.Partition) -> None:
     """Peaks under a pull on its rear pins lie a sixth and more below a fine mesh's (`docs/fem.md`)."""
     pull = {f"rear {side}": [-1.3e6, 0.0, 0.0] for side in ("right", "left")}

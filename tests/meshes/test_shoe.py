@@ -71,6 +71,7 @@ def test_first_free_free_mode_bends_the_shoe_at_178_hz() -> None:
     assert up[wings].mean() * up[middle].mean() < 0.0
 
 
+@pytest.mark.simulation
 def test_neighbours_do_not_overlap() -> None:
     # not the coarse mesh: its chords cut more than the clearances off throat and nose
     mesh = meshes.shoe_mesh("study")

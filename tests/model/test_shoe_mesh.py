@@ -50,6 +50,7 @@ def test_a_mesh_without_a_surface_is_refused_before_anything_is_written(tmp_path
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.simulation
 def test_a_shoe_as_its_mesh_has_it():
     shoe = Shoe.from_mesh(MESH)
     assert shoe == Shoe.from_mesh("coarse")

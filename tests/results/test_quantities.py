@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import exudyn_crawler.results
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.quantities import QUANTITIES
@@ -31,6 +33,7 @@ def test_every_quantity_has_a_name_of_its_own_and_a_label():
         assert quantity.long_name
 
 
+@pytest.mark.simulation
 def test_results_are_read_without_the_engine():
     modules = sorted(path.stem for path in Path(exudyn_crawler.results.__file__).parent.glob("[a-z]*.py"))
     assert "from_states" in modules
