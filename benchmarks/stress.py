@@ -13,6 +13,7 @@ import pandas as pd
 
 from benchmarks.split import print_split
 from exudyn_crawler import Case, Drive, LoadCycle, simulate
+from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.state import RATES
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.from_states import history_of
@@ -24,7 +25,7 @@ from exudyn_crawler.run.equilibrium import static_equilibrium
 from exudyn_crawler.run.integration import integrate_from
 from exudyn_crawler.views.stress_figures import stress_figures
 from exudyn_crawler.views.tables import print_table
-from fem import recover_extremes
+from fem import ReducedBody, recover_extremes
 from studies.stress_comparison import compare_stresses
 
 WINDOW = 0.1
@@ -84,12 +85,22 @@ def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarra
     few, all_modes = build(history.case).layout, build(whole).layout
     names = ["time", "multipliers"] + [f"{part}{rate}" for part in ("shoes", "terrain") for rate in RATES]
     parts = {name: few.part(state, name) for name in names}
-    parts["modes"] = np.array(
-        [whole_coordinates(history, basis, shoe)[0] for shoe in history.case.flexible_shoes().shoes]
+    # stress is made of one mode more, that of the drive's node, which is not integrated
+    turn = _products(basis.whole, floating_shoe(whole).reduced, whole)
+    parts["modes"] = (
+        np.array([whole_coordinates(history, basis, shoe)[0] for shoe in history.case.flexible_shoes().shoes])
+        @ turn
     )
     for rate in RATES[1:]:
-        parts[f"modes{rate}"] = few.part(state, f"modes{rate}") @ basis.inside.T
+        parts[f"modes{rate}"] = few.part(state, f"modes{rate}") @ basis.inside.T @ turn
     return all_modes.pack(parts)
+
+
+def _products(first: ReducedBody, second: ReducedBody, case: Case) -> np.ndarray:
+    """Products of two bodies' modes by mass: array (first, second)."""
+    body, _ = shoe_model(case.flexible_shoes(), case.track)
+    modes = [one.modes.reshape(-1, len(one.frequencies)) for one in (first, second)]
+    return modes[0].T @ (body.mass_matrix @ modes[1])
 
 
 def _peaks(history: History) -> dict[int, float]:
