@@ -97,6 +97,7 @@ def test_a_simply_supported_shoe_with_a_mode_for_its_load_is_the_full_model(full
     assert relative_difference(stress, full[1]) < 0.01
 
 
+@pytest.mark.slow
 def test_the_94_modes_lose_what_the_load_bends_between_them(full):
     """Measured: 0.3 % of the displacements and 2 % of the stresses in the mean, 0.3 % of the greatest."""
     displacement, stress = in_engine(supported_case())

@@ -43,6 +43,7 @@ def test_pieces_of_nothing_count_for_nothing(parted):
     assert joined([nothing, *map(Piece.of, parts)]).identical(whole)
 
 
+@pytest.mark.slow
 def test_writing_takes_no_more_memory_for_more_pieces(translation, tmp_path):
     part = translation.dataset.isel(time=slice(100))
 

@@ -193,6 +193,7 @@ def test_a_stopped_run_is_recorded_with_its_reason(tmp_path):
     assert "Traceback" in (tmp_path / "run.log").read_text()
 
 
+@pytest.mark.slow
 def test_a_study_keeps_a_folder_a_case_and_a_record_of_all(tmp_path):
     kinematics, forces = tmp_path / "kinematics", tmp_path / "forces"
     kinematics_study(kinematics, ["translation"], duration=0.01)

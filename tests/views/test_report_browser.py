@@ -147,6 +147,7 @@ def test_a_click_in_the_legend_hides_a_shoe_on_all_axes(reader):
     assert hidden == [name == names[0] for name in names]
 
 
+@pytest.mark.slow
 def test_the_time_of_the_shoes_can_be_chosen(reader, flexible_run):
     _, stress, _ = flexible_run
     used = np.unique(stress.triangle.values)
@@ -222,6 +223,7 @@ def test_a_narrow_screen_needs_no_scrolling_sideways(browser, stress_folder, tmp
     assert width <= 400
 
 
+@pytest.mark.slow
 def test_cases_can_be_compared(browser, rigid_folders, tmp_path):
     reader = Reader(browser, write_report(rigid_folders[0], tmp_path / "report.html"))
     turning = History.load(rigid_folders[0] / "turning" / "history.nc")
