@@ -80,6 +80,8 @@ def faults_named(path: Path, kind: type[BaseModel]) -> Iterator[None]:
         yield
     except ValidationError as error:
         raise CaseFileError(path, list(faults(error, kind))) from error
+    except CaseFileError:  # of another file that this one names
+        raise
     except (ValueError, RecursionError) as error:
         raise CaseFileError(path, [str(error)]) from error
 

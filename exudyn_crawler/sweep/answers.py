@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 import xarray as xr
-from pydantic import Field, model_validator
+from pydantic import Field, TypeAdapter, model_validator
 
 from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.base import quantity as measured
@@ -171,6 +171,9 @@ class HotSpot(AnyAnswer):
 
 Answers = Annotated[Answer | HotSpot | Life, Field(discriminator="model")]
 """Every kind of answer; another one is a class like these, and stands here."""
+
+ANSWERS: TypeAdapter[tuple[Answers, ...]] = TypeAdapter(tuple[Answers, ...])
+"""Reads and writes answers as JSON."""
 
 
 def _items(name: str, case: Case) -> tuple[str, tuple[int, ...]]:

@@ -1,19 +1,15 @@
 """Sweep files: TOML with the case, what of it varies, the design and the answers."""
 
-import json
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from exudyn_crawler.case import Case, CaseFile, read_case
-from exudyn_crawler.case.faults import faults
 from exudyn_crawler.case.fields import BASE, TAG, named_values
-from exudyn_crawler.case.files import case_of, with_base
+from exudyn_crawler.case.files import case_of, faults_named, from_content, with_base
 from exudyn_crawler.case.toml import toml_content
-from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.results.fatigue_material import FatigueMaterial
 from exudyn_crawler.sweep.definition import Sweep
+from exudyn_crawler.sweep.paths import content_of
 from meshes import SHOE_SIZES
 
 MESH = "flexible.mesh"
@@ -33,23 +29,17 @@ def read_sweep(path: str | Path) -> Sweep:
         Naming everything at fault by its path, and what is allowed there.
     """
     path = Path(path)
-    try:
+    with faults_named(path, Sweep):
         content = toml_content(path, "sweep file")
         if "case" not in content:
             raise ValueError("case must be a case file, the name of a case, or a table of one")
         case_file = _case(content["case"], path)
         for one in content["vary"] if isinstance(content.get("vary"), list) else ():
             _resolve_meshes(one, path.parent)
-        whole = content | {"case": json.loads(case_file.model_dump_json())}
+        whole = content | {"case": content_of(case_file)}
         if isinstance(content.get("answers"), list):
             whole["answers"] = [_answer(one, number) for number, one in enumerate(content["answers"])]
-        return Sweep.model_validate_json(json.dumps(whole, default=str), strict=True)
-    except ValidationError as error:
-        raise CaseFileError(path, list(faults(error, Sweep))) from error
-    except CaseFileError:
-        raise
-    except (ValueError, RecursionError) as error:
-        raise CaseFileError(path, [str(error)]) from error
+        return from_content(Sweep, whole)
 
 
 def _case(given: Any, path: Path) -> CaseFile:

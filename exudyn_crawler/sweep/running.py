@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pandas as pd
 import xarray as xr
-from pydantic import TypeAdapter
 
 from exudyn_crawler.case import write_case
 from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
@@ -16,7 +15,7 @@ from exudyn_crawler.run.folder import held
 from exudyn_crawler.run.keeper import Keeper, quiet, recorded
 from exudyn_crawler.run.progress import progress_bar
 from exudyn_crawler.run.record import earlier_record
-from exudyn_crawler.sweep.answers import Answers
+from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.estimate import estimate
 from exudyn_crawler.sweep.page import write_page
@@ -29,8 +28,6 @@ RUNS = "runs"
 BASE_CASE, DEFINITION = "base.toml", "sweep.json"
 TABLE, COLUMNS, DATASET = "results.csv", "results.parquet", "results.nc"
 REDUCTIONS = "reductions"
-
-_answers: TypeAdapter[tuple[Answers, ...]] = TypeAdapter(tuple[Answers, ...])
 
 
 @dataclass(frozen=True)
@@ -204,7 +201,7 @@ def _missing(
     sweep: Sweep, planned: tuple[PlannedRun, ...], found: dict[str, Outcome], retry: bool
 ) -> dict[str, PlannedRun]:
     """Runs that have not finished or have other answers, each once, by digest."""
-    asked = _answers.dump_python(sweep.answers, mode="json")
+    asked = ANSWERS.dump_python(sweep.answers, mode="json")
     missing: dict[str, PlannedRun] = {}
     for one in planned:
         outcome = found.get(one.digest, {})
@@ -231,7 +228,7 @@ def tasks_of(
     retry : bool
         Run those anew that have failed.
     """
-    answers = _answers.dump_json(sweep.answers).decode()
+    answers = ANSWERS.dump_json(sweep.answers).decode()
     for digest, one in missing.items():
         case_file, _ = sweep.case_of(one.values)
         yield Task(

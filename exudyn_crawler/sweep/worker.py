@@ -12,22 +12,18 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-from pydantic import TypeAdapter
-
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.errors import CrawlerError, ImplausibleWarning
 from exudyn_crawler.run.folder import note_file
 from exudyn_crawler.run.record import timestamp
-from exudyn_crawler.sweep.answers import Answers
+from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.storage import OUTCOME, Outcome, read_outcome, working_folder, write_outcome
 from fem.compiling import source_digest
 
 LOCK_WAIT = 600.0
 """s for which a run waits for another process at it: a worker that the scheduler took for dead, say."""
 DONE, FAILED = "done", "failed"
-
-_answers: TypeAdapter[tuple[Answers, ...]] = TypeAdapter(tuple[Answers, ...])
 
 
 class VersionsDiffer(CrawlerError, ValueError):  # noqa: N818 - it says what is the matter
@@ -168,5 +164,5 @@ def _answered(task: Task, folder: Path, overwrite: bool) -> dict[str, float | No
                 if time.monotonic() > give_up:
                     raise
                 time.sleep(1.0)
-        found = {one.label: one.of_run(run) for one in _answers.validate_json(task.answers)}
+        found = {one.label: one.of_run(run) for one in ANSWERS.validate_json(task.answers)}
     return {name: None if value != value else value for name, value in found.items()}
