@@ -67,15 +67,15 @@ def life(
 
 def _histories(duty: Duty) -> list[History]:
     """Histories of a duty's runs; runs in one folder share theirs."""
-    loaded: dict[Path, History] = {}
+    loaded: dict[str, History] = {}
     for run in duty.runs:
-        path = Path(run.folder)
-        path = path / HISTORY if path.is_dir() else path
-        if path not in loaded:
+        if run.folder not in loaded:
+            path = Path(run.folder)
+            path = path / HISTORY if path.is_dir() else path
             if not path.is_file():
                 raise FileNotFoundError(f"run {run.name!r}: no history at {path}")
-            loaded[path] = History.load(path)
-    return [loaded[path / HISTORY if path.is_dir() else path] for path in (Path(r.folder) for r in duty.runs)]
+            loaded[run.folder] = History.load(path)
+    return [loaded[run.folder] for run in duty.runs]
 
 
 def write_fields(found: LifeResults, folder: Path, overwrite: bool) -> None:
