@@ -4,18 +4,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.load_places import DRIVE, GROUND, INERTIA, JOINTS, MACHINE, ground_grid
+from exudyn_crawler.model.load_places import (
+    DRIVE,
+    GROUND,
+    INERTIA,
+    JOINTS,
+    MACHINE,
+    RAILS,
+    ground_grid,
+    rail_loads,
+    rail_stations,
+)
 from exudyn_crawler.results.actions import (
     Action,
     AtDrivePoint,
     AtInterface,
+    OnFrame,
+    OnRail,
+    OverMass,
     OverRectangle,
     OverSurface,
     actions,
 )
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import in_body
-from fem import PressureGrid, Shapes, StaticFields
+from fem import PressureGrid, Shapes, StaticFields, Stations
 
 
 def field_loads(
@@ -40,9 +53,26 @@ def field_loads(
     loads[INERTIA] = momentum
     names = [interface.name for interface in body.interfaces]
     grid = ground_grid(body.mesh)
+    undercarriage = history.case.undercarriage
+    rails = [] if undercarriage is None else rail_stations(body.mesh)
     for action in actions(history, shoe):
-        _add(loads, action, frames, names, grid)
+        if isinstance(action.entry, OnRail) and undercarriage is not None:
+            rail = action.entry.line // undercarriage.strips
+            force = in_body(frames, action.force)
+            loads[RAILS] += _on_rail(rails, rail, force, action.entry.x).reshape(times, -1)
+        else:
+            _add(loads, action, frames, names, grid)
     return fields.coordinates(loads)
+
+
+def _on_rail(rails: list[Stations], rail: int, force: NDArray, x: NDArray) -> NDArray:
+    """Coordinates (times, stations, 3) of a strip of a tread.
+
+    It presses on the middle of its rail: what it turns that by about its length is left out. Over a gap it
+    lies on the rail's very end.
+    """
+    level = rails[rail].rectangle
+    return rail_loads(rails, rail, force, np.clip(x, level.low[0], level.high[0]))
 
 
 def _add(
@@ -67,3 +97,5 @@ def _add(
             pins = [number for number, name in enumerate(joints) if name.startswith("front")]
             if action.where == "front pins":
                 loads[JOINTS].reshape(times, -1, 6)[:, pins, :3] += force[:, None] / len(pins)
+        case OnFrame() | OverMass():
+            pass

@@ -66,7 +66,7 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     if not flexible.static_fields:
         return StressColumns(basis.whole, {shoe: q for shoe, (q, _) in found.items()}, None)
     body, _ = shoe_model(flexible, history.case.track)
-    fields = shoe_fields(history.case)
+    fields = shoe_fields(history.case, rails=history.case.undercarriage is not None)
     loads = {
         shoe: field_loads(history, fields, basis.whole, momentum, shoe)
         for shoe, (_, momentum) in found.items()
@@ -95,7 +95,7 @@ def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict
     basis = stress_basis(history)
     if columns.answers is None:
         return coordinates_by_load(history, basis, shoe)
-    fields = shoe_fields(history.case)
+    fields = shoe_fields(history.case, rails=history.case.undercarriage is not None)
     _, momentum = coordinates_and_momentum(history, basis, shoe)
     loads = field_loads(history, fields, basis.whole, momentum, shoe)
     ends = np.cumsum(list(fields.families.values()))[:-1]
