@@ -44,6 +44,16 @@ class Track(Parameters):
         """Track of the P&H 4100C BOSS (K-chapter and K-paper, tables of COMs and joints)."""
         return cls(**ph4100c.TRACK)
 
+    def check_shoe(self, shoe: int) -> None:
+        """Refuse a number that is of no shoe.
+
+        Raises
+        ------
+        ValueError
+        """
+        if shoe not in self.shoes:
+            raise ValueError(f"shoe must be in 1..{self.shoe_count}, got {shoe}")
+
     @property
     def shoes(self) -> NDArray:
         """Shoe numbers 1..n, rear to front."""

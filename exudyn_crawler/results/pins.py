@@ -30,8 +30,7 @@ def pin_forces(history: History, shoe: int) -> xr.Dataset:
         If the track has no such shoe.
     """
     track = history.case.track
-    if shoe not in track.shoes:
-        raise ValueError(f"shoe must be in 1..{track.shoe_count}, got {shoe}")
+    track.check_shoe(shoe)
     frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
     names = list(track.joint_centers)
     force = np.full((len(frames), len(names), 3), np.nan)

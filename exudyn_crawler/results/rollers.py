@@ -33,8 +33,7 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
         If no side frame rolls over the history's track, or that has no such shoe.
     """
     frame = _frame_of(history)
-    if shoe not in history.case.track.shoes:
-        raise ValueError(f"shoe must be in 1..{history.case.track.shoe_count}, got {shoe}")
+    history.case.track.check_shoe(shoe)
     axes = rotation_matrices(history.angles.sel(shoe=shoe).values)
     origin = history.position.sel(shoe=shoe).values
     shape = (len(axes), len(frame.rollers), len(SIDES), 3)

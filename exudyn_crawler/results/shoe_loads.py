@@ -143,8 +143,7 @@ def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
     ValueError
         If the time is not within the run or the track has no such shoe.
     """
-    if shoe not in history.case.track.shoes:
-        raise ValueError(f"shoe must be in 1..{history.case.track.shoe_count}, got {shoe}")
+    history.case.track.check_shoe(shoe)
     now = at_instant(history, time)
     frame, origin = _frame(now, shoe), now.position.sel(shoe=shoe).values[0]
     words, vectors = [], []
