@@ -32,6 +32,9 @@ def connected(
 ) -> Iterator[Client]:
     """Client of a cluster whose workers can do what a sweep asks for.
 
+    It is not made the process's own scheduler: one that never answered would stay that, and whoever saves a
+    dataset afterwards would be sent to it.
+
     Parameters
     ----------
     scheduler : str, optional
@@ -70,7 +73,7 @@ def _local(workers: int | None) -> Iterator[Client]:
             dashboard_address="127.0.0.1:0",
             silence_logs=logging.CRITICAL,
         ) as cluster,
-        Client(cluster) as client,
+        Client(cluster, set_as_default=False) as client,
     ):
         yield client
 
@@ -81,9 +84,9 @@ def _remote(scheduler: str) -> Iterator[Client]:
         if Path(scheduler).suffix == ".json":
             if not Path(scheduler).is_file():
                 raise FileNotFoundError("no such file")
-            client = Client(scheduler_file=scheduler, timeout=CONNECT_WAIT)
+            client = Client(scheduler_file=scheduler, timeout=CONNECT_WAIT, set_as_default=False)
         else:
-            client = Client(scheduler, timeout=CONNECT_WAIT)
+            client = Client(scheduler, timeout=CONNECT_WAIT, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         told = " ".join(str(error).split()) or type(error).__name__
         raise ValueError(f"scheduler must be one that answers, got {scheduler}: {told}") from error
@@ -152,7 +155,7 @@ def outcomes(
     ConnectionError
         If the scheduler is lost.
     """
-    running = as_completed(raise_errors=False)
+    running = as_completed(loop=client.loop, raise_errors=False)
     held: dict[str, Task] = {}
 
     def submit(count: int) -> None:

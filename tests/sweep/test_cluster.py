@@ -143,6 +143,7 @@ def test_a_scheduler_that_does_not_answer_is_told_in_a_line(tmp_path, monkeypatc
         assert told in str(refused.value)
         assert "\n" not in str(refused.value)
     assert list((tmp_path / "out" / "runs").iterdir()) == []
+    assert dask.config.get("scheduler", None) is None
 
 
 def test_workers_of_other_versions_are_refused_before_anything_runs(scheduler, tmp_path, monkeypatch):
