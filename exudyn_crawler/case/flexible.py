@@ -48,7 +48,7 @@ class FlexibleShoes(Parameters):
         "the load bends between the lowest modes",
     )
     static_fields: bool = Field(
-        default=False,
+        default=True,
         description="whether stress has, beside the modes, what the static answers to all loads have beyond "
         "theirs: no error of truncation but the inertia of left-out modes",
     )
