@@ -30,6 +30,14 @@ def with_fields(flexible_run: Run) -> History:
 
 
 @pytest.fixture(scope="module")
+def alone(flexible_run: Run) -> History:
+    """The same with the modes alone."""
+    history = flexible_run[0]
+    flexible = history.case.flexible_shoes().with_(static_fields=False)
+    return History(history.case.with_(flexible=flexible), history.dataset)
+
+
+@pytest.fixture(scope="module")
 def columns(with_fields: History) -> StressColumns:
     return stress_columns(with_fields)
 
@@ -70,12 +78,12 @@ def consistent_nodal(history: History, shoe: int) -> np.ndarray:
 
 
 def test_stress_is_that_of_the_full_static_answer(
-    with_fields: History, flexible_run: Run, columns: StressColumns
+    with_fields: History, alone: History, columns: StressColumns
 ) -> None:
     case = with_fields.case
     body, interfaces = shoe_model(case.flexible_shoes(), case.track)
     partition = Partition(body, interfaces)
-    alone = stress_columns(flexible_run[0])
+    modes = stress_columns(alone)
     for shoe in (7, 13):
         nodal = consistent_nodal(with_fields, shoe).reshape(-1, 1)
         centers = shoe_loads(with_fields, shoe, with_fields.duration).centers.reshape(-1, 1)
@@ -83,22 +91,23 @@ def test_stress_is_that_of_the_full_static_answer(
         exact = body.stress(u.reshape(-1, 3, 1))[:, :, 0]
         error, truncated = (
             von_mises(one.shapes.stress(one.coordinates[shoe][-1])[0] - exact).max() / von_mises(exact).max()
-            for one in (columns, alone)
+            for one in (columns, modes)
         )
         assert error < 0.01
         assert truncated > 4.0 * error
 
 
-def test_fields_are_few_and_their_bound_is_known(columns: StressColumns, flexible_run: Run) -> None:
-    modes = len(stress_basis(flexible_run[0]).whole.frequencies)
+def test_fields_are_few_and_their_bound_is_known(columns: StressColumns, alone: History) -> None:
+    modes = len(stress_basis(alone).whole.frequencies)
     assert modes < columns.shapes.stress_modes.shape[2] <= (1.0 + SHARE) * modes
     assert columns.bound is not None
-    assert stress_columns(flexible_run[0], [7]).bound is None
+    assert stress_columns(alone, [7]).bound is None
 
 
-def test_results_and_single_nodes_have_the_same_fields(with_fields: History, flexible_run: Run) -> None:
+def test_results_and_single_nodes_have_the_same_fields(with_fields: History, alone: History) -> None:
     found = recover_stresses(with_fields, [0.0, 0.06], peak=False)
-    _, plain, tables = flexible_run
+    modes = recover_stresses(alone, [0.0, 0.06], peak=False)
+    plain, tables = modes.dataset, modes.hot_spots
     for shoe, table in found.hot_spots.items():
         top = table.iloc[0]
         whole = node_stress(with_fields, shoe, node=int(top["node"]))
@@ -156,12 +165,9 @@ def test_places_of_loads_cover_a_shoe(with_fields: History) -> None:
     assert np.diff(right.positions).max() < 0.4 * right.reach
 
 
-def test_coordinates_by_load_add_up(flexible_run: Run, with_fields: History, columns: StressColumns) -> None:
-    """By family of loads with static fields, by kind of action without."""
-    shoes = {"joints", "machine", "ground", "inertia"}, {"joint", "load", "contact", "inertia"}
-    alone = stress_columns(flexible_run[0], [7])
-    for history, one, names in ((with_fields, columns, shoes[0]), (flexible_run[0], alone, shoes[1])):
+def test_coordinates_by_load_add_up(alone: History, with_fields: History, columns: StressColumns) -> None:
+    for history, one in ((with_fields, columns), (alone, stress_columns(alone, [7]))):
         parts = columns_by_load(history, one, 7)
-        assert names == set(parts)
+        assert set(parts) == {"pins", "machine load", "ground", "inertia"}
         whole = one.coordinates[7]
         assert sum(parts.values()) == pytest.approx(whole, abs=1e-9 * np.abs(whole).max())
