@@ -25,7 +25,7 @@ from exudyn_crawler.model.compiled.matrix import assemble
 from exudyn_crawler.model.compiled.model import track_model
 from exudyn_crawler.model.compiled.newton import step
 from exudyn_crawler.model.compiled.records import Inputs, Memory, Model, Weights
-from exudyn_crawler.model.compiled.rollers import TOUCHED, Rolling
+from exudyn_crawler.model.compiled.rollers import TOUCHED, Rolling, SideFrame
 from exudyn_crawler.model.compiled.undercarriage import FrameInputs
 from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.engine import exu, items
@@ -79,7 +79,7 @@ class CompiledSystem(Integrated):
         self._state = np.zeros((3, size))
         self._multipliers = np.zeros(multipliers)
         self._scratch = (np.zeros(size + multipliers), np.zeros(model.fronts.size))
-        self._memory = self._room(contact, *model.rollers.places.shape[:2])
+        self._memory = self._room(contact, model.side)
         self._frame_inputs = FrameInputs(case)
         self._loads = table_of([case.loads.profile(number) for number in case.track.shoes])
         turn = case.drive.turn_rate or StepProfile.constant(0.0)
@@ -91,9 +91,10 @@ class CompiledSystem(Integrated):
         self._limits = (0.0, 0)
         self._singular = False
 
-    def _room(self, contact: PairGroundContact, rollers: int, strips: int) -> tuple:
+    def _room(self, contact: PairGroundContact, side: SideFrame | tuple[()]) -> tuple:
         """Memory of evaluations."""
         sizes = self._sizes
+        places = side.rollers.places if side else np.empty((0, 0, 3))
         return plain(
             Memory(
                 contact.unit_reference.copy(),
@@ -106,7 +107,7 @@ class CompiledSystem(Integrated):
                 np.zeros((sizes.pins, 2, ROWS, 6 + sizes.modes)),
                 np.zeros((2, 6 + sizes.modes)),
                 overlap_workspace(),
-                tuple(Rolling.room(rollers, strips, sizes.modes)) if sizes.frame else (),
+                tuple(Rolling.room(len(places), places.shape[1], sizes.modes)) if side else (),
             )
         )
 
