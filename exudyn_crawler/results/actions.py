@@ -223,17 +223,22 @@ def _contacts(history: History, shoe: int) -> Iterator[Action]:
     """Contact with every unit that the shoe ever met."""
     flexible = history.case.flexible
     bends = flexible is not None and shoe in flexible.shoes
-    for index in np.flatnonzero(history.contact_shoe.values == shoe):
-        unit = int(history.contact_unit[index])
-        pressed = history.area.values[:, index] > 0.0
+    own = np.flatnonzero(history.contact_shoe.values == shoe)
+    # read once, for histories larger than memory
+    area, point, normal, friction, torque = (
+        history.dataset[name].isel(contact=own).values
+        for name in ("area", "point", "normal_force", "friction_force", "friction_torque")
+    )
+    for column, index in enumerate(own):
+        pressed = area[:, column] > 0.0
         entry = OverRectangle(*patches(history, int(index)), pressed) if bends else OnFrame()
         yield Action(
             "contact",
             shoe,
-            f"unit {unit}",
-            history.point.values[:, index],
-            history.normal_force.values[:, index] + history.friction_force.values[:, index],
-            history.friction_torque.values[:, index],
+            f"unit {int(history.contact_unit[index])}",
+            point[:, column],
+            normal[:, column] + friction[:, column],
+            torque[:, column],
             entry,
         )
 
@@ -251,15 +256,17 @@ def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> I
 def _rollers(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
     """Every strip of a roller that was ever on the shoe."""
     behind, zero = history.roller_shoe.values, np.zeros_like(position)
-    _, rollers, rails, strips, neighbours, _ = history.tread_force.shape
+    # read once: a history larger than memory reads a variable from its file whenever it is asked for
+    tread_force, tread_foot = history.tread_force.values, history.tread_foot.values
+    _, rollers, rails, strips, neighbours, _ = tread_force.shape
     for roller, rail, strip in np.ndindex(rollers, rails, strips):
         force, foot = zero.copy(), position.copy()
         for neighbour in range(neighbours):
             here = behind[:, roller] + neighbour == shoe
             at = (slice(None), roller, rail, strip, neighbour)
-            pressed = here & history.tread_force.values[at].any(axis=1)
-            force[pressed] = history.tread_force.values[at][pressed]
-            foot[pressed] = history.tread_foot.values[at][pressed]
+            pressed = here & tread_force[at].any(axis=1)
+            force[pressed] = tread_force[at][pressed]
+            foot[pressed] = tread_foot[at][pressed]
         if force.any():
             x = np.einsum("ti,ti->t", foot - position, frames[:, :, 0])
             where = f"roller {roller + 1} {SIDES[rail]}"

@@ -63,7 +63,7 @@ def load_shares(
     """
     instants, row = np.unique(times, return_inverse=True)
     at = np.searchsorted(history.time.values, instants)
-    part = History(history.case, history.dataset.isel(time=at))
+    part = History(history.case, history.dataset.isel(time=at).load())
     modes = columns.shapes.stress_modes[nodes]
     parts = {
         load: np.einsum("kcm,km->kc", modes, q[row])

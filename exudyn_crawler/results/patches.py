@@ -30,7 +30,8 @@ def patches(history: History, index: int) -> tuple[NDArray, NDArray]:
     bounds = _overlaps(position, angles, units, case)
     middle = units[:, :2] + 0.5 * (bounds[:, 0::2] + bounds[:, 1::2])
     half = 0.5 * (bounds[:, 1::2] - bounds[:, 0::2])
-    place = np.column_stack((middle, history.point.values[:, index, 2])) - position
+    height = history.point.isel(contact=index, axis=2).values
+    place = np.column_stack((middle, height)) - position
     frames = rotation_matrices(angles)
     center = np.einsum("tji,tj->ti", frames, place)[:, :2]
     reach = np.einsum("tji,tj->ti", np.abs(frames[:, :2, :2]), half)

@@ -12,7 +12,7 @@ Region = Literal["roller path", "lugs", "bores", "web", "wings"]
 REGIONS: tuple[Region, ...] = get_args(Region)
 BORES: Region = "bores"
 """Nodes that a joint's rigid spider holds, whose stress is none to use."""
-LUG_RADIUS, LUG_HALF_WIDTH = 0.21, 0.2
+LUG_RADIUS, LUG_HALF_WIDTH = 0.24, 0.2
 """m, from a pin's axis to behind the fillets at a lug's root, and to either side of its middle."""
 WING_BESIDE = 0.5
 """m, from the outer side of a rail."""
