@@ -211,7 +211,7 @@ class PressureGrid:
             x, weights = _points(hats.t[1:-1])
             products = hats(x).T @ (weights[:, None] * hats(x))
             shares.append(np.linalg.solve(products, means.T).T)
-        spread = np.einsum("ti,tj->tij", *shares).reshape(len(forces), -1)
+        spread = np.einsum("ti,tj->tij", *shares).reshape(len(forces), self.counts[0] * self.counts[1])
         return spread[:, :, None] * forces[:, None]
 
 
