@@ -64,7 +64,7 @@ def test_a_stranger_of_a_neighbours_name_is_refused_by_its_place(tmp_path, name)
 
 def test_objects_of_a_notebook_show_themselves(flexible_run):
     history, stress, hot_spots = flexible_run
-    results = exudyn_crawler.StressResults(stress, hot_spots, whole=None)
+    results = exudyn_crawler.StressResults(stress, hot_spots, {}, whole=None)
     run = exudyn_crawler.CaseRun(history, results, folder=None)
     shown = {
         "case": (history.case, ["terrain.spring_stiffness", "N/m", "stiffness of each spring"]),

@@ -26,6 +26,7 @@ from exudyn_crawler.results.life_table import (
     worst_nodes,
 )
 from exudyn_crawler.results.quantities import variable
+from exudyn_crawler.results.regions import shoe_regions
 from fem import Shapes
 from fem.critical_plane import critical_planes, damage_on_planes, plane_normals, surface_normals
 from fem.damage import damage_between, recover_damage
@@ -99,7 +100,8 @@ def life_of(
     mean = damage.mean(axis=0)
     names = [f"{one.run.name}: {phase}" for one in runs for phase in one.phases]
     names += [BETWEEN] if len(runs) > 1 else []
-    shown = list(dict.fromkeys([*shortest_by_region(whole.mesh, mean[-1]), *duty.nodes]))
+    regions = shoe_regions(whole, runs[0].history.case.track)
+    shown = list(dict.fromkeys([*shortest_by_region(regions, mean[-1]), *duty.nodes]))
     worst = np.union1d(worst_nodes(mean[-1], duty.plane_nodes), shown)
     say(f"critical planes of the {len(worst)} worst nodes")
     on_plane, directions = _on_critical_planes(duty, runs, curve, worst)
@@ -108,7 +110,7 @@ def life_of(
     )
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, curve, shown)
-    table = shortest_lives(dataset, nodes, whole)
+    table = shortest_lives(dataset, nodes, whole, regions)
     return LifeResults(duty, dataset.assign_attrs(duty=duty.model_dump_json()), table, nodes, whole)
 
 
