@@ -220,18 +220,20 @@ def field_columns(
     turn, back = into.T @ directions, out @ directions
     greatest = np.max([np.abs(history @ turn).max(axis=0, initial=0.0) for history in histories], axis=0)
     shapes = fields.displacements @ back
-    stress = np.empty((len(shapes), 6, shapes.shape[2]))
+    stress, lengths = [np.empty((len(shapes), 6, 0))], np.empty((len(shapes), shapes.shape[2]))
     for first in range(0, shapes.shape[2], AT_ONCE):
         at = slice(first, first + AT_ONCE)
-        stress[:, :, at] = body.stress(shapes[:, :, at])
-    lengths = np.linalg.norm(np.tensordot(DEVIATOR, stress, axes=([1], [1])), axis=0) * greatest
+        block = body.stress(shapes[:, :, at])
+        lengths[:, at] = np.linalg.norm(np.tensordot(DEVIATOR, block, axes=([1], [1])), axis=0) * greatest[at]
+        if most is None or first < most:
+            stress.append(block)
     bounds = np.append(np.cumsum(lengths[:, ::-1], axis=1)[:, ::-1].max(axis=0, initial=0.0), 0.0)
     rank = int(np.flatnonzero(bounds <= tolerance)[0])
     rank = rank if most is None else min(rank, most)
     return FieldColumns(
         turn[:, :rank],
         np.ascontiguousarray(shapes[:, :, :rank]),
-        np.ascontiguousarray(stress[:, :, :rank]),
+        np.concatenate(stress, axis=2)[:, :, :rank].copy(),
         float(bounds[rank]),
     )
 

@@ -13,9 +13,10 @@ from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.phases import phases
-from exudyn_crawler.results.quantities import variable
+from exudyn_crawler.results.quantities import Variable, variable
 from exudyn_crawler.results.stress_columns import stress_columns
 from fem import Extremes, Shapes, hot_spots, judged, mesh_error, recover_extremes
+from fem.trust import resolution_over, verdict_numbers
 
 HOT_SPOTS = 5
 """Rows of the S-paper's hot-spot tables."""
@@ -33,6 +34,9 @@ class StressResults:
 
         - highest_von_mises (time, shoe) and highest_node (time, shoe), away from a pulled node
         - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
+        - peak_mesh_error and peak_jump (shoe, node), over the stress and in the mean square of the run, as of
+          `fem.resolution_over`, peak_verdict (shoe, node), a number of `fem.trust.VERDICTS`, and truncation,
+          what left-out static fields may do, not a number where modes alone were used
         - frame_von_mises (frame, shoe, node), and frame_name (frame): "begin", "end of dig" or "peak", each
           as far as it is one
         - frame_mesh_error (frame, shoe, node), what the mesh leaves open of it, as of `fem.mesh_error`
@@ -104,11 +108,9 @@ def recover_stresses(
     for shoe, q in coordinates.items():
         extremes, at_load = reached[shoe], near_pull(history, whole, shoe)
         away = np.flatnonzero(~at_load)
-        found.append(
-            _of_shoe(history, whole, q, extremes, frames).assign(
-                at_load=variable("at_load", at_load, without=("shoe",))
-            )
-        )
+        trust = _trust(whole, q, extremes, np.where(at_load, np.nan, columns.bound or 0.0))
+        marked = {"at_load": variable("at_load", at_load, without=("shoe",))}
+        found.append(_of_shoe(history, whole, q, extremes, frames).assign(trust | marked))
         table = hot_spots(whole, history.time.values, q, HOT_SPOTS, nodes=away, peaks=extremes.peaks)
         tables[shoe] = _placed(judged(table, columns.bound), history, shoe)
     shoes = xr.Variable("shoe", list(coordinates))
@@ -119,6 +121,7 @@ def recover_stresses(
         node_position=variable("node_position", whole.nodes),
         triangle=variable("triangle", whole.mesh.boundary[:, :3]),
         in_spider=variable("in_spider", spider),
+        truncation=variable("truncation", np.array(np.nan if columns.bound is None else columns.bound)),
         frame_name=variable("frame_name", np.array(names, dtype=object)),
     ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
     return StressResults(dataset, tables, whole)
@@ -180,6 +183,21 @@ def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frame
             "frame": ("frame", time[frames], {"units": "s", "long_name": "chosen instants"}),
         },
     )
+
+
+def _trust(whole: Shapes, q: NDArray, found: Extremes, bound: NDArray) -> dict[str, Variable]:
+    """What is open of the greatest stress of each node of a shoe with coordinates q (times, columns).
+
+    The bound (nodes,) in Pa of what fields leave out is not a number where no stress is known.
+    """
+    mesh, held = resolution_over(whole, q), np.isin(np.arange(len(whole.nodes)), whole.spider_nodes)
+    left_out = bound / np.maximum(found.greatest, np.finfo(float).tiny)
+    named: dict[str, NDArray] = {
+        "peak_mesh_error": mesh.error.astype(np.float32),
+        "peak_jump": mesh.relative_jump.astype(np.float32),
+        "peak_verdict": verdict_numbers(mesh.error + left_out, mesh.error, mesh.relative_jump, held),
+    }
+    return {name: variable(name, values, without=("shoe",)) for name, values in named.items()}
 
 
 def _placed(table: pd.DataFrame, history: History, shoe: int) -> pd.DataFrame:

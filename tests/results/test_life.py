@@ -7,6 +7,7 @@ from exudyn_crawler import Duty, DutyRun, FatigueMaterial, History, node_stress
 from exudyn_crawler.results.life import life_of
 from exudyn_crawler.results.life_table import BETWEEN, BEYOND, in_words, life_hours, regions
 from exudyn_crawler.results.stress_columns import TOLERANCE
+from fem.trust import HELD, OPEN, VERDICTS
 
 HALF = 0.03
 WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)
@@ -78,6 +79,39 @@ def test_table_has_every_region_and_the_shortest_first(found):
         assert row["life in h there"] <= row[last] * (1.0 + 1e-9)
     assert set(table["main load"]) <= {"pins", "machine load", "ground", "drive", "inertia"}
     assert set(table["flag"]) <= {"", "in spider", "beside spider"}
+
+
+def test_every_life_has_a_range_and_a_verdict(flexible_run, found):
+    """An error of x in the stress is one of (1 + x)^slope in life; a coarse mesh is caught."""
+    data, table = found.dataset, found.table
+    known = data.life[-1].notnull().values
+    assert (data.verdict.values >= 0).tolist() == known.tolist()
+    assert data.stress_error.notnull().values.tolist() == known.tolist()
+    assert data.life_factor.values == pytest.approx((1.0 + data.stress_error.values) ** 5.0, nan_ok=True)
+    held = known & data.in_spider.values
+    assert (data.verdict.values[held] == HELD).all()
+    assert (data.verdict.values[known & ~held] != HELD).all()
+    for _, row in table.iterrows():
+        own = data.sel(node=row["node"])
+        damage, factor = float(own.damage_an_hour[-1]), float(own.life_factor)
+        assert row["life in h at least"] == pytest.approx(min(1.0 / (damage * factor), BEYOND))
+        assert row["life in h at most"] == pytest.approx(min(factor / damage, BEYOND))
+        assert row["verdict"] == VERDICTS[int(own.verdict)]
+    assert "mesh-limited: refine here" in set(table["verdict"])
+
+
+def test_spread_and_missing_fields_are_in_the_verdict(flexible_run, found):
+    history = flexible_run[0]
+    spread = found.dataset.place_damage.isel(survival=0, drop=True).fillna(0.0) * 0.0 + 0.3
+    bare = changed(history, flexible=history.case.flexible.with_(static_fields=False))
+    wide = life_of(duty(FIRST), [bare], spreads=[spread])
+    narrow = life_of(duty(FIRST), [bare])
+    known = narrow.dataset.stress_error.notnull().values
+    more = (wide.dataset.stress_error - narrow.dataset.stress_error).values[known]
+    assert more == pytest.approx(np.full(known.sum(), 0.3))
+    assert not wide.trust.truncation_known
+    good = np.flatnonzero((narrow.trust.verdict >= 0) & (narrow.trust.verdict < OPEN))
+    assert narrow.trust.words(good[:1])[0].endswith("but for truncation")
 
 
 def test_cycles_of_a_node_make_its_matrix_and_history(found):
