@@ -93,7 +93,7 @@ def life_surface(found: LifeResults) -> go.Figure:
         for name, view in views.items()
     ]
     figure.update_layout(
-        updatemenus=[{"buttons": buttons, "x": 1, "xanchor": "right", "y": 1, "yanchor": "top"}],
+        updatemenus=[{"buttons": buttons, "x": 0.5, "xanchor": "center", "y": 1, "yanchor": "top"}],
         scene={"aspectmode": "data"} | {f"{axis}axis": {"title": {"text": f"{axis} in m"}} for axis in "xyz"},
         margin={"l": 0, "r": 0, "t": 0, "b": 0},
         height=600,
