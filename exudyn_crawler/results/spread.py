@@ -105,10 +105,9 @@ def spread_of(
     beyond = np.maximum(runs - high, low - runs).max(axis=0)
     parts = {"peak_spread": high - low, "peak_choice": beyond, "run_peak": runs}
     dataset = first.dataset[["peak_von_mises", "node_position", "triangle", "in_spider", "truncation"]]
-    dataset = dataset.assign(
-        {name: variable(name, values) for name, values in parts.items()},
-        peak_verdict=_verdicts(first.dataset, high - low + beyond),
-    ).assign_coords(run=[FIRST, *others])
+    verdicts = {"peak_verdict": _verdicts(first.dataset, high - low + beyond)}
+    dataset = dataset.assign({name: variable(name, values) for name, values in parts.items()} | verdicts)
+    dataset = dataset.assign_coords(run=[FIRST, *others])
     tables = {}
     for row, (shoe, table) in enumerate(first.hot_spots.items()):
         nodes = table["node"].to_numpy()
