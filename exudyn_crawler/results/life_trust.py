@@ -1,7 +1,9 @@
 """How far to trust lives: what is open of the changes of stress that make them, and what that is in life."""
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 import xarray as xr
@@ -9,7 +11,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.results.duty_runs import UsedRun
 from fem.fatigue import SNCurve
-from fem.trust import resolution_over, verdict_numbers, verdict_words
+from fem.trust import Resolution, resolution_over, verdict_numbers, verdict_words
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,8 @@ def life_trust(
     """What is open of the lives that the stresses of runs make.
 
     What the mesh leaves open is that of the stress less its mean over each run and place, in the mean square
-    over all of them; what left-out static fields and spread may do counts against the greatest amplitude and
-    at the place that wears a node most.
+    over all of them; what left-out static fields may do counts against the greatest amplitude. Of spreads the
+    widest of the runs' counts, at the place that wears a node most.
 
     Parameters
     ----------
@@ -59,22 +61,21 @@ def life_trust(
         Spread of each run's peaks over themselves, as of `spread.relative_spread`; None where not known.
     """
     whole = runs[0].columns.shapes
-    found = None
-    for one in runs:
-        changes = np.concatenate([q - q.mean(axis=0) for q in one.columns.coordinates.values()])
-        own = resolution_over(one.columns.shapes, changes)
-        found = own if found is None else found + own
-    assert found is not None
+    found = reduce(operator.add, map(_resolved_changes, runs))
     known = ~np.isnan(damage).any(axis=0)
     greatest = np.max(np.where(known, amplitude, 0.0), axis=0)
     bounds = [one.columns.bound for one in runs]
     most = max((bound for bound in bounds if bound is not None), default=0.0)
     part = found.error + np.divide(most, greatest, out=np.zeros_like(greatest), where=greatest > 0.0)
     worst = np.argmax(np.where(known, damage, 0.0), axis=0)
-    for spread in spreads:
-        if spread is not None:
-            part += spread.values[worst, np.arange(len(part))]
-    part = np.where(known, part, np.nan)
+    known_spreads = [one.values[worst, np.arange(len(part))] for one in spreads if one is not None]
+    part = np.where(known, part + np.max([np.zeros_like(part), *known_spreads], axis=0), np.nan)
     held = np.isin(np.arange(len(part)), whole.spider_nodes) & known
     verdict = verdict_numbers(part, found.error, found.relative_jump, held)
     return LifeTrust(part, (1.0 + part) ** curve.steepest, verdict, None not in bounds)
+
+
+def _resolved_changes(one: UsedRun) -> Resolution:
+    """How far the mesh resolves the stress of a run less its mean at each place."""
+    coordinates = one.columns.coordinates.values()
+    return resolution_over(one.columns.shapes, np.concatenate([q - q.mean(axis=0) for q in coordinates]))

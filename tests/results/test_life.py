@@ -100,18 +100,16 @@ def test_every_life_has_a_range_and_a_verdict(flexible_run, found):
     assert "mesh-limited: refine here" in set(table["verdict"])
 
 
-def test_spread_and_missing_fields_are_in_the_verdict(flexible_run, found):
-    history = flexible_run[0]
-    spread = found.dataset.place_damage.isel(survival=0, drop=True).fillna(0.0) * 0.0 + 0.3
-    bare = changed(history, flexible=history.case.flexible.with_(static_fields=False))
-    wide = life_of(duty(FIRST), [bare], spreads=[spread])
-    narrow = life_of(duty(FIRST), [bare])
-    known = narrow.dataset.stress_error.notnull().values
-    more = (wide.dataset.stress_error - narrow.dataset.stress_error).values[known]
+def test_the_widest_spread_of_the_runs_is_in_the_verdict(flexible_run, found):
+    """Parts of one run have its spread once."""
+    history, spread = flexible_run[0], 0.0 * found.dataset.place_damage[:, 0].fillna(0.0) + 0.3
+    wide = life_of(duty(FIRST, SECOND), [history, history], spreads=[spread, 0.5 * spread])
+    known = found.dataset.stress_error.notnull().values
+    more = (wide.dataset.stress_error - found.dataset.stress_error).values[known]
     assert more == pytest.approx(np.full(known.sum(), 0.3))
-    assert not wide.trust.truncation_known
-    good = np.flatnonzero((narrow.trust.verdict >= 0) & (narrow.trust.verdict < OPEN))
-    assert narrow.trust.words(good[:1])[0].endswith("but for truncation")
+    good = (found.trust.verdict >= 0) & (found.trust.verdict < OPEN)
+    assert good.any()
+    assert (wide.trust.verdict[good] > found.trust.verdict[good]).all()
 
 
 def test_cycles_of_a_node_make_its_matrix_and_history(found):
@@ -128,11 +126,15 @@ def test_cycles_of_a_node_make_its_matrix_and_history(found):
 
 def test_no_damage_is_a_life_beyond_what_is_told(flexible_run):
     strong = FatigueMaterial.a36().with_(fatigue_strength=1e10)
-    found = life_of(Duty(runs=(FIRST,), material=strong), [flexible_run[0]])
+    history = flexible_run[0]
+    bare = changed(history, flexible=history.case.flexible.with_(static_fields=False))
+    found = life_of(Duty(runs=(FIRST,), material=strong), [bare])
     assert float(found.dataset.life.max()) == float(found.dataset.life.min()) == BEYOND
     words = in_words(found.table)
     assert set(words["life in h that 50 % survive"]) == {"beyond 1e9"}
     assert (found.table["main part"] == "").all()
+    good = np.flatnonzero((found.trust.verdict >= 0) & (found.trust.verdict < OPEN))
+    assert {one.split(" % ")[-1] for one in found.trust.words(good)} == {"but for truncation"}
 
 
 def test_what_a_drive_pulls_at_a_node_is_not_known(flexible_run, found):
