@@ -288,13 +288,15 @@ def write_flexible_shoes(
 def write_fields(
     history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
 ) -> None:
-    """Greatest von Mises stress of every node, when it occurs and its range, for ParaView."""
+    """Greatest von Mises stress of every node, when it occurs, its range and trust, for ParaView."""
     for shoe in stresses.dataset.shoe.values if outputs.paraview else ():
         own = stresses.dataset.sel(shoe=shoe)
         fields = {
             "greatest von Mises": own.peak_von_mises.values,
             "time of the greatest": own.peak_time.values,
             "range of von Mises": (own.peak_von_mises - own.least_von_mises).values,
+            "error of the mesh over the stress": own.peak_mesh_error.values,
+            "verdict": own.peak_verdict.values,
         }
         with whole_file(folder / f"fields_shoe_{shoe}.vtu", overwrite) as temporary:
             write_vtu(temporary, stresses.whole.mesh, fields)

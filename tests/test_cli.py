@@ -38,6 +38,7 @@ COMMANDS = (
     "shoe-loads",
     "compare",
     "life",
+    "spread",
     "sweep",
 )
 
@@ -100,7 +101,7 @@ def test_every_command_is_among_those_tested(call):
     _, out, _ = call("--help")
     own = {command.callback.__name__.replace("_", "-") for command in cli.app.registered_commands}
     looking = {"report", "animate", "node-stress", "pin-forces", "shoe-loads", "compare"}
-    assert own == {"init", "info", "run", "life", "sweep"} | looking
+    assert own == {"init", "info", "run", "life", "spread", "sweep"} | looking
     assert own | set(registered(GROUP)) == set(COMMANDS)
     assert all(name in out for name in COMMANDS)
 
