@@ -21,7 +21,7 @@ def thicker() -> fem.ElasticBody:
     return fem.ElasticBody(meshes.mesh_shoe(dimensions, "coarse"), STEEL)
 
 
-@pytest.mark.simulation
+@pytest.mark.slow
 def test_a_thicker_top_plate_weighs_what_its_steel_does(thicker: fem.ElasticBody) -> None:
     ready = fem.ElasticBody(meshes.shoe_mesh("coarse"), STEEL)
     shoe = ShoeDimensions()
@@ -32,7 +32,7 @@ def test_a_thicker_top_plate_weighs_what_its_steel_does(thicker: fem.ElasticBody
     assert thicker.center_of_mass[2] > ready.center_of_mass[2]
 
 
-@pytest.mark.simulation
+@pytest.mark.slow
 def test_a_shoe_of_netgen_has_surfaces_bores_and_underside_where_the_ready_one_has_them(
     thicker: fem.ElasticBody,
 ) -> None:
