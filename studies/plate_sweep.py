@@ -7,6 +7,11 @@ of two rollers once it has its speed; all hours are hours of such propel.
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+import matplotlib as mpl
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
 from exudyn_crawler import (
     Answer,
     Case,
@@ -21,6 +26,7 @@ from exudyn_crawler import (
     run_sweep,
 )
 from exudyn_crawler.case import Undercarriage
+from exudyn_crawler.views.curves import STYLE, save_figure
 from fem import write_mesh
 from meshes import ShoeDimensions, mesh_shoe
 
@@ -32,6 +38,8 @@ FLEXIBLE = 11
 SIZE = "coarse"
 OUTPUT_INTERVAL = 0.02
 """s, in which the machine rolls by 2 mm."""
+PICTURE = "lives.png"
+MILLI, MEGA = 1e-3, 1e6
 VARIED = ("flexible.mesh", "shoe.mass", "shoe.inertia", "shoe.load_point")
 """What a thickness stands for: rigid shoes weigh what the flexible one does."""
 
@@ -113,10 +121,41 @@ def plate_sweep(
     )
 
 
+def draw_lives(ax: Axes, lives: xr.DataArray) -> Axes:
+    """Draw an answer in hours over the ground's stiffness, a curve a top plate.
+
+    Parameters
+    ----------
+    lives : xarray.DataArray
+        Dimensions top_plate, m, and spring_stiffness, N/m.
+    """
+    for one in lives.transpose("top_plate", "spring_stiffness"):
+        ax.loglog(
+            one.spring_stiffness / MEGA, one, "o-", label=f"top plate {float(one.top_plate) / MILLI:g} mm"
+        )
+    ax.set_xlabel("stiffness of the ground's springs in MN/m")
+    ax.set_ylabel("hours of propel that 97.5 % survive")
+    ax.set_title(lives.name.replace("_", " "))
+    stiffnesses = lives.spring_stiffness.values / MEGA
+    ax.set_xticks(stiffnesses, [f"{one:g}" for one in stiffnesses])
+    ax.xaxis.minorticks_off()
+    return ax
+
+
+def lives_figure(dataset: xr.Dataset) -> Figure:
+    """Lives of the roller path and of the whole shoe, side by side."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 3.6))
+        left, right = figure.subplots(1, 2)
+        draw_lives(left, dataset["life_of_roller_path"])
+        draw_lives(right, dataset["life_of_shoe"]).legend()
+    return figure
+
+
 def study(
     out: Path, *, workers: int | None = None, say: Callable[[str], None] = lambda _text: None
 ) -> SweepRun:
-    """Run the sweep into a folder, or what of it is missing; the meshes are made there, in `meshes`.
+    """Run the sweep into a folder, or what of it is missing, and draw the lives; meshes are made there.
 
     Parameters
     ----------
@@ -131,7 +170,9 @@ def study(
         If another sweep works in the folder.
     """
     meshes = plate_meshes(out / "meshes", THICKNESSES, say)
-    return run_sweep(plate_sweep(meshes), out, workers=workers, say=say)
+    run = run_sweep(plate_sweep(meshes), out, workers=workers, say=say)
+    save_figure(lives_figure(run.dataset), out / PICTURE, overwrite=True)
+    return run
 
 
 if __name__ == "__main__":
