@@ -197,6 +197,7 @@ def test_stress_and_pin_forces_are_asked_of_a_run(call, flexible_run, tmp_path):
     code, _, err = call("shoe-loads", "run", "--shoe", "5")
     assert code == 2
     assert_one_line(err, "time must be given for shoe 5")
+    assert "shoe must be in 1..13, got 14" in call("shoe-loads", "run", "--shoe", "14")[2]
 
 
 @pytest.mark.simulation
@@ -384,6 +385,7 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
     [
         (["run", "nowhere.toml"], "no case file nowhere.toml"),
         (["info", "nowhere.toml"], "no case file nowhere.toml"),
+        (["info", "stres"], "case must be a case file or a study of ['forces', 'kinematics', "),
         (["kinematics", "--duration", "-1"], "duration must be positive and finite, got -1.0 s"),
         (["kinematics", "--duration", "soon"], "Invalid value for '--duration'"),
         (["kinematics", "--case", "sideways"], "'sideways'"),
