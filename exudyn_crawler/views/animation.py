@@ -21,6 +21,7 @@ from exudyn_crawler.views.placement import greatest_shoe_force, instant
 from exudyn_crawler.views.plan_view import PlanView
 from exudyn_crawler.views.scales import ground_scale, shoe_force_scale
 from exudyn_crawler.views.side_view import SideView
+from exudyn_crawler.views.undercarriage import rolls
 
 DPI = 100
 GIF_DPI = 75
@@ -30,7 +31,7 @@ VIEW_WIDTH, SPEED_HEIGHT, WRITING_HEIGHT = 10.4, 1.55, 1.9
 
 
 class TrackPicture:
-    """Track from above and from the side, and the speed of its ends; `show` brings it to a time.
+    """Track from above and from the side, and speeds of its ends or forces of rollers; `show` sets the time.
 
     Parameters
     ----------
@@ -56,16 +57,11 @@ class TrackPicture:
             self.figure.colorbar(
                 plan.ground, ax=[above, side], label="heave of units in mm", fraction=0.02, pad=0.01
             )
-            force = greatest_shoe_force(history)
-            side.set_title(
-                f"displacement of the ground drawn {scale:g} times larger, depth of the shoes in it at true "
-                f"scale; arrows: contact force on each shoe, the greatest of the run {force / 1e3:.3g} kN",
-                fontsize=9,
-                loc="left",
-            )
+            side.set_title(_said(history, scale), fontsize=9, loc="left")
             for axes in (above, side):
                 axes.grid(False)
-            self._cursor = _draw_speeds(speed, history)
+            draw = _draw_rollers if rolls(history.dataset) else _draw_speeds
+            self._cursor = draw(speed, history)
             self._title = self.figure.suptitle("", x=0.01, ha="left")
             # both views become as wide as the picture has room for
             metres = np.ptp(above.get_ylim()), np.ptp(side.get_ylim())
@@ -95,6 +91,17 @@ class TrackPicture:
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
+def _said(history: History, scale: float) -> str:
+    """What has to be known about the side view."""
+    ground = f"displacement of the ground drawn {scale:g} times larger"
+    arrows = (
+        f"contact force on each shoe, the greatest of the run {greatest_shoe_force(history) / 1e3:.3g} kN"
+    )
+    if rolls(history.dataset):
+        return f"{ground}; blue arrows: {arrows}; violet: force of each roller"
+    return f"{ground}, depth of the shoes in it at true scale; arrows: {arrows}"
+
+
 def _draw_speeds(ax: Axes, history: History) -> Line2D:
     """Draw the x velocity of both ends over time, and a cursor, which is returned."""
     shoes = history.shoe.values
@@ -103,6 +110,17 @@ def _draw_speeds(ax: Axes, history: History) -> Line2D:
         ax.plot(values.time, values, label=f"shoe {shoe} ({name})")
     ax.set(xlabel="time in s", ylabel="x velocity in m/s", xlim=(0.0, history.duration))
     ax.legend(loc="upper left", ncols=2)
+    return ax.axvline(0.0, color="black", lw=0.8)
+
+
+def _draw_rollers(ax: Axes, history: History) -> Line2D:
+    """Draw what every roller presses with over time, and a cursor, which is returned."""
+    pressed = -1e-3 * history.roller_force.sel(axis="z").sum("rail")
+    for roller in history.roller.values:
+        ax.plot(pressed.time, pressed.sel(roller=roller), label=f"{roller}")
+    ax.set(xlabel="time in s", ylabel="force of a\nroller in kN", xlim=(0.0, history.duration))
+    ax.set_ylim(0.0, 1.25 * float(pressed.max()))
+    ax.legend(loc="upper left", ncols=len(history.roller), title="", columnspacing=1.0, handlelength=1.2)
     return ax.axvline(0.0, color="black", lw=0.8)
 
 

@@ -7,10 +7,11 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.results.history import History
-from exudyn_crawler.views.placement import Pose, instant, touching
+from exudyn_crawler.views.placement import Pose, instant
 from exudyn_crawler.views.report.frames import first_frame, frame_titles
 from exudyn_crawler.views.report.packing import packed
 from exudyn_crawler.views.scales import MEGA, Scales
+from exudyn_crawler.views.undercarriage import acting
 
 
 def packed_shoes(stress: xr.Dataset, history: History) -> dict[str, Any]:
@@ -52,7 +53,7 @@ def packed_shoes(stress: xr.Dataset, history: History) -> dict[str, Any]:
 def _placed(now: xr.Dataset, shoes: Sequence[int]) -> dict[str, Any]:
     """Places of shoes in one instant, and what acts on them where."""
     poses = [Pose.of(now, shoe) for shoe in shoes]
-    contacts = [touching(now, shoe) for shoe in shoes]
+    contacts = [acting(now, shoe) for shoe in shoes]
     return {
         "origin": [pose.origin.tolist() for pose in poses],
         "frame": [pose.frame.ravel().tolist() for pose in poses],
