@@ -80,8 +80,11 @@ def history_series(history: History, stress: xr.Dataset | None = None) -> dict[s
 def dataset_series(dataset: xr.Dataset, stress: xr.Dataset | None = None) -> list[Series]:
     """Same from a history's variables, whose terrain deformation is drawn where it is among them."""
     found = [] if stress is None else [_highest(stress)]
-    rolled = [*_rollers(dataset), *_side_frame(dataset)] if "roller_force" in dataset else []
-    return [*found, *_motion(dataset), *_contact(dataset), *rolled, *_links(dataset), *_track(dataset)]
+    rolled = "roller_force" in dataset
+    rolling = [*_rollers(dataset), *_side_frame(dataset)] if rolled else []
+    # drive and loads are those of the side frame where one rolls over the track
+    track = _deformation(dataset) if rolled else _track(dataset)
+    return [*found, *_motion(dataset), *_contact(dataset), *rolling, *_links(dataset), *track]
 
 
 def deformation_panels(found: Mapping[str, Series]) -> list[Panel]:
@@ -189,11 +192,17 @@ def pin_name(joint: int, side: str) -> str:
     return f"{link_names([joint])[0]} {side}"
 
 
+def _deformation(dataset: xr.Dataset) -> Iterator[Series]:
+    if "terrain_deformation" in dataset:
+        values = _shaped(dataset.terrain_deformation, "track", ["track"])
+        yield Series("track", TERRAIN_DEFORMATION, QUANTITIES["terrain_deformation"].unit, values)
+
+
 def _track(dataset: xr.Dataset) -> Iterator[Series]:
-    deformation = {TERRAIN_DEFORMATION: ("terrain_deformation", QUANTITIES["terrain_deformation"].unit)}
-    for label, (name, unit) in (_labelled("drive_force", "drive_torque") | deformation).items():
+    for label, (name, unit) in _labelled("drive_force", "drive_torque").items():
         if name in dataset:
             yield Series("track", label, unit, _shaped(dataset[name], "track", ["track"]))
+    yield from _deformation(dataset)
     for label, (name, unit) in _labelled("shoe_load").items():
         if name in dataset:
             yield Series("track", label, unit, _of_shoes(dataset[name]))

@@ -7,11 +7,13 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.views.colours import ROLLER
 from exudyn_crawler.views.placement import Pose, instant
 from exudyn_crawler.views.report.frames import first_frame, frame_titles
 from exudyn_crawler.views.report.packing import packed
+from exudyn_crawler.views.report.track import packed_undercarriage
 from exudyn_crawler.views.scales import MEGA, Scales
-from exudyn_crawler.views.undercarriage import acting
+from exudyn_crawler.views.undercarriage import acting, frame_pose, rolls
 
 
 def packed_shoes(stress: xr.Dataset, history: History) -> dict[str, Any]:
@@ -47,14 +49,26 @@ def packed_shoes(stress: xr.Dataset, history: History) -> dict[str, Any]:
         "force_scale": scales.pair_force,
         "first": first_frame(stress),
         "frames": frames,
+        "undercarriage": _rollers(history),
     }
+
+
+def _rollers(history: History) -> dict[str, Any] | None:
+    """Shape and colour of the rollers of a rolled run."""
+    if not rolls(history.dataset):
+        return None
+    return packed_undercarriage(history.case) | {"colour": ROLLER}
 
 
 def _placed(now: xr.Dataset, shoes: Sequence[int]) -> dict[str, Any]:
     """Places of shoes in one instant, and what acts on them where."""
     poses = [Pose.of(now, shoe) for shoe in shoes]
     contacts = [acting(now, shoe) for shoe in shoes]
-    return {
+    side_frame = {}
+    if rolls(now):
+        pose = frame_pose(now)
+        side_frame = {"side_frame": {"origin": pose.origin.tolist(), "turn": pose.frame.ravel().tolist()}}
+    return side_frame | {
         "origin": [pose.origin.tolist() for pose in poses],
         "frame": [pose.frame.ravel().tolist() for pose in poses],
         "points": [packed(points, "f4") for points, _ in contacts],
