@@ -1,22 +1,17 @@
 """Moving pictures of a track on its deforming terrain."""
 
-from collections.abc import Iterator
-from itertools import chain
 from pathlib import Path
 
-import imageio_ffmpeg
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
-from PIL import Image
 
-from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.curves import STYLE
+from exudyn_crawler.views.film import GIF, check_film, drawn_image, film_times, write_film
 from exudyn_crawler.views.placement import greatest_shoe_force, instant
 from exudyn_crawler.views.plan_view import PlanView
 from exudyn_crawler.views.scales import ground_scale, shoe_force_scale
@@ -25,7 +20,6 @@ from exudyn_crawler.views.undercarriage import rolls
 
 DPI = 100
 GIF_DPI = 75
-GIF_COLOUR_COUNT = 96
 VIEW_WIDTH, SPEED_HEIGHT, WRITING_HEIGHT = 10.4, 1.55, 1.9
 """Inches: width of both views, height of the speeds, and height of all writing above and below."""
 
@@ -84,11 +78,7 @@ class TrackPicture:
 
     def image(self, time: float) -> NDArray:
         """Picture at a time as red, green and blue: array (height, width, 3), uint8."""
-        canvas = FigureCanvasAgg(self.show(time))
-        # ticks are chosen when drawn, by the style's size of writing
-        with mpl.rc_context(STYLE):
-            canvas.draw()
-        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+        return drawn_image(self.show(time))
 
 
 def _said(history: History, scale: float) -> str:
@@ -161,45 +151,10 @@ def write_animation(
     FileExistsError
         If the file exists and `overwrite` is false.
     """
-    end = history.duration if end is None else end
-    if path.suffix not in (".mp4", ".gif"):
-        raise ValueError(f"an animation is an .mp4 or .gif file, got {path}")
-    refuse_existing(path, overwrite)
-    if not 0.0 <= start < end <= history.duration + 1e-9:
-        raise ValueError(f"start and end must lie in 0..{history.duration:g} s, got {start:g}..{end:g} s")
+    check_film(path, overwrite)
+    times = film_times(history.duration, start, end, rate, speed)
     scale = ground_scale(history) if scale is None else scale
-    for name, value in (("scale", scale), ("rate", rate), ("speed", speed)):
-        if not value > 0.0:
-            raise ValueError(f"{name} must be positive, got {value:g}")
-    times = np.arange(start, end + 1e-9, speed / rate)
-    is_gif = path.suffix == ".gif"
-    picture = TrackPicture(history, scale, GIF_DPI if is_gif else DPI)
-    images = (picture.image(float(time)) for time in times)
-    with whole_file(path, overwrite) as temporary:
-        (_write_gif if is_gif else _write_mp4)(images, rate, temporary)
-    return path
-
-
-def _write_mp4(images: Iterator[NDArray], rate: int, path: Path) -> None:
-    """H.264 by the ffmpeg that imageio-ffmpeg brings along."""
-    first = next(images)
-    height, width, _ = first.shape
-    # players want even sides and 4:2:0 colours
-    writer = imageio_ffmpeg.write_frames(
-        str(path), (width, height), fps=rate, codec="libx264", macro_block_size=2, pix_fmt_out="yuv420p"
-    )
-    writer.send(None)
-    try:
-        for image in chain([first], images):
-            writer.send(np.ascontiguousarray(image))
-    finally:
-        writer.close()
-
-
-def _write_gif(images: Iterator[NDArray], rate: int, path: Path) -> None:
-    """GIF by pillow, picture for picture, since all of them at once would fill the memory."""
-    pictures = (
-        Image.fromarray(image).quantize(GIF_COLOUR_COUNT, dither=Image.Dither.NONE) for image in images
-    )
-    first = next(pictures)
-    first.save(path, save_all=True, append_images=pictures, duration=1e3 / rate, loop=0)
+    if not scale > 0.0:
+        raise ValueError(f"scale must be positive, got {scale:g}")
+    picture = TrackPicture(history, scale, GIF_DPI if path.suffix == GIF else DPI)
+    return write_film((picture.image(float(time)) for time in times), path, rate, overwrite)
