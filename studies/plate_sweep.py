@@ -135,7 +135,7 @@ def draw_lives(ax: Axes, lives: xr.DataArray) -> Axes:
         )
     ax.set_xlabel("stiffness of the ground's springs in MN/m")
     ax.set_ylabel("hours of propel that 97.5 % survive")
-    ax.set_title(lives.name.replace("_", " "))
+    ax.set_title(str(lives.name).replace("_", " "))
     stiffnesses = lives.spring_stiffness.values / MEGA
     ax.set_xticks(stiffnesses, [f"{one:g}" for one in stiffnesses])
     ax.xaxis.minorticks_off()

@@ -8,7 +8,7 @@ of large triangles wrong.
 import os
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Literal, Self
 
@@ -76,8 +76,28 @@ class View:
 
 
 @dataclass(frozen=True)
+class Body:
+    """Surface in one colour that lets the rest of a scene be seen through it.
+
+    Attributes
+    ----------
+    points : array (n, 3)
+        m.
+    triangles : int array (m, 3)
+        Corners in outward sense.
+    colour : str
+    opacity : float
+    """
+
+    points: NDArray
+    triangles: NDArray
+    colour: str
+    opacity: float
+
+
+@dataclass(frozen=True)
 class Scene:
-    """Surface coloured by nodal values, and arrows.
+    """Surface coloured by nodal values, arrows, and bodies before or behind it.
 
     Attributes
     ----------
@@ -88,12 +108,14 @@ class Scene:
     values : array (n,)
     arrows : array (k, 2, 3)
         Tail and head of each, m.
+    bodies : tuple of Body
     """
 
     points: NDArray
     triangles: NDArray
     values: NDArray
     arrows: NDArray
+    bodies: tuple[Body, ...] = ()
 
     @classmethod
     def joined(cls, parts: "list[Scene]") -> Self:
@@ -104,6 +126,7 @@ class Scene:
             np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=True)]),
             np.concatenate([part.values for part in parts]),
             np.concatenate([part.arrows for part in parts]),
+            tuple(body for part in parts for body in part.bodies),
         )
 
     def shows(self, point: int, view: View) -> bool:
@@ -123,11 +146,12 @@ class Scene:
 
     def without_arrows(self) -> "Scene":
         """Same surface alone."""
-        return Scene(self.points, self.triangles, self.values, self.arrows[:0])
+        return replace(self, arrows=self.arrows[:0])
 
     def moved(self, shift: NDArray) -> "Scene":
         """Same scene elsewhere; shift (3,), m."""
-        return Scene(self.points + shift, self.triangles, self.values, self.arrows + shift)
+        bodies = tuple(replace(body, points=body.points + shift) for body in self.bodies)
+        return replace(self, points=self.points + shift, arrows=self.arrows + shift, bodies=bodies)
 
 
 @lru_cache(maxsize=1)
@@ -216,6 +240,9 @@ def opengl_image(
             if length > ARROW_WIDTH:
                 arrow = _arrow(tail, head - tail, length)
                 plotter.add_mesh(arrow, color=CONTACT_FORCE, ambient=0.4, render=False)
+        for body in scene.bodies:
+            mesh = pyvista.PolyData.from_regular_faces(body.points, body.triangles)
+            plotter.add_mesh(mesh, color=body.colour, opacity=body.opacity, ambient=0.4, render=False)
         center = 0.5 * (
             (window[0] + window[1]) * view.right + (window[2] + window[3]) * view.up
         ) + view.toward * float((scene.points @ view.toward).mean())
@@ -263,6 +290,8 @@ def draw_plain(ax: Axes, scene: Scene, view: View, limits: tuple[float, float]) 
         ),
         autolim=False,
     )
+    for body in scene.bodies:
+        _draw_body(ax, body, view)
     for tail, head in scene.arrows:
         ends = view.project(np.stack((tail, head)))[:, :2]
         ax.add_patch(
@@ -279,6 +308,15 @@ def draw_plain(ax: Axes, scene: Scene, view: View, limits: tuple[float, float]) 
             )
         )
     return ax
+
+
+def _draw_body(ax: Axes, body: Body, view: View) -> None:
+    """Draw the faces of a body that are turned to the viewer, over all that is there."""
+    corners = view.project(body.points)[body.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    seen = list(corners[normals[:, 2] > 0.0, :, :2])
+    faces = PolyCollection(seen, facecolors=body.colour, edgecolors="none", alpha=body.opacity, zorder=1.5)
+    ax.add_collection(faces, autolim=False)
 
 
 def _fine_triangles(corners: NDArray, scene: Scene) -> tuple[NDArray, NDArray]:

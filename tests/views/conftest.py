@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from exudyn_crawler import History
+from exudyn_crawler.results.stresses import recover_stresses
 from exudyn_crawler.results.tables import hot_spot_table
 from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
@@ -53,3 +55,10 @@ def browser():
         )
         yield started
         started.close()
+
+
+def bent_stress(bent):
+    """Stresses of flexible shoes under rollers, by the modes alone, which take a second."""
+    modes = bent.case.flexible_shoes().with_(static_fields=False)
+    history = History(bent.case.with_(flexible=modes), bent.dataset)
+    return recover_stresses(history, [0.0, 0.06], peak=False).dataset

@@ -5,6 +5,8 @@ import pytest
 
 from exudyn_crawler import History
 from exudyn_crawler.views.report.page import write_report
+from exudyn_crawler.views.report.track import packed_undercarriage
+from exudyn_crawler.views.undercarriage import frame_pose, rollers_surface
 from tests.views.browser import Reader
 
 
@@ -85,6 +87,57 @@ def test_a_click_in_the_legend_hides_a_shoe_on_all_axes(reader):
     reader.wait("full[0].visible === 'legendonly'", "#plot-1 .figure")
     hidden = reader.shown("full.map((trace) => trace.visible === 'legendonly')", "#plot-1 .figure")
     assert hidden == [name == names[0] for name in names]
+
+
+def test_the_whole_track_moves(reader, flexible_run):
+    """Boxes of rigid and flexible shoes stand where the history has them, and go on when it is played."""
+    history, _, _ = flexible_run
+    reader.page.locator("#track-view").scroll_into_view_if_needed()
+    reader.page.wait_for_function("() => report.track !== null && document.querySelector('#track-view').data")
+    view = "#track-view"
+    names = reader.shown("data.map((trace) => trace.name)", view)
+    assert names == ["rigid shoes", "flexible shoes", "ground", "contact forces", "contact forces"]
+    assert reader.shown("[data[0].x.length, data[1].x.length]", view) == [11 * 8, 2 * 8]
+    x0, x1, y0, y1, z0 = history.case.shoe.footprint
+    middle = 0.5 * np.array([x0 + x1, y0 + y1, z0 + history.case.shoe.load_point[2]])
+    count = reader.page.evaluate("report.track.track.times.length")
+    for number in (0, count - 1):
+        reader.page.locator("#track-time").fill(str(number))
+        drawn = np.array(reader.shown("['x', 'y', 'z'].map((a) => Array.from(data[1][a]))", view))
+        now = history.dataset.isel(time=0 if number == 0 else -1).sel(shoe=[7, 13])
+        # the pitch is small, and the middle of a box is near the COM
+        places = drawn.reshape(3, 2, 8).mean(axis=2).T
+        assert places == pytest.approx(now.position.values + middle, abs=5e-3)
+    reader.page.locator("#track-time").fill(str(count - 3))
+    reader.page.locator("#track-play").click()
+    reader.page.wait_for_function(
+        f"() => Number(report.track.time.value) === {count - 1} && !report.track.playing"
+    )
+    reader.page.locator("#track-forces").uncheck()
+    assert reader.shown("data.length", view) == 3
+    reader.page.locator("[data-camera=above]").click()
+    reader.page.wait_for_function(
+        "() => document.querySelector('#track-view').layout.scene.camera.up.y === 1"
+    )
+
+
+def test_rollers_stand_where_the_frame_has_them(reader, rolled):
+    """What the page's script makes of a packed side frame, as the pictures have it."""
+    now = rolled.dataset.isel(time=-1)
+    pose = frame_pose(now)
+    frame = {"origin": pose.origin.tolist(), "turn": pose.frame.ravel().tolist()}
+    given = [packed_undercarriage(rolled.case), frame]
+    script = "([shape, frame]) => { const { x, y, z, i, j, k } = rollerSurface(shape, frame, 'red');"
+    drawn = reader.page.evaluate(
+        script + " return [x, y, z, i, j, k].map((one) => Array.from(one)); }", given
+    )
+    points, triangles = rollers_surface(now, rolled.case)
+    places, corners = np.transpose(drawn[:3]), np.transpose(drawn[3:])
+    assert places == pytest.approx(points, abs=1e-5)
+    assert (corners == triangles).all()
+    first = "(x) => x < " + repr(float(pose.origin[0]) - 0.5)
+    one = reader.page.evaluate(f"([s, f]) => rollerSurface(s, f, 'red', {first}).x.length", given)
+    assert one == len(points) // 3
 
 
 @pytest.mark.slow
