@@ -275,6 +275,21 @@ class CompiledSystem(Integrated):
             return None
         return self._state[0].copy(), self._multipliers.copy(), iterations
 
+    def calls(self) -> dict[str, list[tuple[Any, tuple]]]:
+        """Compiled functions with arguments as a run calls them, by what they make."""
+        residual, values = self._scratch
+        inputs, weights = self._inputs(0.0), (0.0, 0.0, 1.0, False, 1.0)
+        fronts = tuple(Model(*self._model).fronts)
+        both = self._model, self._state
+        return {
+            "residual": [(evaluate, (*both, self._multipliers, inputs, weights, self._memory, residual))],
+            "derivative": [
+                (assemble, (*both, inputs, weights, 0, self._memory, values)),
+                (eliminate, (fronts, values)),
+                (solve, (fronts, values, residual)),
+            ],
+        }
+
     def in_layout(self, residual: NDArray) -> NDArray:
         """Residual with or without the drive's, in the order and the units of the layout's equations."""
         coordinates, off = np.split(residual, [self.layout.coordinate_count])
