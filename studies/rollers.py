@@ -33,6 +33,7 @@ CHOICES_DURATION = 8.0
 """s."""
 FOLDED = 1.0
 """rad, tilt of a shoe beyond which no track is one."""
+FIRM, FIRM_SPRINGS, FIRM_CONTACT = 10.0, "springs of the ground x 10", "contact with the ground x 10"
 KILO = 1e3
 
 
@@ -143,7 +144,7 @@ def _with_rollers(frame: Undercarriage, count: int, spacing: float) -> Undercarr
 
 
 def choices() -> dict[str, Case]:
-    """Rigid machine as it is, and with each open choice made otherwise."""
+    """Rigid machine as it is, with each open choice made otherwise, and on firmer ground than the papers'."""
     case, frame = Case.rolled(), Undercarriage.ph4100c()
     changed = {
         "as it is": frame,
@@ -156,7 +157,14 @@ def choices() -> dict[str, Case]:
         "no end tension": frame.with_(end_tension=0.0),
         "tumbler in front": frame.with_(tumbler=-frame.tumbler),
     }
-    return {name: case.with_(name=name, undercarriage=one) for name, one in changed.items()}
+    cases = {name: case.with_(name=name, undercarriage=one) for name, one in changed.items()}
+    springs = case.terrain.with_(spring_stiffness=FIRM * case.terrain.spring_stiffness)
+    contact = case.pair_contact()
+    contact = contact.with_(stiffness=FIRM * contact.stiffness)
+    return cases | {
+        FIRM_SPRINGS: case.with_(name=FIRM_SPRINGS, terrain=springs),
+        FIRM_CONTACT: case.with_(name=FIRM_CONTACT, contact=contact),
+    }
 
 
 def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:

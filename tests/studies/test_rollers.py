@@ -4,7 +4,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.rollers import FLEXIBLE, choices, highest_by_region, study, study_cases
+from studies.rollers import (
+    FIRM_CONTACT,
+    FIRM_SPRINGS,
+    FLEXIBLE,
+    choices,
+    highest_by_region,
+    study,
+    study_cases,
+)
 
 
 def test_pass_begins_behind_the_flexible_shoes_and_ends_beyond_them():
@@ -26,6 +34,8 @@ def test_machine_digs_above_the_flexible_shoes():
 
 def test_open_choices_differ_from_what_is_chosen_by_one_thing():
     cases = choices()
+    for name in (FIRM_SPRINGS, FIRM_CONTACT):
+        assert cases.pop(name).undercarriage == cases["as it is"].undercarriage
     chosen = cases.pop("as it is").undercarriage.model_dump()
     for name, case in cases.items():
         changed = [key for key, value in case.undercarriage.model_dump().items() if value != chosen[key]]
