@@ -211,8 +211,9 @@ class PressureGrid:
             x, weights = _points(hats.t[1:-1])
             products = hats(x).T @ (weights[:, None] * hats(x))
             shares.append(np.linalg.solve(products, means.T).T)
-        spread = np.einsum("ti,tj->tij", *shares).reshape(len(forces), -1)
-        return spread[:, :, None] * forces[:, None]
+        along, across = shares
+        spread = np.einsum("ti,tj->tij", along, across)
+        return spread.reshape(len(forces), along.shape[1] * across.shape[1], 1) * forces[:, None]
 
 
 @dataclass(frozen=True, eq=False)

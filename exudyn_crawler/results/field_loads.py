@@ -90,7 +90,7 @@ def _add(
             loads[MACHINE] += np.hstack((force, shifted[:, None] * force))
         case OverRectangle(low, high, pressed):
             spread = grid.coordinates(force[pressed], low[pressed], high[pressed])
-            loads[GROUND][pressed] += spread.reshape(len(spread), -1)
+            loads[GROUND][pressed] += spread.reshape(len(spread), loads[GROUND].shape[1])
         case AtDrivePoint() if DRIVE in loads:
             loads[DRIVE] += force
         case AtDrivePoint():
