@@ -6,7 +6,9 @@ averaged at the nodes is better than the elements' own, so that the difference o
 a node, against the stress there, tells how far the elements are from resolving it.
 """
 
+import operator
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 import pandas as pd
@@ -110,11 +112,9 @@ def resolution_over(body: Shapes, q: Floats) -> Resolution:
     The squares are those of the few fields that make nearly all of the history's stress.
     """
     fields = _main_directions(body.stress_modes, q) / np.sqrt(len(q))
-    found = [resolution(body.mesh, body.material, one) for one in body.displacement(fields)]
-    total = found[0]
-    for one in found[1:]:
-        total += one
-    return total
+    return reduce(
+        operator.add, (resolution(body.mesh, body.material, one) for one in body.displacement(fields))
+    )
 
 
 def _main_directions(stress_modes: Columns, q: Floats) -> Floats:
