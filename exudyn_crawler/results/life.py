@@ -65,6 +65,10 @@ class LifeResults:
     nodes: Mapping[int, NodeLife]
     whole: Shapes
 
+    def _repr_html_(self) -> str:
+        """Shortest lives and the dataset, for notebooks."""
+        return self.table.to_html(index=False) + self.dataset._repr_html_()
+
 
 def life_of(
     duty: Duty, histories: Sequence[History], say: Callable[[str], None] = lambda _text: None
