@@ -72,6 +72,10 @@ class LifeResults:
     trust: LifeTrust
     whole: Shapes
 
+    def _repr_html_(self) -> str:
+        """Shortest lives and the dataset, for notebooks."""
+        return self.table.to_html(index=False) + self.dataset._repr_html_()
+
 
 def life_of(
     duty: Duty,
