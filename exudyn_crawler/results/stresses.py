@@ -15,6 +15,7 @@ from exudyn_crawler.results.history import History
 from exudyn_crawler.results.phases import phases
 from exudyn_crawler.results.quantities import variable
 from exudyn_crawler.results.stress_columns import stress_columns
+from exudyn_crawler.results.surface_stress import flat_triangles
 from fem import Extremes, Shapes, hot_spots, judged, mesh_error, recover_extremes
 
 HOT_SPOTS = 5
@@ -37,7 +38,8 @@ class StressResults:
           as far as it is one
         - frame_mesh_error (frame, shoe, node), what the mesh leaves open of it, as of `fem.mesh_error`
         - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
-        - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices
+        - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices of flat
+          triangles through all nodes of the surface, four a face
         - in_spider (node), whether a node is held by a joint's rigid spider
         - at_load (shoe, node), whether it belongs to an element about the node that the drive pulls: the
           stress that a force on one node makes there grows without limit as the mesh is refined
@@ -117,7 +119,7 @@ def recover_stresses(
     spider[whole.spider_nodes] = True
     dataset = dataset.assign(
         node_position=variable("node_position", whole.nodes),
-        triangle=variable("triangle", whole.mesh.boundary[:, :3]),
+        triangle=variable("triangle", flat_triangles(whole.mesh.boundary)),
         in_spider=variable("in_spider", spider),
         frame_name=variable("frame_name", np.array(names, dtype=object)),
     ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
