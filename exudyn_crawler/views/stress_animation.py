@@ -21,7 +21,8 @@ from exudyn_crawler.views.curves import STYLE
 from exudyn_crawler.views.film import check_film, drawn_image, film_times, write_film
 from exudyn_crawler.views.placement import Pose, shoe_forces_over_time
 from exudyn_crawler.views.scales import BENT, MEGA, drawn_scale, round_up
-from exudyn_crawler.views.scenes import Backend, Body, Scene, View, draw_scene, usual_backend
+from exudyn_crawler.views.scene import Body, Scene, View
+from exudyn_crawler.views.scenes import Backend, draw_scene, usual_backend
 from exudyn_crawler.views.undercarriage import acting, rollers_surface, rolls
 
 WIDTH, HEIGHT, DPI = 9.0, 8.2, 90
