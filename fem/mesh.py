@@ -207,15 +207,6 @@ class Mesh:
         )
         return faces[np.sort(first[counts == 1])]
 
-    @property
-    def flat_boundary(self) -> Integers:
-        """Flat triangles through all nodes of the boundary, (k, 3) or (4 k, 3), in outward sense."""
-        faces = self.boundary
-        if faces.shape[1] == 3:
-            return faces
-        quarters = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
-        return np.stack([faces[:, list(quarter)] for quarter in quarters], axis=1).reshape(-1, 3)
-
     @cached_property
     def surface_nodes(self) -> Integers:
         """Numbers of all nodes on the boundary, ascending."""

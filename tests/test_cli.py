@@ -230,6 +230,12 @@ def test_a_study_of_several_runs_names_them(call, tmp_path):
     assert_one_line(err, "no history at study/history.nc; name one of study/straight, study/turning")
 
 
+def test_a_stressed_shoe_is_animated_without_ground(call):
+    code, _, err = call("animate", "study", "--stress", "7", "--scale", "2")
+    assert code == 2
+    assert_one_line(err, "--scale must go without --stress, whose picture shows no ground")
+
+
 @pytest.mark.parametrize(
     ("script", "command"),
     [

@@ -17,6 +17,7 @@ from exudyn_crawler.results.phases import phases
 from exudyn_crawler.results.quantities import Variable, variable
 from exudyn_crawler.results.regions import BORES, shoe_regions
 from exudyn_crawler.results.stress_columns import StressColumns, stress_columns
+from exudyn_crawler.results.surface_stress import flat_triangles
 from fem import Extremes, OneOfEach, Shapes, hot_spots, judged, mesh_error, recover_extremes
 from fem.trust import resolution_over, verdict_numbers
 
@@ -43,7 +44,8 @@ class StressResults:
           as far as it is one
         - frame_mesh_error (frame, shoe, node), what the mesh leaves open of it, as of `fem.mesh_error`
         - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
-        - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices
+        - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices of flat
+          triangles through all nodes of the surface, four a face
         - in_spider (node), whether a node is held by a joint's rigid spider
         - at_load (shoe, node), whether it belongs to an element about the node that the drive pulls: the
           stress that a force on one node makes there grows without limit as the mesh is refined
@@ -127,7 +129,7 @@ def recover_stresses(
     spider[whole.spider_nodes] = True
     dataset = dataset.assign(
         node_position=variable("node_position", whole.nodes),
-        triangle=variable("triangle", whole.mesh.boundary[:, :3]),
+        triangle=variable("triangle", flat_triangles(whole.mesh.boundary)),
         in_spider=variable("in_spider", spider),
         truncation=variable("truncation", np.array(np.nan if columns.bound is None else columns.bound)),
         frame_name=variable("frame_name", np.array(names, dtype=object)),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.quantities import QUANTITIES, variable
@@ -10,6 +10,18 @@ from exudyn_crawler.results.stress_columns import stress_columns
 
 AT_ONCE = 50
 """Instants whose fields are in memory together."""
+
+
+def flat_triangles(faces: NDArray) -> NDArray:
+    """Flat triangles through all nodes of faces (k, 6), corners first and then the middles of the sides.
+
+    Returns
+    -------
+    int array (4 k, 3)
+        In the sense of the faces.
+    """
+    quarters = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+    return np.stack([faces[:, list(quarter)] for quarter in quarters], axis=1).reshape(-1, 3)
 
 
 def surface_stress(history: History, shoe: int, rows: ArrayLike) -> xr.Dataset:
@@ -39,7 +51,7 @@ def surface_stress(history: History, shoe: int, rows: ArrayLike) -> xr.Dataset:
         raise ValueError(f"shoe must be a flexible one of the history, of {there}, got {shoe}")
     columns = stress_columns(history, [shoe])
     shapes = columns.shapes
-    used, corners = np.unique(shapes.mesh.flat_boundary, return_inverse=True)
+    used, corners = np.unique(flat_triangles(shapes.mesh.boundary), return_inverse=True)
     q = columns.coordinates[shoe][np.asarray(rows)]
     parts = [q[start : start + AT_ONCE] for start in range(0, len(q), AT_ONCE)]
     von_mises = np.concatenate([shapes.von_mises(part, used).astype("f4") for part in parts])

@@ -21,13 +21,14 @@ from exudyn_crawler.views.curves import STYLE
 from exudyn_crawler.views.film import check_film, drawn_image, film_times, write_film
 from exudyn_crawler.views.placement import Pose, shoe_forces_over_time
 from exudyn_crawler.views.scales import BENT, MEGA, drawn_scale, round_up
-from exudyn_crawler.views.scenes import Backend, Body, Scene, View, draw_scene, usual_backend
+from exudyn_crawler.views.scene import Body, Scene, View
+from exudyn_crawler.views.scenes import Backend, draw_scene, usual_backend
 from exudyn_crawler.views.undercarriage import acting, rollers_surface, rolls
 
 WIDTH, HEIGHT, DPI = 9.0, 8.2, 90
 """Inches, and pixels an inch, of a picture."""
-ABOVE = View.seen_from(azimuth=235.0, elevation=32.0)
-BELOW = View.seen_from(azimuth=235.0, elevation=-28.0)
+ABOVE = View.seen_from(azimuth=212.0, elevation=34.0)
+BELOW = View.seen_from(azimuth=212.0, elevation=-28.0)
 NEAR = 1.1
 """m along the shoe from its COM to the rollers' axes that are shown with it."""
 MARGIN = 0.08
@@ -36,7 +37,7 @@ OPACITY = 0.35
 """Of rollers, which would hide the rails."""
 LONGEST = 0.35
 """m at which the greatest single force on the shoe is drawn."""
-PLACES = {"above": (0.02, 0.54, 0.84, 0.39), "below": (0.02, 0.26, 0.84, 0.28)}
+PLACES = {"above": (0.02, 0.51, 0.84, 0.41), "below": (0.02, 0.255, 0.84, 0.25)}
 """Parts of a picture: left, bottom, width and height over its own."""
 
 

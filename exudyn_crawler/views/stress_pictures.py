@@ -22,7 +22,8 @@ from exudyn_crawler.views.colours import STRESS_MAP
 from exudyn_crawler.views.curves import STYLE, save_figure
 from exudyn_crawler.views.placement import Pose, instant
 from exudyn_crawler.views.scales import MEGA, Scales
-from exudyn_crawler.views.scenes import Backend, Scene, View, draw_scene, usual_backend
+from exudyn_crawler.views.scene import Scene, View
+from exudyn_crawler.views.scenes import Backend, draw_scene, usual_backend
 from exudyn_crawler.views.side_view import SideView
 from exudyn_crawler.views.undercarriage import acting, rolls
 

@@ -66,7 +66,7 @@ class TrackView {
       type: "mesh3d", name: "ground", x: at(0), y: at(1), z: at(2), i: node(0), j: node(1), k: node(2),
       intensity: Float32Array.from({ length: 2 * units }, (_, half) => 1e3 * step * heave[half >> 1]),
       intensitymode: "cell", cmin: limits[0], cmax: limits[1], colorscale: "Cividis", flatshading: true,
-      hoverinfo: "skip", lighting: { ambient: 0.95, diffuse: 0.1, specular: 0, fresnel: 0, facenormalsepsilon: 0 },
+      hoverinfo: "skip", opacity: 0.6, lighting: { ambient: 0.95, diffuse: 0.1, specular: 0, fresnel: 0, facenormalsepsilon: 0 },
       colorbar: { title: { text: "heave of the ground in mm" }, orientation: "h", y: 0, yanchor: "bottom", len: 0.4, thickness: 14 },
     };
   }
@@ -117,7 +117,7 @@ class TrackView {
 }
 
 const CAMERAS = {
-  aslant: { eye: { x: -0.6, y: -1.25, z: 0.75 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } },
+  aslant: { eye: { x: -0.7, y: -1.45, z: 0.85 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } },
   above: { eye: { x: 0, y: 0, z: 1.5 }, up: { x: 0, y: 1, z: 0 }, center: { x: 0, y: 0, z: 0 } },
   side: { eye: { x: 0, y: -1.5, z: 0 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } },
 };
