@@ -35,6 +35,7 @@ from exudyn_crawler.views.curves import KINEMATICS, kinematic_figure, save_figur
 from exudyn_crawler.views.force_figures import force_figures
 from exudyn_crawler.views.ground_figures import ground_figure
 from exudyn_crawler.views.paraview import write_paraview
+from exudyn_crawler.views.roller_figures import roller_figures
 from exudyn_crawler.views.stress_figures import stress_figures
 from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
@@ -240,6 +241,16 @@ def write_contact_and_joints(history: History, folder: Path, outputs: Outputs, o
         save_figure(figure, _figure_file(folder, title, outputs), overwrite)
 
 
+def write_rollers(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
+    """Forces of the rollers, of them on the flexible shoes or else on the drawn ones, and the side frame."""
+    case = history.case
+    if not outputs.figures or case.propel == "dragged":
+        return
+    shoes = outputs.drawn_shoes(case.track.shoe_count) if case.flexible is None else case.flexible.shoes
+    for title, figure in roller_figures(history, shoes).items():
+        save_figure(figure, _figure_file(folder, title, outputs), overwrite)
+
+
 def write_ground(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
     """The track on uneven ground at the end of the run, and what the ground carries."""
     terrain = history.case.terrain
@@ -288,13 +299,15 @@ def write_flexible_shoes(
 def write_fields(
     history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
 ) -> None:
-    """Greatest von Mises stress of every node, when it occurs and its range, for ParaView."""
+    """Greatest von Mises stress of every node, when it occurs, its range and trust, for ParaView."""
     for shoe in stresses.dataset.shoe.values if outputs.paraview else ():
         own = stresses.dataset.sel(shoe=shoe)
         fields = {
             "greatest von Mises": own.peak_von_mises.values,
             "time of the greatest": own.peak_time.values,
             "range of von Mises": (own.peak_von_mises - own.least_von_mises).values,
+            "error of the mesh over the stress": own.peak_mesh_error.values,
+            "verdict": own.peak_verdict.values,
         }
         with whole_file(folder / f"fields_shoe_{shoe}.vtu", overwrite) as temporary:
             write_vtu(temporary, stresses.whole.mesh, fields)
@@ -331,6 +344,7 @@ WRITERS: tuple[Callable[[History, Path, Outputs, bool], None], ...] = (
     write_loads,
     write_motion,
     write_contact_and_joints,
+    write_rollers,
     write_ground,
     write_film,
 )

@@ -13,13 +13,24 @@ from hypothesis import settings
 from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.reductions import VARIABLE
+from tests.rolled import small_case, small_flexible_case
 from tests.stress_results import short_run, stress_results
 
 # the same examples in every run
 settings.register_profile("reproducible", derandomize=True)
 settings.load_profile("reproducible")
 
-RUNS = {"translation", "turning", "constrained", "longer", "flexible_run", "reduced", "rigid_folders"}
+RUNS = {
+    "translation",
+    "turning",
+    "constrained",
+    "longer",
+    "flexible_run",
+    "reduced",
+    "rigid_folders",
+    "rolled",
+    "bent",
+}
 """Fixtures that simulate, or reduce a shoe for a run."""
 
 
@@ -79,3 +90,15 @@ def flexible_run() -> tuple[History, xr.Dataset, dict[int, pd.DataFrame]]:
     """Two flexible shoes pulled for a moment: history, stresses at two chosen times, hot spots by shoe."""
     history = short_run(0.06)
     return history, *stress_results(history, [0.0, 0.06])
+
+
+@pytest.fixture(scope="session")
+def rolled() -> History:
+    """A fifth of a second of a side frame over rigid shoes, in which it moves by 75 mm."""
+    return simulate(small_case(), 0.2, progress=False)
+
+
+@pytest.fixture(scope="session")
+def bent() -> History:
+    """The same over two flexible shoes, shorter."""
+    return simulate(small_flexible_case(), 0.06, progress=False)

@@ -89,8 +89,10 @@ def info(
         if changes:
             raise ValueError(f"--set must go with a case file, got the study {case!r}; init writes its file")
         case_file = study_case(case)
-    else:
+    elif Path(case).suffix or Path(case).exists():
         case_file = read_case(case, changes or ())
+    else:
+        raise ValueError(f"case must be a case file or a study of {sorted(registered(CASES))}, got {case!r}")
     base, rows = rows_beside_base(case_file)
     differing = sum(row.in_the_base != "" for row in rows)
     columns = ("key", "value", "in the base", "unit", "meaning")
@@ -158,27 +160,43 @@ def report(
 def animate(
     run: Run,
     out: Annotated[
-        Path | None, typer.Option(help=".mp4 or .gif file to write; RUN/history.mp4, if not given")
+        Path | None,
+        typer.Option(help=".mp4 or .gif file to write; RUN/history.mp4 or RUN/shoe_N.mp4, if not given"),
+    ] = None,
+    stress: Annotated[
+        int | None,
+        typer.Option(help="number of a flexible shoe that is shown with its stress, in place of the track"),
     ] = None,
     scale: Annotated[
         float | None, typer.Option(help="magnification of the ground's displacements; fitting, if not given")
     ] = None,
     start: Annotated[float, typer.Option(help="s, first time shown")] = 0.0,
     end: Annotated[float | None, typer.Option(help="s, last time shown; the run's end, if not given")] = None,
+    speed: Annotated[float, typer.Option(help="simulated seconds that a second shows")] = 1.0,
     overwrite: Overwrite = False,
     debug: Debug = False,
 ) -> None:
-    """Animate the track on the deforming terrain, without a display.
+    """Animate the track on the deforming terrain, or a flexible shoe with its stress, without a display.
 
     Example: exudyn-crawler animate results/kinematics/translation --end 5
     """
-    path = history_path(run).with_suffix(".mp4") if out is None else out
+    if stress is not None and scale is not None:
+        raise ValueError("--scale must go without --stress, whose picture shows no ground")
+    own = history_path(run)
+    default = own.with_suffix(".mp4") if stress is None else own.with_name(f"shoe_{stress}.mp4")
+    path = default if out is None else out
     history = loaded(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder import note_file
     from exudyn_crawler.run.progress import heartbeat
-    from exudyn_crawler.views.animation import write_animation
 
     with heartbeat(f"animation of {run}"):
-        write_animation(history, path, overwrite, scale, start=start, end=end)
+        if stress is None:
+            from exudyn_crawler.views.animation import write_animation
+
+            write_animation(history, path, overwrite, scale, speed=speed, start=start, end=end)
+        else:
+            from exudyn_crawler.views.stress_animation import write_stress_animation
+
+            write_stress_animation(history, stress, path, overwrite, speed=speed, start=start, end=end)
     note_file(path)
     typer.echo(path)

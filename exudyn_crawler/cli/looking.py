@@ -105,6 +105,7 @@ def shoe_loads(
     from exudyn_crawler.results import shoe_loads as found
     from exudyn_crawler.run.folder import note_file
 
+    history.case.track.check_shoe(shoe)
     flexible = history.case.flexible is not None and shoe in history.case.flexible.shoes
     if time is None:
         if not flexible:
@@ -138,7 +139,7 @@ def compare(
     runs = dict(zip(_names(first, second), (first, second), strict=True))
     histories = {name: loaded(run) for name, run in runs.items()}
     from exudyn_crawler.views.comparison import comparison_tables, write_comparison
-    from exudyn_crawler.views.report.page import stress_of
+    from exudyn_crawler.views.report.reading import stress_of
     from exudyn_crawler.views.tables import print_table, write_table
 
     found = {name: stress_of(run_folder(run)) for name, run in runs.items()}

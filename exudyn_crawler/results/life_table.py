@@ -47,7 +47,11 @@ def shortest_by_region(regions: NDArray, damage: NDArray) -> list[int]:
 
 
 def shortest_lives(
-    dataset: xr.Dataset, nodes: Mapping[int, NodeLife], whole: Shapes, regions: NDArray
+    dataset: xr.Dataset,
+    nodes: Mapping[int, NodeLife],
+    whole: Shapes,
+    regions: NDArray,
+    verdicts: Mapping[int, str],
 ) -> pd.DataFrame:
     """Table of lives and what makes them, of some nodes such as the worst of every region.
 
@@ -55,12 +59,15 @@ def shortest_lives(
     ----------
     regions : array (n,) of str
         Of `regions.shoe_regions`.
+    verdicts : mapping of int to str
+        How far to trust the stress of each node.
 
     Returns
     -------
     pandas.DataFrame
         A row a node: region, node and its place in the shoe (m); life (h, 1e9 for
-        all beyond) at each survival; the place in the track that wears it most and the life of a shoe that
+        all beyond) at each survival; the range in which the last of them lies, by what is open of the stress,
+        and the verdict; the place in the track that wears it most and the life of a shoe that
         stays there; run and phase with the greatest part of the damage, and that part; the load with the
         greatest part, and the parts of all; life by each criterion at the greatest survival, those signed
         without what goes from run to run; and whether a joint's rigid spider is near.
@@ -75,7 +82,11 @@ def shortest_lives(
         row: dict[str, object] = {"region": regions[node], "node": node}
         row |= {f"{axis} in the shoe in m": float(own.node_position.sel(axis=axis)) for axis in "xyz"}
         row |= {_life_at(one): float(own.life.sel(survival=one)) for one in own.survival.values}
+        factor = float(own.life_factor)
         row |= {
+            f"{LIFE} at least": float(life_hours(whole_damage * factor)),
+            f"{LIFE} at most": float(life_hours(whole_damage / factor)),
+            "verdict": verdicts[node],
             "worst place": int(places.shoe[int(np.nanargmax(places.values))]),
             f"{LIFE} there": float(life_hours(float(places.max()))),
             "main part": str(parts.part.values[int(parts.values.argmax())]) if whole_damage > 0.0 else "",

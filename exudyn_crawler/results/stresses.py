@@ -14,10 +14,12 @@ from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.load_shares import load_shares
 from exudyn_crawler.results.phases import phases
-from exudyn_crawler.results.quantities import variable
+from exudyn_crawler.results.quantities import Variable, variable
 from exudyn_crawler.results.regions import BORES, shoe_regions
 from exudyn_crawler.results.stress_columns import StressColumns, stress_columns
+from exudyn_crawler.results.surface_stress import flat_triangles
 from fem import Extremes, OneOfEach, Shapes, hot_spots, judged, mesh_error, recover_extremes
+from fem.trust import resolution_over, verdict_numbers
 
 HOT_SPOTS = 5
 """Rows of the S-paper's hot-spot tables."""
@@ -35,11 +37,15 @@ class StressResults:
 
         - highest_von_mises (time, shoe) and highest_node (time, shoe), away from a pulled node
         - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
+        - peak_mesh_error and peak_jump (shoe, node), over the stress and in the mean square of the run, as of
+          `fem.resolution_over`, peak_verdict (shoe, node), a number of `fem.trust.VERDICTS`, and truncation,
+          what left-out static fields may do, not a number where modes alone were used
         - frame_von_mises (frame, shoe, node), and frame_name (frame): "begin", "end of dig" or "peak", each
           as far as it is one
         - frame_mesh_error (frame, shoe, node), what the mesh leaves open of it, as of `fem.mesh_error`
         - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
-        - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices
+        - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices of flat
+          triangles through all nodes of the surface, four a face
         - in_spider (node), whether a node is held by a joint's rigid spider
         - at_load (shoe, node), whether it belongs to an element about the node that the drive pulls: the
           stress that a force on one node makes there grows without limit as the mesh is refined
@@ -110,12 +116,10 @@ def recover_stresses(
     frames, names = _frames(history, named)
     for shoe, q in coordinates.items():
         extremes, at_load = reached[shoe], near_pull(history, whole, shoe)
-        found.append(
-            _of_shoe(history, whole, q, extremes, frames).assign(
-                at_load=variable("at_load", at_load, without=("shoe",))
-            )
-        )
         away = np.flatnonzero(~at_load)
+        trust = _trust(whole, q, extremes, np.where(at_load, np.nan, columns.bound or 0.0))
+        marked = {"at_load": variable("at_load", at_load, without=("shoe",))}
+        found.append(_of_shoe(history, whole, q, extremes, frames).assign(trust | marked))
         tables[shoe] = _hot_spots(history, columns, shoe, extremes, away)
         usable = away[named_regions[away] != BORES]
         by_region[shoe] = _hot_spots(history, columns, shoe, extremes, usable, OneOfEach(named_regions))
@@ -125,8 +129,9 @@ def recover_stresses(
     spider[whole.spider_nodes] = True
     dataset = dataset.assign(
         node_position=variable("node_position", whole.nodes),
-        triangle=variable("triangle", whole.mesh.boundary[:, :3]),
+        triangle=variable("triangle", flat_triangles(whole.mesh.boundary)),
         in_spider=variable("in_spider", spider),
+        truncation=variable("truncation", np.array(np.nan if columns.bound is None else columns.bound)),
         frame_name=variable("frame_name", np.array(names, dtype=object)),
     ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
     return StressResults(dataset, tables, by_region, whole)
@@ -219,3 +224,18 @@ def _hot_spots(
         region=shoe_regions(whole, track)[at],
     )
     return pd.concat((table, load_shares(history, columns, shoe, at, times)), axis=1)
+
+
+def _trust(whole: Shapes, q: NDArray, found: Extremes, bound: NDArray) -> dict[str, Variable]:
+    """What is open of the greatest stress of each node of a shoe with coordinates q (times, columns).
+
+    The bound (nodes,) in Pa of what fields leave out is not a number where no stress is known.
+    """
+    mesh, held = resolution_over(whole, q), np.isin(np.arange(len(whole.nodes)), whole.spider_nodes)
+    left_out = bound / np.maximum(found.greatest, np.finfo(float).tiny)
+    named: dict[str, NDArray] = {
+        "peak_mesh_error": mesh.error.astype(np.float32),
+        "peak_jump": mesh.relative_jump.astype(np.float32),
+        "peak_verdict": verdict_numbers(mesh.error + left_out, mesh.error, mesh.relative_jump, held),
+    }
+    return {name: variable(name, values, without=("shoe",)) for name, values in named.items()}

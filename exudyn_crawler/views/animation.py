@@ -1,36 +1,31 @@
 """Moving pictures of a track on its deforming terrain."""
 
-from collections.abc import Iterator
-from itertools import chain
 from pathlib import Path
 
-import imageio_ffmpeg
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
-from PIL import Image
 
-from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.curves import STYLE
+from exudyn_crawler.views.film import GIF, check_film, drawn_image, film_times, write_film
 from exudyn_crawler.views.placement import greatest_shoe_force, instant
 from exudyn_crawler.views.plan_view import PlanView
 from exudyn_crawler.views.scales import ground_scale, shoe_force_scale
 from exudyn_crawler.views.side_view import SideView
+from exudyn_crawler.views.undercarriage import rolls
 
 DPI = 100
 GIF_DPI = 75
-GIF_COLOUR_COUNT = 96
 VIEW_WIDTH, SPEED_HEIGHT, WRITING_HEIGHT = 10.4, 1.55, 1.9
 """Inches: width of both views, height of the speeds, and height of all writing above and below."""
 
 
 class TrackPicture:
-    """Track from above and from the side, and the speed of its ends; `show` brings it to a time.
+    """Track from above and from the side, and speeds of its ends or forces of rollers; `show` sets the time.
 
     Parameters
     ----------
@@ -56,16 +51,11 @@ class TrackPicture:
             self.figure.colorbar(
                 plan.ground, ax=[above, side], label="heave of units in mm", fraction=0.02, pad=0.01
             )
-            force = greatest_shoe_force(history)
-            side.set_title(
-                f"displacement of the ground drawn {scale:g} times larger, depth of the shoes in it at true "
-                f"scale; arrows: contact force on each shoe, the greatest of the run {force / 1e3:.3g} kN",
-                fontsize=9,
-                loc="left",
-            )
+            side.set_title(_said(history, scale), fontsize=9, loc="left")
             for axes in (above, side):
                 axes.grid(False)
-            self._cursor = _draw_speeds(speed, history)
+            draw = _draw_rollers if rolls(history.dataset) else _draw_speeds
+            self._cursor = draw(speed, history)
             self._title = self.figure.suptitle("", x=0.01, ha="left")
             # both views become as wide as the picture has room for
             metres = np.ptp(above.get_ylim()), np.ptp(side.get_ylim())
@@ -88,11 +78,18 @@ class TrackPicture:
 
     def image(self, time: float) -> NDArray:
         """Picture at a time as red, green and blue: array (height, width, 3), uint8."""
-        canvas = FigureCanvasAgg(self.show(time))
-        # ticks are chosen when drawn, by the style's size of writing
-        with mpl.rc_context(STYLE):
-            canvas.draw()
-        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+        return drawn_image(self.show(time))
+
+
+def _said(history: History, scale: float) -> str:
+    """What has to be known about the side view."""
+    ground = f"displacement of the ground drawn {scale:g} times larger"
+    arrows = (
+        f"contact force on each shoe, the greatest of the run {greatest_shoe_force(history) / 1e3:.3g} kN"
+    )
+    if rolls(history.dataset):
+        return f"{ground}; blue arrows: {arrows}; violet: force of each roller"
+    return f"{ground}, depth of the shoes in it at true scale; arrows: {arrows}"
 
 
 def _draw_speeds(ax: Axes, history: History) -> Line2D:
@@ -103,6 +100,17 @@ def _draw_speeds(ax: Axes, history: History) -> Line2D:
         ax.plot(values.time, values, label=f"shoe {shoe} ({name})")
     ax.set(xlabel="time in s", ylabel="x velocity in m/s", xlim=(0.0, history.duration))
     ax.legend(loc="upper left", ncols=2)
+    return ax.axvline(0.0, color="black", lw=0.8)
+
+
+def _draw_rollers(ax: Axes, history: History) -> Line2D:
+    """Draw what every roller presses with over time, and a cursor, which is returned."""
+    pressed = -1e-3 * history.roller_force.sel(axis="z").sum("rail")
+    for roller in history.roller.values:
+        ax.plot(pressed.time, pressed.sel(roller=roller), label=f"{roller}")
+    ax.set(xlabel="time in s", ylabel="force of a\nroller in kN", xlim=(0.0, history.duration))
+    ax.set_ylim(0.0, 1.25 * float(pressed.max()))
+    ax.legend(loc="upper left", ncols=len(history.roller), title="", columnspacing=1.0, handlelength=1.2)
     return ax.axvline(0.0, color="black", lw=0.8)
 
 
@@ -143,45 +151,10 @@ def write_animation(
     FileExistsError
         If the file exists and `overwrite` is false.
     """
-    end = history.duration if end is None else end
-    if path.suffix not in (".mp4", ".gif"):
-        raise ValueError(f"an animation is an .mp4 or .gif file, got {path}")
-    refuse_existing(path, overwrite)
-    if not 0.0 <= start < end <= history.duration + 1e-9:
-        raise ValueError(f"start and end must lie in 0..{history.duration:g} s, got {start:g}..{end:g} s")
+    check_film(path, overwrite)
+    times = film_times(history.duration, start, end, rate, speed)
     scale = ground_scale(history) if scale is None else scale
-    for name, value in (("scale", scale), ("rate", rate), ("speed", speed)):
-        if not value > 0.0:
-            raise ValueError(f"{name} must be positive, got {value:g}")
-    times = np.arange(start, end + 1e-9, speed / rate)
-    is_gif = path.suffix == ".gif"
-    picture = TrackPicture(history, scale, GIF_DPI if is_gif else DPI)
-    images = (picture.image(float(time)) for time in times)
-    with whole_file(path, overwrite) as temporary:
-        (_write_gif if is_gif else _write_mp4)(images, rate, temporary)
-    return path
-
-
-def _write_mp4(images: Iterator[NDArray], rate: int, path: Path) -> None:
-    """H.264 by the ffmpeg that imageio-ffmpeg brings along."""
-    first = next(images)
-    height, width, _ = first.shape
-    # players want even sides and 4:2:0 colours
-    writer = imageio_ffmpeg.write_frames(
-        str(path), (width, height), fps=rate, codec="libx264", macro_block_size=2, pix_fmt_out="yuv420p"
-    )
-    writer.send(None)
-    try:
-        for image in chain([first], images):
-            writer.send(np.ascontiguousarray(image))
-    finally:
-        writer.close()
-
-
-def _write_gif(images: Iterator[NDArray], rate: int, path: Path) -> None:
-    """GIF by pillow, picture for picture, since all of them at once would fill the memory."""
-    pictures = (
-        Image.fromarray(image).quantize(GIF_COLOUR_COUNT, dither=Image.Dither.NONE) for image in images
-    )
-    first = next(pictures)
-    first.save(path, save_all=True, append_images=pictures, duration=1e3 / rate, loop=0)
+    if not scale > 0.0:
+        raise ValueError(f"scale must be positive, got {scale:g}")
+    picture = TrackPicture(history, scale, GIF_DPI if path.suffix == GIF else DPI)
+    return write_film((picture.image(float(time)) for time in times), path, rate, overwrite)

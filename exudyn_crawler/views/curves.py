@@ -41,7 +41,7 @@ STYLE: dict[Any, Any] = {
     "savefig.dpi": 130,
 }
 
-PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.3, 0.72, 1.0
+PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.38, 0.72, 1.0
 """Inches: width of a figure and height of each of its panels, height of what is written above and below them,
 width of what is written at their left."""
 
@@ -104,7 +104,8 @@ def panel_figure(title: str, panels: Sequence[Panel]) -> Figure:
         figure.align_ylabels(axes)
         handles, labels = axes[0].get_legend_handles_labels()
         if len(labels) > 1:
-            figure.legend(handles, labels, loc="lower center", ncols=len(labels))
+            close = {"columnspacing": 1.2, "handlelength": 1.4}
+            figure.legend(handles, labels, loc="lower center", ncols=len(labels), **close)
     return figure
 
 

@@ -15,6 +15,7 @@ from exudyn_crawler.files import refuse_existing, whole_file, writable_folder
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.placement import Pose, instant, touching
+from exudyn_crawler.views.undercarriage import beam_corners, frame_pose, pressing, rollers_surface, rolls
 from fem import Mesh, write_vtu
 from meshes import mesh_named
 
@@ -26,11 +27,12 @@ BOX = np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1
 
 
 def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite: bool = False) -> Path:
-    """Write the chosen times of a stress study: flexible shoes, rigid shoes, terrain and contact forces.
+    """Write the chosen times of a stress study: shoes, terrain, contact forces, side frame and rollers.
 
     Everything is in place in the global frame. Flexible shoes carry their elastic displacement (m, global
     components, for Warp By Vector) and von Mises stress (Pa) at all nodes of the mesh, rigid ones their
-    number, units their heave (m), contacts the force on the shoe (N, for glyphs).
+    number, units their heave (m), contacts and treads the force on the shoe (N, for glyphs), rollers their
+    number and what they press with on both rails (N).
 
     Parameters
     ----------
@@ -59,7 +61,8 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
     collection = ElementTree.SubElement(series, "Collection")
     for number, frame in enumerate(stress.frame.values):
         now = instant(history, float(frame))
-        pieces = [*_flexible_shoes(stress, now, float(frame), mesh), *_surroundings(history.case, now)]
+        around = [*_surroundings(history.case, now), *_side_frame(history.case, now)]
+        pieces = [*_flexible_shoes(stress, now, float(frame), mesh), *around]
         for part, (name, content) in enumerate(pieces):
             file = parts / f"{name.replace(' ', '_')}_{number:03d}.vtu"
             with whole_file(file, overwrite) as temporary:
@@ -140,10 +143,29 @@ def _surroundings(case: Case, now: xr.Dataset) -> Iterator[tuple[str, Content]]:
     units[:, :, 2] += now.unit_heave.values[:, None]
     yield "terrain", _boxes(units, {"heave": now.unit_heave.values})
 
-    points, forces = touching(now)
+    yield from _forces("contacts", *touching(now))
+
+
+def _side_frame(case: Case, now: xr.Dataset) -> Iterator[tuple[str, Content]]:
+    """Side frame as a box, rollers and the strips that press on shoes, of a rolled run."""
+    if not rolls(now):
+        return
+    low, high = beam_corners(case)
+    box = 0.5 * (low + high) + 0.5 * (high - low) * BOX
+    yield "side frame", _boxes(frame_pose(now).place(box)[None], {})
+    points, triangles = rollers_surface(now, case)
+    each = len(triangles) // now.sizes["roller"]
+    forces = now.roller_force.sum("rail").transpose("roller", "axis").values
+    fields = {"roller": [np.repeat(now.roller.values, each)], "force": [np.repeat(forces, each, axis=0)]}
+    yield "rollers", meshio.Mesh(points, [("triangle", triangles)], cell_data=fields)
+    yield from _forces("treads", *pressing(now))
+
+
+def _forces(name: str, points: NDArray, forces: NDArray) -> Iterator[tuple[str, Content]]:
+    """Forces as vertices, if there are any."""
     if len(points):
         vertices = [("vertex", np.arange(len(points))[:, None])]
-        yield "contacts", meshio.Mesh(points, vertices, point_data={"force": forces})
+        yield name, meshio.Mesh(points, vertices, point_data={"force": forces})
 
 
 def _boxes(corners: NDArray, fields: dict[str, NDArray]) -> meshio.Mesh:

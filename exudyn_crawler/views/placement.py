@@ -80,13 +80,24 @@ def shoe_forces(now: xr.Dataset) -> tuple[NDArray, NDArray]:
 
     The centre of a shoe without contact is not a number.
     """
-    found = [touching(now, int(shoe)) for shoe in now.shoe.values]
-    centers = np.full((len(found), 3), np.nan)
-    for row, (points, forces) in enumerate(found):
-        pressed = forces[:, 2].sum()
-        if pressed > 0.0:
-            centers[row] = forces[:, 2] @ points / pressed
-    return centers, np.array([forces.sum(axis=0) for _, forces in found]).reshape(-1, 3)
+    centers, forces = shoe_forces_over_time(now.expand_dims("time"))
+    return centers[0], forces[0]
+
+
+def shoe_forces_over_time(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
+    """Same in some instants of a history: arrays (times, shoes, 3)."""
+    dims = ("time", "contact", "axis")
+    meets = dataset.area.transpose(*dims[:2]).values[..., None] > 0.0
+    forces = (dataset.normal_force + dataset.friction_force).transpose(*dims).values
+    points = dataset.point.transpose(*dims).values
+    own = dataset.shoe.values[:, None] == dataset.contact_shoe.values
+    forces = np.where(meets, forces, 0.0)
+    total = np.einsum("sc,tca->tsa", own, forces)
+    pressed = np.einsum("sc,tc->ts", own, forces[..., 2])[..., None]
+    moments = np.einsum("sc,tc,tca->tsa", own, forces[..., 2], np.where(meets, points, 0.0), optimize=True)
+    centers = np.full(total.shape, np.nan)
+    np.divide(moments, pressed, out=centers, where=pressed > 0.0)
+    return centers, total
 
 
 def greatest_shoe_force(history: History) -> float:

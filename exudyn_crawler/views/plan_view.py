@@ -9,11 +9,13 @@ from matplotlib.colors import to_rgba
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.colours import GROUND_EDGE, HEAVE_MAP
 from exudyn_crawler.views.placement import shoe_poses
+from exudyn_crawler.views.rolling_views import PlanRollers
 from exudyn_crawler.views.scales import shown_length
+from exudyn_crawler.views.undercarriage import rolls
 
 
 class PlanView:
-    """Shoes from above on units coloured by their heave; `show` brings them to a time.
+    """Shoes and rollers from above on units coloured by their heave; `show` brings them to a time.
 
     Parameters
     ----------
@@ -49,6 +51,7 @@ class PlanView:
         self._numbers = [
             ax.text(0.0, 0.0, str(shoe), ha="center", va="center", fontsize=7) for shoe in case.track.shoes
         ]
+        self._rollers = PlanRollers(ax, case) if rolls(history.dataset) else None
         y = history.position.sel(axis="y")
         sideways = 0.5 * case.shoe.width + 0.4
         ax.set(
@@ -65,3 +68,5 @@ class PlanView:
         self.ground.set_array(1e3 * now.unit_heave.values)
         for label, pose in zip(self._numbers, poses, strict=True):
             label.set_position((pose.origin[0], pose.origin[1]))
+        if self._rollers is not None:
+            self._rollers.show(now)

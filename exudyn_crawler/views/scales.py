@@ -8,11 +8,12 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from exudyn_crawler.results.history import History
-from exudyn_crawler.views.placement import greatest_shoe_force, instant, touching, unloaded_level
+from exudyn_crawler.views.placement import greatest_shoe_force, instant, unloaded_level
+from exudyn_crawler.views.undercarriage import acting
 
 MEGA = 1e6
 LONGEST_OF_SHOE, LONGEST_OF_PAIR = 0.7, 0.4
-"""m, lengths at which the greatest contact force on a shoe and of a single contact are drawn."""
+"""m, lengths at which the greatest contact force on a shoe and of a single contact or tread are drawn."""
 DEEPEST = 0.25
 """m that the greatest displacement of the ground is drawn at most."""
 BENT = 0.04
@@ -69,7 +70,7 @@ class Scales:
     displacement : float
         Magnification of the elastic displacement.
     pair_force, shoe_force : float
-        m that are drawn for 1 N of a single contact, and of all contacts of a shoe.
+        m that are drawn for 1 N of a single contact or tread, and of all contacts of a shoe.
     """
 
     stress: float
@@ -82,7 +83,7 @@ class Scales:
         """Scales that fit all chosen times of a stress dataset."""
         surface = np.unique(stress.triangle.values)
         greatest = float(stress.frame_von_mises.isel(node=surface).max())
-        pairs = [touching(instant(history, float(time)))[1] for time in stress.frame]
+        pairs = [acting(instant(history, float(time)))[1] for time in stress.frame]
         longest = max(
             (float(np.linalg.norm(forces, axis=1).max(initial=0.0)) for forces in pairs), default=0.0
         )

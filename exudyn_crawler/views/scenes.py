@@ -8,9 +8,8 @@ of large triangles wrong.
 import os
 import subprocess
 import sys
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal, Self
+from typing import Any, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -21,6 +20,7 @@ from matplotlib.patches import FancyArrowPatch
 from numpy.typing import NDArray
 
 from exudyn_crawler.views.colours import CONTACT_FORCE, STRESS_MAP
+from exudyn_crawler.views.scene import Body, Scene, View
 
 Backend = Literal["opengl", "plain"]
 
@@ -30,8 +30,6 @@ FINEST = 0.12
 """m, edges of triangles that the plain backend may draw whole."""
 LIGHT = np.array([0.30, 0.15, 0.94])
 """Where light comes from, in the picture's axes: right, up, toward the viewer."""
-HIDDEN = 0.002
-"""m by which something has to lie before a point to hide it."""
 TRIAL = """
 import pyvista
 plotter = pyvista.Plotter(off_screen=True, window_size=(32, 32))
@@ -40,94 +38,6 @@ image = plotter.screenshot(return_img=True)
 raise SystemExit(0 if image.std() > 1.0 else 1)
 """
 """What a machine with OpenGL can do; run in a process of its own, since VTK may end its process."""
-
-
-@dataclass(frozen=True)
-class View:
-    """Direction of a parallel projection.
-
-    Attributes
-    ----------
-    right, up : array (3,)
-        Unit vectors that lie rightward and upward in the picture.
-    """
-
-    right: NDArray
-    up: NDArray
-
-    @classmethod
-    def seen_from(cls, azimuth: float, elevation: float) -> Self:
-        """View of somebody who stands at an azimuth about z from +x and an elevation, degrees."""
-        around, above = np.radians([azimuth, elevation])
-        right = np.array([-np.sin(around), np.cos(around), 0.0])
-        toward = np.array(
-            [np.cos(above) * np.cos(around), np.cos(above) * np.sin(around), np.sin(above)],
-        )
-        return cls(right, np.cross(toward, right))
-
-    @property
-    def toward(self) -> NDArray:
-        """Unit vector from the scene to the viewer."""
-        return np.cross(self.right, self.up)
-
-    def project(self, points: NDArray) -> NDArray:
-        """Points (n, 3) as right, up and toward the viewer: array (n, 3), m."""
-        return points @ np.column_stack((self.right, self.up, self.toward))
-
-
-@dataclass(frozen=True)
-class Scene:
-    """Surface coloured by nodal values, and arrows.
-
-    Attributes
-    ----------
-    points : array (n, 3)
-        m.
-    triangles : int array (m, 3)
-        Corners in outward sense.
-    values : array (n,)
-    arrows : array (k, 2, 3)
-        Tail and head of each, m.
-    """
-
-    points: NDArray
-    triangles: NDArray
-    values: NDArray
-    arrows: NDArray
-
-    @classmethod
-    def joined(cls, parts: "list[Scene]") -> Self:
-        """One scene of several."""
-        starts = np.cumsum([0, *(len(part.points) for part in parts[:-1])])
-        return cls(
-            np.concatenate([part.points for part in parts]),
-            np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=True)]),
-            np.concatenate([part.values for part in parts]),
-            np.concatenate([part.arrows for part in parts]),
-        )
-
-    def shows(self, point: int, view: View) -> bool:
-        """Whether a point of the surface is seen, or something lies before it."""
-        projected = view.project(self.points)
-        here = projected[point]
-        others = projected[self.triangles[(self.triangles != point).all(axis=1)]]
-        around = (others.min(axis=1) <= here) & (others.max(axis=1) >= here)
-        others = others[around[:, :2].all(axis=1)]
-        origin = others[:, 0, :2]
-        sides = np.stack((others[:, 1, :2] - origin, others[:, 2, :2] - origin), axis=-1)
-        shares = np.linalg.pinv(sides) @ (here[:2] - origin)[:, :, None]
-        u, v = shares[:, 0, 0], shares[:, 1, 0]
-        depth = others[:, 0, 2] * (1.0 - u - v) + others[:, 1, 2] * u + others[:, 2, 2] * v
-        covers = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
-        return not bool((covers & (depth > here[2] + HIDDEN)).any())
-
-    def without_arrows(self) -> "Scene":
-        """Same surface alone."""
-        return Scene(self.points, self.triangles, self.values, self.arrows[:0])
-
-    def moved(self, shift: NDArray) -> "Scene":
-        """Same scene elsewhere; shift (3,), m."""
-        return Scene(self.points + shift, self.triangles, self.values, self.arrows + shift)
 
 
 @lru_cache(maxsize=1)
@@ -211,11 +121,16 @@ def opengl_image(
             diffuse=0.65,
             render=False,
         )
-        for tail, head in scene.arrows:
-            length = float(np.linalg.norm(head - tail))
-            if length > ARROW_WIDTH:
-                arrow = _arrow(tail, head - tail, length)
-                plotter.add_mesh(arrow, color=CONTACT_FORCE, ambient=0.4, render=False)
+        along = scene.arrows[:, 1] - scene.arrows[:, 0]
+        lengths = np.linalg.norm(along, axis=1)
+        shown = np.flatnonzero(lengths > ARROW_WIDTH)
+        if len(shown):
+            drawn = [_arrow(scene.arrows[k, 0], along[k], float(lengths[k])) for k in shown]
+            arrows = drawn[0].append_polydata(*drawn[1:])
+            plotter.add_mesh(arrows, color=CONTACT_FORCE, ambient=0.4, render=False)
+        for body in scene.bodies:
+            mesh = pyvista.PolyData.from_regular_faces(body.points, body.triangles)
+            plotter.add_mesh(mesh, color=body.colour, opacity=body.opacity, ambient=0.4, render=False)
         center = 0.5 * (
             (window[0] + window[1]) * view.right + (window[2] + window[3]) * view.up
         ) + view.toward * float((scene.points @ view.toward).mean())
@@ -263,6 +178,8 @@ def draw_plain(ax: Axes, scene: Scene, view: View, limits: tuple[float, float]) 
         ),
         autolim=False,
     )
+    for body in scene.bodies:
+        _draw_body(ax, body, view)
     for tail, head in scene.arrows:
         ends = view.project(np.stack((tail, head)))[:, :2]
         ax.add_patch(
@@ -279,6 +196,15 @@ def draw_plain(ax: Axes, scene: Scene, view: View, limits: tuple[float, float]) 
             )
         )
     return ax
+
+
+def _draw_body(ax: Axes, body: Body, view: View) -> None:
+    """Draw the faces of a body that are turned to the viewer, over all that is there."""
+    corners = view.project(body.points)[body.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    seen = list(corners[normals[:, 2] > 0.0, :, :2])
+    faces = PolyCollection(seen, facecolors=body.colour, edgecolors="none", alpha=body.opacity, zorder=1.5)
+    ax.add_collection(faces, autolim=False)
 
 
 def _fine_triangles(corners: NDArray, scene: Scene) -> tuple[NDArray, NDArray]:

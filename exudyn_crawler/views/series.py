@@ -3,11 +3,13 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 import xarray as xr
 
 from exudyn_crawler.results.contacts import contacts_of, terrain_deformation
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.quantities import QUANTITIES
+from exudyn_crawler.results.rail_forces import rail_force
 from exudyn_crawler.views.curves import KINEMATICS, Panel, kinematic_series
 from exudyn_crawler.views.scales import MEGA
 
@@ -23,6 +25,10 @@ JOINT_VECTORS = _labelled("joint_force", "joint_torque")
 PIN_VECTORS = _labelled("pin_force", "pin_torque")
 TERRAIN_DEFORMATION = QUANTITIES["terrain_deformation"].long_name
 HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
+ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
+PULL = QUANTITIES["drive_pull"].label
+FRAME_WAY = "way of the side frame"
+FRAME_ANGLE = QUANTITIES["side_frame_angles"].label
 
 
 @dataclass(frozen=True)
@@ -74,7 +80,11 @@ def history_series(history: History, stress: xr.Dataset | None = None) -> dict[s
 def dataset_series(dataset: xr.Dataset, stress: xr.Dataset | None = None) -> list[Series]:
     """Same from a history's variables, whose terrain deformation is drawn where it is among them."""
     found = [] if stress is None else [_highest(stress)]
-    return [*found, *_motion(dataset), *_contact(dataset), *_links(dataset), *_track(dataset)]
+    rolled = "roller_force" in dataset
+    rolling = [*_rollers(dataset), *_side_frame(dataset)] if rolled else []
+    # drive and loads are those of the side frame where one rolls over the track
+    track = _deformation(dataset) if rolled else _track(dataset)
+    return [*found, *_motion(dataset), *_contact(dataset), *rolling, *_links(dataset), *track]
 
 
 def deformation_panels(found: Mapping[str, Series]) -> list[Panel]:
@@ -91,6 +101,16 @@ def shoe_names(shoes: Iterable[int]) -> list[str]:
 def link_names(joints: Iterable[int]) -> list[str]:
     """Items of links by the number of the shoe behind each."""
     return [f"link {joint}-{joint + 1}" for joint in joints]
+
+
+def roller_names(rollers: Iterable[int]) -> list[str]:
+    """Items of rollers by their numbers from the rear."""
+    return [f"roller {roller}" for roller in rollers]
+
+
+def on_rails(side: str) -> str:
+    """Label of the rollers' force on the rails of a side."""
+    return f"{ROLLER_FORCE} on the {side} rails"
 
 
 def _shaped(values: xr.DataArray, dim: str, items: Sequence[str]) -> xr.DataArray:
@@ -128,6 +148,29 @@ def _contact(dataset: xr.Dataset) -> Iterator[Series]:
         yield Series("contact", label, unit, _of_shoes(values))
 
 
+def _rollers(dataset: xr.Dataset) -> Iterator[Series]:
+    """Forces on both rails together and apart, and on every shoe."""
+    force, names = dataset.roller_force, roller_names(dataset.roller.values)
+    forces = {ROLLER_FORCE: force.sum("rail")}
+    forces |= {on_rails(str(side)): force.sel(rail=side, drop=True) for side in dataset.rail.values}
+    for label, values in forces.items():
+        yield Series("rollers", label, "N", _shaped(values, "roller", names))
+    yield Series("rollers", RAIL_FORCE, "N", _of_shoes(rail_force(dataset)))
+
+
+def _side_frame(dataset: xr.Dataset) -> Iterator[Series]:
+    """Way, angles and pull; y and yaw are held and not drawn."""
+    place = dataset.side_frame_position.sel(axis=["x", "z"])
+    angles = dataset.side_frame_angles.sel(axis=["x", "y"]).assign_coords(axis=["roll", "pitch"])
+    drawn = (
+        (PULL, "N", dataset.drive_pull),
+        (FRAME_WAY, "m", place - place.isel(time=0)),
+        (FRAME_ANGLE, "deg", np.degrees(angles)),
+    )
+    for label, unit, values in drawn:
+        yield Series("side frame", label, unit, _shaped(values, "frame", ["side frame"]))
+
+
 def _links(dataset: xr.Dataset) -> Iterator[Series]:
     for label, (name, unit) in JOINT_VECTORS.items():
         values = dataset[name]
@@ -149,11 +192,17 @@ def pin_name(joint: int, side: str) -> str:
     return f"{link_names([joint])[0]} {side}"
 
 
+def _deformation(dataset: xr.Dataset) -> Iterator[Series]:
+    if "terrain_deformation" in dataset:
+        values = _shaped(dataset.terrain_deformation, "track", ["track"])
+        yield Series("track", TERRAIN_DEFORMATION, QUANTITIES["terrain_deformation"].unit, values)
+
+
 def _track(dataset: xr.Dataset) -> Iterator[Series]:
-    deformation = {TERRAIN_DEFORMATION: ("terrain_deformation", QUANTITIES["terrain_deformation"].unit)}
-    for label, (name, unit) in (_labelled("drive_force", "drive_torque") | deformation).items():
+    for label, (name, unit) in _labelled("drive_force", "drive_torque").items():
         if name in dataset:
             yield Series("track", label, unit, _shaped(dataset[name], "track", ["track"]))
+    yield from _deformation(dataset)
     for label, (name, unit) in _labelled("shoe_load").items():
         if name in dataset:
             yield Series("track", label, unit, _of_shoes(dataset[name]))

@@ -15,14 +15,18 @@ from numpy.typing import NDArray
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.colours import CONTACT_FORCE, FLEXIBLE_SHOE, GROUND, GROUND_EDGE, SHOE, SHOE_EDGE
 from exudyn_crawler.views.placement import shoe_forces, shoe_poses, unloaded_level
+from exudyn_crawler.views.rolling_views import SideRollers
 from exudyn_crawler.views.scales import shown_length
+from exudyn_crawler.views.undercarriage import highest_place, rolls
 
 DEPTH = 1.0
 """m of ground that is drawn."""
+ABOVE = 0.4
+"""m that are drawn above the side frame, which magnified ground may lift."""
 
 
 class SideView:
-    """Shoes, pins, units and contact forces seen from the right; `show` brings them to a time.
+    """Shoes, pins, units, contact forces and rollers seen from the right; `show` brings them to a time.
 
     Units are those of the row below the track's middle; shoes overlap them by their penetration.
 
@@ -86,6 +90,7 @@ class SideView:
             width=0.0022,
             zorder=4,
         )
+        self._rollers = SideRollers(ax, self._case, force_scale) if rolls(history.dataset) else None
         self._set_window(ax, history)
 
     def _shoe_colours(self) -> list[str]:
@@ -105,10 +110,12 @@ class SideView:
         terrain, shoe = self._case.terrain, self._case.shoe
         away = np.abs(terrain.middles[self._row, 0] - np.mean(x))
         tops = self._tops[away < 0.5 * (np.ptp(x) + terrain.unit_length)]
-        height = shoe.com_height + shoe.load_point[2]
+        top = tops.max(initial=0.0) + 2.0 * (shoe.com_height + shoe.load_point[2])
+        if self._rollers is not None:
+            top = max(top, highest_place(history) + ABOVE)
         ax.set(
             xlim=x,
-            ylim=(tops.min(initial=0.0) - DEPTH, tops.max(initial=0.0) + 2.0 * height),
+            ylim=(tops.min(initial=0.0) - DEPTH, top),
             aspect="equal",
             xlabel="x in m",
             ylabel="z in m",
@@ -134,9 +141,11 @@ class SideView:
         outline_z = np.concatenate((deep, top[:, ::-1]), axis=1)
         self._ground.set_verts(list(np.stack((outline_x, outline_z), axis=-1)))
 
+        def beneath(places: NDArray) -> NDArray:
+            return np.interp(places, x.ravel(), larger.ravel())
+
         def drawn(points: NDArray) -> NDArray:
-            beneath = np.interp(points[:, 0], x.ravel(), larger.ravel())
-            return np.column_stack((points[:, 0], points[:, 2] + beneath))
+            return np.column_stack((points[:, 0], points[:, 2] + beneath(points[:, 0])))
 
         poses = shoe_poses(now)
         self._shoes.set_verts([drawn(pose.place(self._outline)) for pose in poses])
@@ -148,3 +157,5 @@ class SideView:
             self._forces.set_offsets(drawn(centers))
             length = np.where(met, self._force_scale * forces, np.nan)
             self._forces.set_UVC(length[:, 0], length[:, 2])
+        if self._rollers is not None:
+            self._rollers.show(now, beneath)

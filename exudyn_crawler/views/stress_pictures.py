@@ -20,10 +20,12 @@ from numpy.typing import NDArray
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.colours import STRESS_MAP
 from exudyn_crawler.views.curves import STYLE, save_figure
-from exudyn_crawler.views.placement import Pose, instant, touching
+from exudyn_crawler.views.placement import Pose, instant
 from exudyn_crawler.views.scales import MEGA, Scales
-from exudyn_crawler.views.scenes import Backend, Scene, View, draw_scene, usual_backend
+from exudyn_crawler.views.scene import Scene, View
+from exudyn_crawler.views.scenes import Backend, draw_scene, usual_backend
 from exudyn_crawler.views.side_view import SideView
+from exudyn_crawler.views.undercarriage import acting, rolls
 
 SPREAD = 3.62
 """m that a column of shoes shows from left to right."""
@@ -93,7 +95,7 @@ def stress_picture(
     poses = [Pose.of(now, shoe) for shoe in shoes]
     scenes = []
     for shoe, pose in zip(shoes, poses, strict=True):
-        points, forces = touching(now, shoe)
+        points, forces = acting(now, shoe)
         scenes.append(shoe_scene(stress, frame, shoe, scales, pose.inside(points), pose.components(forces)))
     with mpl.rc_context(STYLE | {"axes.grid": False, "figure.constrained_layout.use": False}):
         figure = Figure(figsize=(14.0, 3.6 + 1.6 * len(shoes)))
@@ -112,11 +114,12 @@ def stress_picture(
         figure.text(
             0.01, 0.985, f"{history.case.name}: von Mises stress at t = {frame:g} s", va="top", fontsize=13
         )
+        acts = "forces of ground and rollers" if rolls(now) else "contact forces"
         figure.text(
             0.01,
             0.985 - 0.3 / figure.get_figheight(),
             f"elastic displacement drawn {scales.displacement:g} times larger; circle: highest stress on the "
-            f"shoe's surface, where it is seen; blue arrows: contact forces on the shoe, "
+            f"shoe's surface, where it is seen; blue arrows: {acts} on the shoe, "
             f"{1e5 * scales.pair_force:.2f} m long for 100 kN in single contacts and "
             f"{1e5 * scales.shoe_force:.2f} m for the sum below",
             va="top",

@@ -32,3 +32,17 @@ def test_the_highest_stress_comes_first(flexible_run):
     assert first["result"] == "highest von Mises stress"
     assert first["value"] == pytest.approx(float(stress.highest_von_mises.max()) / 1e6)
     assert first["unit"] == "MPa"
+
+
+def test_a_rolled_track_is_asked_for_rollers_and_pull(rolled):
+    found = key_results(rolled).set_index("result")
+    assert "greatest force of the drive" not in found.index
+    forces = np.linalg.norm(rolled.roller_force.values, axis=-1)
+    row = found.loc["greatest force of a roller on the rails of a side"]
+    assert row["value"] == pytest.approx(forces.max() / 1e3)
+    assert row["of"] == f"roller {np.unravel_index(forces.argmax(), forces.shape)[1] + 1}"
+    pull = found.loc["greatest pull of the drive"]
+    assert pull["value"] == pytest.approx(float(rolled.drive_pull.max()) / 1e3)
+    assert found.loc["way", "of"] == "side frame"
+    moved = rolled.side_frame_position.values[[0, -1]]
+    assert found.loc["way", "value"] == pytest.approx(np.linalg.norm(moved[1] - moved[0]))

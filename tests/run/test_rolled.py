@@ -21,18 +21,6 @@ from tests.rolled import ROLLERS, small_case, small_flexible_case
 pytestmark = pytest.mark.simulation
 
 
-@pytest.fixture(scope="module")
-def rolled():
-    """A fifth of a second, in which the frame moves by 75 mm."""
-    return simulate(small_case(), 0.2, progress=False)
-
-
-@pytest.fixture(scope="module")
-def bent():
-    """The same over two flexible shoes, shorter."""
-    return simulate(small_flexible_case(), 0.06, progress=False)
-
-
 def weight(history):
     return history.case.undercarriage.mass * history.case.gravity
 

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from exudyn_crawler import History
+from exudyn_crawler.results.stresses import recover_stresses
 from exudyn_crawler.results.tables import hot_spot_table
 from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
@@ -10,6 +12,7 @@ from studies.comparison import comparison_table
 from studies.forces import study as forces_study
 from studies.kinematics import study as kinematics_study
 from studies.reported import reported_values
+from tests.views.browser import CHROMIUM
 
 
 @pytest.fixture(scope="session")
@@ -37,3 +40,25 @@ def rigid_folders(tmp_path_factory):
     kinematics_study(kinematics, duration=0.02)
     forces_study(forces, duration=0.02, reuse=kinematics)
     return kinematics, forces
+
+
+@pytest.fixture(scope="session")
+def browser():
+    if CHROMIUM is None:
+        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    with sync_api.sync_playwright() as driver:
+        # containers without user namespaces have no sandbox; 3D is drawn in software
+        started = driver.chromium.launch(
+            executable_path=CHROMIUM,
+            args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+        )
+        yield started
+        started.close()
+
+
+def bent_stress(bent):
+    """Stresses of flexible shoes under rollers, by the modes alone, which take a second."""
+    modes = bent.case.flexible_shoes().with_(static_fields=False)
+    history = History(bent.case.with_(flexible=modes), bent.dataset)
+    return recover_stresses(history, [0.0, 0.06], peak=False).dataset

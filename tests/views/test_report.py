@@ -26,7 +26,7 @@ from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
 from studies.reported import reported_values
 
-LIMIT = 15e6
+LIMIT = 20e6
 """Bytes that the report of a stress study may have."""
 
 

@@ -1,71 +1,13 @@
-"""How the report answers in a browser.
-
-The browser is a Chromium found on the machine, driven without a display; nothing may leave the page.
-"""
-
-import shutil
+"""How the report answers in a browser; nothing may leave the page."""
 
 import numpy as np
 import pytest
 
 from exudyn_crawler import History
 from exudyn_crawler.views.report.page import write_report
-
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-
-
-class Reader:
-    """A reader of the page: what went wrong, what was asked for, and what the plots show."""
-
-    def __init__(self, browser, path):
-        self.page = browser.new_page(viewport={"width": 1300, "height": 900})
-        self.errors, self.requests = [], []
-        self.page.on("console", lambda m: self.errors.append(m.text) if m.type == "error" else None)
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.route("**/*", self.allow_only(path.as_uri()))
-        self.page.goto(path.as_uri())
-        self.page.wait_for_selector("body[data-ready=yes]")
-
-    def allow_only(self, address):
-        """Handler of requests that notes all and lets one address through."""
-
-        def decide(route):
-            self.requests.append(route.request.url)
-            if route.request.url == address:
-                route.continue_()
-            else:
-                route.abort()
-
-        return decide
-
-    def shown(self, what, plot="#plot-0 .figure"):
-        """Value of an expression of the plot's data and layout."""
-        return self.page.evaluate(
-            f"() => {{ const {{ data, _fullData: full, layout }} = document.querySelector('{plot}');"
-            f" return {what}; }}"
-        )
-
-    def wait(self, what, plot="#plot-0 .figure"):
-        """Wait until an expression of the plot's data and layout holds."""
-        self.page.wait_for_function(
-            f"() => {{ const {{ data, _fullData: full, layout }} = document.querySelector('{plot}');"
-            f" return {what}; }}"
-        )
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if CHROMIUM is None:
-        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    with sync_api.sync_playwright() as driver:
-        # containers without user namespaces have no sandbox; 3D is drawn in software
-        started = driver.chromium.launch(
-            executable_path=CHROMIUM,
-            args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-        )
-        yield started
-        started.close()
+from exudyn_crawler.views.report.track import packed_undercarriage
+from exudyn_crawler.views.undercarriage import frame_pose, rollers_surface
+from tests.views.browser import Reader
 
 
 @pytest.fixture(scope="module")
@@ -147,6 +89,57 @@ def test_a_click_in_the_legend_hides_a_shoe_on_all_axes(reader):
     assert hidden == [name == names[0] for name in names]
 
 
+def test_the_whole_track_moves(reader, flexible_run):
+    """Boxes of rigid and flexible shoes stand where the history has them, and go on when it is played."""
+    history, _, _ = flexible_run
+    reader.page.locator("#track-view").scroll_into_view_if_needed()
+    reader.page.wait_for_function("() => report.track !== null && document.querySelector('#track-view').data")
+    view = "#track-view"
+    names = reader.shown("data.map((trace) => trace.name)", view)
+    assert names == ["rigid shoes", "flexible shoes", "ground", "contact forces", "contact forces"]
+    assert reader.shown("[data[0].x.length, data[1].x.length]", view) == [11 * 8, 2 * 8]
+    x0, x1, y0, y1, z0 = history.case.shoe.footprint
+    middle = 0.5 * np.array([x0 + x1, y0 + y1, z0 + history.case.shoe.load_point[2]])
+    count = reader.page.evaluate("report.track.track.times.length")
+    for number in (0, count - 1):
+        reader.page.locator("#track-time").fill(str(number))
+        drawn = np.array(reader.shown("['x', 'y', 'z'].map((a) => Array.from(data[1][a]))", view))
+        now = history.dataset.isel(time=0 if number == 0 else -1).sel(shoe=[7, 13])
+        # the pitch is small, and the middle of a box is near the COM
+        places = drawn.reshape(3, 2, 8).mean(axis=2).T
+        assert places == pytest.approx(now.position.values + middle, abs=5e-3)
+    reader.page.locator("#track-time").fill(str(count - 3))
+    reader.page.locator("#track-play").click()
+    reader.page.wait_for_function(
+        f"() => Number(report.track.time.value) === {count - 1} && !report.track.playing"
+    )
+    reader.page.locator("#track-forces").uncheck()
+    assert reader.shown("data.length", view) == 3
+    reader.page.locator("[data-camera=above]").click()
+    reader.page.wait_for_function(
+        "() => document.querySelector('#track-view').layout.scene.camera.up.y === 1"
+    )
+
+
+def test_rollers_stand_where_the_frame_has_them(reader, rolled):
+    """What the page's script makes of a packed side frame, as the pictures have it."""
+    now = rolled.dataset.isel(time=-1)
+    pose = frame_pose(now)
+    frame = {"origin": pose.origin.tolist(), "turn": pose.frame.ravel().tolist()}
+    given = [packed_undercarriage(rolled.case), frame]
+    script = "([shape, frame]) => { const { x, y, z, i, j, k } = rollerSurface(shape, frame, 'red');"
+    drawn = reader.page.evaluate(
+        script + " return [x, y, z, i, j, k].map((one) => Array.from(one)); }", given
+    )
+    points, triangles = rollers_surface(now, rolled.case)
+    places, corners = np.transpose(drawn[:3]), np.transpose(drawn[3:])
+    assert places == pytest.approx(points, abs=1e-5)
+    assert (corners == triangles).all()
+    first = "(x) => x < " + repr(float(pose.origin[0]) - 0.5)
+    one = reader.page.evaluate(f"([s, f]) => rollerSurface(s, f, 'red', {first}).x.length", given)
+    assert one == len(points) // 3
+
+
 @pytest.mark.slow
 def test_the_time_of_the_shoes_can_be_chosen(reader, flexible_run):
     _, stress, _ = flexible_run
@@ -193,6 +186,21 @@ def test_shoes_stand_where_the_history_has_them_and_bend_as_asked(reader, flexib
     lengths = np.linalg.norm(places[100] - places[0], axis=1)
     bend = stress.frame_displacement.sel(shoe=13).isel(frame=-1).values[used]
     assert lengths == pytest.approx(100.0 * np.linalg.norm(bend, axis=1), abs=1e-4)
+
+
+def test_shoes_can_be_coloured_by_how_far_to_trust_them(reader, flexible_run):
+    _, stress, _ = flexible_run
+    used, view = np.unique(stress.triangle.values), "#shoe-view"
+    reader.page.locator("#shoe-trust").check()
+    for place, shoe in enumerate((7, 13)):
+        expected = stress.peak_verdict.sel(shoe=shoe).values[used]
+        known = [int(number) if number >= 0 else None for number in expected]
+        drawn = f"Array.from(data[{place}].intensity, (one) => Number.isNaN(one) ? null : one)"
+        assert reader.shown(drawn, view) == known
+    words = reader.shown("data[0].colorbar.ticktext", view)
+    assert reader.shown("data[1].text[0]", view) == f"shoe 13: {words[int(expected[0])]}"
+    reader.page.locator("#shoe-trust").uncheck()
+    assert "von Mises" in reader.shown("data[0].colorbar.title.text", view)
 
 
 def test_pictures_and_rows_can_be_chosen(reader):

@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from exudyn_crawler.views import scenes
-from exudyn_crawler.views.scenes import Scene, View, draw_scene, opengl_works
+from exudyn_crawler.views.scene import Scene, View
+from exudyn_crawler.views.scenes import draw_scene, opengl_works
 
 NO_ARROWS = np.zeros((0, 2, 3))
 ABOVE = View.seen_from(azimuth=-90.0, elevation=90.0)

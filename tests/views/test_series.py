@@ -8,14 +8,7 @@ from exudyn_crawler.results.stresses import StressResults
 from exudyn_crawler.views.force_figures import force_figures
 from exudyn_crawler.views.series import Series, history_series, link_names, shoe_names
 from exudyn_crawler.views.stress_figures import stress_figures
-
-
-def curves(figure):
-    """Labels of the panels, and values by curve of each."""
-    return {
-        ax.get_ylabel().replace("\n", " "): {line.get_label(): line.get_ydata() for line in ax.lines}
-        for ax in figure.axes
-    }
+from tests.views.drawn import curves
 
 
 def test_series_are_in_the_units_that_they_name(translation):

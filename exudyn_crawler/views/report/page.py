@@ -6,7 +6,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import h5py
 import pandas as pd
 import xarray as xr
 from markupsafe import Markup
@@ -16,7 +15,6 @@ from exudyn_crawler.case.text import case_rows
 from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.contacts import terrain_deformation
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.quantities import check_dimensions
 from exudyn_crawler.views.report.heading import bouncing_lines, key_rows, provenance
 from exudyn_crawler.views.report.left_out import LeftOut
 from exudyn_crawler.views.report.pictures import embedded_picture, first_picture
@@ -27,20 +25,23 @@ from exudyn_crawler.views.report.plots import (
     points_a_series,
     thinning,
 )
+from exudyn_crawler.views.report.reading import STRESSES, histories_in, run_folders, stress_of
 from exudyn_crawler.views.report.shoes import packed_shoes
 from exudyn_crawler.views.report.tables import comparison_rows, html_table
 from exudyn_crawler.views.report.templating import rendered_page, template_text
+from exudyn_crawler.views.report.track import packed_track
 from exudyn_crawler.views.series import dataset_series
 from exudyn_crawler.views.stress_pictures import PICTURES, write_stress_pictures
 from exudyn_crawler.views.tables import within_by_class
 
 REPORT = "report.html"
-STRESSES = "stress.nc"
+SCRIPTS = ("bodies.js", "track.js", "report.js")
 LONGEST_TABLE = 300
 """Rows of a table on the page; longer ones are series, which plots show."""
 SECTIONS = (
     ("comparison", "Paper against computed", "comparison"),
     ("histories", "Time histories", "has_series"),
+    ("track", "Track in motion", "has_series"),
     ("hot-spots", "Hot spots", "hot_spots"),
     ("shoes", "Flexible shoes in 3D", "has_shoes"),
     ("pictures", "Stress pictures", "pictures"),
@@ -101,9 +102,9 @@ def write_report(
 
 def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -> str:
     """HTML of the report; raises as `write_report`."""
-    folders = _run_folders(folder)
+    folders = run_folders(folder)
     left_out = LeftOut()
-    histories, places = _histories(folders, left_out)
+    histories, places = histories_in(folders, left_out)
     variables = {
         name: one.dataset.assign(terrain_deformation=terrain_deformation(one))
         for name, one in histories.items()
@@ -126,6 +127,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
         "first_picture": first,
         "cases": {name: packed_case(one, points) for name, one in found.items()},
         "shoes": left_out.unless_broken(stressed / STRESSES, lambda _: _shoes(stress, owner)),
+        "tracks": {name: packed_track(one) for name, one in histories.items()},
         "first": first_plots(found),
         **page_colours(),
     }
@@ -137,6 +139,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
         "summary": [] if comparison is None else _summary_rows(comparison),
         "comparison": None if comparison is None else comparison_rows(comparison),
         "has_series": bool(variables),
+        "rolled": any(one.case.propel == "rolled" for one in histories.values()),
         "thinning": thinning(variables, points),
         "hot_spots": _hot_spot_tables(stressed, left_out),
         "has_shoes": data["shoes"] is not None,
@@ -162,7 +165,7 @@ def _rendered(content: dict[str, Any], data: dict[str, Any]) -> str:
     return rendered_page(
         "report.html",
         **content,
-        script=template_text("report.js"),
+        scripts=[template_text(name) for name in SCRIPTS],
         plotly=Markup(get_plotlyjs()) if content["has_series"] else "",
         # the page's own parser must not find the end of a script in the data
         data=Markup(json.dumps(data, separators=(",", ":")).replace("</", "<\\/")),
@@ -170,55 +173,6 @@ def _rendered(content: dict[str, Any], data: dict[str, Any]) -> str:
             (anchor, heading) for anchor, heading, shown in SECTIONS if shown is None or content[shown]
         ],
     )
-
-
-def _run_folders(folder: Path) -> list[Path]:
-    """A folder and those of the runs in it: a study keeps each of its cases in a folder of its own."""
-    return [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
-
-
-def _histories(folders: list[Path], left_out: LeftOut) -> tuple[dict[str, History], dict[str, Path]]:
-    """Histories of some folders by case, and the folder of each."""
-    histories: dict[str, History] = {}
-    places: dict[str, Path] = {}
-    for folder in folders:
-        for path in sorted(folder.glob("[!.]*.nc")):
-            if not path.name.startswith("history") and not left_out.unless_broken(path, _holds_a_case):
-                continue
-            history = History.load(path)
-            name = history.case.name
-            if name in histories:
-                name = f"{folder.name}, {path.stem}"
-            histories[name], places[name] = history, folder
-    return histories, places
-
-
-def _holds_a_case(path: Path) -> bool:
-    # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
-    with h5py.File(path, "r") as file:
-        return "case" in file.attrs
-
-
-def stress_of(folder: Path) -> xr.Dataset | None:
-    """Stresses that a run has left in a folder; None if there are none.
-
-    Raises
-    ------
-    ValueError
-        Naming the file, if it cannot be read.
-    """
-    path = folder / STRESSES
-    if not path.is_file():
-        return None
-    try:
-        _holds_a_case(path)
-        dataset = xr.load_dataset(path, engine="h5netcdf")
-        check_dimensions(dataset)
-    # altered bytes make the readers raise all kinds of errors
-    except Exception as error:
-        reason = " ".join(str(error).split()) or repr(error)
-        raise ValueError(f"{path} cannot be read: {reason}") from error
-    return dataset
 
 
 def _shoes(stress: xr.Dataset | None, owner: History | None) -> dict[str, Any] | None:

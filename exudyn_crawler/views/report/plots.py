@@ -3,6 +3,7 @@
 Long series keep the least and the greatest value of every bin of time, so that no extreme is lost.
 """
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.views.colours import CONTACT_FORCE, STRESS_MAP
 from exudyn_crawler.views.curves import JOINTS, NEGLIGIBLE, NEGLIGIBLE_MOTION, SHOES
 from exudyn_crawler.views.report.packing import packed, thinned
-from exudyn_crawler.views.series import HIGHEST_STRESS, Series
+from exudyn_crawler.views.series import HIGHEST_STRESS, PULL, RAIL_FORCE, ROLLER_FORCE, Series
 
 SERIES_BYTES = 4_500_000
 """Size on the page that all series together may have."""
@@ -22,8 +23,8 @@ BYTES_A_POINT = 6 * 4 / 3
 """A 16-bit number of the time and a 32-bit value, in base64."""
 LEAST_POINTS, MOST_POINTS = 200, 4000
 """Points that a series keeps at least and at most."""
-FIRST_PLOTS = {"rigid": ("velocity", "contact force"), "stress": (HIGHEST_STRESS, "contact force")}
-"""What the plots show first, by what a folder holds."""
+FEW = 5
+"""Items of many that are drawn at first."""
 
 
 def points_a_series(cases: Mapping[str, list[Series]]) -> int:
@@ -63,15 +64,33 @@ def _packed_series(series: Series, points: int) -> dict[str, Any]:
         "items": [str(item) for item in series.values["item"].values],
         "axes": [str(axis) for axis in series.values.axis.values],
         "index": kind,
-        "drawn": JOINTS if series.group == "links" else SHOES,
+        "drawn": _drawn(series),
         "series": rows,
     }
 
 
+def _drawn(series: Series) -> list[int]:
+    """Numbers of the items that are drawn at first: those that the papers draw, else some evenly spread."""
+    found = (re.search(r"\d+", str(item)) for item in series.values["item"].values)
+    numbers = sorted({int(one[0]) for one in found if one})
+    usual = JOINTS if series.group == "links" else SHOES
+    if series.group == "rollers" and series.label != RAIL_FORCE:
+        return numbers
+    if not numbers or (set(usual) <= set(numbers) and numbers[-1] <= SHOES[-1]):
+        return list(usual)
+    places = np.linspace(0, len(numbers) - 1, min(FEW, len(numbers)))
+    return [numbers[round(place)] for place in places]
+
+
 def first_plots(found: Mapping[str, list[Series]]) -> list[str]:
-    """Labels of what the plots show first."""
+    """Labels of what the plots show first: stress, or else what moves the track, and what it carries."""
     labels = {series.label for one in found.values() for series in one}
-    return list(FIRST_PLOTS["stress" if HIGHEST_STRESS in labels else "rigid"])
+    rolled = ROLLER_FORCE in labels
+    moving = PULL if rolled else "velocity"
+    return [
+        HIGHEST_STRESS if HIGHEST_STRESS in labels else moving,
+        ROLLER_FORCE if rolled else "contact force",
+    ]
 
 
 def page_colours() -> dict[str, Any]:

@@ -6,6 +6,9 @@ const COLOURS = ["#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b
   "#bcbd22", "#17becf", "#393b79", "#637939", "#111111"];
 const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["sendDataToCloud", "lasso2d", "select2d"] };
 
+/* m beyond the middles of the outer shoes that rollers are drawn */
+const ROLLERS_BESIDE = 0.75;
+
 const NARROW = window.matchMedia("(max-width: 640px)");
 
 function unpack(text, kind) {
@@ -165,12 +168,17 @@ class ShoeView {
     this.gap = control("shoe-gap");
     this.limit = control("shoe-limit");
     this.forces = control("shoe-forces");
+    this.trust = control("shoe-trust");
+    this.trust.parentElement.hidden = shoes.verdict.length === 0;
+    this.rolling = control("shoe-rollers");
+    this.rolling.parentElement.hidden = !shoes.undercarriage;
     this.shown = control("shoe-time-shown");
     this.time.max = shoes.frames.length - 1;
     this.time.value = shoes.first;
     this.bend.value = shoes.magnification;
     this.limit.value = shoes.limit;
-    for (const input of [this.time, this.bend, this.gap, this.limit, this.forces]) input.oninput = () => this.draw();
+    const inputs = [this.time, this.bend, this.gap, this.limit, this.forces, this.rolling, this.trust];
+    for (const input of inputs) input.oninput = () => this.draw();
     this.draw();
   }
 
@@ -187,57 +195,63 @@ class ShoeView {
     const origin = [frame.origin[index][0] + this.shift(index), ...frame.origin[index].slice(1)];
     const turn = frame.frame[index];
     const factor = Number(this.bend.value) * step;
-    const count = mises.length;
-    const place = [new Float32Array(count), new Float32Array(count), new Float32Array(count)];
-    for (let node = 0; node < count; node++) {
-      const local = [0, 1, 2].map((axis) => this.position[3 * node + axis] + factor * bend[3 * node + axis]);
-      for (let axis = 0; axis < 3; axis++) {
-        place[axis][node] = origin[axis] + turn[3 * axis] * local[0] + turn[3 * axis + 1] * local[1]
-          + turn[3 * axis + 2] * local[2];
-      }
-    }
+    const bent = this.position.map((value, index) => value + factor * bend[index]);
+    const place = placed(bent, origin, turn);
     const stress = Float32Array.from(mises, (value) => misesStep * value);
     return {
       type: "mesh3d", name: `shoe ${shoes[index]}: ${frame.highest[index].toFixed(1)} MPa`,
       x: place[0], y: place[1], z: place[2], i: this.corner[0], j: this.corner[1], k: this.corner[2],
-      intensity: stress, cmin: 0, cmax: Number(this.limit.value) || this.shoes.limit,
-      colorscale: data.colours, showscale: index === 0, showlegend: true,
-      colorbar: { title: { text: "von Mises<br>in MPa" }, x: 0, xanchor: "left", len: 0.8 },
+      ...this.colours(stress, index), colorscale: data.colours, showscale: index === 0, showlegend: true,
       flatshading: true, lighting: { ambient: 0.75, diffuse: 0.45, specular: 0, fresnel: 0, facenormalsepsilon: 0 },
       lightposition: { x: -30000, y: -60000, z: 90000 },
-      text: Array.from(stress, (value) => `shoe ${shoes[index]}: ${value.toFixed(1)} MPa`), hoverinfo: "text",
+      hoverinfo: "text",
     };
   }
 
-  arrows(frame) {
-    const lines = { x: [], y: [], z: [] };
-    const heads = { x: [], y: [], z: [], u: [], v: [], w: [] };
-    frame.points.forEach((packed, index) => {
-      const points = unpack(packed, "f4");
-      const forces = unpack(frame.forces[index], "f4");
-      for (let at = 0; at < points.length; at += 3) {
-        const length = Math.hypot(forces[at], forces[at + 1], forces[at + 2]);
-        ["x", "y", "z"].forEach((axis, k) => {
-          const head = points[at + k] + (k === 0 ? this.shift(index) : 0);
-          lines[axis].push(head - this.shoes.force_scale * forces[at + k], head, null);
-          heads[axis].push(head);
-          heads["uvw"[k]].push(forces[at + k] / length);
-        });
-      }
-    });
-    const blue = data.arrows;
-    return [
-      { ...lines, type: "scatter3d", mode: "lines", line: { color: blue, width: 4 }, name: "contact forces", hoverinfo: "skip" },
-      { ...heads, type: "cone", anchor: "tip", sizemode: "absolute", sizeref: 0.08, showscale: false,
-        colorscale: [[0, blue], [1, blue]], name: "contact forces", hoverinfo: "skip" },
-    ];
+  /* what colours a shoe's nodes and what they say: the stress in MPa, or the verdict on the greatest of each */
+  colours(stress, index) {
+    const name = `shoe ${this.shoes.shoes[index]}`;
+    const bar = { x: 0, xanchor: "left", len: 0.8 };
+    if (!this.trust.checked) {
+      return {
+        intensity: stress, cmin: 0, cmax: Number(this.limit.value) || this.shoes.limit,
+        colorbar: { title: { text: "von Mises<br>in MPa" }, ...bar },
+        text: Array.from(stress, (value) => `${name}: ${value.toFixed(1)} MPa`),
+      };
+    }
+    const words = this.shoes.verdicts;
+    const numbers = Array.from(unpack(this.shoes.verdict[index], "i2"));
+    return {
+      intensity: numbers.map((number) => (number < 0 ? NaN : number)), cmin: 0, cmax: words.length - 1,
+      colorbar: { title: { text: "greatest stress" }, tickvals: words.map((_, k) => k), ticktext: words, ...bar },
+      text: numbers.map((number) => `${name}: ${words[number] ?? "not known, the drive pulls here"}`),
+    };
+  }
+
+  /* forces of ground and rollers */
+  acting(frame) {
+    const shifted = frame.points.map((packed, index) =>
+      unpack(packed, "f4").map((value, at) => value + (at % 3 === 0 ? this.shift(index) : 0)));
+    const all = (parts) => Float32Array.from(parts.flatMap((part) => [...part]));
+    const forces = all(frame.forces.map((packed) => unpack(packed, "f4")));
+    return arrows(all(shifted), forces, this.shoes.force_scale, data.arrows, "contact forces");
+  }
+
+  /* rollers above the shoes, where these stand in their places */
+  rollers(frame) {
+    const { undercarriage: shape } = this.shoes;
+    if (!shape || !this.rolling.checked || Number(this.gap.value) !== 0) return [];
+    const places = frame.origin.map(([x]) => x);
+    const near = (x) => x > Math.min(...places) - ROLLERS_BESIDE && x < Math.max(...places) + ROLLERS_BESIDE;
+    return [{ ...rollerSurface(shape, frame.side_frame, shape.colour, near), opacity: 0.45 }];
   }
 
   draw() {
     const frame = this.shoes.frames[Number(this.time.value)];
     this.shown.textContent = frame.title;
     const traces = this.shoes.shoes.map((_, index) => this.surface(frame, index));
-    if (this.forces.checked) traces.push(...this.arrows(frame));
+    if (this.forces.checked) traces.push(...this.acting(frame));
+    traces.push(...this.rollers(frame));
     const layout = {
       uirevision: "kept", margin: { l: 0, r: 0, t: 0, b: 0 }, legend: { x: 1, xanchor: "right" },
       scene: {
@@ -273,9 +287,19 @@ function filterComparison() {
   }
 }
 
-const report = { plots: [], shoes: null };
+const report = { plots: [], shoes: null, track: null };
 if (Object.keys(data.cases).length) {
   report.plots = data.first.map((label, index) => new SeriesPlot(document.getElementById(`plot-${index}`), label));
+}
+if (Object.keys(data.tracks).length) {
+  // a 3D view costs a second to draw: not before it is seen
+  const place = document.getElementById("track-view");
+  const watcher = new IntersectionObserver((entries) => {
+    if (!entries.some((entry) => entry.isIntersecting)) return;
+    watcher.disconnect();
+    report.track = new TrackView(place, data.tracks);
+  });
+  watcher.observe(place);
 }
 if (data.shoes) report.shoes = new ShoeView(document.getElementById("shoe-view"), data.shoes);
 showPictures();
