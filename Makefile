@@ -7,10 +7,12 @@ OUT ?= results
 # more options of a study, such as ARGS=--overwrite
 ARGS ?=
 INSTALLED := $(VENV)/installed
+# netgen, which only shoes of other dimensions need
+MESHER := $(VENV)/mesher
 # two processes of tests share two cores; threads that wait for each other would take half of them
 ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: help kinematics forces uneven stress rollers life sweep-terrain verify check test test-slow lint format bench \
+.PHONY: help kinematics forces uneven stress rollers life sweep-terrain sweep-plate verify check test test-slow lint format bench \
 	docs notebooks lock clean
 
 help:  ## what can be made
@@ -22,6 +24,10 @@ $(INSTALLED): requirements.lock pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	touch $@
+
+$(MESHER): $(INSTALLED)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[mesh]'
 	touch $@
 
 kinematics: $(INSTALLED)  ## the kinematics study: 10 s, straight and turning
@@ -47,6 +53,9 @@ verify: $(INSTALLED)  ## the two-body problem against its hand solution
 
 sweep-terrain: $(INSTALLED)  ## 40 runs: stiffness of the ground and friction against the forces in the links
 	$(BIN)/exudyn-crawler sweep studies/terrain_sweep.toml --out $(OUT)/terrain_sweep $(ARGS)
+
+sweep-plate: $(MESHER)  ## 9 runs: top plate of the shoe and the ground against the life of the roller path
+	$(BIN)/python -m studies.plate_sweep --out $(OUT)/plate_sweep $(ARGS)
 
 check: $(INSTALLED) lint  ## lint and the tests that run no simulation, within a minute
 	$(ONE_THREAD) $(BIN)/python -m pytest -m "not slow and not simulation" -n 2

@@ -16,13 +16,13 @@ import psutil
 from distributed import Client
 
 from exudyn_crawler import Answer, Case, CaseFile, Sweep, Vary
-from exudyn_crawler.sweep.cluster import connected, outcomes
+from exudyn_crawler.sweep.cluster import connected, outcomes, run_alone
 from exudyn_crawler.sweep.running import tasks_of
 from exudyn_crawler.sweep.storage import Outcome, folder_of
 from exudyn_crawler.sweep.worker import Task, own_versions
 from exudyn_crawler.views.tables import print_table
 
-RUNS, DURATION = 16, 2.0
+RUNS, DURATION = 16, 5.0
 TINY = 10_000
 
 
@@ -36,22 +36,35 @@ def short_sweep(count: int) -> Sweep:
 
 
 def short_runs(workers: int) -> dict[str, float]:
-    """Wall time of all runs on some workers that have done one before, and what of it are the runs."""
+    """Wall time of all runs on some workers that have done one before, and what of it are the runs.
+
+    The start of the workers and their first runs, in which they load the program, are stated apart.
+    """
     sweep = short_sweep(RUNS + workers)
-    with TemporaryDirectory() as folder, connected(None, workers, folder, lambda _text: None) as client:
-        tasks = tasks_of(sweep, {one.digest: one for one in sweep.planned}, folder)
-        list(outcomes(client, islice(tasks, workers)))
+    with TemporaryDirectory() as folder:
         begun = time.perf_counter()
-        found = list(outcomes(client, tasks))
-        wall = time.perf_counter() - begun
+        with connected(None, workers, folder, lambda _text: None) as client:
+            client.wait_for_workers(workers)
+            started = time.perf_counter()
+            tasks = tasks_of(sweep, {one.digest: one for one in sweep.planned}, folder)
+            addresses = list(client.scheduler_info()["workers"])
+            firsts = zip(addresses, islice(tasks, workers), strict=True)
+            client.gather([client.submit(run_alone, task, workers=[where]) for where, task in firsts])
+            ready, before = time.perf_counter(), sum(client.run(time.process_time).values())
+            found = list(outcomes(client, tasks))
+            wall = time.perf_counter() - ready
+            spent = sum(client.run(time.process_time).values()) - before
         records = [Path(folder_of(folder, one["digest"])) / "run.json" for one in found]
         own = [json.loads(path.read_text(encoding="utf-8"))["wall_time_s"] for path in records]
     busy = sum(own) / workers
     return {
         "workers": workers,
+        "start of the workers, s": started - begun,
+        "their first run, s": ready - started,
         "runs": len(found),
         "wall time, s": wall,
         "a run itself, s": sum(own) / len(own),
+        "processor time a run, s": spent / len(own),
         "overhead a run, s": (wall - busy) * workers / len(own),
         "workers at runs": busy / wall,
     }

@@ -16,7 +16,7 @@ PACKAGE = "exudyn_crawler"
 FLOORS = (
     ("studies",),
     ("cli",),
-    ("sweep",),
+    ("sweep", "spread_run"),
     ("case_run", "life_run"),
     ("run", "views"),
     ("results",),

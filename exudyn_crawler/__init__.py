@@ -49,9 +49,11 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.pins import pin_forces
     from exudyn_crawler.results.rollers import frame_imbalance, roller_loads
     from exudyn_crawler.results.shoe_loads import ShoeLoads, action_table, peak_time, shoe_loads
+    from exudyn_crawler.results.spread import Spread
     from exudyn_crawler.results.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.simulation import simulate
     from exudyn_crawler.run.track_modes import track_modes
+    from exudyn_crawler.spread_run import spread
     from exudyn_crawler.sweep.answers import Answer, HotSpot
     from exudyn_crawler.sweep.definition import Sweep
     from exudyn_crawler.sweep.files import read_sweep
@@ -95,6 +97,7 @@ _HOMES = {
     "HotSpot": "sweep.answers",
     "SimulationStopped": "errors",
     "ShoeLoads": "results.shoe_loads",
+    "Spread": "results.spread",
     "StressResults": "results.stresses",
     "Life": "sweep.life",
     "Sweep": "sweep.definition",
@@ -121,6 +124,7 @@ _HOMES = {
     "shoe_imbalance": "results.balance",
     "shoe_loads": "results.shoe_loads",
     "simulate": "run.simulation",
+    "spread": "spread_run",
     "stress_basis": "results.modal_coordinates",
     "terrain_deformation": "results.contacts",
     "track_modes": "run.track_modes",
@@ -160,6 +164,7 @@ __all__ = [
     "SimulationStopped",
     "Solver",
     "SphereContact",
+    "Spread",
     "StepProfile",
     "StressResults",
     "Sweep",
@@ -190,6 +195,7 @@ __all__ = [
     "shoe_imbalance",
     "shoe_loads",
     "simulate",
+    "spread",
     "stress_basis",
     "terrain_deformation",
     "track_modes",

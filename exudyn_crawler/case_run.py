@@ -21,7 +21,7 @@ from exudyn_crawler.results.extremes import extremes
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.pieces import blocks
 from exudyn_crawler.results.stresses import StressResults, recover_stresses
-from exudyn_crawler.results.tables import highest_by_phase, hot_spot_table, load_table
+from exudyn_crawler.results.tables import highest_by_phase, hot_spot_table, load_table, region_table
 from exudyn_crawler.run.folder import kept_run
 from exudyn_crawler.run.histories import HISTORY, matching_history
 from exudyn_crawler.run.into_folder import simulate_into
@@ -275,11 +275,13 @@ def write_stresses(
 def write_hot_spots(
     history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
 ) -> None:
-    """Highest stresses of every shoe by phase and over the run, and where they are."""
+    """Highest stresses of every shoe by phase, by region and over the run, and where they are."""
     if not outputs.tables:
         return
     table = highest_by_phase(history, stresses.dataset)
     write_table(table, folder / "highest_stresses.csv", overwrite)
+    by_region = region_table(stresses.by_region, stresses.dataset)
+    write_table(by_region, folder / "highest_by_region.csv", overwrite)
     for shoe, hot_spots in stresses.hot_spots.items():
         write_table(
             hot_spot_table(hot_spots, stresses.dataset), folder / f"hot_spots_shoe_{shoe}.csv", overwrite
@@ -297,13 +299,15 @@ def write_flexible_shoes(
 def write_fields(
     history: History, stresses: StressResults, folder: Path, outputs: Outputs, overwrite: bool
 ) -> None:
-    """Greatest von Mises stress of every node, when it occurs and its range, for ParaView."""
+    """Greatest von Mises stress of every node, when it occurs, its range and trust, for ParaView."""
     for shoe in stresses.dataset.shoe.values if outputs.paraview else ():
         own = stresses.dataset.sel(shoe=shoe)
         fields = {
             "greatest von Mises": own.peak_von_mises.values,
             "time of the greatest": own.peak_time.values,
             "range of von Mises": (own.peak_von_mises - own.least_von_mises).values,
+            "error of the mesh over the stress": own.peak_mesh_error.values,
+            "verdict": own.peak_verdict.values,
         }
         with whole_file(folder / f"fields_shoe_{shoe}.vtu", overwrite) as temporary:
             write_vtu(temporary, stresses.whole.mesh, fields)

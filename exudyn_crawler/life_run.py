@@ -1,18 +1,21 @@
 """One duty into one folder: life in machine hours from the folders of its runs, then a list of writers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from exudyn_crawler.files import refuse_existing, whole_file, writable_folder, write_netcdf
 from exudyn_crawler.results.duty import Duty, read_duty
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.life import LifeResults, life_of
 from exudyn_crawler.results.life_table import in_words
+from exudyn_crawler.results.spread import relative_spread
 from exudyn_crawler.run.histories import HISTORY
 from exudyn_crawler.run.progress import heartbeat
+from exudyn_crawler.run.spread_folder import spread_beside
 from exudyn_crawler.views.life_page import write_life_page
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
@@ -49,7 +52,7 @@ def life(
         If there is no such file, or no history in the folder of a run.
     ValueError
         Before anything is counted, if the duty or its runs do not fit together, as of `read_duty` and
-        `results.duty_runs.used_runs`.
+        `results.duty_runs.used_runs`; or if a spread beside a run is of another case.
     FileExistsError
         Before anything is counted, if results are there and `overwrite` is false.
     """
@@ -59,7 +62,8 @@ def life(
         for name in FILES:
             refuse_existing(folder / name, overwrite)
     with heartbeat(f"life of {given.name}"):
-        found = life_of(given, _histories(given), say)
+        histories = _histories(given)
+        found = life_of(given, histories, say, _spreads(given, histories))
         if folder is not None:
             write_life(found, writable_folder(folder), overwrite)
     return found
@@ -78,12 +82,24 @@ def _histories(duty: Duty) -> list[History]:
     return [loaded[run.folder] for run in duty.runs]
 
 
+def _spreads(duty: Duty, histories: Sequence[History]) -> list[xr.DataArray | None]:
+    """Relative spread of each run's peaks, where it has been found beside its history."""
+    found: list[xr.DataArray | None] = []
+    for run, history in zip(duty.runs, histories, strict=True):
+        path = Path(run.folder)
+        dataset = spread_beside(path if path.is_dir() else path.parent, history.case)
+        found.append(None if dataset is None else relative_spread(dataset))
+    return found
+
+
 def write_fields(found: LifeResults, folder: Path, overwrite: bool) -> None:
-    """Life and damage of every node, as the mean over the places and at each, for ParaView."""
+    """Life, how far to trust it, and damage of every node, over all places and at each, for ParaView."""
     data = found.dataset
     fields = {
         f"life in h, {100 * one:g} % survive": data.life.sel(survival=one) for one in data.survival.values
     }
+    fields["life may be shorter or longer by the factor"] = data.life_factor
+    fields |= {"open part of the changes of stress": data.stress_error, "verdict": data.verdict}
     fields["damage an hour"] = data.damage_an_hour[-1]
     fields |= {f"damage an hour, {part}": data.part_damage.sel(part=part) for part in data.part.values}
     at_last = data.place_damage.isel(survival=-1)

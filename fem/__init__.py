@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fem.fatigue import SNCurve
     from fem.fields import FieldColumns, StaticFields, UnitLoads, field_columns, static_fields
     from fem.files import StaleCacheError, load_fields, load_reduced, save_fields, save_reduced
-    from fem.hotspots import Apart, OneARegion, hot_spots
+    from fem.hotspots import Apart, OneARegion, OneOfEach, hot_spots
     from fem.interfaces import Interface, center_loads
     from fem.mesh import Mesh, MeshError
     from fem.mesh_files import read_mesh, write_mesh
@@ -47,7 +47,7 @@ _NAMES = {
     "fatigue": "SNCurve",
     "fields": "FieldColumns StaticFields UnitLoads field_columns static_fields",
     "files": "StaleCacheError load_fields load_reduced save_fields save_reduced",
-    "hotspots": "Apart OneARegion hot_spots",
+    "hotspots": "Apart OneARegion OneOfEach hot_spots",
     "interfaces": "Interface center_loads",
     "mesh": "Mesh MeshError",
     "mesh_files": "read_mesh write_mesh",
@@ -79,6 +79,7 @@ __all__ = [
     "Mesh",
     "MeshError",
     "OneARegion",
+    "OneOfEach",
     "Partition",
     "Peaks",
     "PressureGrid",

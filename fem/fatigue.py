@@ -75,6 +75,14 @@ class SNCurve:
         """Amplitude in Pa at the knee, which another part survives; the knee keeps its cycles."""
         return _strength_at(self, survival)
 
+    @property
+    def steepest(self) -> float:
+        """Greatest slope of the curve: an error of x in the stress is one of (1 + x)^slope in life at most.
+
+        That stress crosses the knee, below which the original rule counts nothing, is left out.
+        """
+        return 2.0 * self.slope - 1.0 if self.miner == "haibach" else self.slope
+
     @cached_property
     def _woehler(self) -> WoehlerCurve:
         """Same curve in pyLife."""

@@ -220,14 +220,15 @@ def field_columns(
     turn, back = into.T @ directions, out @ directions
     greatest = np.max([np.abs(history @ turn).max(axis=0, initial=0.0) for history in histories], axis=0)
     shapes = fields.displacements @ back
-    stress = np.empty((len(shapes), 6, shapes.shape[2]))
+    kept = shapes.shape[2] if most is None else min(most, shapes.shape[2])
+    stress, lengths = np.empty((len(shapes), 6, kept)), np.empty((len(shapes), shapes.shape[2]))
     for first in range(0, shapes.shape[2], AT_ONCE):
         at = slice(first, first + AT_ONCE)
-        stress[:, :, at] = body.stress(shapes[:, :, at])
-    lengths = np.linalg.norm(np.tensordot(DEVIATOR, stress, axes=([1], [1])), axis=0) * greatest
+        found = body.stress(shapes[:, :, at])
+        lengths[:, at] = np.linalg.norm(DEVIATOR @ found, axis=1) * greatest[at]
+        stress[:, :, at] = found[:, :, : max(kept - first, 0)]
     bounds = np.append(np.cumsum(lengths[:, ::-1], axis=1)[:, ::-1].max(axis=0, initial=0.0), 0.0)
-    rank = int(np.flatnonzero(bounds <= tolerance)[0])
-    rank = rank if most is None else min(rank, most)
+    rank = min(int(np.flatnonzero(bounds <= tolerance)[0]), kept)
     return FieldColumns(
         turn[:, :rank],
         np.ascontiguousarray(shapes[:, :, :rank]),

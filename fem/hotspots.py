@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -67,6 +68,28 @@ class OneARegion:
         return _one_a_region(mesh, peaks, self.fraction, count)
 
 
+@dataclass(frozen=True, eq=False)
+class OneOfEach:
+    """The most severe hot spot of each of the parts of a body that are named.
+
+    Parameters
+    ----------
+    parts : array (n,)
+        Name of the part that each node of the mesh is of.
+    """
+
+    parts: NDArray
+
+    def choose(self, mesh: Mesh, peaks: Peaks, count: int) -> list[int]:
+        """Places in the peaks of `count` hot spots at most, the most severe first."""
+        _, first = np.unique(self.parts[peaks.nodes[peaks.order]].astype(str), return_index=True)
+        return peaks.order[np.sort(first)][:count].tolist()
+
+
+Separation = Apart | OneARegion | OneOfEach
+"""What keeps hot spots from being neighbours."""
+
+
 def _separated(positions: Floats, order: Integers, radius: float, count: int) -> list[int]:
     """Places of the most severe nodes, none within a radius of a more severe one."""
     tree = cKDTree(positions)
@@ -113,7 +136,7 @@ def hot_spots(
     count: int = 5,
     *,
     criterion: Criterion = "von mises",
-    separation: Apart | OneARegion | None = None,
+    separation: Separation | None = None,
     nodes: Integers | None = None,
     peaks: Peaks | None = None,
 ) -> pd.DataFrame:
@@ -130,7 +153,7 @@ def hot_spots(
         Number of rows at most.
     criterion : str
         One of `stress.CRITERIA`.
-    separation : Apart or OneARegion, optional
+    separation : Apart, OneARegion or OneOfEach, optional
         What keeps hot spots from being neighbours; if left out, the highest nodes are listed, as the
         papers do.
     nodes : int array, optional

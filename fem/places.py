@@ -5,6 +5,7 @@ integrated by sampling the elements' own shape functions: loads need not follow 
 """
 
 import itertools
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -211,8 +212,8 @@ class PressureGrid:
             x, weights = _points(hats.t[1:-1])
             products = hats(x).T @ (weights[:, None] * hats(x))
             shares.append(np.linalg.solve(products, means.T).T)
-        spread = np.einsum("ti,tj->tij", *shares).reshape(len(forces), -1)
-        return spread[:, :, None] * forces[:, None]
+        spread = np.einsum("ti,tj->tij", *shares)[..., None] * forces[:, None, None]
+        return spread.reshape(len(forces), math.prod(spread.shape[1:3]), 3)
 
 
 @dataclass(frozen=True, eq=False)

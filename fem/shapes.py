@@ -63,6 +63,12 @@ def combined(columns: Columns, q: Floats, nodes: Integers | None = None) -> Floa
     return np.asarray(total)
 
 
+def lengths(columns: Columns) -> Floats:
+    """Euclidean lengths (m,) of columns (n, c, m)."""
+    parts = columns.parts if isinstance(columns, SideBySide) else (columns,)
+    return np.sqrt(np.concatenate([np.einsum("ncm,ncm->m", part, part) for part in parts]))
+
+
 class Shapes:
     """Elastic body of n nodes with m columns of displacement and stress.
 

@@ -1,4 +1,4 @@
-"""How far to trust a stress: what the mesh leaves open of it, and one plain verdict a peak.
+"""How far to trust a stress: what the mesh leaves open of it, and one plain verdict a peak or node.
 
 The mesh's part is estimated after O. C. Zienkiewicz and J. Z. Zhu, A simple error estimator and adaptive
 procedure for practical engineering analysis, Int. J. Numer. Meth. Engng. 24 (1987) 337-357: the stress
@@ -6,13 +6,18 @@ averaged at the nodes is better than the elements' own, so that the difference o
 a node, against the stress there, tells how far the elements are from resolving it.
 """
 
+import operator
+from dataclasses import dataclass
+from functools import reduce
+
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from fem.elasticity import Material
 from fem.mesh import Floats, Mesh
 from fem.recovery import DEVIATOR
+from fem.shapes import Columns, Shapes, lengths
 from fem.stress import element_stress
 
 SAFETY = 1.5
@@ -24,8 +29,102 @@ JUMP_LIMIT = 0.5
 """Disagreement of neighbouring elements over the stress beyond which the mesh makes the peak."""
 GRADES = (5, 10, 15, 20, 25, 30, 40, 50)
 """Per cent to which a stress may be called good."""
+VERDICTS = (
+    *(f"good to {grade} %" for grade in GRADES),
+    f"open by more than {GRADES[-1]} %",
+    "mesh-limited: refine here",
+    "inside a spider: do not use",
+)
+"""Verdicts by their numbers, from 0."""
+OPEN, LIMITED, HELD = range(len(GRADES), len(GRADES) + 3)
+"""Numbers of the verdicts that are none of the grades."""
 IN_SPIDER = "in spider"
 """Flag of a node that a rigid spider holds."""
+LEFT_OUT = 1e-2
+"""Part of a history's stress, in the mean square, that the fields may leave out by which it is judged."""
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How far a mesh resolves the stress at its n nodes, over one field of displacement or several.
+
+    Sums of squares over the fields, so that those of more fields are added.
+
+    Parameters
+    ----------
+    off, own : array (n,)
+        Integrals over the elements of a node: of averaged stress less the elements' own, and of the latter,
+        both taken as linear in an element.
+    jump, size : array (n,)
+        In Pa2: of the greatest disagreement of an element with the nodal stress, as of `stress.stress_jump`,
+        and of the nodal von Mises stress.
+    """
+
+    off: Floats
+    own: Floats
+    jump: Floats
+    size: Floats
+
+    def __add__(self, other: "Resolution") -> "Resolution":
+        """That of the fields of both."""
+        return Resolution(
+            self.off + other.off, self.own + other.own, self.jump + other.jump, self.size + other.size
+        )
+
+    @property
+    def error(self) -> Floats:
+        """Estimated error of the nodal von Mises stress over itself, (n,)."""
+        return SAFETY * _root_ratio(self.off, self.off + self.own)
+
+    @property
+    def relative_jump(self) -> Floats:
+        """Disagreement of the elements over the nodal von Mises stress, (n,)."""
+        return _root_ratio(self.jump, self.size)
+
+
+def _root_ratio(part: Floats, whole: Floats) -> Floats:
+    """Root of a part over the whole, zero where there is none."""
+    return np.sqrt(np.divide(part, whole, out=np.zeros_like(part), where=whole > 0.0))
+
+
+def resolution(mesh: Mesh, material: Material, displacement: Floats) -> Resolution:
+    """How far a mesh resolves the stress of a displacement (n, 3) in m."""
+    own = element_stress(mesh, material, displacement) @ DEVIATOR.T
+    flat, n = mesh.elements.ravel(), len(mesh.nodes)
+    count = np.bincount(flat, minlength=n)
+    sums = [np.bincount(flat, own[..., k].ravel(), n) for k in range(len(DEVIATOR))]
+    averaged = np.stack(sums, axis=1) / count[:, None]
+    off = averaged[mesh.elements] - own
+    a, b, c, d = np.moveaxis(mesh.nodes[mesh.elements[:, :4]], 1, 0)
+    volume = np.einsum("ei,ei->e", np.cross(b - a, c - a), d - a) / 6.0
+    squares: list[Floats] = []
+    for field in (off[:, :4], own[:, :4]):
+        of_element = volume * ((field**2).sum(axis=(1, 2)) + (field.sum(axis=1) ** 2).sum(axis=1))
+        squares.append(np.asarray(np.bincount(flat, np.repeat(of_element, mesh.elements.shape[1]), n)))
+    jump = np.zeros(n)
+    np.maximum.at(jump, flat, (off**2).sum(axis=2).ravel())
+    return Resolution(squares[0], squares[1], jump, (averaged**2).sum(axis=1))
+
+
+def resolution_over(body: Shapes, q: Floats) -> Resolution:
+    """How far a body's mesh resolves the stress of a history (t, m), in the mean square over its times.
+
+    The squares are those of the few fields that make nearly all of the history's stress.
+    """
+    fields = _main_directions(body.stress_modes, q) / np.sqrt(len(q))
+    return reduce(
+        operator.add, (resolution(body.mesh, body.material, one) for one in body.displacement(fields))
+    )
+
+
+def _main_directions(stress_modes: Columns, q: Floats) -> Floats:
+    """Coordinates (r, m) of few fields whose stress has the sums of squares of that of a history (t, m)."""
+    weights = lengths(stress_modes)
+    weights[weights == 0.0] = 1.0  # modes without stress
+    _, sizes, directions = np.linalg.svd(q * weights, full_matrices=False)
+    beyond = np.append(np.cumsum(sizes[::-1] ** 2)[::-1], 0.0)
+    rank = max(1, int(np.flatnonzero(beyond <= LEFT_OUT**2 * beyond[0])[0]))
+    return sizes[:rank, None] * directions[:rank] / weights
 
 
 def mesh_error(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
@@ -45,21 +144,34 @@ def mesh_error(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
         over the elements of the node, e of averaged stress less the elements' own and s of the latter, taken
         as linear in an element.
     """
-    own = element_stress(mesh, material, displacement) @ DEVIATOR.T
-    flat, n = mesh.elements.ravel(), len(mesh.nodes)
-    count = np.bincount(flat, minlength=n)
-    sums = [np.bincount(flat, own[..., k].ravel(), n) for k in range(len(DEVIATOR))]
-    averaged = np.stack(sums, axis=1) / count[:, None]
-    at_corners = averaged[mesh.elements[:, :4]]
-    a, b, c, d = np.moveaxis(mesh.nodes[mesh.elements[:, :4]], 1, 0)
-    volume = np.einsum("ei,ei->e", np.cross(b - a, c - a), d - a) / 6.0
-    squares = []
-    for field in (at_corners - own[:, :4], own[:, :4]):
-        of_element = volume * ((field**2).sum(axis=(1, 2)) + (field.sum(axis=1) ** 2).sum(axis=1))
-        squares.append(np.bincount(flat, np.repeat(of_element, mesh.elements.shape[1]), n))
-    off, whole = squares[0], squares[0] + squares[1]
-    part = np.sqrt(np.divide(off, whole, out=np.zeros(n), where=whole > 0.0))
-    return np.asarray(SAFETY * part * np.linalg.norm(averaged, axis=1))
+    found = resolution(mesh, material, displacement)
+    return found.error * np.sqrt(found.size)
+
+
+def verdict_numbers(part: ArrayLike, error: ArrayLike, jump: ArrayLike, held: ArrayLike) -> NDArray[np.int8]:
+    """Numbers of the verdicts of stresses, array (n,); -1 where what is open is not a number.
+
+    Parameters
+    ----------
+    part : array (n,)
+        All that is open of each, over the stress.
+    error, jump : array (n,)
+        What the mesh leaves open and by how much the elements disagree, over the stress.
+    held : array (n,) of bool
+        Whether a rigid spider holds the node.
+    """
+    part = np.asarray(part, dtype=float)
+    found = np.searchsorted(np.array(GRADES), 100.0 * part)
+    found[(np.asarray(error) > MESH_LIMIT) | (np.asarray(jump) > JUMP_LIMIT)] = LIMITED
+    found[np.asarray(held, dtype=bool)] = HELD
+    return np.where(np.isnan(part), -1, found).astype(np.int8)
+
+
+def verdict_words(numbers: ArrayLike, truncation_known: bool = True) -> list[str]:
+    """Verdicts of their numbers; those that leave truncation out say so, none is "not known"."""
+    uncounted = "" if truncation_known else " but for truncation"
+    words = [word + uncounted * (k <= OPEN) for k, word in enumerate(VERDICTS)]
+    return ["not known" if number < 0 else words[number] for number in np.asarray(numbers)]
 
 
 def judged(
@@ -105,16 +217,7 @@ def judged(
             raise ValueError(f"{name} must be finite and not negative, got {error}")
         total += values
     size = np.maximum(size, np.finfo(float).tiny)
-    by_mesh = (table["error"] > MESH_LIMIT * size) | (table["jump"] > JUMP_LIMIT * size)
-    uncounted = " but for truncation" if truncation is None else ""
-    verdicts = []
-    for flag, limited, part in zip(table["flag"], by_mesh, 100.0 * total / size, strict=True):
-        if flag == IN_SPIDER:
-            verdicts.append("inside a spider: do not use")
-        elif limited:
-            verdicts.append("mesh-limited: refine here")
-        else:
-            grade = next((grade for grade in GRADES if part <= grade), None)
-            good = f"open by more than {GRADES[-1]} %" if grade is None else f"good to {grade} %"
-            verdicts.append(good + uncounted)
-    return table.assign(verdict=verdicts)
+    numbers = verdict_numbers(
+        total / size, table["error"] / size, table["jump"] / size, table["flag"] == IN_SPIDER
+    )
+    return table.assign(verdict=verdict_words(numbers, truncation is not None))

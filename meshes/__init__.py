@@ -1,4 +1,4 @@
-"""The crawler shoe: its dimensions, the script that meshes it and the ready meshes."""
+"""The crawler shoe: its dimensions, its mesher and the ready meshes."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from meshes.geometry import (
 )
 
 if TYPE_CHECKING:
+    from meshes.build_shoe import mesh_shoe
     from meshes.load_surfaces import LOAD_SURFACES, with_load_surfaces
     from meshes.ready import mesh_named, shoe_mesh, shoe_path
     from meshes.shoe import STEEL, joint_interfaces
@@ -25,6 +26,7 @@ _HOMES = {
     "STEEL": "shoe",
     "joint_interfaces": "shoe",
     "mesh_named": "ready",
+    "mesh_shoe": "build_shoe",
     "shoe_mesh": "ready",
     "shoe_path": "ready",
     "with_load_surfaces": "load_surfaces",
@@ -45,6 +47,7 @@ __all__ = [
     "ShoeDimensions",
     "joint_interfaces",
     "mesh_named",
+    "mesh_shoe",
     "shoe_mesh",
     "shoe_path",
     "with_load_surfaces",

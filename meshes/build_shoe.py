@@ -1,6 +1,11 @@
-"""Build the shoe's meshes: `python -m meshes.build_shoe [size ...]`; needs gmsh (extra `mesh`)."""
+"""Mesh a shoe of any dimensions: `python -m meshes.build_shoe thick.msh.gz --top-thickness 0.05`.
 
-import sys
+It needs netgen (extra `mesh`), which brings its own geometry kernel and needs no libraries of the system.
+"""
+
+import argparse
+import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,97 +14,77 @@ import numpy as np
 
 from fem.mesh import TETRA_EDGES, Floats, Integers, Mesh, jacobian_determinants
 from fem.mesh_files import write_mesh
-from meshes.geometry import COM_HEIGHT, JOINT_CENTERS, ShoeDimensions
+from meshes.geometry import COM_HEIGHT, JOINT_CENTERS, SHOE_SIZES, ShoeDimensions
 from meshes.solid import build_solid
 
-FOLDER = Path(__file__).parent
-GMSH_TETRA10, GMSH_TRIANGLE6 = 11, 9
-GMSH_TO_MESHIO = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
+FROM_NETGEN = [1, 0, 2, 3, 4, 5, 7, 8, 6, 9]
+"""Nodes of a tetrahedron of netgen's, which has the other sense and order of edges, as VTK has them."""
+FROM_NETGEN_TRIANGLE = [0, 1, 2, 5, 3, 4]
 LEAST_JACOBIAN_RATIO = 0.15
 """Elements whose Jacobian varies more than this from node to node get straight edges."""
+LEVEL = 1e-5
+"""m, within which a face is level."""
+FLANGE = "flange"
+"""Name of the flat part of the flange, which is the top together with the roller path."""
 
 
 @dataclass(frozen=True)
 class Resolution:
-    """Edge lengths of the elements in m, and the distance over which they grow in between."""
+    """Edge lengths of the elements in m, how many lie along the radius of a curve, and how fast they grow.
+
+    Attributes
+    ----------
+    at_bores, at_rear_roots, elsewhere : float
+        Greatest edge lengths, m.
+    on_curves : float
+        Elements along a curve's radius.
+    growth : float
+        From 0 (even) to 1 (fast).
+    """
 
     at_bores: float
     at_rear_roots: float
-    at_curves: float
     elsewhere: float
-    growth: float
+    on_curves: float
+    growth: float = 0.3
 
 
 SIZES = {
-    "coarse": Resolution(0.070, 0.060, 0.14, 0.22, 0.10),
-    "study": Resolution(0.035, 0.021, 0.080, 0.130, 0.12),
-    "fine": Resolution(0.022, 0.012, 0.040, 0.085, 0.15),
+    "coarse": Resolution(0.070, 0.060, 0.22, 0.5),
+    "study": Resolution(0.035, 0.021, 0.130, 1.0),
+    "fine": Resolution(0.022, 0.012, 0.085, 1.5),
 }
+"""Resolutions about as fine as the ready meshes of these names."""
 
 
-def _is_bore(model: Any, face: int, shoe: ShoeDimensions) -> str | None:
-    """Name of the joint whose bore the cylindrical face belongs to, if any."""
-    if model.getType(2, face) != "Cylinder":
-        return None
-    low, high = np.reshape(model.getBoundingBox(2, face), (2, 3))
-    for name, center in JOINT_CENTERS.items():
-        across = np.array([low[0], high[0], low[2], high[2]])
-        at = np.array([center[0], center[0], center[2], center[2]])
-        reach = shoe.bore_radius * np.array([-1, 1, -1, 1])
-        near = abs((low[1] + high[1]) / 2 - center[1]) < 2 * shoe.rear_lug_width
-        if near and np.allclose(across, at + reach, atol=1e-3):
-            return name
-    return None
-
-
-def _named_faces(model: Any, shoe: ShoeDimensions) -> dict[str, list[int]]:
-    names: dict[str, list[int]] = {"underside": [], "top": [], "roller path": []}
-    names |= {f"bore {name}": [] for name in JOINT_CENTERS}
-    for _, face in model.getEntities(2):
-        low, high = np.reshape(model.getBoundingBox(2, face), (2, 3))
-        height = low[2] + COM_HEIGHT
-        if high[2] - low[2] < 1e-5:
-            if abs(height) < 1e-5:
-                names["underside"].append(face)
-            if abs(height - shoe.rail_height) < 1e-5:
-                names["roller path"].append(face)
-            if min(abs(height - h) for h in (shoe.rail_height, shoe.beam_height)) < 1e-5:
-                names["top"].append(face)
-        elif joint := _is_bore(model, face, shoe):
-            names[f"bore {joint}"].append(face)
-    empty = [name for name, faces in names.items() if not faces]
+def _name_faces(body: Any, shoe: ShoeDimensions) -> None:
+    """Name underside, roller path and the flange's flat part; the bores have their names."""
+    for face in body.faces:
+        low, high = face.bounding_box
+        if high.z - low.z > LEVEL:
+            continue
+        height = low.z + COM_HEIGHT
+        for name, at in (("underside", 0.0), ("roller path", shoe.rail_height), (FLANGE, shoe.beam_height)):
+            if abs(height - at) < LEVEL:
+                face.name = name
+                break
+    wanted = ["underside", "roller path", FLANGE, *(f"bore {name}" for name in JOINT_CENTERS)]
+    empty = set(wanted) - {face.name for face in body.faces}
     if empty:
         raise ValueError(
-            f"dimensions must leave faces for all named surfaces, got none for {empty} with {shoe}"
+            f"dimensions must leave faces for all named surfaces, got none for {sorted(empty)} with {shoe}"
         )
-    return names
 
 
-def _set_sizes(model: Any, bores: list[int], size: Resolution, shoe: ShoeDimensions) -> None:
-    """Small elements on bores, root fillets and noses, growing with the distance from them."""
-    curved = [tag for _, tag in model.getEntities(2) if model.getType(2, tag) != "Plane"]
-    boxes = {tag: np.reshape(model.getBoundingBox(2, tag), (2, 3)) for tag in curved}
-    roots = [tag for tag, (low, high) in boxes.items() if low[0] > shoe.rear_face - 0.05 and high[0] < 0.0]
-    field = model.mesh.field
-    thresholds = []
-    for faces, fine in (
-        (bores, size.at_bores),
-        (roots, size.at_rear_roots),
-        (curved, size.at_curves),
-    ):
-        distance = field.add("Distance")
-        field.setNumbers(distance, "SurfacesList", faces)
-        field.setNumber(distance, "Sampling", 20)
-        threshold = field.add("Threshold")
-        field.setNumber(threshold, "InField", distance)
-        field.setNumber(threshold, "SizeMin", fine)
-        field.setNumber(threshold, "SizeMax", size.elsewhere)
-        field.setNumber(threshold, "DistMin", fine)
-        field.setNumber(threshold, "DistMax", size.growth)
-        thresholds.append(threshold)
-    least = field.add("Min")
-    field.setNumbers(least, "FieldsList", thresholds)
-    field.setAsBackgroundMesh(least)
+def _set_sizes(body: Any, size: Resolution, shoe: ShoeDimensions) -> None:
+    """Small elements on bores and on the fillets at the roots of the rear lugs."""
+    for face in body.faces:
+        low, high = face.bounding_box
+        is_root = low.x > shoe.rear_face - 0.05 and high.x < 0.0
+        if face.name is not None and face.name.startswith("bore"):
+            face.maxh = size.at_bores
+        elif is_root and LEVEL < high.x - low.x < 1.5 * shoe.rear_root_fillet:
+            face.maxh = size.at_rear_roots
 
 
 def straighten_distorted(nodes: Floats, elements: Integers) -> tuple[Floats, int]:
@@ -133,14 +118,15 @@ def straighten_distorted(nodes: Floats, elements: Integers) -> tuple[Floats, int
         straightened += int(bad.sum())
 
 
-def mesh_shoe(size: Resolution, shoe: ShoeDimensions | None = None) -> Mesh:
-    """Mesh the shoe with quadratic tetrahedra whose edges follow bores and fillets.
+def mesh_shoe(dimensions: ShoeDimensions | None = None, size: str | Resolution = "study") -> Mesh:
+    """Mesh a shoe with quadratic tetrahedra whose edges follow bores and fillets.
 
     Parameters
     ----------
-    size : Resolution
-    shoe : ShoeDimensions, optional
+    dimensions : ShoeDimensions, optional
         The default ones if left out.
+    size : str or Resolution
+        "coarse", "study", "fine", or a resolution of one's own.
 
     Returns
     -------
@@ -150,55 +136,64 @@ def mesh_shoe(size: Resolution, shoe: ShoeDimensions | None = None) -> Mesh:
 
     Raises
     ------
+    ModuleNotFoundError
+        If netgen is not there.
     ValueError
-        If the dimensions leave no faces for a surface or make several solids.
+        If there is no such size, or the dimensions leave no faces for a surface or make several solids.
     """
-    import gmsh  # wanted only here: it needs system libraries that no study shall need
-
-    shoe = shoe or ShoeDimensions()
-    gmsh.initialize()
+    if isinstance(size, str) and size not in SIZES:
+        raise ValueError(f"size must be one of {SHOE_SIZES} or a Resolution, got {size!r}")
+    resolution = SIZES[size] if isinstance(size, str) else size
     try:
-        for name, value in {
-            "General.Terminal": 0,
-            "General.NumThreads": 1,
-            "Mesh.MeshSizeExtendFromBoundary": 0,
-            "Mesh.MeshSizeFromPoints": 0,
-            "Mesh.MeshSizeFromCurvature": 0,
-        }.items():
-            gmsh.option.setNumber(name, value)
-        gmsh.model.add("shoe")
-        build_solid(gmsh.model.occ, shoe)
-        gmsh.model.occ.synchronize()
-        faces = _named_faces(gmsh.model, shoe)
-        bores = [f for name, tags in faces.items() if name.startswith("bore") for f in tags]
-        _set_sizes(gmsh.model, bores, size, shoe)
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.optimize("Netgen")
-        gmsh.model.mesh.setOrder(2)
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        _, numbers = gmsh.model.mesh.getElementsByType(GMSH_TETRA10)
-        triangles = {
-            name: np.concatenate([gmsh.model.mesh.getElementsByType(GMSH_TRIANGLE6, f)[1] for f in tags_])
-            for name, tags_ in faces.items()
-        }
-    finally:
-        gmsh.finalize()
-    used = np.unique(numbers)
-    place = np.argsort(tags)[np.searchsorted(np.sort(tags), used)]
-    elements = np.searchsorted(used, numbers).reshape(-1, 10)[:, GMSH_TO_MESHIO]
-    nodes, _ = straighten_distorted(coordinates.reshape(-1, 3)[place], elements)
-    surfaces = {name: np.searchsorted(used, t).reshape(-1, 6) for name, t in triangles.items()}
+        from netgen import occ  # wanted only here
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(
+            "meshing a shoe needs netgen: pip install 'exudyn-crawler[mesh]'"
+        ) from error
+    shoe = dimensions or ShoeDimensions()
+    body = build_solid(occ, shoe)
+    _name_faces(body, shoe)
+    _set_sizes(body, resolution, shoe)
+    found = occ.OCCGeometry(body).GenerateMesh(
+        maxh=resolution.elsewhere,
+        grading=resolution.growth,
+        curvaturesafety=resolution.on_curves,
+        segmentsperedge=0.5,
+    )
+    found.SecondOrder()
+    return _from_netgen(found)
+
+
+def _from_netgen(found: Any) -> Mesh:
+    """Mesh of a netgen mesh of second order, its surfaces by the names of faces."""
+    elements = found.Elements3D().NumPy()["nodes"][:, FROM_NETGEN].astype(np.int64) - 1
+    sides = found.Elements2D().NumPy()
+    triangles = sides["nodes"][:, FROM_NETGEN_TRIANGLE].astype(np.int64) - 1
+    names = np.array(["", *(face.bcname for face in found.FaceDescriptors())])[sides["index"]]
+    surfaces = {name: triangles[names == name] for name in ("underside", "roller path")}
+    surfaces["top"] = triangles[np.isin(names, ("roller path", FLANGE))]
+    surfaces |= {f"bore {name}": triangles[names == f"bore {name}"] for name in JOINT_CENTERS}
+    nodes, _ = straighten_distorted(np.array(found.Coordinates()), elements)
     return Mesh(nodes, elements, surfaces)
 
 
-def main(sizes: list[str]) -> None:
-    """Write the ready meshes of the named sizes, or of all."""
-    for name in sizes or SIZES:
-        mesh = mesh_shoe(SIZES[name])
-        path = FOLDER / f"shoe_{name}.msh.gz"
-        write_mesh(path, mesh)
-        print(f"{path.name}: {len(mesh.nodes)} nodes, {len(mesh.elements)} elements")
+def main(given: Sequence[str] | None = None) -> None:
+    """Mesh a shoe into a file."""
+    parser = argparse.ArgumentParser(prog="python -m meshes.build_shoe", description=(main.__doc__ or ""))
+    parser.add_argument("file", type=Path, help="mesh to write, .msh or .msh.gz")
+    parser.add_argument("--size", choices=SHOE_SIZES, default="study", help="how fine; study, if not given")
+    for one in dataclasses.fields(ShoeDimensions):
+        option = f"--{one.name.replace('_', '-')}"
+        parser.add_argument(option, type=float, metavar="M", default=one.default, help=f"m; {one.default}")
+    options = vars(parser.parse_args(given))
+    path, size = options.pop("file"), options.pop("size")
+    try:
+        mesh = mesh_shoe(ShoeDimensions(**options), size)
+    except (ValueError, ModuleNotFoundError) as error:
+        parser.error(str(error))
+    write_mesh(path, mesh)
+    print(f"{path}: {len(mesh.nodes)} nodes, {len(mesh.elements)} elements")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

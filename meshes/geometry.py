@@ -3,7 +3,8 @@
 Shoe axes: x along the propel direction, y lateral, z up; origin at the nominal centre of mass.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import asdict, dataclass
 
 SHOE_SIZES = ("coarse", "study", "fine")
 """Ready meshes of the shoe."""
@@ -42,7 +43,13 @@ JOINT_CENTERS: dict[str, tuple[float, float, float]] = {
 
 @dataclass(frozen=True)
 class ShoeDimensions:
-    """Dimensions of the shoe in m; heights are above the underside unless said otherwise."""
+    """Dimensions of the shoe in m; heights are above the underside unless said otherwise.
+
+    Raises
+    ------
+    ValueError
+        Naming a dimension that is not positive, but for `beam_center_x`.
+    """
 
     width: float = 3.505
     plate_length: float = 0.63
@@ -73,6 +80,11 @@ class ShoeDimensions:
     throat_fillet: float = 0.02
     side_clearance: float = 0.0125
     nose_clearance: float = 0.012
+
+    def __post_init__(self) -> None:
+        for name, value in asdict(self).items():
+            if not math.isfinite(value) or (value <= 0.0 and name != "beam_center_x"):
+                raise ValueError(f"{name} must be a positive length in m, got {value}")
 
     @property
     def rear_face(self) -> float:

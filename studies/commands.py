@@ -230,6 +230,23 @@ def rollers(
     typer.echo(f"the runs and regions.csv are in {out}")
 
 
+def plate_sweep(
+    workers: Annotated[int | None, typer.Option(help="processes; one a core, if not given", min=1)] = None,
+    out: Out = RESULTS / "plate_sweep",
+    debug: Debug = False,
+) -> None:
+    """Sweep top plate and ground against the life of the roller path; the same command goes on.
+
+    Example: python -m studies.plate_sweep --out results/plate_sweep
+    """
+    from exudyn_crawler.views.tables import print_table
+    from studies.plate_sweep import study
+
+    run = study(out, workers=workers, say=typer.echo)
+    print_table(run.table.drop(columns=["folder", "reason"]), "Runs; units are in the head of results.csv")
+    typer.echo(f"the runs, results.csv and report.html are in {out}")
+
+
 def verify(debug: Debug = False) -> None:
     """Solve the two-body problem by hand and by the engine, side by side.
 

@@ -16,7 +16,9 @@ from exudyn_crawler.case import MachineCycle, Undercarriage, ph4100c
 from exudyn_crawler.case.rolled import ground_below
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.balance import energy_balance
-from exudyn_crawler.results.stresses import StressResults
+from exudyn_crawler.results.load_shares import SHARE
+from exudyn_crawler.results.regions import REGIONS
+from exudyn_crawler.results.tables import region_table
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
 from studies.running import Running, kept_study
@@ -31,7 +33,8 @@ CHOICES_DURATION = 8.0
 """s."""
 FOLDED = 1.0
 """rad, tilt of a shoe beyond which no track is one."""
-MEGA, KILO = 1e6, 1e3
+FIRM, FIRM_SPRINGS, FIRM_CONTACT = 10.0, "springs of the ground x 10", "contact with the ground x 10"
+KILO = 1e3
 
 
 def rolled_case(mesh: str = "study") -> Case:
@@ -75,49 +78,13 @@ def study_cases(mesh: str = "study", duration: float | None = None) -> dict[str,
     }
 
 
-def region_of(places: np.ndarray, case: Case) -> np.ndarray:
-    """Part of the shoe that places (n, 3) in its axes belong to: array (n,) of str.
-
-    Lugs reach 0.15 m round the pins, the roller path lies under the rails from the height of the pins up, the
-    wings begin 0.5 m beside them; the web is the rest.
-    """
-    rails = case.shoe.rails or Case.rolled().shoe.rails
-    regions = np.full(len(places), "web", dtype=object)
-    if rails is None:
-        return regions
-    x, y, z = places.T
-    regions[np.abs(y) > rails.left + 0.5 * rails.width + 0.5] = "wings"
-    on_rail = np.abs(np.abs(y) - rails.left) <= 0.5 * rails.width + 0.01
-    regions[on_rail & (z > case.track.pin_height)] = "roller path"
-    for center in case.track.joint_centers.values():
-        near = np.hypot(x - center[0], z - center[2]) < 0.15
-        regions[near & (np.abs(y - center[1]) < 0.2)] = "lugs"
-    return regions
-
-
-def highest_by_region(stresses: StressResults, case: Case) -> pd.DataFrame:
-    """Highest von Mises stress of any flexible shoe in every region, MPa, with shoe and time (s).
-
-    Nodes in rigid spiders and at pulled nodes are left out.
-    """
-    data = stresses.dataset
-    regions = region_of(data.node_position.values, case)
-    rows = []
-    for region in ("roller path", "lugs", "web", "wings"):
-        chosen = (regions == region) & ~data.in_spider.values.astype(bool)
-        peaks = np.where(chosen & ~data.at_load.values.astype(bool), data.peak_von_mises.values, 0.0)
-        shoe, node = np.unravel_index(int(peaks.argmax()), peaks.shape)
-        place = data.node_position.values[node]
-        rows.append(
-            {
-                "region": region,
-                "von Mises in MPa": peaks[shoe, node] / MEGA,
-                "shoe": int(data.shoe.values[shoe]),
-                "time in s": float(data.peak_time.values[shoe, node]),
-                **{f"{axis} in m": float(one) for axis, one in zip("xyz", place, strict=True)},
-            }
-        )
-    return pd.DataFrame(rows)
+def highest_by_region(run: CaseRun) -> pd.DataFrame:
+    """Highest von Mises stress of any flexible shoe in every region, as a row of `region_table` each."""
+    stresses = run.recovered()
+    table = region_table(stresses.by_region, stresses.dataset)
+    highest = table.loc[table.groupby("region")["von Mises in MPa"].idxmax()]
+    order = [region for region in REGIONS if region in set(highest["region"])]
+    return highest.set_index("region").loc[order].reset_index()
 
 
 class RollerStudy(NamedTuple):
@@ -164,10 +131,12 @@ def study(
 def _regions(runs: Mapping[str, CaseRun]) -> pd.DataFrame:
     parts = []
     for name, run in runs.items():
-        part = highest_by_region(run.recovered(), run.history.case)
+        part = highest_by_region(run)
         part.insert(0, "case", name)
         parts.append(part)
-    return pd.concat(parts, ignore_index=True)
+    whole = pd.concat(parts, ignore_index=True)
+    shares = whole.filter(like=SHARE).fillna(0.0)
+    return whole.assign(**shares.to_dict("series"))
 
 
 def _with_rollers(frame: Undercarriage, count: int, spacing: float) -> Undercarriage:
@@ -175,7 +144,7 @@ def _with_rollers(frame: Undercarriage, count: int, spacing: float) -> Undercarr
 
 
 def choices() -> dict[str, Case]:
-    """Rigid machine as it is, and with each open choice made otherwise."""
+    """Rigid machine as it is, with each open choice made otherwise, and on firmer ground than the papers'."""
     case, frame = Case.rolled(), Undercarriage.ph4100c()
     changed = {
         "as it is": frame,
@@ -188,7 +157,14 @@ def choices() -> dict[str, Case]:
         "no end tension": frame.with_(end_tension=0.0),
         "tumbler in front": frame.with_(tumbler=-frame.tumbler),
     }
-    return {name: case.with_(name=name, undercarriage=one) for name, one in changed.items()}
+    cases = {name: case.with_(name=name, undercarriage=one) for name, one in changed.items()}
+    springs = case.terrain.with_(spring_stiffness=FIRM * case.terrain.spring_stiffness)
+    contact = case.pair_contact()
+    contact = contact.with_(stiffness=FIRM * contact.stiffness)
+    return cases | {
+        FIRM_SPRINGS: case.with_(name=FIRM_SPRINGS, terrain=springs),
+        FIRM_CONTACT: case.with_(name=FIRM_CONTACT, contact=contact),
+    }
 
 
 def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:

@@ -38,6 +38,7 @@ COMMANDS = (
     "shoe-loads",
     "compare",
     "life",
+    "spread",
     "sweep",
 )
 
@@ -100,7 +101,7 @@ def test_every_command_is_among_those_tested(call):
     _, out, _ = call("--help")
     own = {command.callback.__name__.replace("_", "-") for command in cli.app.registered_commands}
     looking = {"report", "animate", "node-stress", "pin-forces", "shoe-loads", "compare"}
-    assert own == {"init", "info", "run", "life", "sweep"} | looking
+    assert own == {"init", "info", "run", "life", "spread", "sweep"} | looking
     assert own | set(registered(GROUP)) == set(COMMANDS)
     assert all(name in out for name in COMMANDS)
 
@@ -196,6 +197,7 @@ def test_stress_and_pin_forces_are_asked_of_a_run(call, flexible_run, tmp_path):
     code, _, err = call("shoe-loads", "run", "--shoe", "5")
     assert code == 2
     assert_one_line(err, "time must be given for shoe 5")
+    assert "shoe must be in 1..13, got 14" in call("shoe-loads", "run", "--shoe", "14")[2]
 
 
 @pytest.mark.simulation
@@ -389,6 +391,7 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
     [
         (["run", "nowhere.toml"], "no case file nowhere.toml"),
         (["info", "nowhere.toml"], "no case file nowhere.toml"),
+        (["info", "stres"], "case must be a case file or a study of ['forces', 'kinematics', "),
         (["kinematics", "--duration", "-1"], "duration must be positive and finite, got -1.0 s"),
         (["kinematics", "--duration", "soon"], "Invalid value for '--duration'"),
         (["kinematics", "--case", "sideways"], "'sideways'"),

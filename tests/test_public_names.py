@@ -64,12 +64,14 @@ def test_a_stranger_of_a_neighbours_name_is_refused_by_its_place(tmp_path, name)
 
 def test_objects_of_a_notebook_show_themselves(flexible_run):
     history, stress, hot_spots = flexible_run
-    results = exudyn_crawler.StressResults(stress, hot_spots, whole=None)
+    results = exudyn_crawler.StressResults(stress, hot_spots, {}, whole=None)
     run = exudyn_crawler.CaseRun(history, results, folder=None)
+    life = exudyn_crawler.LifeResults(None, stress, hot_spots[7], nodes={}, whole=None)
     shown = {
         "case": (history.case, ["terrain.spring_stiffness", "N/m", "stiffness of each spring"]),
         "history": (history, ["&#x27;stress&#x27; over 0.06 s", "joint_force"]),
         "stresses": (results, ["Shoe 13", "highest_von_mises"]),
+        "life": (life, ["verdict", "peak_von_mises"]),
         "run": (run, ["kept nowhere", "Shoe 7", "joint_force"]),
         "loads": (exudyn_crawler.shoe_loads(history, 7, 0.0), ["Shoe 7 at t = 0 s", "inertia"]),
     }

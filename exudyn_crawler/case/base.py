@@ -1,9 +1,10 @@
 """Base of the parameter classes: frozen, closed to unknown names, finite numbers only."""
 
+import difflib
 from typing import Annotated, Any, Self
 
 from annotated_types import Ge, Le, MaxLen, MinLen
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from exudyn_crawler.case.html import parameter_html
 
@@ -26,9 +27,15 @@ class Parameters(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     def with_(self, **changes: Any) -> Self:
-        """Copy with some fields changed, validated anew."""
+        """Copy with some fields changed, validated anew; a note of the error has the nearest name."""
         values = {name: getattr(self, name) for name in type(self).model_fields}
-        return type(self)(**(values | changes))
+        try:
+            return type(self)(**(values | changes))
+        except ValidationError as error:
+            for name in changes.keys() - values.keys():
+                for near in difflib.get_close_matches(name, values, n=1):
+                    error.add_note(f"{name}: did you mean {near}?")
+            raise
 
     def _repr_html_(self) -> str:
         """Table of every value with unit and meaning, for notebooks."""

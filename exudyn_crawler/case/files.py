@@ -154,10 +154,10 @@ def _with_cycle(loads: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _spread_equal_loads(case: dict[str, Any]) -> None:
-    """Put the one number that a phase gives for all shoes on each of them."""
+    """Put the one number that a phase, or all of the loads, gives for all shoes on each of them."""
     track = case.get("track")
     count = track.get("shoe_count") if isinstance(track, dict) else None
-    if isinstance(case.get("loads"), dict) and isinstance(count, int) and 0 < count <= MOST_SHOES:
+    if "loads" in case and isinstance(count, int) and 0 < count <= MOST_SHOES:
         case["loads"] = with_equal_loads(case["loads"], count)
 
 

@@ -185,9 +185,11 @@ def cycle_content(path: str | Path) -> dict[str, Any]:
     return content
 
 
-def with_equal_loads(content: dict[str, Any], shoe_count: int) -> dict[str, Any]:
-    """Content of a load cycle in which one number for all shoes stands for each of them."""
-    phases = content.get("phases")
+def with_equal_loads(content: Any, shoe_count: int) -> Any:
+    """Content of a load cycle in which one number for all shoes, or in its place, stands for each of them."""
+    if _is_load(content):
+        content = {"phases": [{"name": "constant", "end": 0.0, "loads": content}]}
+    phases = content.get("phases") if isinstance(content, dict) else None
     if not isinstance(phases, list):
         return content
     return content | {"phases": [_spread(phase, shoe_count) for phase in phases]}
@@ -195,9 +197,11 @@ def with_equal_loads(content: dict[str, Any], shoe_count: int) -> dict[str, Any]
 
 def _spread(phase: Any, shoe_count: int) -> Any:
     load = phase.get("loads") if isinstance(phase, dict) else None
-    if isinstance(load, bool) or not isinstance(load, int | float):
-        return phase
-    return phase | {"loads": [load] * shoe_count}
+    return phase | {"loads": [load] * shoe_count} if _is_load(load) else phase
+
+
+def _is_load(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _falling(greatest: float, total: float, distance: NDArray) -> NDArray:

@@ -89,8 +89,10 @@ def info(
         if changes:
             raise ValueError(f"--set must go with a case file, got the study {case!r}; init writes its file")
         case_file = study_case(case)
-    else:
+    elif Path(case).suffix or Path(case).exists():
         case_file = read_case(case, changes or ())
+    else:
+        raise ValueError(f"case must be a case file or a study of {sorted(registered(CASES))}, got {case!r}")
     base, rows = rows_beside_base(case_file)
     differing = sum(row.in_the_base != "" for row in rows)
     columns = ("key", "value", "in the base", "unit", "meaning")

@@ -105,6 +105,7 @@ def shoe_loads(
     from exudyn_crawler.results import shoe_loads as found
     from exudyn_crawler.run.folder import note_file
 
+    history.case.track.check_shoe(shoe)
     flexible = history.case.flexible is not None and shoe in history.case.flexible.shoes
     if time is None:
         if not flexible:

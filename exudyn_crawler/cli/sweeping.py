@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 
 from exudyn_crawler.cli.errors import readable
-from exudyn_crawler.cli.life import app
 from exudyn_crawler.cli.options import RESULTS, Debug
+from exudyn_crawler.cli.spreading import app
 
 NEEDED = ("distributed", "SALib", "pyarrow", "fsspec")
 """Modules of the extra `sweep`."""

@@ -94,9 +94,20 @@ def ground_contact(
     underside, flexible_shoes :
         As for `PairGroundContact`.
     """
-    coms = case.track.com_positions(case.shoe.com_height)
     if case.contact.model == "spheres":
+        coms = case.track.com_positions(case.shoe.com_height)
         return SphereGroundContact(coms, case.terrain, coordinates, sphere_field(case))
+    return pair_ground_contact(case, coordinates, underside, flexible_shoes)
+
+
+def pair_ground_contact(
+    case: Case,
+    coordinates: TerrainCoordinates,
+    underside: Underside | None = None,
+    flexible_shoes: Sequence[int] = (),
+) -> PairGroundContact:
+    """Contact of a case by the pair law; parameters as for `ground_contact`."""
+    coms = case.track.com_positions(case.shoe.com_height)
     return PairGroundContact(
         coms, case.shoe, case.terrain, case.pair_contact(), coordinates, underside, flexible_shoes
     )

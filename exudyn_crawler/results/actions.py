@@ -16,6 +16,7 @@ from exudyn_crawler.case.track import SIDES, Track
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import shoe_model, side_weights
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.patches import patches
 
 
 @dataclass(frozen=True)
@@ -167,7 +168,7 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
     frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
     yield from _joints(history, shoe, position, frames)
     yield from _weight_and_load(history, shoe, position, frames)
-    yield from _contacts(history, shoe, position, frames)
+    yield from _contacts(history, shoe)
     if shoe == history.case.track.shoe_count:
         yield from _drive(history, shoe, position, frames)
     if history.case.undercarriage is not None:
@@ -218,21 +219,14 @@ def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDA
     yield Action("load", shoe, "top", point, load, zero, entry)
 
 
-def _contacts(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+def _contacts(history: History, shoe: int) -> Iterator[Action]:
     """Contact with every unit that the shoe ever met."""
-    terrain, footprint = history.case.terrain, history.case.shoe.footprint
-    half = 0.5 * np.array([terrain.unit_length, terrain.unit_width])
-    # where the underside's own x = y = 0 lies, and how much its axes are foreshortened from above
-    origin = position[:, :2] + footprint[4] * frames[:, :2, 2]
-    shortened = np.stack((frames[:, 0, 0], frames[:, 1, 1]), axis=-1)
+    flexible = history.case.flexible
+    bends = flexible is not None and shoe in flexible.shoes
     for index in np.flatnonzero(history.contact_shoe.values == shoe):
         unit = int(history.contact_unit[index])
-        center = terrain.middles[unit - 1]
-        rectangle = OverRectangle(
-            low=np.maximum((center - half - origin) / shortened, footprint[[0, 2]]),
-            high=np.minimum((center + half - origin) / shortened, footprint[[1, 3]]),
-            pressed=history.area.values[:, index] > 0.0,
-        )
+        pressed = history.area.values[:, index] > 0.0
+        entry = OverRectangle(*patches(history, int(index)), pressed) if bends else OnFrame()
         yield Action(
             "contact",
             shoe,
@@ -240,7 +234,7 @@ def _contacts(history: History, shoe: int, position: NDArray, frames: NDArray) -
             history.point.values[:, index],
             history.normal_force.values[:, index] + history.friction_force.values[:, index],
             history.friction_torque.values[:, index],
-            rectangle,
+            entry,
         )
 
 

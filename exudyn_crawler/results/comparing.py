@@ -38,6 +38,9 @@ COLUMNS = (
     "at in s",
 )
 
+ROUNDING = 1e-12
+"""Of the greatest value of a quantity over all its axes, below which differences are rounding."""
+
 
 def compared(history: History, stress: xr.Dataset | None = None) -> xr.Dataset:
     """Quantities of a run that can be compared with another's, the highest stresses among them if given."""
@@ -77,17 +80,18 @@ def difference_table(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
         a, b = xr.align(first[name], second[name], join="inner", exclude=["time"])
         a, b = a.sel(time=time), b.interp(time=np.minimum(time, float(b.time[-1])))
         b = b.assign_coords(time=time)
+        rounding = ROUNDING * max(float(abs(a).max()) if a.size else 0.0, ROUNDING)
         for axis in a.axis.values if "axis" in a.dims else [None]:
             pair = (a, b) if axis is None else (a.sel(axis=axis), b.sel(axis=axis))
             rows += [
                 {"quantity": str(name), "axis": "" if axis is None else str(axis)} | row
-                for row in _rows(*pair)
+                for row in _rows(*pair, rounding)
             ]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
-def _rows(a: xr.DataArray, b: xr.DataArray) -> Iterator[dict[str, object]]:
-    """Row of one series with its unit; none where there is nothing to compare or no difference."""
+def _rows(a: xr.DataArray, b: xr.DataArray, rounding: float) -> Iterator[dict[str, object]]:
+    """Row of one series with its unit; none where no difference is beyond rounding."""
     difference = b - a
     size = float(abs(a).max()) if a.size else np.nan
     if not bool(difference.notnull().any()):
@@ -95,7 +99,7 @@ def _rows(a: xr.DataArray, b: xr.DataArray) -> Iterator[dict[str, object]]:
     magnitude = abs(difference).fillna(0.0)
     at = {str(dim): int(index) for dim, index in magnitude.argmax(...).items()}
     greatest = float(magnitude.isel(at))
-    if greatest <= 1e-12 * max(size, 1e-12):
+    if greatest <= rounding:
         return
     other = float(abs(b).max())
     of = [f"{dim.split('_')[-1]} {difference[dim].values[k]}" for dim, k in at.items() if dim != "time"]

@@ -1,5 +1,7 @@
 """Loads of a history as coordinates of static fields: all that acts on a flexible shoe, by family."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,6 +33,17 @@ from exudyn_crawler.results.modal_coordinates import in_body
 from fem import PressureGrid, Shapes, StaticFields, Stations
 
 
+class _Families(dict[str, NDArray]):
+    """Loads (times, coordinates) by family, of which one that is asked for first is zero."""
+
+    def __init__(self, times: int, counts: Mapping[str, int]) -> None:
+        self.times, self.counts = times, counts
+
+    def __missing__(self, name: str) -> NDArray:
+        self[name] = np.zeros((self.times, self.counts[name]))
+        return self[name]
+
+
 def field_loads(
     history: History, fields: StaticFields, body: Shapes, momentum: NDArray, shoe: int
 ) -> NDArray:
@@ -47,22 +60,38 @@ def field_loads(
     shoe : int
         Number of a flexible shoe.
     """
+    whole = _Families(len(momentum), fields.families)
+    for families in loads_by_kind(history, fields, body, momentum, shoe).values():
+        for name, values in families.items():
+            whole[name] += values
+    return fields.coordinates(whole)
+
+
+def loads_by_kind(
+    history: History, fields: StaticFields, body: Shapes, momentum: NDArray, shoe: int
+) -> dict[str, Mapping[str, NDArray]]:
+    """Loads on a flexible shoe by kind of action and by family of static fields: arrays (times, coordinates).
+
+    "inertia" is the momentum of the integrated modes; other kinds are those of `Action.kind`. Parameters are
+    those of `field_loads`.
+    """
     frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
     times = len(frames)
-    loads = {name: np.zeros((times, count)) for name, count in fields.families.items()}
-    loads[INERTIA] = momentum
     names = [interface.name for interface in body.interfaces]
     grid = ground_grid(body.mesh)
     undercarriage = history.case.undercarriage
     rails = [] if undercarriage is None else rail_stations(body.mesh)
+    found: dict[str, _Families] = {INERTIA: _Families(times, fields.families)}
+    found[INERTIA][INERTIA] += momentum
     for action in actions(history, shoe):
+        loads = found.setdefault(action.kind, _Families(times, fields.families))
         if isinstance(action.entry, OnRail) and undercarriage is not None:
             rail = action.entry.line // undercarriage.strips
             force = in_body(frames, action.force)
             loads[RAILS] += _on_rail(rails, rail, force, action.entry.x).reshape(times, -1)
         else:
             _add(loads, action, frames, names, grid)
-    return fields.coordinates(loads)
+    return {kind: loads for kind, loads in found.items() if loads}
 
 
 def _on_rail(rails: list[Stations], rail: int, force: NDArray, x: NDArray) -> NDArray:
@@ -75,9 +104,7 @@ def _on_rail(rails: list[Stations], rail: int, force: NDArray, x: NDArray) -> ND
     return rail_loads(rails, rail, force, np.clip(x, level.low[0], level.high[0]))
 
 
-def _add(
-    loads: dict[str, NDArray], action: Action, frames: NDArray, joints: list[str], grid: PressureGrid
-) -> None:
+def _add(loads: _Families, action: Action, frames: NDArray, joints: list[str], grid: PressureGrid) -> None:
     """Add the coordinates of one action to those of its family (times, ...); what bends no shoe has none."""
     force = in_body(frames, action.force)
     times = len(force)
@@ -90,8 +117,8 @@ def _add(
             loads[MACHINE] += np.hstack((force, shifted[:, None] * force))
         case OverRectangle(low, high, pressed):
             spread = grid.coordinates(force[pressed], low[pressed], high[pressed])
-            loads[GROUND][pressed] += spread.reshape(len(spread), -1)
-        case AtDrivePoint() if DRIVE in loads:
+            loads[GROUND][pressed] += spread.reshape(len(spread), loads.counts[GROUND])
+        case AtDrivePoint() if DRIVE in loads.counts:
             loads[DRIVE] += force
         case AtDrivePoint():
             pins = [number for number, name in enumerate(joints) if name.startswith("front")]

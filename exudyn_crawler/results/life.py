@@ -25,7 +25,9 @@ from exudyn_crawler.results.life_table import (
     shortest_lives,
     worst_nodes,
 )
+from exudyn_crawler.results.life_trust import LifeTrust, life_trust
 from exudyn_crawler.results.quantities import variable
+from exudyn_crawler.results.regions import shoe_regions
 from fem import Shapes
 from fem.critical_plane import critical_planes, damage_on_planes, plane_normals, surface_normals
 from fem.damage import damage_between, recover_damage
@@ -49,12 +51,16 @@ class LifeResults:
         - part_damage (part, node), 1/h: what each part has in the damage at the greatest survival
         - plane_damage (survival, node), 1/h, and plane_normal (node, axis): on the critical plane, at the
           worst nodes; without what goes from run to run
+        - stress_error (node), verdict (node), a number of `fem.trust.VERDICTS`, and life_factor (node), by
+          which life may be shorter or longer, as of `trust`
         - node_position (node, axis), m, triangle (face, corner) and in_spider (node), as of stresses
     table : pandas.DataFrame
         Of `life_table.shortest_lives`: the shortest life of every region, and its cause; then the chosen
         nodes.
     nodes : mapping of int to NodeLife
         Cycles and causes at the nodes of the table.
+    trust : LifeTrust
+        What is open of the lives.
     whole : Shapes
         Modes, and static fields, that the stresses are made of.
     """
@@ -63,11 +69,19 @@ class LifeResults:
     dataset: xr.Dataset
     table: pd.DataFrame
     nodes: Mapping[int, NodeLife]
+    trust: LifeTrust
     whole: Shapes
+
+    def _repr_html_(self) -> str:
+        """Shortest lives and the dataset, for notebooks."""
+        return self.table.to_html(index=False) + self.dataset._repr_html_()
 
 
 def life_of(
-    duty: Duty, histories: Sequence[History], say: Callable[[str], None] = lambda _text: None
+    duty: Duty,
+    histories: Sequence[History],
+    say: Callable[[str], None] = lambda _text: None,
+    spreads: Sequence[xr.DataArray | None] | None = None,
 ) -> LifeResults:
     """Life over a duty whose runs have these histories.
 
@@ -77,6 +91,8 @@ def life_of(
         One for each run of the duty, in its order.
     say : callable
         Is told, in a line, what is going on.
+    spreads : sequence of DataArray (shoe, node) or None, optional
+        Spread of each run's peaks over themselves, as of `spread.relative_spread`; None where not known.
 
     Raises
     ------
@@ -89,31 +105,42 @@ def life_of(
         raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
     curve = duty.material.curve(duty.miner)
     whole, places = runs[0].columns.shapes, places_of(runs)
-    by_place, by_part = [], []
+    by_place, by_part, amplitudes = [], [], []
     for shoe in places:
         say(f"shoe {shoe}: counting cycles of {len(whole.mesh.surface_nodes)} nodes")
-        found, own_parts = _at_place(duty, runs, curve, shoe)
+        found, own_parts, amplitude = _at_place(duty, runs, curve, shoe)
         by_place.append(found)
         by_part.append(own_parts)
+        amplitudes.append(amplitude)
     damage, parts = np.array(by_place), np.mean(by_part, axis=0)
     mean = damage.mean(axis=0)
     names = [f"{one.run.name}: {phase}" for one in runs for phase in one.phases]
     names += [BETWEEN] if len(runs) > 1 else []
-    shown = list(dict.fromkeys([*shortest_by_region(whole.mesh, mean[-1]), *duty.nodes]))
+    regions = shoe_regions(whole, runs[0].history.case.track)
+    shown = list(dict.fromkeys([*shortest_by_region(regions, mean[-1]), *duty.nodes]))
     worst = np.union1d(worst_nodes(mean[-1], duty.plane_nodes), shown)
     say(f"critical planes of the {len(worst)} worst nodes")
     on_plane, directions = _on_critical_planes(duty, runs, curve, worst)
-    dataset = _dataset(whole, damage, parts, on_plane, directions).assign_coords(
+    say("what the mesh leaves open")
+    known = [None] * len(runs) if spreads is None else spreads
+    trust = life_trust(runs, curve, damage[:, -1], np.array(amplitudes), known)
+    dataset = _dataset(whole, damage, parts, on_plane, directions, trust).assign_coords(
         shoe=places, survival=list(duty.survivals), part=np.array(names, dtype=object)
     )
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, curve, shown)
-    table = shortest_lives(dataset, nodes, whole)
-    return LifeResults(duty, dataset.assign_attrs(duty=duty.model_dump_json()), table, nodes, whole)
+    verdicts = dict(zip(shown, trust.words(np.array(shown)), strict=True))
+    table = shortest_lives(dataset, nodes, whole, regions, verdicts)
+    return LifeResults(duty, dataset.assign_attrs(duty=duty.model_dump_json()), table, nodes, trust, whole)
 
 
-def _at_place(duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, shoe: int) -> tuple[NDArray, NDArray]:
-    """Damage an hour (survivals, nodes) of a shoe that stays at its place, and by part (parts, nodes)."""
+def _at_place(
+    duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, shoe: int
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Of a shoe that stays at its place: damage an hour, by survival and by part, and the amplitude in Pa.
+
+    Arrays (survivals, nodes), (parts, nodes) and (nodes,).
+    """
     whole = runs[0].columns.shapes
     surface = whole.mesh.surface_nodes
     damage = np.zeros((len(duty.survivals), len(surface)))
@@ -135,8 +162,10 @@ def _at_place(duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, shoe: int) ->
         parts.append(each[-1])
     unknown = pulled_nodes(runs, shoe)[surface]
     count = len(whole.nodes)
-    return _spread(np.where(unknown, np.nan, damage), surface, count), _spread(
-        np.array(parts), surface, count
+    return (
+        _spread(np.where(unknown, np.nan, damage), surface, count),
+        _spread(np.array(parts), surface, count),
+        _spread(0.5 * (highest - lowest), surface, count),
     )
 
 
@@ -171,9 +200,14 @@ def _on_critical_planes(
 
 
 def _dataset(
-    whole: Shapes, damage: NDArray, parts: NDArray, on_plane: NDArray, directions: NDArray
+    whole: Shapes,
+    damage: NDArray,
+    parts: NDArray,
+    on_plane: NDArray,
+    directions: NDArray,
+    trust: LifeTrust,
 ) -> xr.Dataset:
-    """Dataset of the damage (places, survivals, nodes), that of the parts, and on critical planes."""
+    """Dataset of the damage (places, survivals, nodes), of its parts, on critical planes, and of trust."""
     mean = damage.mean(axis=0)
     values = {
         "place_damage": damage,
@@ -182,6 +216,9 @@ def _dataset(
         "part_damage": np.where(np.isnan(mean[-1]), np.nan, parts),
         "plane_damage": on_plane,
         "plane_normal": directions,
+        "stress_error": trust.stress_error,
+        "verdict": trust.verdict,
+        "life_factor": trust.factor,
         "node_position": whole.nodes,
         "triangle": whole.mesh.boundary[:, :3],
         "in_spider": np.isin(np.arange(len(whole.nodes)), whole.spider_nodes),

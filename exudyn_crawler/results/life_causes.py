@@ -9,24 +9,11 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.results.duty import Duty
 from exudyn_crawler.results.duty_runs import UsedRun, places_of
+from exudyn_crawler.results.load_shares import SHARE, stress_directions
 from exudyn_crawler.results.stress_columns import columns_by_load
-from fem.critical_plane import normal_stress_rows
-from fem.damage import SIGNED_CRITERIA, SignedCriterion, signed_signals
+from fem.damage import SIGNED_CRITERIA, signed_signals
 from fem.fatigue import SNCurve
-from fem.stress import VOIGT, von_mises
 
-LOADS = {
-    "joint": "pins",
-    "joints": "pins",
-    "load": "machine load",
-    "machine": "machine load",
-    "contact": "ground",
-    "roller": "rollers",
-    "rails": "rollers",
-}
-"""Words for kinds of actions and families of loads; others are their own."""
-SHARE = "share of "
-"""What the columns of loads begin with."""
 CLASSES = 32
 """Of a rainflow matrix, along either side."""
 CYCLES = (
@@ -129,7 +116,7 @@ def node_lives(
             loads = columns_by_load(one.history, one.columns, shoe)
             for node in nodes:
                 modes = one.columns.shapes.stress_modes[node]
-                by_load = {LOADS.get(kind, kind): q @ modes.T for kind, q in loads.items()}
+                by_load = {load: q @ modes.T for load, q in loads.items()}
                 stress = one.columns.coordinates[shoe] @ modes.T
                 cycles[node].append(_cycles(duty, curve, one, shoe, often, stress, by_load))
                 for criterion in SIGNED_CRITERIA:
@@ -138,25 +125,6 @@ def node_lives(
     return {
         node: NodeLife(node, pd.concat(cycles[node], ignore_index=True), by_criterion[node]) for node in nodes
     }
-
-
-def stress_directions(criterion: SignedCriterion, stress: NDArray) -> NDArray:
-    """Rows (t, 6) whose products with stresses (t, 6) are a criterion's signal: its derivatives by them.
-
-    A criterion is homogeneous of first order in the stress, so that the rows' products with the stresses of
-    single loads add up to it (Euler).
-    """
-    if criterion == "signed principal":
-        tensor = np.empty((len(stress), 3, 3))
-        for k, (i, j) in enumerate(VOIGT):
-            tensor[:, i, j] = tensor[:, j, i] = stress[:, k]
-        values, vectors = np.linalg.eigh(tensor)
-        place = np.where(values[:, 2] >= -values[:, 0], 2, 0)
-        return normal_stress_rows(vectors[np.arange(len(stress)), :, place])
-    mean = stress[:, :3].mean(axis=1, keepdims=True)
-    rows = np.concatenate((1.5 * (stress[:, :3] - mean), 3.0 * stress[:, 3:]), axis=1)
-    length = np.where(mean[:, 0] < 0.0, -1.0, 1.0) * von_mises(stress)
-    return np.divide(rows, length[:, None], out=np.zeros_like(rows), where=length[:, None] != 0.0)
 
 
 def _cycles(

@@ -7,15 +7,14 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.results.life_causes import SHARE, NodeLife
-from fem import Mesh, Shapes
+from exudyn_crawler.results.life_causes import NodeLife
+from exudyn_crawler.results.load_shares import SHARE
+from fem import Shapes
 
 BEYOND = 1e9
 """h, beyond which lives are not told apart; damage below one over it is left out."""
 BETWEEN = "between runs"
 """Part of the damage that no run has alone."""
-ELSEWHERE = "elsewhere"
-"""Region of the nodes of no named surface."""
 LIFE = "life in h"
 """What the columns of lives begin with."""
 
@@ -31,50 +30,63 @@ def worst_nodes(damage: NDArray, count: int) -> NDArray:
     return known[np.argsort(-damage[known], kind="stable")[:count]]
 
 
-def regions(mesh: Mesh) -> NDArray:
-    """Region of every node: the named surface with the fewest faces that it is of, array (n,) of str."""
-    found = np.full(len(mesh.nodes), ELSEWHERE, dtype=object)
-    for name in sorted(mesh.surfaces, key=lambda one: -len(mesh.surfaces[one])):
-        found[mesh.nodes_of(name)] = name
-    return found
-
-
-def shortest_by_region(mesh: Mesh, damage: NDArray) -> list[int]:
+def shortest_by_region(regions: NDArray, damage: NDArray) -> list[int]:
     """Node of the greatest damage (n,) of each region, the worst first.
 
-    Regions without any known damage, such as the inside, are left out.
+    Parameters
+    ----------
+    regions : array (n,) of str
+        Of `regions.shoe_regions`; those without any known damage are left out.
     """
-    named, found = regions(mesh), []
-    for name in dict.fromkeys(named):
-        own = np.flatnonzero((named == name) & ~np.isnan(damage))
+    found = []
+    for name in dict.fromkeys(regions):
+        own = np.flatnonzero((regions == name) & ~np.isnan(damage))
         if len(own):
             found.append(int(own[damage[own].argmax()]))
     return sorted(found, key=lambda node: -damage[node])
 
 
-def shortest_lives(dataset: xr.Dataset, nodes: Mapping[int, NodeLife], whole: Shapes) -> pd.DataFrame:
+def shortest_lives(
+    dataset: xr.Dataset,
+    nodes: Mapping[int, NodeLife],
+    whole: Shapes,
+    regions: NDArray,
+    verdicts: Mapping[int, str],
+) -> pd.DataFrame:
     """Table of lives and what makes them, of some nodes such as the worst of every region.
+
+    Parameters
+    ----------
+    regions : array (n,) of str
+        Of `regions.shoe_regions`.
+    verdicts : mapping of int to str
+        How far to trust the stress of each node.
 
     Returns
     -------
     pandas.DataFrame
         A row a node: region, node and its place in the shoe (m); life (h, 1e9 for
-        all beyond) at each survival; the place in the track that wears it most and the life of a shoe that
+        all beyond) at each survival; the range in which the last of them lies, by what is open of the stress,
+        and the verdict; the place in the track that wears it most and the life of a shoe that
         stays there; run and phase with the greatest part of the damage, and that part; the load with the
         greatest part, and the parts of all; life by each criterion at the greatest survival, those signed
         without what goes from run to run; and whether a joint's rigid spider is near.
     """
-    rows, named = [], regions(whole.mesh)
+    rows = []
     for node, life in nodes.items():
         own = dataset.sel(node=node)
         places = own.place_damage.isel(survival=-1)
         parts = own.part_damage
         whole_damage = float(own.damage_an_hour[-1])
         loads = life.load_shares
-        row: dict[str, object] = {"region": named[node], "node": node}
+        row: dict[str, object] = {"region": regions[node], "node": node}
         row |= {f"{axis} in the shoe in m": float(own.node_position.sel(axis=axis)) for axis in "xyz"}
         row |= {_life_at(one): float(own.life.sel(survival=one)) for one in own.survival.values}
+        factor = float(own.life_factor)
         row |= {
+            f"{LIFE} at least": float(life_hours(whole_damage * factor)),
+            f"{LIFE} at most": float(life_hours(whole_damage / factor)),
+            "verdict": verdicts[node],
             "worst place": int(places.shoe[int(np.nanargmax(places.values))]),
             f"{LIFE} there": float(life_hours(float(places.max()))),
             "main part": str(parts.part.values[int(parts.values.argmax())]) if whole_damage > 0.0 else "",

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.model.load_places import shoe_fields
-from exudyn_crawler.results.field_loads import field_loads
+from exudyn_crawler.results.field_loads import field_loads, loads_by_kind
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import (
     coordinates_and_momentum,
@@ -26,6 +26,14 @@ TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `SHARE` allows: 0.01 MPa."""
 SHARE = 0.4
 """Greatest number of fields over that of modes."""
+LOADS = {
+    "joint": "pins",
+    "load": "machine load",
+    "contact": "ground",
+    "roller": "rollers",
+    "chain": "drive",
+}
+"""Words for kinds of actions; others are their own. The chain pulls for the drive and at its ends."""
 
 
 @dataclass(frozen=True)
@@ -82,8 +90,8 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
 def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict[str, NDArray]:
     """Coordinates of a shoe by what makes them, arrays (times, columns) that add up to all of them.
 
-    By kind of action as of `modal_coordinates.coordinates_by_load`; with static fields by their family of
-    loads. Loads that make nothing are left out.
+    By words of `LOADS` for kinds of actions, or those kinds; "inertia" is that of the integrated modes. Loads
+    that make nothing are left out.
 
     Parameters
     ----------
@@ -94,10 +102,18 @@ def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict
     """
     basis = stress_basis(history)
     if columns.answers is None:
-        return coordinates_by_load(history, basis, shoe)
+        return _in_words(coordinates_by_load(history, basis, shoe))
     fields = shoe_fields(history.case, rails=history.case.undercarriage is not None)
     _, momentum = coordinates_and_momentum(history, basis, shoe)
-    loads = field_loads(history, fields, basis.whole, momentum, shoe)
-    ends = np.cumsum(list(fields.families.values()))[:-1]
-    parts = zip(fields.families, np.split(loads, ends, axis=1), np.split(columns.answers, ends), strict=True)
-    return {name: own @ answers for name, own, answers in parts if own.any()}
+    kinds = loads_by_kind(history, fields, basis.whole, momentum, shoe)
+    return _in_words({kind: fields.coordinates(own) @ columns.answers for kind, own in kinds.items()})
+
+
+def _in_words(by_kind: Mapping[str, NDArray]) -> dict[str, NDArray]:
+    """Coordinates by load of those by kind of action."""
+    found: dict[str, NDArray] = {}
+    for kind, own in by_kind.items():
+        load = LOADS.get(kind, kind)
+        if own.any():
+            found[load] = found[load] + own if load in found else own
+    return found

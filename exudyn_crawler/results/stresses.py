@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.load_shares import load_shares
 from exudyn_crawler.results.phases import phases
-from exudyn_crawler.results.quantities import variable
-from exudyn_crawler.results.stress_columns import stress_columns
+from exudyn_crawler.results.quantities import Variable, variable
+from exudyn_crawler.results.regions import BORES, shoe_regions
+from exudyn_crawler.results.stress_columns import StressColumns, stress_columns
 from exudyn_crawler.results.surface_stress import flat_triangles
-from fem import Extremes, Shapes, hot_spots, judged, mesh_error, recover_extremes
+from fem import Extremes, OneOfEach, Shapes, hot_spots, judged, mesh_error, recover_extremes
+from fem.trust import resolution_over, verdict_numbers
 
 HOT_SPOTS = 5
 """Rows of the S-paper's hot-spot tables."""
@@ -34,6 +37,9 @@ class StressResults:
 
         - highest_von_mises (time, shoe) and highest_node (time, shoe), away from a pulled node
         - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
+        - peak_mesh_error and peak_jump (shoe, node), over the stress and in the mean square of the run, as of
+          `fem.resolution_over`, peak_verdict (shoe, node), a number of `fem.trust.VERDICTS`, and truncation,
+          what left-out static fields may do, not a number where modes alone were used
         - frame_von_mises (frame, shoe, node), and frame_name (frame): "begin", "end of dig" or "peak", each
           as far as it is one
         - frame_mesh_error (frame, shoe, node), what the mesh leaves open of it, as of `fem.mesh_error`
@@ -45,13 +51,17 @@ class StressResults:
           stress that a force on one node makes there grows without limit as the mesh is refined
     hot_spots : mapping
         Table of every flexible shoe, as of `fem.hot_spots` and `fem.judged`, of nodes that are not at_load;
-        places global, those of the track at t = 0.
+        places global, those of the track at t = 0; region as of `regions.shoe_regions`, and the share of each
+        load as of `load_shares.load_shares`.
+    by_region : mapping
+        Same of the highest node of every region; of bores, whose stress is none to use, there is none.
     whole : Shapes
         Modes, and static fields, that the stresses are made of.
     """
 
     dataset: xr.Dataset
     hot_spots: Mapping[int, pd.DataFrame]
+    by_region: Mapping[int, pd.DataFrame]
     whole: Shapes
 
     def _repr_html_(self) -> str:
@@ -95,7 +105,8 @@ def recover_stresses(
     named = _named_times(history, times)
     columns = stress_columns(history)
     whole, coordinates = columns.shapes, columns.coordinates
-    reached, found, tables = {}, [], {}
+    reached, found, tables, by_region = {}, [], {}, {}
+    named_regions = shoe_regions(whole, history.case.track)
     for shoe, q in coordinates.items():
         away = np.flatnonzero(~near_pull(history, whole, shoe))
         reached[shoe] = recover_extremes(whole.stress_modes, q, ranked=away)
@@ -106,13 +117,12 @@ def recover_stresses(
     for shoe, q in coordinates.items():
         extremes, at_load = reached[shoe], near_pull(history, whole, shoe)
         away = np.flatnonzero(~at_load)
-        found.append(
-            _of_shoe(history, whole, q, extremes, frames).assign(
-                at_load=variable("at_load", at_load, without=("shoe",))
-            )
-        )
-        table = hot_spots(whole, history.time.values, q, HOT_SPOTS, nodes=away, peaks=extremes.peaks)
-        tables[shoe] = _placed(judged(table, columns.bound), history, shoe)
+        trust = _trust(whole, q, extremes, np.where(at_load, np.nan, columns.bound or 0.0))
+        marked = {"at_load": variable("at_load", at_load, without=("shoe",))}
+        found.append(_of_shoe(history, whole, q, extremes, frames).assign(trust | marked))
+        tables[shoe] = _hot_spots(history, columns, shoe, extremes, away)
+        usable = away[named_regions[away] != BORES]
+        by_region[shoe] = _hot_spots(history, columns, shoe, extremes, usable, OneOfEach(named_regions))
     shoes = xr.Variable("shoe", list(coordinates))
     dataset = xr.concat(found, dim=shoes).transpose("time", "frame", "shoe", ...)
     spider = np.zeros(len(whole.nodes), dtype=bool)
@@ -121,9 +131,10 @@ def recover_stresses(
         node_position=variable("node_position", whole.nodes),
         triangle=variable("triangle", flat_triangles(whole.mesh.boundary)),
         in_spider=variable("in_spider", spider),
+        truncation=variable("truncation", np.array(np.nan if columns.bound is None else columns.bound)),
         frame_name=variable("frame_name", np.array(names, dtype=object)),
     ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
-    return StressResults(dataset, tables, whole)
+    return StressResults(dataset, tables, by_region, whole)
 
 
 def _named_times(history: History, times: Sequence[float] | None) -> list[tuple[float, str]]:
@@ -184,7 +195,47 @@ def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frame
     )
 
 
-def _placed(table: pd.DataFrame, history: History, shoe: int) -> pd.DataFrame:
-    """Hot spots with their places in the track at t = 0, as the S-paper gives them."""
-    at_start = history.case.track.com_positions(history.case.shoe.com_height)[shoe - 1]
-    return table.assign(**{axis: table[axis] + at_start[k] for k, axis in enumerate("xyz")})
+def _hot_spots(
+    history: History,
+    columns: StressColumns,
+    shoe: int,
+    extremes: Extremes,
+    nodes: NDArray,
+    separation: OneOfEach | None = None,
+) -> pd.DataFrame:
+    """Hot spots among some nodes with verdicts, regions and shares of loads.
+
+    Their places are those in the track at t = 0, as the S-paper gives them.
+    """
+    whole, q, track = columns.shapes, columns.coordinates[shoe], history.case.track
+    table = hot_spots(
+        whole,
+        history.time.values,
+        q,
+        HOT_SPOTS,
+        separation=separation,
+        nodes=nodes,
+        peaks=extremes.peaks,
+    )
+    at, times = table["node"].to_numpy(), table["time"].to_numpy()
+    at_start = track.com_positions(history.case.shoe.com_height)[shoe - 1]
+    table = judged(table, columns.bound).assign(
+        **{axis: table[axis] + at_start[k] for k, axis in enumerate("xyz")},
+        region=shoe_regions(whole, track)[at],
+    )
+    return pd.concat((table, load_shares(history, columns, shoe, at, times)), axis=1)
+
+
+def _trust(whole: Shapes, q: NDArray, found: Extremes, bound: NDArray) -> dict[str, Variable]:
+    """What is open of the greatest stress of each node of a shoe with coordinates q (times, columns).
+
+    The bound (nodes,) in Pa of what fields leave out is not a number where no stress is known.
+    """
+    mesh, held = resolution_over(whole, q), np.isin(np.arange(len(whole.nodes)), whole.spider_nodes)
+    left_out = bound / np.maximum(found.greatest, np.finfo(float).tiny)
+    named: dict[str, NDArray] = {
+        "peak_mesh_error": mesh.error.astype(np.float32),
+        "peak_jump": mesh.relative_jump.astype(np.float32),
+        "peak_verdict": verdict_numbers(mesh.error + left_out, mesh.error, mesh.relative_jump, held),
+    }
+    return {name: variable(name, values, without=("shoe",)) for name, values in named.items()}

@@ -1,10 +1,13 @@
 """Tables that a run leaves as CSV: units in the headers, forces in N, stresses in MPa, places by frame."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.load_shares import SHARE
 from exudyn_crawler.results.phases import phases
 
 MEGA = 1e6
@@ -68,11 +71,12 @@ def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
 
 
 def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
-    """Hot spots of a shoe: stresses in MPa, places in the shoe and in the track at t = 0, and verdicts."""
+    """Hot spots of a shoe: stresses in MPa, places in the shoe and the track at t = 0, verdicts, causes."""
     places = stress.node_position.transpose("node", "axis").values[hot_spots["node"]]
     table = pd.DataFrame(
         {
             "rank": hot_spots["rank"],
+            "region": hot_spots["region"],
             "von Mises in MPa": hot_spots["value"] / MEGA,
             "node": hot_spots["node"],
             "time in s": hot_spots["time"],
@@ -84,7 +88,21 @@ def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
         table[f"{axis} in the track at t = 0 in m"] = hot_spots[axis]
     for name in ("jump", "error"):
         table[f"{name} in MPa"] = hot_spots[name] / MEGA
-    return table.assign(flag=hot_spots["flag"], verdict=hot_spots["verdict"])
+    shares = hot_spots.filter(like=SHARE).to_dict("series")
+    return table.assign(flag=hot_spots["flag"], verdict=hot_spots["verdict"], **shares)
+
+
+def region_table(by_region: Mapping[int, pd.DataFrame], stress: xr.Dataset) -> pd.DataFrame:
+    """Highest node of every region of all flexible shoes as of `hot_spot_table`, and of which shoe it is.
+
+    A load that nothing on a shoe comes from has the share 0 there.
+    """
+    tables = [hot_spot_table(table, stress).assign(shoe=shoe) for shoe, table in by_region.items()]
+    whole = pd.concat(tables, ignore_index=True)
+    shares = whole.filter(like=SHARE).fillna(0.0)
+    first = ["shoe", "region"]
+    others = [name for name in whole if name not in (*first, "rank", *shares)]
+    return pd.concat((whole[[*first, *others]], shares), axis=1)
 
 
 def _place(place: np.ndarray) -> dict[str, float]:

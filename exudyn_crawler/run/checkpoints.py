@@ -11,6 +11,7 @@ import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from sys import intern
 from typing import Any
 
 import numpy as np
@@ -53,13 +54,27 @@ class Checkpoint:
 
 @dataclass(frozen=True)
 class KeptStage:
-    """Checkpoint in a file, whose history is read when it is needed; attributes as of `Checkpoint`."""
+    """Checkpoint in a file, of which memory holds little however many there are.
+
+    Attributes
+    ----------
+    number, time, layout
+        As of `Checkpoint`.
+    path : Path
+    piece : Piece
+        Its history, read from the file when it is needed.
+    """
 
     number: int
     time: float
     layout: str
-    state: NDArray
+    path: Path
     piece: Piece
+
+    @property
+    def state(self) -> NDArray:
+        """As of `Checkpoint`, read from the file; ValueError if that was altered."""
+        return _arrays(self.path)["state"]
 
 
 class Checkpoints:
@@ -77,6 +92,7 @@ class Checkpoints:
         self.folder = Path(folder)
         self.tell = tell
         self._found: dict[Path, tuple[tuple[int, int], Case, KeptStage]] = {}
+        self._cases: dict[str, Case] = {}
 
     @property
     def history(self) -> Path:
@@ -177,8 +193,10 @@ class Checkpoints:
             arrays = _arrays(path)
             if self._file(int(arrays["number"])) != path:
                 raise ValueError(f"checkpoint {path} is that of stage {arrays['number']}")
-            stage = _kept(path, _checkpoint(arrays))
-            self._found[path] = (stamp, saved_case(str(arrays["case"]), path), stage)
+            text = str(arrays["case"])
+            if text not in self._cases:
+                self._cases[text] = saved_case(text, path)
+            self._found[path] = (stamp, self._cases[text], _kept(path, _checkpoint(arrays)))
         return self._found[path][1:]
 
     def _files(self) -> list[Path]:
@@ -264,10 +282,10 @@ def _dataset(arrays: Mapping[str, NDArray]) -> xr.Dataset:
 
 
 def _kept(path: Path, checkpoint: Checkpoint) -> KeptStage:
-    """Stage in a file without its history, which is read from the file, and checked, when it is needed."""
+    """Stage in a file without what is read from there, and checked, when it is needed."""
     whole = Piece.of(checkpoint.history)
     piece = Piece(whole.times, whole.pairs, lambda: Piece.of(_dataset(_arrays(path))).parts())
-    return KeptStage(checkpoint.number, checkpoint.time, checkpoint.layout, checkpoint.state, piece)
+    return KeptStage(checkpoint.number, checkpoint.time, intern(checkpoint.layout), path, piece)
 
 
 def _differences(found: str, own: str) -> list[str]:

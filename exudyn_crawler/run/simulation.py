@@ -6,6 +6,7 @@ from contextlib import nullcontext
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.plausible import warn_implausible
 from exudyn_crawler.case.size import check_size
+from exudyn_crawler.model.compiled.two_processes import compile_equations
 from exudyn_crawler.model.formulation import EQUATIONS, track_system
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.checkpoints import Checkpoints
@@ -61,6 +62,8 @@ def simulate(
         checkpoints.load(case)
     told = nullcontext() if progress is False else told_of_compiling(EQUATIONS, lambda: note(COMPILING))
     with told:
+        if case.is_compiled:
+            compile_equations(framed=case.undercarriage is not None)
         system = track_system(case)
         system.set_initial(static_equilibrium(case))
         return integrate(system, duration, progress, checkpoints=checkpoints)

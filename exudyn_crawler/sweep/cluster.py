@@ -65,6 +65,7 @@ def _local(workers: int | None) -> Iterator[Client]:
     count = workers or os.cpu_count() or 1
     environment = dask.config.get("distributed.nanny.pre-spawn-environ") | {"NUMBA_NUM_THREADS": 1}
     with (
+        _kept_environment(),
         dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),
         LocalCluster(
             n_workers=count,
@@ -76,6 +77,21 @@ def _local(workers: int | None) -> Iterator[Client]:
         Client(cluster, set_as_default=False) as client,
     ):
         yield client
+
+
+@contextmanager
+def _kept_environment() -> Iterator[None]:
+    """Leave the environment as it was: Dask puts that of its workers into this process, too.
+
+    What is started from here afterwards would else have one thread, and Numba refuse to compile more.
+    """
+    before = dict(os.environ)
+    try:
+        yield
+    finally:
+        for name in os.environ.keys() - before.keys():
+            del os.environ[name]
+        os.environ.update(before)
 
 
 @contextmanager

@@ -14,6 +14,9 @@ STEP, STEP_FLEXIBLE = {True: 0.6e-3, False: 1.2e-3}, {True: 0.1e-3, False: 2.0e-
 """s a step of 13 rigid shoes, half of it for the history, and more of it a flexible shoe, with compiled
 equations and without (docs/speed.md, docs/sweeps.md)."""
 SHOES = 13
+ROLLED, ROLLED_FLEXIBLE = 2.5, 1.0e-3
+"""How many times as much a step of rigid shoes takes that a side frame rolls over, and s more of a flexible
+one there."""
 RECOVERY = 1.0e-3
 """s a stored time of a flexible shoe, whose stresses are recovered."""
 PACKED = 0.75
@@ -25,7 +28,10 @@ def run_time(case_file: CaseFile) -> float:
     case, solver = case_file.case, case_file.case.solver
     flexible = 0 if case.flexible is None else len(case.flexible.shoes)
     compiled = case.is_compiled
-    step = STEP[compiled] * case.track.shoe_count / SHOES + STEP_FLEXIBLE[compiled] * flexible
+    step, more = STEP[compiled] * case.track.shoe_count / SHOES, STEP_FLEXIBLE[compiled]
+    if case.propel == "rolled":
+        step, more = ROLLED * step, ROLLED_FLEXIBLE
+    step += more * flexible
     stored = case_file.duration / max(solver.output_interval, solver.step)
     return BEGIN + case_file.duration / solver.step * step + RECOVERY * flexible * stored
 

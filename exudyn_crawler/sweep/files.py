@@ -65,8 +65,17 @@ def _answer(given: Any, number: int) -> Any:
 
 def _resolve_meshes(varied: Any, folder: Path) -> None:
     """Put whole paths in place of names of mesh files that vary."""
-    if isinstance(varied, dict) and varied.get("key") == MESH and isinstance(varied.get("values"), list):
-        varied["values"] = [
-            one if one in SHOE_SIZES or not isinstance(one, str) else str((folder / one).resolve())
-            for one in varied["values"]
-        ]
+    if not isinstance(varied, dict):
+        return
+    if varied.get("key") == MESH and isinstance(varied.get("values"), list):
+        varied["values"] = [_resolved(one, folder) for one in varied["values"]]
+    if isinstance(varied.get("key"), list) and MESH in varied["key"]:
+        place = varied["key"].index(MESH)
+        for row in varied["settings"] if isinstance(varied.get("settings"), list) else ():
+            if isinstance(row, list) and len(row) > place:
+                row[place] = _resolved(row[place], folder)
+
+
+def _resolved(mesh: Any, folder: Path) -> Any:
+    """Whole path of a mesh that is a file."""
+    return mesh if mesh in SHOE_SIZES or not isinstance(mesh, str) else str((folder / mesh).resolve())

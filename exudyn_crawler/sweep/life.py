@@ -1,6 +1,5 @@
 """Life of the shoes as an answer of a sweep."""
 
-from functools import cache
 from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
@@ -11,9 +10,9 @@ from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.duty import Duty, DutyRun, Survival
 from exudyn_crawler.results.fatigue_material import FatigueMaterial
 from exudyn_crawler.results.life import life_of
+from exudyn_crawler.results.regions import Region, shoe_regions
 from exudyn_crawler.sweep.answer_base import AnyAnswer, check_within
 from fem.fatigue import Miner
-from meshes import mesh_named
 
 
 class Life(AnyAnswer):
@@ -24,8 +23,8 @@ class Life(AnyAnswer):
         default="more", description="which runs are the best ones: those with less or with more of it"
     )
     material: FatigueMaterial = Field(description="of the shoes against cyclic stress")
-    region: str | None = Field(
-        default=None, description="named surface of the mesh whose shortest life counts; all, if not given"
+    region: Region | None = Field(
+        default=None, description="part of the shoe whose shortest life counts; all, if not given"
     )
     survival: Survival = Field(default=0.975, description="part of the shoes that survive it")
     begin: float = quantity("s", "time at which the repeated part of the run begins", ge=0, default=0.0)
@@ -81,23 +80,14 @@ class Life(AnyAnswer):
         ValueError
             Naming the answer.
         """
-        flexible = case_file.case.flexible
-        if flexible is None:
+        if case_file.case.flexible is None:
             raise ValueError(f"{self.label}: life needs flexible shoes, the case has none")
         check_within(self.label, case_file, begin=self.begin, end=self.end)
-        if self.region is not None and self.region not in (named := _surfaces(flexible.mesh)):
-            raise ValueError(f"{self.label}: region must be of {', '.join(named)}, got {self.region!r}")
 
     def of_run(self, run: CaseRun) -> float:
         """Shortest life of a run, h; 1e9 stands for all beyond."""
         found = life_of(self.duty(), [run.history])
         lives = found.dataset.life.isel(survival=0)
         if self.region is not None:
-            lives = lives.sel(node=found.whole.mesh.nodes_of(self.region))
+            lives = lives[shoe_regions(found.whole, run.history.case.track) == self.region]
         return float(lives.min())
-
-
-@cache
-def _surfaces(mesh: str) -> list[str]:
-    """Names of a mesh's surfaces, which every run of a sweep is checked against."""
-    return sorted(mesh_named(mesh).surfaces)

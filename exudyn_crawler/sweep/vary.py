@@ -1,6 +1,7 @@
 """What of a case the runs of a sweep have otherwise."""
 
 import math
+from functools import partial
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -20,6 +21,8 @@ from exudyn_crawler.sweep.paths import (
     place_of,
 )
 
+Puts = tuple[Any, ...]
+"""Values, one a path."""
 Key = Annotated[str, Field(min_length=1, max_length=200)]
 
 
@@ -35,6 +38,11 @@ class Vary(Parameters):
         default=None, description="of values and bounds, to be sure: it has to be that of the case"
     )
     values: tuple[Any, ...] | None = Field(default=None, description="all values, in place of bounds")
+    settings: tuple[Puts, ...] | None = Field(
+        default=None,
+        description="what each of the values stands for: one of each path, in their order; the values then "
+        "are what tables and axes show, in `unit`",
+    )
     low: float | None = Field(default=None, description="least value")
     high: float | None = Field(default=None, description="greatest value")
     count: int | None = Field(default=None, ge=2, le=1_000_000, description="values of a grid between bounds")
@@ -54,7 +62,11 @@ class Vary(Parameters):
                 raise ValueError(f"{self.label}: values take the place of low, high and count")
             if not self.values or any(one in self.values[:k] for k, one in enumerate(self.values)):
                 raise ValueError(f"{self.label}: values must be different ones, got {list(self.values)}")
+            if self.settings is not None:
+                self._check_settings(self.values, self.settings)
             return self
+        if self.settings is not None:
+            raise ValueError(f"{self.label}: settings need values, which they stand for")
         if self.low is None or self.high is None:
             raise ValueError(f"{self.label}: give values, or low and high")
         if self.low >= self.high:
@@ -62,6 +74,16 @@ class Vary(Parameters):
         if self.scale == "log" and self.low <= 0.0:
             raise ValueError(f"{self.label}: low must be positive with scale 'log', got {self.low:g}")
         return self
+
+    def _check_settings(self, values: tuple[Any, ...], settings: tuple[Puts, ...]) -> None:
+        if self.name is None or self.factor:
+            raise ValueError(f"{self.label}: settings need a name of their values, and no factor")
+        counts = [len(row) for row in settings]
+        if counts != [len(self.keys)] * len(values):
+            raise ValueError(
+                f"{self.label}: settings must be {len(values)} lists, one a value, of {len(self.keys)} each, "
+                f"one a path, got lists of {counts}"
+            )
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -105,11 +127,13 @@ class Vary(Parameters):
 
     def unit_in(self, case_file: CaseFile) -> str:
         """Unit of the column; empty for factors and for what has none."""
+        if self.settings is not None:
+            return self.unit or ""
         entry = entry_at(case_file, place_of(self.keys[0]))
         return "" if self.factor or entry is None else entry.unit
 
     def apply(self, content: Content, value: Any) -> None:
-        """Put a value into a case's content, or multiply what is there.
+        """Put a value, or what it stands for, into a case's content, or multiply what is there.
 
         Raises
         ------
@@ -117,18 +141,24 @@ class Vary(Parameters):
             If a path leads to a part that a list does not have, or a factor to what is no number.
         """
 
-        def change(before: Any) -> Any:
+        def change(before: Any, put: Any) -> Any:
             if self.factor:
-                return _multiplied(before, value)
+                return _multiplied(before, put)
             # a count between bounds is a whole number, too
-            whole = isinstance(before, int) and not isinstance(before, bool) and isinstance(value, float)
-            return round(value) if whole and self.is_continuous else value
+            whole = isinstance(before, int) and not isinstance(before, bool) and isinstance(put, float)
+            return round(put) if whole and self.is_continuous else put
 
-        for path in self.keys:
+        for path, put in zip(self.keys, self._put(value), strict=True):
             try:
-                change_at(content, place_of(path), change)
+                change_at(content, place_of(path), partial(change, put=put))
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
+
+    def _put(self, value: Any) -> Puts:
+        """What a value puts at each path."""
+        if self.settings is None or self.values is None:
+            return (value,) * len(self.keys)
+        return self.settings[self.values.index(value)]
 
     def check(self, case_file: CaseFile) -> None:
         """Refuse what does not fit a case: unknown paths, another unit, values that it cannot have.
@@ -144,7 +174,8 @@ class Vary(Parameters):
                 raise ValueError(f"{path} is a table; key must be the path of a value in it")
             if entry is not None and entry.place[-1] == TAG:
                 raise ValueError(f"{path} cannot vary: each has values of its own; make a sweep of each")
-            if entry is not None:
+            # settings are computed: their unit is that of what they stand for
+            if entry is not None and self.settings is None:
                 self._check_unit(path, entry)
         for value in self.values or (self.low, self.high):
             try:

@@ -1,6 +1,8 @@
 """Page of a life: the shoe in 3D with its life at every node, shortest lives, growing damage, material."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,10 +14,11 @@ from plotly.offline import get_plotlyjs
 from exudyn_crawler.case.text import case_rows
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.life import LifeResults
-from exudyn_crawler.results.life_table import BEYOND, in_words, life_hours, life_words
+from exudyn_crawler.results.life_table import BEYOND, LIFE, in_words, life_hours, life_words
 from exudyn_crawler.views.report.plots import page_colours
 from exudyn_crawler.views.report.tables import html_table
 from exudyn_crawler.views.report.templating import rendered_page
+from fem.trust import VERDICTS
 
 LEAST_DECADES = 2
 """Powers of ten of life that the colours span at least."""
@@ -43,6 +46,8 @@ def life_page(found: LifeResults) -> str:
     """HTML of the page."""
     shortest = float(np.nanmin(found.dataset.life[-1]))
     survival, places = 100.0 * float(found.dataset.survival[-1]), found.dataset.shoe.values.tolist()
+    worst = found.table.iloc[0]
+    low, high = (life_words(worst[f"{LIFE} at {end}"]) for end in ("least", "most"))
     factors = found.duty.material.factors()
     strength = found.duty.material.curve(found.duty.miner).strength
     return rendered_page(
@@ -51,6 +56,7 @@ def life_page(found: LifeResults) -> str:
         lead=[
             f"{survival:g} % of the shoes see no crack at their worst node before {life_words(shortest)} "
             f"machine hours, the mean over the places {places} that a shoe takes in turn",
+            f"by what is open of the stress there, {low} to {high} h; stress {worst['verdict']}",
             f"{found.duty.criterion}, Miner {found.duty.miner}; {found.duty.material.name}: strength at the "
             f"surface {strength / 1e6:.4g} MPa at R = -1 (of {factors['fatigue_strength'] / 1e6:.4g} MPa), "
             f"mean stress sensitivity {factors['mean_sensitivity']:.3g}; {found.duty.material.source}",
@@ -65,11 +71,39 @@ def life_page(found: LifeResults) -> str:
 
 
 def life_surface(found: LifeResults) -> go.Figure:
-    """Surface of the shoe coloured by the logarithm of its life, as the mean and at every place."""
+    """Surface of the shoe coloured by its life, over all places and at each, and by how far to trust it."""
     data = found.dataset
     used, corners = np.unique(data.triangle.values, return_inverse=True)
     position = data.node_position.transpose("node", "axis").values[used].astype(np.float32)
     corners = corners.reshape(-1, 3).astype(np.int32)
+    views = _life_views(found, used) | {"how far to trust it": _trust_view(found, used)}
+    first = next(iter(views.values()))
+    figure = go.Figure(
+        go.Mesh3d(
+            **dict(zip("xyz", position.T, strict=True)),
+            **dict(zip("ijk", corners.T, strict=True)),
+            **first,
+            colorscale=page_colours()["colours"],
+            flatshading=True,
+            hoverinfo="text",
+        )
+    )
+    buttons = [
+        {"label": name, "method": "restyle", "args": [{key: [value] for key, value in view.items()}]}
+        for name, view in views.items()
+    ]
+    figure.update_layout(
+        updatemenus=[{"buttons": buttons, "x": 0.5, "xanchor": "center", "y": 1, "yanchor": "top"}],
+        scene={"aspectmode": "data"} | {f"{axis}axis": {"title": {"text": f"{axis} in m"}} for axis in "xyz"},
+        margin={"l": 0, "r": 0, "t": 0, "b": 0},
+        height=600,
+    )
+    return figure
+
+
+def _life_views(found: LifeResults, used: NDArray) -> dict[str, dict[str, Any]]:
+    """Views of the nodes of the surface by the logarithm of their life."""
+    data = found.dataset
     survivals = {
         f"all places, {100 * one:g} % survive": data.life.sel(survival=one).values
         for one in data.survival.values
@@ -79,52 +113,50 @@ def life_surface(found: LifeResults) -> go.Figure:
         f"stays at place {shoe}": life_hours(at_last.sel(shoe=shoe).values) for shoe in data.shoe.values
     }
     logs = {name: np.log10(life[used]).astype(np.float32) for name, life in lives.items()}
-    low = min(float(np.nanmin(one)) for one in logs.values())
-    first = next(iter(logs))
-    ticks = list(range(int(np.floor(low)), int(np.log10(BEYOND)) + 1))
-    figure = go.Figure(
-        go.Mesh3d(
-            **dict(zip("xyz", position.T, strict=True)),
-            **dict(zip("ijk", corners.T, strict=True)),
-            intensity=logs[first],
-            cmin=min(low, np.log10(BEYOND) - LEAST_DECADES),
-            cmax=np.log10(BEYOND),
-            colorscale=page_colours()["colours"],
-            reversescale=True,
-            flatshading=True,
-            text=_hover(lives[first][used], used),
-            hoverinfo="text",
-            colorbar={
-                "title": {"text": "life in h"},
-                "tickvals": ticks,
-                "ticktext": [f"1e{one}" for one in ticks],
-                "x": 0,
-                "xanchor": "left",
-            },
-        )
-    )
-    buttons = [
-        {
-            "label": name,
-            "method": "restyle",
-            "args": [{"intensity": [one], "text": [_hover(lives[name][used], used)]}],
+    low, high = min(float(np.nanmin(one)) for one in logs.values()), float(np.log10(BEYOND))
+    ticks = {one: f"1e{one}" for one in range(int(np.floor(low)), int(high) + 1)}
+    verdicts = found.trust.words(used)
+    return {
+        name: {
+            "intensity": log,
+            "cmin": min(low, high - LEAST_DECADES),
+            "cmax": high,
+            "reversescale": True,
+            "text": _hover(lives[name][used], used, verdicts),
+            "colorbar": _colorbar("life in h", ticks),
         }
-        for name, one in logs.items()
-    ]
-    figure.update_layout(
-        updatemenus=[{"buttons": buttons, "x": 1, "xanchor": "right", "y": 1, "yanchor": "top"}],
-        scene={"aspectmode": "data"} | {f"{axis}axis": {"title": {"text": f"{axis} in m"}} for axis in "xyz"},
-        margin={"l": 0, "r": 0, "t": 0, "b": 0},
-        height=600,
-    )
-    return figure
+        for name, log in logs.items()
+    }
 
 
-def _hover(life: NDArray, nodes: NDArray) -> list[str]:
+def _trust_view(found: LifeResults, used: NDArray) -> dict[str, Any]:
+    """View of the nodes of the surface by their verdicts."""
+    numbers, factor = found.trust.verdict[used], found.trust.factor[used]
+    return {
+        "intensity": np.where(numbers < 0, np.nan, numbers).astype(np.float32),
+        "cmin": 0,
+        "cmax": len(VERDICTS) - 1,
+        "reversescale": False,
+        "text": [
+            f"node {node}: {words}" + ("" if np.isnan(one) else f", life within a factor of {one:.3g}")
+            for node, words, one in zip(used, found.trust.words(used), factor, strict=True)
+        ],
+        "colorbar": _colorbar("stress", dict(enumerate(VERDICTS))),
+    }
+
+
+def _colorbar(title: str, ticks: Mapping[int, str]) -> dict[str, Any]:
+    """Scale at the left with words at its ticks."""
+    placed = {"tickvals": list(ticks), "ticktext": list(ticks.values()), "x": 0, "xanchor": "left"}
+    return {"title": {"text": title}} | placed
+
+
+def _hover(life: NDArray, nodes: NDArray, verdicts: Sequence[str]) -> list[str]:
     """Words of every node of the surface."""
     return [
-        f"node {node}: " + ("not known: the drive pulls here" if np.isnan(one) else f"{life_words(one)} h")
-        for one, node in zip(life, nodes, strict=True)
+        f"node {node}: "
+        + ("not known: the drive pulls here" if np.isnan(one) else f"{life_words(one)} h, {verdict}")
+        for one, node, verdict in zip(life, nodes, verdicts, strict=True)
     ]
 
 

@@ -20,7 +20,7 @@ def test_bad_flexible_shoes_are_refused_by_name():
 
 
 def test_modes_are_chosen_by_kind():
-    assert COARSE.mode_count == 28
+    assert COARSE.mode_count == 30
     assert COARSE.with_modes("all").mode_count == 94
     assert COARSE.with_modes("20 fixed").mode_count == 38
 

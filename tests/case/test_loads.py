@@ -58,6 +58,15 @@ def test_one_number_loads_every_shoe_alike(tmp_path):
         LoadCycle.from_toml(path)
 
 
+def test_one_number_stands_for_the_loads_of_a_case_file(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text('base = "stress"\nflexible = "none"\nloads = 4e5\n[track]\nshoe_count = 3\n')
+    assert read_case(path).case.loads == LoadCycle.constant([4e5] * 3)
+    assert read_case(path, ["loads=3e5"]).case.loads == LoadCycle.constant([3e5] * 3)
+    with pytest.raises(CaseFileError, match="loads: "):
+        read_case(path, ["loads=true"])
+
+
 def test_a_case_file_names_a_cycle_beside_it(tmp_path):
     (tmp_path / "loads").mkdir()
     (tmp_path / "loads" / "cycle.toml").write_text(EVEN + DIG)

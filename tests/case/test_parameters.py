@@ -98,6 +98,12 @@ def test_an_unknown_field_is_refused():
     refusal(lambda: Shoe.ph4100c().with_(weight=3.0), "weight", "Extra inputs are not permitted")
 
 
+def test_a_name_that_is_nearly_one_is_named_right():
+    with pytest.raises(ValidationError) as refused:
+        Terrain.stress().with_(spring_stifness=1e7, columns=19)
+    assert refused.value.__notes__ == ["spring_stifness: did you mean spring_stiffness?"]
+
+
 @pytest.mark.parametrize("name", ["a\0b", "two\nlines"])
 def test_a_case_name_that_cannot_be_printed_is_refused(name):
     refusal(lambda: Case.translation().with_(name=name), f"name must be printable, got {name!r}")

@@ -1,7 +1,8 @@
 """Make `calculix_reference.json` again: `python tests/fem/calculix_reference.py` (needs ccx).
 
-The decks come from `fem.write_calculix` for the coarse shoe: its free-free frequencies, and its
-stresses under 1.3 MN on each rear bore, balanced by inertia. CalculiX 2.20 made the numbers.
+The decks come from `fem.write_calculix` for the coarse shoe: its free-free frequencies, and its stresses
+under 1.3 MN on each rear bore and under a roller at a station of the left rail, balanced by inertia. CalculiX
+2.20 made the numbers.
 """
 
 import json
@@ -17,6 +18,10 @@ import meshes
 
 REFERENCE = Path(__file__).with_name("calculix_reference.json")
 PULL = 1.3e6
+ROLLER = (0.03e6, 0.0, -0.5e6)
+"""N, of one tread."""
+STATIONS, STATION, REACH = 17, 4, 0.1
+"""How many along the left rail, which one from the rear it is, and half the length of its force, m."""
 AWAY_FROM_BORES = 0.15
 SAMPLES = 400
 
@@ -25,6 +30,13 @@ def pull_forces(body: fem.ElasticBody) -> np.ndarray:
     """Nodal forces (n, 3) in N: backward pull on each rear bore, balanced by inertia."""
     forces = sum(body.surface_load(f"bore rear {side}", [-PULL, 0.0, 0.0]) for side in ("left", "right"))
     return body.balanced(forces.reshape(-1, 1)).reshape(-1, 3)
+
+
+def roller_forces(body: fem.ElasticBody) -> np.ndarray:
+    """Nodal forces (n, 3) in N: a tread at a station of the left rail, balanced by inertia."""
+    _, left = fem.flat_parts(body.mesh, "roller path")
+    weights = fem.Stations(left, STATIONS, REACH).weights[:, [STATION]].toarray()
+    return body.balanced((weights * ROLLER).reshape(-1, 1)).reshape(-1, 3)
 
 
 def sample_nodes(mesh: fem.Mesh) -> np.ndarray:
@@ -65,6 +77,14 @@ def stresses_of(frd: str) -> dict[int, list[float]]:
     }
 
 
+def static_stresses(folder: Path, job: str, body: fem.ElasticBody, forces: np.ndarray) -> list[list[float]]:
+    """Nodal stresses in Pa of the sampled nodes under nodal forces (n, 3) in balance."""
+    fem.write_calculix(folder / f"{job}.inp", body, forces=forces, fixed=body.statically_determinate)
+    run(folder, job)
+    stresses = stresses_of((folder / f"{job}.frd").read_text())
+    return [stresses[int(node) + 1] for node in sample_nodes(body.mesh)]
+
+
 def main() -> None:
     """Write the decks, run them and keep the numbers that the tests compare."""
     mesh = meshes.shoe_mesh("coarse")
@@ -74,22 +94,16 @@ def main() -> None:
         fem.write_calculix(folder / "modes.inp", body, frequencies=26)
         run(folder, "modes")
         frequencies = frequencies_of((folder / "modes.dat").read_text())
-        fem.write_calculix(
-            folder / "pull.inp",
-            body,
-            forces=pull_forces(body),
-            fixed=body.statically_determinate,
-        )
-        run(folder, "pull")
-        stresses = stresses_of((folder / "pull.frd").read_text())
-    nodes = sample_nodes(mesh)
+        pull = static_stresses(folder, "pull", body, pull_forces(body))
+        roller = static_stresses(folder, "roller", body, roller_forces(body))
     REFERENCE.write_text(
         json.dumps(
             {
                 "mesh": mesh.digest,
                 "frequencies": frequencies,
-                "nodes": nodes.tolist(),
-                "stress": [stresses[int(node) + 1] for node in nodes],
+                "nodes": sample_nodes(mesh).tolist(),
+                "stress": pull,
+                "roller stress": roller,
             }
         )
         + "\n"

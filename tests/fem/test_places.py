@@ -56,6 +56,7 @@ def test_what_has_no_width_on_the_grid_is_a_line_on_its_edge(underside: FlatRect
     total, moments = resultants(np.einsum("np,tpc->tnc", grid.weights.toarray(), tractions), underside.mesh)
     np.testing.assert_allclose(total, 1.0)
     np.testing.assert_allclose(moments[0, 0], underside.high[0])
+    assert grid.coordinates(np.empty((0, 3)), low[:0], low[:0]).shape == (0, 12, 3)
 
 
 @pytest.mark.parametrize("count", [2, 3, 9])

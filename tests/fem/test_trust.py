@@ -6,7 +6,7 @@ import pytest
 
 import fem
 from fem.stress import von_mises
-from fem.trust import MESH_LIMIT, judged, mesh_error
+from fem.trust import MESH_LIMIT, judged, mesh_error, resolution, resolution_over
 from meshes import STEEL
 from tests.fem.bodies import box_mesh
 
@@ -66,6 +66,27 @@ def test_no_error_where_elements_agree(beam: fem.ElasticBody) -> None:
     stretched = beam.mesh.nodes @ np.diag([1e-4, 0.0, 0.0])
     assert mesh_error(beam.mesh, STEEL, stretched).max() < 1e-6 * 200e9 * 1e-4
     assert not mesh_error(beam.mesh, STEEL, 0.0 * stretched).any()
+
+
+def test_a_history_is_judged_as_its_fields_are() -> None:
+    """Of one field whatever its size; of many by the sums of squares of those that make nearly all of it."""
+    mesh = cylinder((4, 8, 1))
+    bore, bent = projected(mesh), np.zeros_like(mesh.nodes)
+    bent[:, 2] = 1e-3 * mesh.nodes[:, 0] ** 2
+    modes = np.stack((bore, bent), axis=2)
+    shapes = fem.Shapes(mesh, STEEL, (), modes, fem.ElasticBody(mesh, STEEL).stress(modes))
+    q = np.outer(np.sin(np.arange(9.0)), [1.0, 0.0])
+    alone = resolution(mesh, STEEL, bore)
+    assert resolution_over(shapes, q).error == pytest.approx(alone.error, rel=1e-9)
+    assert resolution_over(shapes, q).relative_jump == pytest.approx(alone.relative_jump, rel=1e-9)
+    both = np.random.default_rng(1).normal(size=(40, 2))
+    fields = [resolution(mesh, STEEL, one) for one in shapes.displacement(both)]
+    off, own = (np.mean([getattr(one, name) for one in fields], axis=0) for name in ("off", "own"))
+    found = resolution_over(shapes, both)
+    assert found.off == pytest.approx(off, rel=1e-6)
+    assert found.own == pytest.approx(own, rel=1e-6)
+    assert found.size == pytest.approx(np.mean([one.size for one in fields], axis=0), rel=1e-6)
+    assert found.relative_jump.min() >= 0.0
 
 
 def test_a_mesh_made_too_coarse_is_caught() -> None:

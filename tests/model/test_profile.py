@@ -100,6 +100,21 @@ def test_flexible_and_rigid_shoes_go_over_a_hill_in_balance():
     assert faces[1:, 3, 1] == pytest.approx(faces[:-1, 2, 1], abs=1e-3)
 
 
+@pytest.mark.simulation
+def test_only_a_drive_beside_the_middle_starts_with_a_jolt_on_an_incline():
+    """The node that is pulled lies 5 cm beside the middle, and friction needs slip to hold its moment."""
+    incline = short_track(lambda x: 0.06 * x)
+    flexible = Case.stress("coarse").flexible.with_(shoes=(SHOES,), static_fields=False)
+    start = {}
+    for point in ("com node", "frame"):
+        drive = incline.drive.with_(point=point)
+        history = simulate(incline.with_(flexible=flexible, drive=drive), 0.02)
+        start[point] = np.abs(history.angular_acceleration.isel(time=0, axis=2)).max()
+        # creeping: 1 % of the stiction speed
+        assert np.abs(history.velocity.values).max() < 1e-4
+    assert start["frame"] < 0.05 < 1.0 < start["com node"] < 3.0
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

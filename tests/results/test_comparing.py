@@ -26,6 +26,12 @@ def test_a_change_is_found_with_its_place_and_time(translation):
     assert table.iloc[1]["change in %"] == pytest.approx(50.0)
 
 
+def test_rounding_on_an_axis_that_nothing_moves_along_is_no_difference(translation):
+    changed = translation.dataset.copy(deep=True)
+    changed.velocity.loc[{"axis": "y"}] = 1e-17
+    assert difference_table(compared(translation), compared(History(translation.case, changed))).empty
+
+
 def test_the_time_that_both_have_is_compared_whatever_they_store(translation):
     seldom = History(translation.case, translation.dataset.isel(time=slice(0, 101, 5)))
     assert difference_table(compared(seldom), compared(translation)).empty

@@ -5,8 +5,10 @@ import pytest
 
 from exudyn_crawler import Duty, DutyRun, FatigueMaterial, History, node_stress
 from exudyn_crawler.results.life import life_of
-from exudyn_crawler.results.life_table import BETWEEN, BEYOND, in_words, life_hours, regions
+from exudyn_crawler.results.life_table import BETWEEN, BEYOND, in_words, life_hours
+from exudyn_crawler.results.regions import REGIONS
 from exudyn_crawler.results.stress_columns import TOLERANCE
+from fem.trust import HELD, OPEN, VERDICTS
 
 HALF = 0.03
 WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)
@@ -67,7 +69,7 @@ def test_order_of_runs_does_not_matter(flexible_run, found):
 
 def test_table_has_every_region_and_the_shortest_first(found):
     table, data = found.table, found.dataset
-    assert set(table["region"]) <= set(regions(found.whole.mesh))
+    assert set(table["region"]) == set(REGIONS)
     last = "life in h that 97.5 % survive"
     assert table[last].is_monotonic_increasing
     assert table[last][0] == pytest.approx(float(np.nanmin(data.life[-1])))
@@ -78,6 +80,37 @@ def test_table_has_every_region_and_the_shortest_first(found):
         assert row["life in h there"] <= row[last] * (1.0 + 1e-9)
     assert set(table["main load"]) <= {"pins", "machine load", "ground", "drive", "inertia"}
     assert set(table["flag"]) <= {"", "in spider", "beside spider"}
+
+
+def test_every_life_has_a_range_and_a_verdict(flexible_run, found):
+    """An error of x in the stress is one of (1 + x)^slope in life; a coarse mesh is caught."""
+    data, table = found.dataset, found.table
+    known = data.life[-1].notnull().values
+    assert (data.verdict.values >= 0).tolist() == known.tolist()
+    assert data.stress_error.notnull().values.tolist() == known.tolist()
+    assert data.life_factor.values == pytest.approx((1.0 + data.stress_error.values) ** 5.0, nan_ok=True)
+    held = known & data.in_spider.values
+    assert (data.verdict.values[held] == HELD).all()
+    assert (data.verdict.values[known & ~held] != HELD).all()
+    for _, row in table.iterrows():
+        own = data.sel(node=row["node"])
+        damage, factor = float(own.damage_an_hour[-1]), float(own.life_factor)
+        assert row["life in h at least"] == pytest.approx(min(1.0 / (damage * factor), BEYOND))
+        assert row["life in h at most"] == pytest.approx(min(factor / damage, BEYOND))
+        assert row["verdict"] == VERDICTS[int(own.verdict)]
+    assert "mesh-limited: refine here" in set(table["verdict"])
+
+
+def test_the_widest_spread_of_the_runs_is_in_the_verdict(flexible_run, found):
+    """Parts of one run have its spread once."""
+    history, spread = flexible_run[0], 0.0 * found.dataset.place_damage[:, 0].fillna(0.0) + 0.3
+    wide = life_of(duty(FIRST, SECOND), [history, history], spreads=[spread, 0.5 * spread])
+    known = found.dataset.stress_error.notnull().values
+    more = (wide.dataset.stress_error - found.dataset.stress_error).values[known]
+    assert more == pytest.approx(np.full(known.sum(), 0.3))
+    good = (found.trust.verdict >= 0) & (found.trust.verdict < OPEN)
+    assert good.any()
+    assert (wide.trust.verdict[good] > found.trust.verdict[good]).all()
 
 
 def test_cycles_of_a_node_make_its_matrix_and_history(found):
@@ -94,11 +127,15 @@ def test_cycles_of_a_node_make_its_matrix_and_history(found):
 
 def test_no_damage_is_a_life_beyond_what_is_told(flexible_run):
     strong = FatigueMaterial.a36().with_(fatigue_strength=1e10)
-    found = life_of(Duty(runs=(FIRST,), material=strong), [flexible_run[0]])
+    history = flexible_run[0]
+    bare = changed(history, flexible=history.case.flexible.with_(static_fields=False))
+    found = life_of(Duty(runs=(FIRST,), material=strong), [bare])
     assert float(found.dataset.life.max()) == float(found.dataset.life.min()) == BEYOND
     words = in_words(found.table)
     assert set(words["life in h that 50 % survive"]) == {"beyond 1e9"}
     assert (found.table["main part"] == "").all()
+    good = np.flatnonzero((found.trust.verdict >= 0) & (found.trust.verdict < OPEN))
+    assert {one.split(" % ")[-1] for one in found.trust.words(good)} == {"but for truncation"}
 
 
 def test_what_a_drive_pulls_at_a_node_is_not_known(flexible_run, found):

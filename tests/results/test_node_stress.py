@@ -5,13 +5,15 @@ import pytest
 
 from exudyn_crawler import node_stress
 from exudyn_crawler.results.node_stress import node_stress_table
+from exudyn_crawler.results.stress_columns import TOLERANCE
 
 
 def test_the_highest_node_has_the_stress_that_the_recovery_found(flexible_run):
     history, stress, hot_spots = flexible_run
     first = hot_spots[13].iloc[0]
     found = node_stress(history, 13, node=int(first["node"]))
-    assert float(found.von_mises.max()) == pytest.approx(first["value"], rel=1e-6)
+    # one shoe's loads have other directions than those of two: either leaves fields out up to its tolerance
+    assert float(found.von_mises.max()) == pytest.approx(first["value"], abs=2.0 * TOLERANCE)
     assert float(found.time[int(found.von_mises.values.argmax())]) == pytest.approx(first["time"])
     assert found.attrs["in_spider"] == bool(stress.in_spider[int(first["node"])])
     assert found.attrs["distance_m"] == 0.0

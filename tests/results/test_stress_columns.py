@@ -24,8 +24,13 @@ Run = tuple[History, xr.Dataset, dict[int, pd.DataFrame]]
 
 @pytest.fixture(scope="module")
 def with_fields(flexible_run: Run) -> History:
+    return flexible_run[0]
+
+
+@pytest.fixture(scope="module")
+def modes_alone(flexible_run: Run) -> History:
     history = flexible_run[0]
-    flexible = history.case.flexible_shoes().with_(static_fields=True)
+    flexible = history.case.flexible_shoes().with_(static_fields=False)
     return History(history.case.with_(flexible=flexible), history.dataset)
 
 
@@ -70,12 +75,12 @@ def consistent_nodal(history: History, shoe: int) -> np.ndarray:
 
 
 def test_stress_is_that_of_the_full_static_answer(
-    with_fields: History, flexible_run: Run, columns: StressColumns
+    with_fields: History, modes_alone: History, columns: StressColumns
 ) -> None:
     case = with_fields.case
     body, interfaces = shoe_model(case.flexible_shoes(), case.track)
     partition = Partition(body, interfaces)
-    alone = stress_columns(flexible_run[0])
+    alone = stress_columns(modes_alone)
     for shoe in (7, 13):
         nodal = consistent_nodal(with_fields, shoe).reshape(-1, 1)
         centers = shoe_loads(with_fields, shoe, with_fields.duration).centers.reshape(-1, 1)
@@ -89,24 +94,26 @@ def test_stress_is_that_of_the_full_static_answer(
         assert truncated > 4.0 * error
 
 
-def test_fields_are_few_and_their_bound_is_known(columns: StressColumns, flexible_run: Run) -> None:
-    modes = len(stress_basis(flexible_run[0]).whole.frequencies)
+def test_fields_are_few_and_their_bound_is_known(columns: StressColumns, modes_alone: History) -> None:
+    modes = len(stress_basis(modes_alone).whole.frequencies)
     assert modes < columns.shapes.stress_modes.shape[2] <= (1.0 + SHARE) * modes
     assert columns.bound is not None
-    assert stress_columns(flexible_run[0], [7]).bound is None
+    assert stress_columns(modes_alone, [7]).bound is None
 
 
-def test_results_and_single_nodes_have_the_same_fields(with_fields: History, flexible_run: Run) -> None:
-    found = recover_stresses(with_fields, [0.0, 0.06], peak=False)
-    _, plain, tables = flexible_run
-    for shoe, table in found.hot_spots.items():
+def test_results_and_single_nodes_have_the_same_fields(
+    with_fields: History, modes_alone: History, flexible_run: Run
+) -> None:
+    _, results, tables = flexible_run
+    found = recover_stresses(modes_alone, [0.0, 0.06], peak=False)
+    for shoe, table in tables.items():
         top = table.iloc[0]
         whole = node_stress(with_fields, shoe, node=int(top["node"]))
         assert float(whole.von_mises.max()) == pytest.approx(top["value"], rel=1e-4)
         assert not table["verdict"].str.contains("truncation").any()
-        good = tables[shoe]["verdict"].str.startswith("good")
-        assert (tables[shoe]["verdict"].str.contains("truncation") == good).all()
-    off = np.abs(found.dataset.peak_von_mises - plain.peak_von_mises) / plain.peak_von_mises.max("node")
+        verdicts = found.hot_spots[shoe]["verdict"].str
+        assert (verdicts.contains("truncation") == verdicts.startswith("good")).all()
+    off = np.abs(found.dataset.peak_von_mises - results.peak_von_mises) / results.peak_von_mises.max("node")
     assert 0.002 < float(off.max()) < 0.5
 
 
@@ -156,12 +163,11 @@ def test_places_of_loads_cover_a_shoe(with_fields: History) -> None:
     assert np.diff(right.positions).max() < 0.4 * right.reach
 
 
-def test_coordinates_by_load_add_up(flexible_run: Run, with_fields: History, columns: StressColumns) -> None:
-    """By family of loads with static fields, by kind of action without."""
-    shoes = {"joints", "machine", "ground", "inertia"}, {"joint", "load", "contact", "inertia"}
-    alone = stress_columns(flexible_run[0], [7])
-    for history, one, names in ((with_fields, columns, shoes[0]), (flexible_run[0], alone, shoes[1])):
+def test_coordinates_by_load_add_up(
+    modes_alone: History, with_fields: History, columns: StressColumns
+) -> None:
+    for history, one in ((with_fields, columns), (modes_alone, stress_columns(modes_alone, [7]))):
         parts = columns_by_load(history, one, 7)
-        assert names == set(parts)
+        assert set(parts) == {"pins", "machine load", "ground", "inertia"}
         whole = one.coordinates[7]
         assert sum(parts.values()) == pytest.approx(whole, abs=1e-9 * np.abs(whole).max())

@@ -15,6 +15,8 @@ from studies.reported import reported_values
 
 pytestmark = pytest.mark.simulation
 
+BOUNCES = ("z displacement", "z velocity", "z acceleration", "y angular velocity")
+
 
 def study(name, *arguments):
     command = [sys.executable, "-m", f"studies.{name}", *map(str, arguments)]
@@ -138,8 +140,12 @@ def test_the_full_study_comes_as_close_as_its_classes_ask(full):
     by_class = {kind: rows["within"].eq("yes") for kind, rows in table.groupby("class")}
     assert by_class["prescribed"].all()
     assert by_class["statics"].all()
-    assert by_class["fluctuation"].mean() >= 0.7
     assert table.loc[table["class"] == "lateral", "within"].eq("").all()
+    fluctuation = table[table["class"] == "fluctuation"].set_index(["case", "quantity"])
+    # the turning track of the paper bounces 4 to 10 times as much (docs/validation.md)
+    bounces = [("turning", f"any shoe {what}") for what in BOUNCES]
+    assert fluctuation.loc[bounces, "ratio"].between(0.08, 0.3).all()
+    assert fluctuation.drop(bounces)["within"].eq("yes").mean() >= 0.7
 
 
 @pytest.mark.slow

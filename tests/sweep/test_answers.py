@@ -54,7 +54,7 @@ def test_contacts_are_told_by_shoe(run, translation):
 
 def test_hot_spots_and_highest_stresses_are_those_of_the_tables(flexible_run):
     history, stress, tables = flexible_run
-    run = CaseRun(history, StressResults(stress, tables, whole=None), None)
+    run = CaseRun(history, StressResults(stress, tables, {}, whole=None), None)
     assert HotSpot(shoe=13, rank=2).of_run(run) == tables[13]["value"].iloc[1]
     highest = answered(run, quantity="highest_von_mises", of=(7,))
     assert highest == float(stress.highest_von_mises.sel(shoe=7).max())

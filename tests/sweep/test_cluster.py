@@ -1,16 +1,19 @@
 """Workers that die, schedulers that do not answer, sweeps that are killed: by really doing so."""
 
 import json
+import logging
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+import warnings
 from pathlib import Path
 
 import dask
 import pytest
+from distributed import get_client
 
 from exudyn_crawler import Answer, Case, CaseFile, HotSpot, Sweep, Vary, run_sweep
 from exudyn_crawler.model.reductions import VARIABLE
@@ -51,6 +54,28 @@ def _without_reports(monkeypatch):
     monkeypatch.setattr(page, "_report_of", lambda *_: None)
 
 
+def settings_of_the_process():
+    """What a sweep could leave otherwise in the process that calls it, such as a notebook's."""
+    return {
+        "environment": dict(os.environ),
+        "folder": os.getcwd(),
+        "dask": json.dumps(dask.config.config, default=str),
+        "signals": [signal.getsignal(one) for one in signal.valid_signals()],
+        "levels": {name: logging.getLogger(name).level for name in ("", "distributed", "bokeh")},
+        "hooks": (sys.excepthook, sys.stdout, sys.stderr, warnings.showwarning),
+    }
+
+
+def test_a_cluster_leaves_the_process_as_it_was(tmp_path):
+    before = settings_of_the_process()
+    with connected(None, 1, str(tmp_path), print) as client:
+        assert client.submit(os.getpid).result() != os.getpid()
+        assert client.submit(os.environ.get, "OMP_NUM_THREADS").result() == "1"
+    assert settings_of_the_process() == before
+    with pytest.raises(ValueError, match="No global client"):
+        get_client()
+
+
 @pytest.mark.slow
 def test_a_worker_that_is_killed_is_survived(scheduler, tmp_path):
     sweep, killed = small_sweep(0.5), []
@@ -87,7 +112,7 @@ duration = 1.0
 checkpoint_interval = 0.2
 [[vary]]
 key = "terrain.spring_stiffness"
-values = [1e7, 2e7, 3e7, 4e7]
+values = [1e7, 2e7, 3e7, 4e7, 5e7, 6e7]
 [[answers]]
 quantity = "joint_force"
 """
@@ -100,7 +125,13 @@ def test_a_sweep_that_is_stopped_goes_on(tmp_path, kind):
     command = [sys.executable, "-m", "exudyn_crawler", "sweep", "s.toml", "--workers", "2", "--out"]
     subprocess.run([*command, "whole"], cwd=tmp_path, check=True, capture_output=True)
     process = subprocess.Popen(
-        [*command, "stopped"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [*command, "stopped"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # tests that a shell runs in the background ignore SIGINT, and what they start does
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     while not list(tmp_path.glob("stopped/runs/*/outcome.json")):
         assert process.poll() is None
@@ -115,14 +146,14 @@ def test_a_sweep_that_is_stopped_goes_on(tmp_path, kind):
         for path in tmp_path.glob("stopped/runs/*/history.nc")
         if (path.parent / "outcome.json").is_file()
     }
-    assert 0 < len(before) < 4
+    assert 0 < len(before) < 6
     # workers whose sweep was killed end soon
     give_up = time.monotonic() + 60.0
     while any(Path(f"/proc/{pid}").exists() for pid in running(tmp_path / "stopped")):
         assert time.monotonic() < give_up
         time.sleep(0.1)
     again = subprocess.run([*command, "stopped"], cwd=tmp_path, check=True, capture_output=True, text=True)
-    assert f"4 runs: {len(before)} are there" in again.stdout
+    assert f"6 runs: {len(before)} are there" in again.stdout
     assert all(path.stat().st_mtime_ns == time for path, time in before.items())
     results = [
         [line.rpartition(",")[0] for line in (tmp_path / name / "results.csv").read_text().splitlines()]
@@ -228,8 +259,8 @@ def test_a_scheduler_elsewhere_runs_a_sweep_by_its_address_and_by_its_file(tmp_p
             done = subprocess.run(
                 [*command, "--scheduler", where], cwd=tmp_path, check=True, capture_output=True, text=True
             )
-            assert "4 runs: 0 are there, 4 to run" in done.stdout
-            assert len(list((tmp_path / out / "runs").glob("*/history.nc"))) == 4
+            assert "6 runs: 0 are there, 6 to run" in done.stdout
+            assert len(list((tmp_path / out / "runs").glob("*/history.nc"))) == 6
     finally:
         for process in (worker, scheduler):
             process.terminate()

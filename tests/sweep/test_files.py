@@ -68,6 +68,10 @@ def test_meshes_are_found_from_the_files_folder(tmp_path):
     text = f'case = "stress"\n[[vary]]\nkey = "flexible.mesh"\nvalues = ["coarse", "own.msh"]\n{ANSWERED}'
     sweep = read_sweep(written(tmp_path, text))
     assert sweep.vary[0].values == ("coarse", str(tmp_path / "own.msh"))
+    varied = 'name = "plate"\nkey = ["shoe.mass", "flexible.mesh"]\nvalues = [1, 2]'
+    settings = 'settings = [[4400.0, "own.msh"], [4500.0, "study"]]'
+    sweep = read_sweep(written(tmp_path, f'case = "stress"\n[[vary]]\n{varied}\n{settings}\n{ANSWERED}'))
+    assert sweep.vary[0].settings == ((4400.0, str(tmp_path / "own.msh")), (4500.0, "study"))
 
 
 @pytest.mark.parametrize(

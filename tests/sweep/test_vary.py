@@ -37,6 +37,24 @@ def test_factors_multiply_what_the_base_has_everywhere():
     assert applied(loads, 2.0).loads.phases[0].loads == (900e3,) * 3
 
 
+def test_a_value_may_stand_for_one_of_each_path():
+    plate = Vary(
+        name="top_plate",
+        unit="m",
+        key=("shoe.mass", "shoe.load_point"),
+        values=(0.03, 0.05),
+        settings=((4400.0, (0.0, 0.0, 0.19)), (4600.0, (0.0, 0.0, 0.2))),
+    )
+    assert (plate.label, plate.levels(), plate.unit_in(small_case())) == ("top_plate", (0.03, 0.05), "m")
+    plate.check(small_case())
+    for one in (plate, Vary.model_validate_json(plate.model_dump_json())):
+        shoe = applied(one, 0.05).shoe
+        assert (shoe.mass, shoe.load_point) == (4600.0, (0.0, 0.0, 0.2))
+    wrong = plate.with_(settings=((4400.0, (0.0, 0.0, 0.19)), (-1.0, (0.0, 0.0, 0.2))))
+    with pytest.raises(ValueError, match=r"shoe\.mass: .* greater than or equal to 0\.1, got -1"):
+        wrong.check(small_case())
+
+
 def test_counts_between_bounds_are_whole_numbers():
     assert applied(Vary(key="terrain.columns", low=9, high=12), 10.6).terrain.columns == 11
 
@@ -47,6 +65,12 @@ def test_counts_between_bounds_are_whole_numbers():
         ({"low": 2.0, "high": 1.0}, "low must be less than high = 1, got 2"),
         ({"low": -1.0, "high": 1.0, "scale": "log"}, "low must be positive with scale 'log', got -1"),
         ({"low": 1.0}, "give values, or low and high"),
+        ({"settings": ((1.0,),), "low": 1.0, "high": 2.0}, "settings need values, which they stand for"),
+        ({"values": (1.0,), "settings": ((1.0,),)}, "settings need a name of their values, and no factor"),
+        (
+            {"values": (1.0, 2.0), "name": "a", "settings": ((1.0,), (1.0, 2.0))},
+            r"settings must be 2 lists, one a value, of 1 each, one a path, got lists of \[1, 2\]",
+        ),
         ({"values": (1.0,), "low": 1.0}, "values take the place of low, high and count"),
         ({"values": (1.0, 1.0)}, "values must be different ones"),
         ({"values": ()}, "values must be different ones"),

@@ -12,6 +12,7 @@ from studies.comparison import comparison_table
 from studies.forces import study as forces_study
 from studies.kinematics import study as kinematics_study
 from studies.reported import reported_values
+from tests.views.browser import CHROMIUM
 
 
 @pytest.fixture(scope="session")
@@ -42,6 +43,20 @@ def rigid_folders(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def browser():
+    if CHROMIUM is None:
+        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    with sync_api.sync_playwright() as driver:
+        # containers without user namespaces have no sandbox; 3D is drawn in software
+        started = driver.chromium.launch(
+            executable_path=CHROMIUM,
+            args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+        )
+        yield started
+        started.close()
+
+
 def bent_stress(bent):
     """Stresses of flexible shoes under rollers, by the modes alone, which take a second."""
     modes = bent.case.flexible_shoes().with_(static_fields=False)

@@ -1,9 +1,4 @@
-"""How the report answers in a browser.
-
-The browser is a Chromium found on the machine, driven without a display; nothing may leave the page.
-"""
-
-import shutil
+"""How the report answers in a browser; nothing may leave the page."""
 
 import numpy as np
 import pytest
@@ -12,62 +7,7 @@ from exudyn_crawler import History
 from exudyn_crawler.views.report.page import write_report
 from exudyn_crawler.views.report.track import packed_undercarriage
 from exudyn_crawler.views.undercarriage import frame_pose, rollers_surface
-
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-
-
-class Reader:
-    """A reader of the page: what went wrong, what was asked for, and what the plots show."""
-
-    def __init__(self, browser, path):
-        self.page = browser.new_page(viewport={"width": 1300, "height": 900})
-        self.errors, self.requests = [], []
-        self.page.on("console", lambda m: self.errors.append(m.text) if m.type == "error" else None)
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.route("**/*", self.allow_only(path.as_uri()))
-        self.page.goto(path.as_uri())
-        self.page.wait_for_selector("body[data-ready=yes]")
-
-    def allow_only(self, address):
-        """Handler of requests that notes all and lets one address through."""
-
-        def decide(route):
-            self.requests.append(route.request.url)
-            if route.request.url == address:
-                route.continue_()
-            else:
-                route.abort()
-
-        return decide
-
-    def shown(self, what, plot="#plot-0 .figure"):
-        """Value of an expression of the plot's data and layout."""
-        return self.page.evaluate(
-            f"() => {{ const {{ data, _fullData: full, layout }} = document.querySelector('{plot}');"
-            f" return {what}; }}"
-        )
-
-    def wait(self, what, plot="#plot-0 .figure"):
-        """Wait until an expression of the plot's data and layout holds."""
-        self.page.wait_for_function(
-            f"() => {{ const {{ data, _fullData: full, layout }} = document.querySelector('{plot}');"
-            f" return {what}; }}"
-        )
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if CHROMIUM is None:
-        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    with sync_api.sync_playwright() as driver:
-        # containers without user namespaces have no sandbox; 3D is drawn in software
-        started = driver.chromium.launch(
-            executable_path=CHROMIUM,
-            args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-        )
-        yield started
-        started.close()
+from tests.views.browser import Reader
 
 
 @pytest.fixture(scope="module")
@@ -246,6 +186,21 @@ def test_shoes_stand_where_the_history_has_them_and_bend_as_asked(reader, flexib
     lengths = np.linalg.norm(places[100] - places[0], axis=1)
     bend = stress.frame_displacement.sel(shoe=13).isel(frame=-1).values[used]
     assert lengths == pytest.approx(100.0 * np.linalg.norm(bend, axis=1), abs=1e-4)
+
+
+def test_shoes_can_be_coloured_by_how_far_to_trust_them(reader, flexible_run):
+    _, stress, _ = flexible_run
+    used, view = np.unique(stress.triangle.values), "#shoe-view"
+    reader.page.locator("#shoe-trust").check()
+    for place, shoe in enumerate((7, 13)):
+        expected = stress.peak_verdict.sel(shoe=shoe).values[used]
+        known = [int(number) if number >= 0 else None for number in expected]
+        drawn = f"Array.from(data[{place}].intensity, (one) => Number.isNaN(one) ? null : one)"
+        assert reader.shown(drawn, view) == known
+    words = reader.shown("data[0].colorbar.ticktext", view)
+    assert reader.shown("data[1].text[0]", view) == f"shoe 13: {words[int(expected[0])]}"
+    reader.page.locator("#shoe-trust").uncheck()
+    assert "von Mises" in reader.shown("data[0].colorbar.title.text", view)
 
 
 def test_pictures_and_rows_can_be_chosen(reader):

@@ -55,7 +55,7 @@ def test_force_figures_draw_the_chosen_shoes_and_links(translation):
 
 def test_stress_figures_draw_the_flexible_shoes_and_their_pins(flexible_run):
     history, stress, hot_spots = flexible_run
-    figures = stress_figures(history, StressResults(stress, hot_spots, whole=None))
+    figures = stress_figures(history, StressResults(stress, hot_spots, {}, whole=None))
     for name in ("displacement", "velocity", "angular velocity", "contact force"):
         panels = curves(figures[name])
         assert len(panels) == 3

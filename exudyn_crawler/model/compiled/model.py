@@ -16,7 +16,7 @@ from exudyn_crawler.model.compiled.joints import ROWS, Pins
 from exudyn_crawler.model.compiled.own import Sizes
 from exudyn_crawler.model.compiled.records import Ground, Model, Places
 from exudyn_crawler.model.compiled.rollers import FRAME
-from exudyn_crawler.model.compiled.undercarriage import frame_body, frame_place, rollers_of
+from exudyn_crawler.model.compiled.undercarriage import side_frame_of
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, shoe_model
 
@@ -159,8 +159,6 @@ def track_model(
         contact=contact.track,
         fronts=fronts,
         places=places,
-        frame=frame_body(case),
-        place=frame_place(case),
-        rollers=rollers_of(case, None if floating is None else floating.reduced),
+        side=side_frame_of(case, None if floating is None else floating.reduced),
     )
     return model, names

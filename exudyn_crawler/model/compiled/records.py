@@ -8,7 +8,6 @@ from exudyn_crawler.model.compiled.bodies import Body
 from exudyn_crawler.model.compiled.elimination import Fronts, IntArray
 from exudyn_crawler.model.compiled.joints import Pins
 from exudyn_crawler.model.compiled.own import Sizes
-from exudyn_crawler.model.compiled.rollers import Rollers
 
 
 class Ground(NamedTuple):
@@ -53,10 +52,9 @@ class Places(NamedTuple):
 
 
 class Model(NamedTuple):
-    """All that does not change; `contact` is `pair_track.Track` as plain tuples.
+    """All that does not change; `contact` is `pair_track.Track`, `side` is `SideFrame` as plain tuples.
 
-    `place` (3,) is where the side frame is where its coordinates and its travel are zero, m; without rollers
-    there is none.
+    `side` is empty where there is no side frame: its numbers alone would take a third more time to compile.
     """
 
     sizes: Sizes
@@ -70,9 +68,7 @@ class Model(NamedTuple):
     contact: tuple
     fronts: Fronts
     places: Places
-    frame: Body
-    place: FloatArray
-    rollers: Rollers
+    side: tuple
 
 
 class Inputs(NamedTuple):
@@ -169,9 +165,7 @@ def named_model(values: tuple) -> Model:
         contact,
         fronts,
         places,
-        frame,
-        place,
-        rollers,
+        side,
     ) = values
     return Model(
         Sizes(*sizes),
@@ -185,7 +179,5 @@ def named_model(values: tuple) -> Model:
         contact,
         Fronts(*fronts),
         Places(*places),
-        Body(*frame),
-        place,
-        Rollers(*rollers),
+        side,
     )

@@ -13,6 +13,7 @@ import numpy as np
 from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, turned, turned_back
 from exudyn_crawler.ground.laws.impact import Impact
 from exudyn_crawler.ground.rotations import Attitude, FloatArray
+from exudyn_crawler.model.compiled.bodies import Body
 from exudyn_crawler.model.compiled.elimination import IntArray, solving_within
 from exudyn_crawler.model.compiled.treads import Bending, Rail, Tread, tread_force
 
@@ -30,7 +31,7 @@ coordinates, the frame's three, rise and slope of the rail.
 
 
 class Rollers(NamedTuple):
-    """Rollers of a side frame, each with the same strips of treads; no rollers, no frame.
+    """Rollers of a side frame, each with the same strips of treads.
 
     Attributes
     ----------
@@ -70,6 +71,18 @@ class Rollers(NamedTuple):
     pins: FloatArray
     pin_rows: FloatArray
     tension: float
+
+
+class SideFrame(NamedTuple):
+    """A side frame: its body in axes whose origin is at its rollers, and the rollers.
+
+    `place` (3,) is where its origin is where its coordinates and its travel are zero, on rails that have not
+    settled, m.
+    """
+
+    body: Body
+    place: FloatArray
+    rollers: Rollers
 
 
 class Rolling(NamedTuple):

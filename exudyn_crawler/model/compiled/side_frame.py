@@ -11,9 +11,9 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from exudyn_crawler.ground.frames import Frame, Vector, along, cross, dot, turned, turned_back
+from exudyn_crawler.ground.frames import Frame, Vector, along, cross, dot, inlined, turned, turned_back
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude, shoe_frame
-from exudyn_crawler.model.compiled.bodies import Inertia, add_mass, body_residual
+from exudyn_crawler.model.compiled.bodies import Body, Inertia, add_mass, body_residual
 from exudyn_crawler.model.compiled.elimination import front, solving_within
 from exudyn_crawler.model.compiled.joints import ROWS, direction, end_of
 from exudyn_crawler.model.compiled.own import add_own, modal_start, read_own, shoe_attitude
@@ -23,7 +23,9 @@ from exudyn_crawler.model.compiled.rollers import (
     FRAME,
     TOUCHED,
     Meeting,
+    Rollers,
     Rolling,
+    SideFrame,
     bending,
     meet,
     rows_at,
@@ -32,6 +34,13 @@ from exudyn_crawler.model.compiled.rollers import (
 
 RISE = 0.02
 """m, more than a rail ever bends."""
+
+
+@inlined
+def _side_of(model: Model) -> SideFrame:
+    """Numbers of the side frame, named."""
+    body, place, rollers = model.side
+    return SideFrame(Body(*body), place, Rollers(*rollers))
 
 
 @solving_within
@@ -44,13 +53,13 @@ def frame_attitude(state: FloatArray) -> Attitude:
 @solving_within
 def _frame_state(model: Model, state: FloatArray, inputs: Inputs) -> FloatArray:
     """Coordinates of the frame as those of a free body, their rates and accelerations: (3, 6)."""
-    own, first = np.zeros((3, 6)), state.shape[1] - FRAME
+    own, first, place = np.zeros((3, 6)), state.shape[1] - FRAME, _side_of(model).place
     for rate in range(3):
         own[rate, 0] = inputs.travel[rate]
         for k in range(FRAME):
             own[rate, 2 + k] = state[rate, first + k]
     for k in range(3):
-        own[0, k] += model.place[k]
+        own[0, k] += place[k]
     return own
 
 
@@ -66,13 +75,13 @@ def _shoe_of(model: Model, state: FloatArray, s: int, own: FloatArray) -> Frame:
 
 
 @solving_within
-def _may_touch(model: Model, place: Vector, frame: Frame, shoe: Frame) -> bool:
+def _may_touch(rollers: Rollers, place: Vector, frame: Frame, shoe: Frame) -> bool:
     """Whether a strip is near a shoe's rail, however that bends."""
     apart = along(along(frame.r, 1.0, turned(frame.R, place)), -1.0, shoe.r)
-    center, rail = turned_back(shoe.R, apart), model.rollers.rail
+    center, rail = turned_back(shoe.R, apart), rollers.rail
     dx = center[0] - min(max(center[0], rail[0]), rail[1])
     dz = center[2] - rail[2]
-    return dx * dx + dz * dz < (model.rollers.radius + RISE) ** 2
+    return dx * dx + dz * dz < (rollers.radius + RISE) ** 2
 
 
 @solving_within
@@ -108,7 +117,7 @@ def _roll(
     residual: FloatArray,
 ) -> None:
     """Add all treads to the residual of the shoes and to that of the frame as a free body (6,)."""
-    rollers, sizes = model.rollers, model.sizes
+    rollers, sizes = _side_of(model).rollers, model.sizes
     frame, at = side
     derive = weights.position != 0.0 or weights.velocity != 0.0
     values, own = np.zeros((2, 6 + sizes.modes)), np.empty(6 + sizes.modes)
@@ -127,7 +136,7 @@ def _roll(
                 t = (r * strips + k) * TOUCHED + half
                 rolling.depth[t] = 0.0
                 place = (rollers.places[r, k, 0], rollers.places[r, k, 1], rollers.places[r, k, 2])
-                if not _may_touch(model, place, frame, shoe):
+                if not _may_touch(rollers, place, frame, shoe):
                     continue
                 rows = rolling.rows[t]
                 if modal >= 0:
@@ -152,8 +161,8 @@ def _pull(
     model: Model, state: FloatArray, inputs: Inputs, rolling: Rolling, frame: Frame, at: Attitude
 ) -> None:
     """Write the directions of a unit pull on frame and chain."""
-    rollers, sizes = model.rollers, model.sizes
-    tumbler = model.place[0] + inputs.travel[0] + rollers.tumbler
+    (_, place, rollers), sizes = _side_of(model), model.sizes
+    tumbler = place[0] + inputs.travel[0] + rollers.tumbler
     behind = (tumbler - model.reference[0, 0] - state[0, 0] - rollers.pins[1, 0]) / rollers.pitch
     link = min(max(math.floor(behind), 0), sizes.shoes - 3)
     share = min(max(behind - link, 0.0), 1.0)
@@ -171,7 +180,7 @@ def _pull(
 @solving_within
 def _pull_at(model: Model, state: FloatArray, s: int, end: int, out: FloatArray) -> Vector:
     """Write the direction (6 + m,) of a force along x on a shoe's pins, and give their arm (m, global)."""
-    rollers, values = model.rollers, np.empty(out.shape[0])
+    rollers, values = _side_of(model).rollers, np.empty(out.shape[0])
     read_own(s, modal_start(model.sizes, model.row[s]), state[0], values)
     at, rows = shoe_attitude(state, s), rollers.pin_rows[end]
     pins = end_of(rollers.pins[end], rows, rows, at, values)
@@ -191,10 +200,10 @@ def _add_side_frame(
 ) -> None:
     """Add frame, rollers, pull and the tension of the chain's ends, and write what the frame's x is off."""
     rolling, whole = Rolling(*memory.rolling), _frame_state(model, state, inputs)
-    at, forces = frame_attitude(state), np.zeros(6)
+    (body, _, rollers), at, forces = _side_of(model), frame_attitude(state), np.zeros(6)
     frame = shoe_frame(whole[0], whole[1], at)
     inertia = Inertia(rolling.first, rolling.second, rolling.turning)
-    body_residual(model.frame, at, whole, inputs.gravity, ((0.0, 0.0, 0.0), 0.0), forces, inertia)
+    body_residual(body, at, whole, inputs.gravity, ((0.0, 0.0, 0.0), 0.0), forces, inertia)
     for k in range(3):
         forces[k] -= inputs.machine[k]
         moment = (inputs.machine[3], inputs.machine[4], inputs.machine[5])
@@ -210,12 +219,12 @@ def _add_side_frame(
     memory.off[drive] = forces[0] - pull
     for k in range(FRAME):
         residual[first + k] += forces[2 + k] - pull * rolling.pulling[k]
-    if model.rollers.tension != 0.0:
+    if rollers.tension != 0.0:
         out = np.empty(6 + model.sizes.modes)
         for end in range(2):
             s = last * end
             _pull_at(model, state, s, end, out)
-            tension = -model.rollers.tension if end == 1 else model.rollers.tension
+            tension = -rollers.tension if end == 1 else rollers.tension
             add_own(s, modal_start(model.sizes, model.row[s]), out, tension, residual)
 
 
@@ -261,12 +270,12 @@ def _assemble_side_frame(
     model: Model, state: FloatArray, weights: Weights, memory: Memory, values: FloatArray
 ) -> None:
     """Add the derivatives of frame, rollers and pull to the fronts."""
-    rolling = Rolling(*memory.rolling)
+    rolling, (body, _, rollers) = Rolling(*memory.rolling), _side_of(model)
     border = front(model.fronts, values, model.places.border[0])
     last, pull = model.places.frame[model.sizes.shoes, 0], model.places.frame[model.sizes.shoes, 1]
     mass = np.zeros((6, 6))
     inertia = Inertia(rolling.first, rolling.second, rolling.turning)
-    add_mass(model.frame, frame_attitude(state), inertia, weights.acceleration, mass)
+    add_mass(body, frame_attitude(state), inertia, weights.acceleration, mass)
     for c in range(FRAME):
         border[pull, last + c] += mass[0, 2 + c]
         border[last + c, pull] -= rolling.pulling[c]
@@ -278,7 +287,7 @@ def _assemble_side_frame(
         matrix, row = front(model.fronts, values, s), model.places.frame[s, 1]
         for c in range(6 + (model.sizes.modes if model.row[s] >= 0 else 0)):
             matrix[c, row] += rolling.share[k] * rolling.pull[k, c]
-    strips = model.rollers.places.shape[1]
+    strips = rollers.places.shape[1]
     for t in range(rolling.depth.shape[0]):
         if rolling.depth[t] > 0.0:
             s = rolling.rear[t // (TOUCHED * strips)] + t % TOUCHED
@@ -296,7 +305,7 @@ def add_side_frame(
 ) -> None:
     """Add frame and rollers to the residual where there are any; for compiled callers.
 
-    The type of the memory says so: a track without compiles nothing of them, which would take as long as all
+    The model's type says so: a track without compiles nothing of them, which would take as long as all
     the rest.
     """
     raise NotImplementedError("compiled equations alone add a side frame")
@@ -309,9 +318,9 @@ def assemble_side_frame(
     raise NotImplementedError("compiled equations alone add a side frame")
 
 
-def _is_framed(memory: types.NamedTuple) -> bool:
-    """Whether memory of this type has room for rollers."""
-    return len(memory.types[Memory._fields.index("rolling")]) > 0
+def _is_framed(model: types.NamedTuple) -> bool:
+    """Whether a model of this type has a side frame."""
+    return len(model.types[Model._fields.index("side")]) > 0
 
 
 @overload(add_side_frame)
@@ -322,7 +331,7 @@ def _add_if_framed(model, state, multipliers, inputs, weights, memory, residual)
     def nothing(model, state, multipliers, inputs, weights, memory, residual):
         pass
 
-    return add if _is_framed(memory) else nothing
+    return add if _is_framed(model) else nothing
 
 
 @overload(assemble_side_frame)
@@ -333,4 +342,4 @@ def _assemble_if_framed(model, state, weights, memory, values):
     def nothing(model, state, weights, memory, values):
         pass
 
-    return assemble if _is_framed(memory) else nothing
+    return assemble if _is_framed(model) else nothing

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.profile import StepProfile
+from exudyn_crawler.ground.contact import pair_ground_contact
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_contact import PairGroundContact
@@ -20,15 +21,16 @@ from exudyn_crawler.ground.rotations import moments_on_angles
 from exudyn_crawler.model.compiled.elimination import eliminate, solve
 from exudyn_crawler.model.compiled.equations import STIFFNESS, evaluate
 from exudyn_crawler.model.compiled.inputs import table_of, values_at
+from exudyn_crawler.model.compiled.integrator import coordinates_only, predict
 from exudyn_crawler.model.compiled.joints import ROWS
 from exudyn_crawler.model.compiled.matrix import assemble
 from exudyn_crawler.model.compiled.model import track_model
 from exudyn_crawler.model.compiled.newton import step
 from exudyn_crawler.model.compiled.records import Inputs, Memory, Model, Weights
-from exudyn_crawler.model.compiled.rollers import TOUCHED, Rolling
+from exudyn_crawler.model.compiled.rollers import TOUCHED, Rolling, SideFrame
 from exudyn_crawler.model.compiled.undercarriage import FrameInputs
 from exudyn_crawler.model.drive_point import DrivePoint, drive_point
-from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
 from exudyn_crawler.model.integrated import Integrated
@@ -74,12 +76,12 @@ class CompiledSystem(Integrated):
         )
         size, multipliers = self.layout.coordinate_count, ROWS * model.sizes.pins + 2
         self.container = exu.SystemContainer()
-        self.mbs = _coordinates_only(self.container, size)
+        self.mbs = coordinates_only(self.container, size)
         self._on = case.undercarriage is None
         self._state = np.zeros((3, size))
         self._multipliers = np.zeros(multipliers)
         self._scratch = (np.zeros(size + multipliers), np.zeros(model.fronts.size))
-        self._memory = self._room(contact, *model.rollers.places.shape[:2])
+        self._memory = self._room(contact, model.side)
         self._frame_inputs = FrameInputs(case)
         self._loads = table_of([case.loads.profile(number) for number in case.track.shoes])
         turn = case.drive.turn_rate or StepProfile.constant(0.0)
@@ -91,9 +93,10 @@ class CompiledSystem(Integrated):
         self._limits = (0.0, 0)
         self._singular = False
 
-    def _room(self, contact: PairGroundContact, rollers: int, strips: int) -> tuple:
+    def _room(self, contact: PairGroundContact, side: SideFrame | tuple[()]) -> tuple:
         """Memory of evaluations."""
         sizes = self._sizes
+        places = side.rollers.places if side else np.empty((0, 0, 3))
         return plain(
             Memory(
                 contact.unit_reference.copy(),
@@ -106,7 +109,7 @@ class CompiledSystem(Integrated):
                 np.zeros((sizes.pins, 2, ROWS, 6 + sizes.modes)),
                 np.zeros((2, 6 + sizes.modes)),
                 overlap_workspace(),
-                tuple(Rolling.room(rollers, strips, sizes.modes)) if sizes.frame else (),
+                tuple(Rolling.room(len(places), places.shape[1], sizes.modes)) if side else (),
             )
         )
 
@@ -272,6 +275,21 @@ class CompiledSystem(Integrated):
             return None
         return self._state[0].copy(), self._multipliers.copy(), iterations
 
+    def calls(self) -> dict[str, list[tuple[Any, tuple]]]:
+        """Compiled functions with arguments as a run calls them, by what they make."""
+        residual, values = self._scratch
+        inputs, weights = self._inputs(0.0), (0.0, 0.0, 1.0, False, 1.0)
+        fronts = tuple(Model(*self._model).fronts)
+        both = self._model, self._state
+        return {
+            "residual": [(evaluate, (*both, self._multipliers, inputs, weights, self._memory, residual))],
+            "derivative": [
+                (assemble, (*both, inputs, weights, 0, self._memory, values)),
+                (eliminate, (fronts, values)),
+                (solve, (fronts, values, residual)),
+            ],
+        }
+
     def in_layout(self, residual: NDArray) -> NDArray:
         """Residual with or without the drive's, in the order and the units of the layout's equations."""
         coordinates, off = np.split(residual, [self.layout.coordinate_count])
@@ -351,66 +369,13 @@ class CompiledSystem(Integrated):
         data.SetODE2Coordinates_tt(self._state[2], to)
 
 
-def predict(
-    solver: Any,
-    mbs: "exu.MainSystem",
-    settings: "exu.SimulationSettings",
-    state: NDArray,
-) -> None:
-    """Write coordinates, rates and accelerations (3, n) with which a step's search starts.
-
-    By the generalized-alpha method (Arnold and Bruels, Multibody System Dynamics 18, 2007, algorithm 1). A
-    step that failed has left Exudyn's algorithmic acceleration as it would be at the step's end, whatever its
-    size; Exudyn itself would take it for that of the start when the step is tried again.
-    """
-    data: Any = mbs.systemData
-    h = solver.it.currentStepSize
-    before, after = solver.GetStartOfStepStateAAlgorithmic(), solver.GetAAlgorithmic()
-    if np.array_equal(before, after):
-        solver.ComputeNewtonUpdate(mbs, settings, True)
-        state[0], state[1] = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
-    else:
-        beta, gamma, rate = solver.newmarkBeta, solver.newmarkGamma, data.GetODE2Coordinates_t()
-        state[0] = data.GetODE2Coordinates() + h * rate + h * h * ((0.5 - beta) * before + beta * after)
-        state[1] = rate + h * ((1.0 - gamma) * before + gamma * after)
-    state[2] = 0.0
-
-
-def _coordinates_only(container: "exu.SystemContainer", size: int) -> "exu.MainSystem":
-    """System of one object that has so many coordinates and a mass for each."""
-    mbs = container.AddSystem()
-    zeros = [0.0] * size
-    node = mbs.AddNode(
-        items.NodeGenericODE2(
-            referenceCoordinates=zeros,
-            initialCoordinates=zeros,
-            initialCoordinates_t=zeros,
-            numberOfODE2Coordinates=size,
-        )
-    )
-    index = np.arange(size)
-    mass = exu.MatrixContainer()
-    mass.SetWithSparseMatrix(np.column_stack((index, index, np.ones(size))), size, size)
-    mbs.AddObject(items.ObjectGenericODE2(name="track", nodeNumbers=[node], massMatrix=mass))
-    mbs.Assemble()
-    return mbs
-
-
 def compiled_system(case: Case) -> CompiledSystem:
     """Build the compiled equations of a case."""
     floating = None if case.flexible is None else floating_shoe(case)
     coordinates = reduced_coordinates(case)
     chosen = [] if case.flexible is None else [number - 1 for number in case.flexible.shoes]
-    coms = case.track.com_positions(case.shoe.com_height)
-    contact = PairGroundContact(
-        coms,
-        case.shoe,
-        case.terrain,
-        case.pair_contact(),
-        coordinates,
-        None if floating is None else floating.underside,
-        chosen,
-    )
+    underside = None if floating is None else floating.underside
+    contact = pair_ground_contact(case, coordinates, underside, chosen)
     is_front = case.track.shoe_count - 1 in chosen
     point = drive_point(case, floating.reduced if floating is not None and is_front else None)
     return CompiledSystem(case, contact, floating, point)

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
-from exudyn_crawler.model.compiled.bodies import Body, rigid_body
-from exudyn_crawler.model.compiled.rollers import Rollers
+from exudyn_crawler.case import Case, Rails, Undercarriage
+from exudyn_crawler.model.compiled.bodies import rigid_body
+from exudyn_crawler.model.compiled.rollers import Rollers, SideFrame
 from exudyn_crawler.model.rail_rows import rail_rows, strip_lines
 from fem import ReducedBody
 
@@ -13,26 +13,8 @@ ENDS = ("rear", "front")
 """Pins of a shoe."""
 
 
-def frame_place(case: Case) -> NDArray:
-    """Place (3,) of a side frame's origin at t = 0 with its rollers on rails that have not settled, m."""
-    frame, rails = case.undercarriage, case.shoe.rails
-    if frame is None or rails is None:
-        return np.zeros(3)
-    return np.array(
-        [frame.start, case.track.first_com[1], case.shoe.com_height + rails.height + frame.radius]
-    )
-
-
-def frame_body(case: Case) -> Body:
-    """Side frame, in axes whose origin is at its rollers; one without mass where there is none."""
-    frame, none = case.undercarriage, np.zeros(3)
-    if frame is None:
-        return rigid_body(0.0, np.zeros((3, 3)), none, none)
-    return rigid_body(frame.mass, frame.inertia_tensor, np.array(frame.com), none)
-
-
-def rollers_of(case: Case, reduced: ReducedBody | None) -> Rollers:
-    """Rollers of a case, and how they meet its shoes.
+def side_frame_of(case: Case, reduced: ReducedBody | None) -> SideFrame | tuple[()]:
+    """Side frame of a case with its rollers, and how they meet its shoes; empty where there is none.
 
     Parameters
     ----------
@@ -40,20 +22,27 @@ def rollers_of(case: Case, reduced: ReducedBody | None) -> Rollers:
         Of the flexible shoes.
     """
     frame, rails = case.undercarriage, case.shoe.rails
+    if frame is None or rails is None:
+        return ()
+    height = case.shoe.com_height + rails.height + frame.radius
+    return SideFrame(
+        rigid_body(frame.mass, frame.inertia_tensor, np.array(frame.com), np.zeros(3)),
+        np.array([frame.start, case.track.first_com[1], height]),
+        _rollers(case, frame, rails, reduced),
+    )
+
+
+def _rollers(case: Case, frame: Undercarriage, rails: Rails, reduced: ReducedBody | None) -> Rollers:
     along, centers = rail_rows(reduced, case), case.track.joint_centers
     pins = np.array([np.mean([c for n, c in centers.items() if n.startswith(e)], axis=0) for e in ENDS])
     pin_rows = np.zeros((2, 3, along.rows.shape[3]))
-    if frame is None or rails is None:
-        places, law, rail = np.zeros((0, 0, 3)), (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        return Rollers(places, 0.0, law, rail, along.rows, 1.0, case.track.pitch, 0.0, pins, pin_rows, 0.0)
-    places = np.array([[(x, y, 0.0) for y in strip_lines(frame, rails)] for x in frame.rollers])
     if reduced is not None:
         for end, name in enumerate(ENDS):
             chosen = [k for k, one in enumerate(reduced.interfaces) if one.name.startswith(name)]
             pins[end] = np.mean([reduced.interfaces[k].center for k in chosen], axis=0)
             pin_rows[end] = reduced.pilots[chosen, :3].mean(axis=0)
     return Rollers(
-        places=places,
+        places=np.array([[(x, y, 0.0) for y in strip_lines(frame, rails)] for x in frame.rollers]),
         radius=frame.radius,
         law=(
             frame.stiffness / frame.strips,

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.colours import ROLLER
@@ -14,10 +15,13 @@ from exudyn_crawler.views.report.packing import packed
 from exudyn_crawler.views.report.track import packed_undercarriage
 from exudyn_crawler.views.scales import MEGA, Scales
 from exudyn_crawler.views.undercarriage import acting, frame_pose, rolls
+from fem.trust import VERDICTS
 
 
 def packed_shoes(stress: xr.Dataset, history: History) -> dict[str, Any]:
     """Surface, places, elastic displacement, von Mises stress and contact forces at the chosen times.
+
+    Beside them the verdicts on each node's greatest stress, as far as the run has them.
 
     Displacements and stresses are 16-bit steps of their greatest magnitude, which is coarser than nothing
     that can be seen.
@@ -48,9 +52,19 @@ def packed_shoes(stress: xr.Dataset, history: History) -> dict[str, Any]:
         "magnification": scales.displacement,
         "force_scale": scales.pair_force,
         "first": first_frame(stress),
+        "verdicts": list(VERDICTS),
+        "verdict": _verdicts(stress, used),
         "frames": frames,
         "undercarriage": _rollers(history),
     }
+
+
+def _verdicts(stress: xr.Dataset, used: NDArray) -> list[str]:
+    """Packed numbers of the verdicts on each shoe's nodes; none of a run that has none."""
+    if "peak_verdict" not in stress:
+        return []
+    numbers = stress.peak_verdict.transpose("shoe", "node").values[:, used]
+    return [packed(one, "i2") for one in numbers]
 
 
 def _rollers(history: History) -> dict[str, Any] | None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.compiled.undercarriage import side_frame_of
 from exudyn_crawler.run.equilibrium import static_equilibrium
 from tests.model.compiled.both import compiled_matrix, evaluated
 from tests.rolled import small_case, small_flexible_case
@@ -49,5 +50,5 @@ def test_pull_acts_on_frame_and_chain_alike():
     assert shoes[:, 0].sum() == pytest.approx(-1.0)
     assert np.count_nonzero(np.abs(shoes[:, 0]) > 1e-9) <= 2
     assert (pulled - base)[len(q) + system.pin_rows] == pytest.approx(-1e6)
-    lever = system._model[12][2] + q[-3] - (case.shoe.com_height + case.track.pin_height)
+    lever = side_frame_of(case, None).place[2] + q[-3] - (case.shoe.com_height + case.track.pin_height)
     assert -forces[-1] == pytest.approx(lever, abs=0.2)

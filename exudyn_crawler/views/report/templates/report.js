@@ -168,6 +168,8 @@ class ShoeView {
     this.gap = control("shoe-gap");
     this.limit = control("shoe-limit");
     this.forces = control("shoe-forces");
+    this.trust = control("shoe-trust");
+    this.trust.parentElement.hidden = shoes.verdict.length === 0;
     this.rolling = control("shoe-rollers");
     this.rolling.parentElement.hidden = !shoes.undercarriage;
     this.shown = control("shoe-time-shown");
@@ -175,7 +177,7 @@ class ShoeView {
     this.time.value = shoes.first;
     this.bend.value = shoes.magnification;
     this.limit.value = shoes.limit;
-    const inputs = [this.time, this.bend, this.gap, this.limit, this.forces, this.rolling];
+    const inputs = [this.time, this.bend, this.gap, this.limit, this.forces, this.rolling, this.trust];
     for (const input of inputs) input.oninput = () => this.draw();
     this.draw();
   }
@@ -199,12 +201,30 @@ class ShoeView {
     return {
       type: "mesh3d", name: `shoe ${shoes[index]}: ${frame.highest[index].toFixed(1)} MPa`,
       x: place[0], y: place[1], z: place[2], i: this.corner[0], j: this.corner[1], k: this.corner[2],
-      intensity: stress, cmin: 0, cmax: Number(this.limit.value) || this.shoes.limit,
-      colorscale: data.colours, showscale: index === 0, showlegend: true,
-      colorbar: { title: { text: "von Mises<br>in MPa" }, x: 0, xanchor: "left", len: 0.8 },
+      ...this.colours(stress, index), colorscale: data.colours, showscale: index === 0, showlegend: true,
       flatshading: true, lighting: { ambient: 0.75, diffuse: 0.45, specular: 0, fresnel: 0, facenormalsepsilon: 0 },
       lightposition: { x: -30000, y: -60000, z: 90000 },
-      text: Array.from(stress, (value) => `shoe ${shoes[index]}: ${value.toFixed(1)} MPa`), hoverinfo: "text",
+      hoverinfo: "text",
+    };
+  }
+
+  /* what colours a shoe's nodes and what they say: the stress in MPa, or the verdict on the greatest of each */
+  colours(stress, index) {
+    const name = `shoe ${this.shoes.shoes[index]}`;
+    const bar = { x: 0, xanchor: "left", len: 0.8 };
+    if (!this.trust.checked) {
+      return {
+        intensity: stress, cmin: 0, cmax: Number(this.limit.value) || this.shoes.limit,
+        colorbar: { title: { text: "von Mises<br>in MPa" }, ...bar },
+        text: Array.from(stress, (value) => `${name}: ${value.toFixed(1)} MPa`),
+      };
+    }
+    const words = this.shoes.verdicts;
+    const numbers = Array.from(unpack(this.shoes.verdict[index], "i2"));
+    return {
+      intensity: numbers.map((number) => (number < 0 ? NaN : number)), cmin: 0, cmax: words.length - 1,
+      colorbar: { title: { text: "greatest stress" }, tickvals: words.map((_, k) => k), ticktext: words, ...bar },
+      text: numbers.map((number) => `${name}: ${words[number] ?? "not known, the drive pulls here"}`),
     };
   }
 

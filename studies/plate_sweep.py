@@ -1,0 +1,181 @@
+"""Top plate of the shoe and stiffness of the ground against the life of the roller path in rolling propel.
+
+No paper reports it. One flexible shoe stands under the middle of the machine, which rolls on by the distance
+of two rollers once it has its speed; all hours are hours of such propel.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from exudyn_crawler import (
+    Answer,
+    Case,
+    CaseFile,
+    FatigueMaterial,
+    FlexibleShoes,
+    Life,
+    Shoe,
+    Sweep,
+    SweepRun,
+    Vary,
+    run_sweep,
+)
+from exudyn_crawler.case import Undercarriage
+from exudyn_crawler.views.curves import STYLE, save_figure
+from fem import write_mesh
+from meshes import ShoeDimensions, mesh_shoe
+
+THICKNESSES = (0.030, ShoeDimensions.top_thickness, 0.054)
+"""m, of the top plate."""
+STIFFNESSES = (10e6, 20e6, 40e6)
+"""N/m, of the ground's springs; the papers' in the middle."""
+FLEXIBLE = 11
+SIZE = "coarse"
+OUTPUT_INTERVAL = 0.02
+"""s, in which the machine rolls by 2 mm."""
+PICTURE = "lives.png"
+MILLI, MEGA = 1e-3, 1e6
+VARIED = ("flexible.mesh", "shoe.mass", "shoe.inertia", "shoe.load_point")
+"""What a thickness stands for: rigid shoes weigh what the flexible one does."""
+
+
+def plate_meshes(folder: Path, thicknesses: Sequence[float], say: Callable[[str], None]) -> dict[float, Path]:
+    """Meshes of shoes with these top plates (m) in a folder, made where they are missing.
+
+    Raises
+    ------
+    ValueError
+        If one is missing and netgen is not there.
+    """
+    found = {}
+    for thickness in thicknesses:
+        path = folder / f"shoe_{SIZE}_top_{1e3 * thickness:g}mm.msh.gz"
+        if not path.is_file():
+            say(f"meshing a shoe with a top plate of {1e3 * thickness:g} mm")
+            try:
+                mesh = mesh_shoe(ShoeDimensions(top_thickness=thickness), SIZE)
+            except ModuleNotFoundError as error:
+                raise ValueError(str(error)) from error
+            folder.mkdir(parents=True, exist_ok=True)
+            write_mesh(path, mesh)
+        found[thickness] = path.resolve()
+    return found
+
+
+def passing_case(mesh: str = SIZE) -> CaseFile:
+    """Machine that rolls over one flexible shoe by the distance of two rollers, from the end of its start."""
+    case = Case.rolled()
+    rollers, speed = Undercarriage.ph4100c().rollers, case.drive.speed
+    case = case.with_(
+        name="plate",
+        flexible=FlexibleShoes.ph4100c(mesh).with_(shoes=(FLEXIBLE,)),
+        solver=case.solver.with_(output_interval=OUTPUT_INTERVAL),
+    )
+    duration = speed.times[-1] + (rollers[1] - rollers[0]) / speed.values[-1]
+    return CaseFile(case=case, duration=duration)
+
+
+def plate_sweep(
+    meshes: Mapping[float, Path], stiffnesses: Sequence[float] = STIFFNESSES, case: CaseFile | None = None
+) -> Sweep:
+    """Sweep over top plates and grounds.
+
+    Parameters
+    ----------
+    meshes : mapping of float to Path
+        Mesh of a shoe by the thickness of its top plate, m.
+    stiffnesses : sequence of float
+        Of the ground's springs, N/m.
+    case : CaseFile, optional
+        That of `passing_case`, if not given.
+    """
+    base = case or passing_case()
+    shoes = {path: Shoe.from_mesh(str(path)) for path in meshes.values()}
+    begin = base.case.drive.speed.times[-1]
+    material = FatigueMaterial.cast_nicrmo()
+    return Sweep(
+        case=base,
+        vary=(
+            Vary(
+                key=VARIED,
+                name="top_plate",
+                unit="m",
+                values=tuple(meshes),
+                settings=tuple(
+                    (str(path), shoe.mass, shoe.inertia, shoe.load_point) for path, shoe in shoes.items()
+                ),
+            ),
+            Vary(key="terrain.spring_stiffness", unit="N/m", values=tuple(stiffnesses)),
+        ),
+        answers=(
+            Life(name="life_of_roller_path", region="roller path", material=material, begin=begin),
+            Life(name="life_of_shoe", material=material, begin=begin),
+            Answer(name="highest_stress", quantity="highest_von_mises", start=begin),
+            Answer(name="peak_pin_force", quantity="pin_force", start=begin),
+        ),
+    )
+
+
+def draw_lives(ax: Axes, lives: xr.DataArray) -> Axes:
+    """Draw an answer in hours over the ground's stiffness, a curve a top plate.
+
+    Parameters
+    ----------
+    lives : xarray.DataArray
+        Dimensions top_plate, m, and spring_stiffness, N/m.
+    """
+    for one in lives.transpose("top_plate", "spring_stiffness"):
+        ax.loglog(
+            one.spring_stiffness / MEGA, one, "o-", label=f"top plate {float(one.top_plate) / MILLI:g} mm"
+        )
+    ax.set_xlabel("stiffness of the ground's springs in MN/m")
+    ax.set_ylabel("hours of propel that 97.5 % survive")
+    ax.set_title(str(lives.name).replace("_", " "))
+    stiffnesses = lives.spring_stiffness.values / MEGA
+    ax.set_xticks(stiffnesses, [f"{one:g}" for one in stiffnesses])
+    ax.xaxis.minorticks_off()
+    return ax
+
+
+def lives_figure(dataset: xr.Dataset) -> Figure:
+    """Lives of the roller path and of the whole shoe, side by side."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 3.6))
+        left, right = figure.subplots(1, 2)
+        draw_lives(left, dataset["life_of_roller_path"])
+        draw_lives(right, dataset["life_of_shoe"]).legend()
+    return figure
+
+
+def study(
+    out: Path, *, workers: int | None = None, say: Callable[[str], None] = lambda _text: None
+) -> SweepRun:
+    """Run the sweep into a folder, or what of it is missing, and draw the lives; meshes are made there.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Processes; one a core, if not given.
+
+    Raises
+    ------
+    ValueError
+        As of `plate_meshes` and `run_sweep`.
+    BlockingIOError
+        If another sweep works in the folder.
+    """
+    meshes = plate_meshes(out / "meshes", THICKNESSES, say)
+    run = run_sweep(plate_sweep(meshes), out, workers=workers, say=say)
+    save_figure(lives_figure(run.dataset), out / PICTURE, overwrite=True)
+    return run
+
+
+if __name__ == "__main__":
+    from exudyn_crawler.cli import run_script
+
+    run_script("studies.commands:plate_sweep")

@@ -1,0 +1,87 @@
+"""Shoes of other dimensions, meshed by netgen where it is installed."""
+
+import sys
+
+import numpy as np
+import pytest
+
+import fem
+import meshes
+from exudyn_crawler import Shoe
+from meshes import STEEL, ShoeDimensions
+from meshes.build_shoe import main, straighten_distorted
+
+THICKER = 0.010
+
+
+@pytest.fixture(scope="module")
+def thicker() -> fem.ElasticBody:
+    pytest.importorskip("netgen")
+    dimensions = ShoeDimensions(top_thickness=ShoeDimensions.top_thickness + THICKER)
+    return fem.ElasticBody(meshes.mesh_shoe(dimensions, "coarse"), STEEL)
+
+
+@pytest.mark.slow
+def test_a_thicker_top_plate_weighs_what_its_steel_does(thicker: fem.ElasticBody) -> None:
+    ready = fem.ElasticBody(meshes.shoe_mesh("coarse"), STEEL)
+    shoe = ShoeDimensions()
+    # beside the web, which is solid below the plate, less what the notches take
+    beside = shoe.top_length * shoe.width - shoe.beam_length * 2.0 * shoe.plateau_half_width
+    most = STEEL.density * THICKER * beside
+    assert 0.5 * most < thicker.mass - ready.mass < most
+    assert thicker.center_of_mass[2] > ready.center_of_mass[2]
+
+
+@pytest.mark.slow
+def test_a_shoe_of_netgen_has_surfaces_bores_and_underside_where_the_ready_one_has_them(
+    thicker: fem.ElasticBody,
+) -> None:
+    mesh, ready = thicker.mesh, meshes.shoe_mesh("coarse")
+    assert set(mesh.surfaces) == set(ready.surfaces)
+    assert mesh.elements.shape[1] == 10
+    both = (thicker, fem.ElasticBody(ready, STEEL))
+    for name in ready.surfaces:
+        area, ready_area = (body.surface_weights(name).sum() for body in both)
+        assert area == pytest.approx(ready_area, rel=0.05 if name.startswith("bore") else 1e-3)
+    for name, center in meshes.JOINT_CENTERS.items():
+        bore = mesh.nodes[mesh.nodes_of(f"bore {name}")]
+        distance = np.hypot(bore[:, 0] - center[0], bore[:, 2] - center[2])
+        assert np.median(distance) == pytest.approx(ShoeDimensions.bore_radius, abs=1e-6)
+        assert (bore[:, 1].min() + bore[:, 1].max()) / 2 == pytest.approx(center[1], abs=1e-6)
+
+
+@pytest.mark.slow
+def test_the_command_writes_a_mesh_that_a_case_takes_and_refuses_what_makes_no_shoe(tmp_path, capsys) -> None:
+    pytest.importorskip("netgen")
+    main([str(tmp_path / "wide.msh.gz"), "--size", "coarse", "--rail-width", "0.24"])
+    assert Shoe.from_mesh(str(tmp_path / "wide.msh.gz")).rails.width == pytest.approx(0.24)
+    # rails level with the flange
+    with pytest.raises(SystemExit):
+        main([str(tmp_path / "no.msh"), "--rail-height", str(ShoeDimensions.beam_height)])
+    assert "must leave faces for all named surfaces, got none for ['flange']" in capsys.readouterr().err
+    assert not (tmp_path / "no.msh").exists()
+
+
+def test_bad_dimensions_and_sizes_are_refused_before_netgen_is_asked_for() -> None:
+    with pytest.raises(ValueError, match=r"top_thickness must be a positive length in m, got -0\.05"):
+        ShoeDimensions(top_thickness=-0.05)
+    with pytest.raises(ValueError, match=r"size must be one of .*, got 'huge'"):
+        meshes.mesh_shoe(size="huge")
+
+
+def test_without_netgen_it_is_told_how_to_get_it(monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "netgen", None)
+    with pytest.raises(ModuleNotFoundError, match=r"needs netgen: pip install 'exudyn-crawler\[mesh\]'"):
+        meshes.mesh_shoe()
+
+
+def test_an_element_that_a_curved_edge_turns_inside_out_gets_straight_edges() -> None:
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    middles = corners[fem.mesh.TETRA_EDGES].mean(axis=1)
+    elements = np.arange(10)[None]
+    bent = np.vstack((corners, middles))
+    bent[4] += (0.0, 0.6, 0.6)
+    nodes, count = straighten_distorted(bent, elements)
+    assert count == 1
+    np.testing.assert_allclose(nodes[4:], middles)
+    assert straighten_distorted(nodes, elements)[1] == 0

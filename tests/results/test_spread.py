@@ -1,0 +1,61 @@
+"""Spread between runs that could stand for each other: ranges, verdicts that follow, refusals."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler.results.spread import FIRST, relative_spread, spread_of
+from exudyn_crawler.results.stresses import StressResults
+from fem.trust import HELD, LIMITED, VERDICTS
+
+
+@pytest.fixture(scope="module")
+def first(flexible_run):
+    _, dataset, tables = flexible_run
+    return StressResults(dataset, tables, None)
+
+
+@pytest.fixture(scope="module")
+def found(first):
+    peak = first.dataset.peak_von_mises
+    starts = {"start 2": 1.2 * peak, "start 3": 0.9 * peak}
+    return spread_of(first, starts, {"law by area": 1.3 * peak})
+
+
+def test_spread_is_the_range_of_starts_and_choice_what_is_beyond(first, found):
+    peak = first.dataset.peak_von_mises
+    assert found.dataset.run.values.tolist() == [FIRST, "start 2", "start 3", "law by area"]
+    assert found.dataset.peak_spread.values == pytest.approx(0.3 * peak.values)
+    assert found.dataset.peak_choice.values == pytest.approx(0.1 * peak.values)
+    assert relative_spread(found.dataset).values == pytest.approx(np.full(peak.shape, 0.4))
+    within = spread_of(first, {"start 2": 1.2 * peak}, {"law by area": 1.1 * peak})
+    assert not within.dataset.peak_choice.any()
+
+
+def test_verdicts_follow(first, found):
+    before, after = first.dataset.peak_verdict.values, found.dataset.peak_verdict.values
+    assert ((after == before) | (before < LIMITED)).all()
+    open_ = (before >= 0) & (before < LIMITED)
+    assert open_.any()
+    least = VERDICTS.index("good to 40 %")
+    assert (after[open_] > least).all()
+    assert (after[(before == HELD)] == HELD).all()
+    for shoe, table in found.hot_spots.items():
+        assert table["spread"].to_numpy() == pytest.approx(0.3 * table["value"].to_numpy())
+        shown = found.hot_spot_tables()[shoe]
+        assert shown["choice in MPa"].to_numpy() == pytest.approx(1e-7 * table["value"].to_numpy())
+        assert shown.columns[-1] == "verdict"
+
+
+def test_a_row_a_shoe_tells_all_runs(first, found):
+    table = found.by_shoe()
+    assert table["shoe"].tolist() == first.dataset.shoe.values.tolist()
+    assert table["spread in %"].to_numpy() == pytest.approx(30.0)
+    assert (table["start 2 in MPa"] / table["start 1 in MPa"]).to_numpy() == pytest.approx(1.2)
+
+
+def test_what_cannot_be_laid_beside_is_refused(first):
+    peak = first.dataset.peak_von_mises
+    with pytest.raises(ValueError, match="other runs must be at least one"):
+        spread_of(first, {}, {})
+    with pytest.raises(ValueError, match="run 'start 2' must have the same shoes and nodes"):
+        spread_of(first, {"start 2": peak.isel(node=slice(5))}, {})

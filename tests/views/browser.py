@@ -1,0 +1,44 @@
+"""A reader of pages in a browser: a Chromium found on the machine, driven without a display."""
+
+import shutil
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+class Reader:
+    """A reader of the page: what went wrong, what was asked for, and what the plots show."""
+
+    def __init__(self, browser, path, ready="body[data-ready=yes]"):
+        self.page = browser.new_page(viewport={"width": 1300, "height": 900})
+        self.errors, self.requests = [], []
+        self.page.on("console", lambda m: self.errors.append(m.text) if m.type == "error" else None)
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.route("**/*", self.allow_only(path.as_uri()))
+        self.page.goto(path.as_uri())
+        self.page.wait_for_selector(ready)
+
+    def allow_only(self, address):
+        """Handler of requests that notes all and lets one address through."""
+
+        def decide(route):
+            self.requests.append(route.request.url)
+            if route.request.url == address:
+                route.continue_()
+            else:
+                route.abort()
+
+        return decide
+
+    def shown(self, what, plot="#plot-0 .figure"):
+        """Value of an expression of the plot's data and layout."""
+        return self.page.evaluate(
+            f"() => {{ const {{ data, _fullData: full, layout }} = document.querySelector('{plot}');"
+            f" return {what}; }}"
+        )
+
+    def wait(self, what, plot="#plot-0 .figure"):
+        """Wait until an expression of the plot's data and layout holds."""
+        self.page.wait_for_function(
+            f"() => {{ const {{ data, _fullData: full, layout }} = document.querySelector('{plot}');"
+            f" return {what}; }}"
+        )
