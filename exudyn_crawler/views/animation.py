@@ -152,7 +152,7 @@ def write_animation(
         If the file exists and `overwrite` is false.
     """
     check_film(path, overwrite)
-    times = film_times(history.duration, start, end, rate, speed)
+    times = film_times(history.duration, rate, speed, start, end)
     scale = ground_scale(history) if scale is None else scale
     if not scale > 0.0:
         raise ValueError(f"scale must be positive, got {scale:g}")

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
+from typing import TypedDict
 
 import imageio_ffmpeg
 import matplotlib as mpl
@@ -34,19 +35,34 @@ def check_film(path: Path, overwrite: bool) -> None:
     refuse_existing(path, overwrite)
 
 
-def film_times(duration: float, start: float, end: float | None, rate: int, speed: float) -> NDArray:
+class Shown(TypedDict, total=False):
+    """What an animation shows, and how fast: as of `film_times`."""
+
+    rate: int
+    speed: float
+    start: float
+    end: float | None
+
+
+RATE = 20
+"""Pictures a second of an animation, where no other number is asked for."""
+
+
+def film_times(
+    duration: float, rate: int = RATE, speed: float = 1.0, start: float = 0.0, end: float | None = None
+) -> NDArray:
     """Times of a run that the pictures of an animation show, s.
 
     Parameters
     ----------
     duration : float
         Of the run, s.
-    start, end : float
-        s, first and last time that is shown; the run's end if None.
     rate : int
         Pictures a second of the animation.
     speed : float
         Simulated seconds that a second of the animation shows.
+    start, end : float
+        s, first and last time that is shown; the run's end if None.
 
     Raises
     ------

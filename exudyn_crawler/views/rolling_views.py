@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.views.colours import ROLLER, ROLLER_EDGE, ROLLER_FORCE, SIDE_FRAME
+from exudyn_crawler.views.force_arrows import force_arrows
 from exudyn_crawler.views.undercarriage import (
     beam_corners,
     frame_of,
@@ -69,20 +70,7 @@ class SideRollers:
         self._spokes = LineCollection([], colors=ROLLER_EDGE, linewidths=0.8, zorder=1.2)
         for collection in (self._beam, self._discs, self._spokes):
             ax.add_collection(collection)
-        nowhere, nothing = np.zeros(len(frame.rollers)), np.full(len(frame.rollers), np.nan)
-        self._forces = ax.quiver(
-            nowhere,
-            nowhere,
-            nothing,
-            nothing,
-            color=ROLLER_FORCE,
-            angles="xy",
-            scale_units="xy",
-            scale=1.0,
-            pivot="tip",
-            width=0.0022,
-            zorder=4,
-        )
+        self._forces = force_arrows(ax, len(frame.rollers), ROLLER_FORCE)
 
     def show(self, now: xr.Dataset, lift: Lift) -> None:
         """Bring everything to one instant of the history."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views.colours import CONTACT_FORCE, FLEXIBLE_SHOE, GROUND, GROUND_EDGE, SHOE, SHOE_EDGE
+from exudyn_crawler.views.force_arrows import force_arrows
 from exudyn_crawler.views.placement import shoe_forces, shoe_poses, unloaded_level
 from exudyn_crawler.views.rolling_views import SideRollers
 from exudyn_crawler.views.scales import shown_length
@@ -76,20 +77,7 @@ class SideView:
         (self._pin_marks,) = ax.plot(
             [], [], "o", ms=3.0, mfc="white", mec=SHOE_EDGE, mew=0.8, zorder=3, label="link pins"
         )
-        nowhere, nothing = np.zeros(track.shoe_count), np.full(track.shoe_count, np.nan)
-        self._forces = ax.quiver(
-            nowhere,
-            nowhere,
-            nothing,
-            nothing,
-            color=CONTACT_FORCE,
-            angles="xy",
-            scale_units="xy",
-            scale=1.0,
-            pivot="tip",
-            width=0.0022,
-            zorder=4,
-        )
+        self._forces = force_arrows(ax, track.shoe_count, CONTACT_FORCE)
         self._rollers = SideRollers(ax, self._case, force_scale) if rolls(history.dataset) else None
         self._set_window(ax, history)
 

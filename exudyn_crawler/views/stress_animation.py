@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Unpack
 
 import matplotlib as mpl
 import numpy as np
@@ -18,7 +19,7 @@ from exudyn_crawler.results.rail_forces import rail_force
 from exudyn_crawler.results.surface_stress import surface_stress
 from exudyn_crawler.views.colours import ROLLER, ROLLER_FORCE, STRESS_MAP
 from exudyn_crawler.views.curves import STYLE
-from exudyn_crawler.views.film import check_film, drawn_image, film_times, write_film
+from exudyn_crawler.views.film import RATE, Shown, check_film, drawn_image, film_times, write_film
 from exudyn_crawler.views.placement import Pose, shoe_forces_over_time
 from exudyn_crawler.views.scales import BENT, MEGA, drawn_scale, round_up
 from exudyn_crawler.views.scene import Body, Scene, View
@@ -164,10 +165,7 @@ def write_stress_animation(
     shoe: int,
     path: Path,
     overwrite: bool = False,
-    rate: int = 20,
-    speed: float = 1.0,
-    start: float = 0.0,
-    end: float | None = None,
+    **shown: Unpack[Shown],
 ) -> Path:
     """Write an animation of a flexible shoe with its stress as MP4 or GIF, without a display.
 
@@ -177,8 +175,8 @@ def write_stress_animation(
         Number of a flexible shoe.
     path : Path
         File to write; its suffix, `.mp4` or `.gif`, says which.
-    rate, speed, start, end
-        As of `film_times`.
+    **shown
+        Options `rate`, `speed`, `start` and `end` of `film_times`.
 
     Returns
     -------
@@ -194,6 +192,7 @@ def write_stress_animation(
         If the file exists and `overwrite` is false.
     """
     check_film(path, overwrite)
-    times = film_times(history.duration, start, end, rate, speed)
+    times = film_times(history.duration, **shown)
     picture = ShoePicture(history, shoe, times)
-    return write_film((picture.image(float(time)) for time in times), path, rate, overwrite)
+    images = (picture.image(float(time)) for time in times)
+    return write_film(images, path, shown.get("rate", RATE), overwrite)
