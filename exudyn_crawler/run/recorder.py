@@ -38,6 +38,11 @@ class Recorder:
             self._states.append(self._system.state())
             self._end_of(time)
 
+    def end_stage(self) -> None:
+        """Store the state at the end of a stage shorter than the output interval: each has one at least."""
+        if not self._states:
+            self._states.append(self._system.state())
+
     def taken(self) -> NDArray:
         """States stored since the last call, one a row; they are not kept any longer."""
         rows = np.array(self._states)

@@ -58,6 +58,7 @@ class RunStages:
 
     def end(self, number: int) -> None:
         """End a stage that was integrated, and start the next one from its state."""
+        self._recorder.end_stage()
         state = self._system.state()
         self._system.set_state(state)
         history = system_history(self._system, self._recorder.taken()).dataset

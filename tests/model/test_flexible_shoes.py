@@ -37,7 +37,7 @@ def history():
 
 def test_only_elastic_modes_are_integrated():
     floating = shared_reduction(track())
-    assert floating.mode_count == 24 + 10 - 6
+    assert floating.mode_count == 24 + 12 - 6
     assert floating.reduced.frequencies[0] == pytest.approx(178.07, rel=0.02)
 
 

@@ -173,6 +173,13 @@ def test_an_interrupt_ends_the_run_after_its_step_and_keeps_the_history(
     assert signal.getsignal(interrupt) is signal.default_int_handler
 
 
+def test_every_stage_has_a_state_however_seldom_they_are_stored():
+    case = Case.translation()
+    solver = case.solver.with_(output_interval=0.5, checkpoint_interval=0.02)
+    history = simulate(case.with_(solver=solver), 0.1)
+    assert history.time.values == pytest.approx([0.0, 0.04, 0.06, 0.08, 0.1])
+
+
 def test_an_interrupt_between_stages_keeps_the_stages(monkeypatch, interrupt):
     case = Case.translation()
     case = case.with_(solver=case.solver.with_(checkpoint_interval=0.01))

@@ -10,8 +10,9 @@ from exudyn_crawler.case import Drive
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.case_run import STRESS_WRITERS
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
+from exudyn_crawler.results.modal_coordinates import stress_basis
 from exudyn_crawler.results.propel import highest_in_propel_and_loading, in_phase
+from exudyn_crawler.results.stress_columns import stress_columns
 from exudyn_crawler.results.stresses import recover_stresses
 from fem import write_mesh
 from meshes import shoe_mesh
@@ -70,7 +71,7 @@ def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
 
 def test_modal_frequencies_of_the_shoe_are_the_papers(study):
     """First bending mode 178.07 Hz (S-paper fig. 9); all of 94 modes and the drive's own are elastic."""
-    frequencies = study[2].whole.frequencies
+    frequencies = stress_basis(study[1]).whole.frequencies
     assert len(frequencies) == 94 + 1
     assert frequencies[0] == pytest.approx(178.07, rel=0.01)
     assert (np.diff(frequencies) > 0.0).all()
@@ -106,20 +107,20 @@ def test_hot_spots_of_the_front_shoe_are_on_the_inner_faces_of_its_rear_lugs(stu
 
 def test_fields_agree_with_the_modal_history(study):
     _, history, results, _ = study
-    basis = stress_basis(history)
-    q = whole_coordinates(history, basis, 13)
+    columns = stress_columns(history)
+    shapes, q = columns.shapes, columns.coordinates[13]
     data = results.dataset.sel(shoe=13)
     instant = int(data.highest_von_mises.values.argmax())
-    field = basis.whole.von_mises(q[instant])[0]
+    field = shapes.von_mises(q[instant])[0]
     assert float(data.highest_von_mises[instant]) == pytest.approx(field.max(), rel=1e-9)
     assert int(data.highest_node[instant]) == int(field.argmax())
     assert float(data.peak_von_mises.max()) == pytest.approx(field.max(), rel=1e-9)
     assert float(data.peak_time[field.argmax()]) == pytest.approx(float(data.time[instant]))
     assert (data.least_von_mises <= data.peak_von_mises).all()
     first = data.isel(frame=0)
-    assert first.frame_von_mises.values == pytest.approx(basis.whole.von_mises(q[0])[0], rel=1e-5)
+    assert first.frame_von_mises.values == pytest.approx(shapes.von_mises(q[0])[0], rel=1e-5)
     assert first.frame_displacement.values == pytest.approx(
-        basis.whole.displacement(q[0])[0], abs=1e-5 * np.abs(first.frame_displacement).max().item()
+        shapes.displacement(q[0])[0], abs=1e-5 * np.abs(first.frame_displacement).max().item()
     )
 
 

@@ -57,6 +57,7 @@ def browser():
         started.close()
 
 
+@pytest.fixture(scope="session")
 def bent_stress(bent):
     """Stresses of flexible shoes under rollers, by the modes alone, which take a second."""
     modes = bent.case.flexible_shoes().with_(static_fields=False)
