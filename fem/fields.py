@@ -138,10 +138,14 @@ def static_fields(
         at = slice(first, first + AT_ONCE)
         whole = partition.static_response(forces[:, at].toarray(), at_centers[:, at])
         rest[:, at] = whole - modes @ answered[at].T
+    energy = np.empty((rest.shape[1], rest.shape[1]))
+    for first in range(0, rest.shape[1], AT_ONCE):
+        at = slice(first, first + AT_ONCE)
+        energy[:, at] = rest.T @ (partition.body.stiffness @ rest[:, at])
     return StaticFields(
         {name: family.centers.shape[1] for name, family in families.items()},
         rest.reshape(-1, 3, rest.shape[1]),
-        rest.T @ (partition.body.stiffness @ rest),
+        energy,
         work,
     )
 

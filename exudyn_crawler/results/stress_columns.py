@@ -16,6 +16,7 @@ from exudyn_crawler.model.load_places import shoe_fields
 from exudyn_crawler.results.field_loads import field_loads, loads_by_kind
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import (
+    StressBasis,
     coordinates_and_momentum,
     coordinates_by_load,
     stress_basis,
@@ -42,6 +43,8 @@ class StressColumns:
 
     Attributes
     ----------
+    basis : StressBasis
+        Modes of the history's shoes.
     shapes : Shapes
         Modes, and static fields beside them.
     coordinates : mapping of int to array (times, columns)
@@ -53,6 +56,7 @@ class StressColumns:
         Coordinates that a unit of each load of the static fields has; None without fields.
     """
 
+    basis: StressBasis
     shapes: Shapes
     coordinates: Mapping[int, NDArray]
     bound: float | None
@@ -72,7 +76,7 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     chosen = list(flexible.shoes if shoes is None else shoes)
     found = {shoe: coordinates_and_momentum(history, basis, shoe) for shoe in chosen}
     if not flexible.static_fields:
-        return StressColumns(basis.whole, {shoe: q for shoe, (q, _) in found.items()}, None)
+        return StressColumns(basis, basis.whole, {shoe: q for shoe, (q, _) in found.items()}, None)
     body, _ = shoe_model(flexible, history.case.track)
     fields = shoe_fields(history.case, rails=history.case.undercarriage is not None)
     loads = {
@@ -84,7 +88,7 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     held = fields.work / (2.0 * np.pi * frequencies) ** 2
     both = np.hstack((held, columns.turn))
     coordinates = {shoe: load @ both for shoe, load in loads.items()}
-    return StressColumns(columns.beside(basis.whole), coordinates, columns.bound, both)
+    return StressColumns(basis, columns.beside(basis.whole), coordinates, columns.bound, both)
 
 
 def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict[str, NDArray]:
@@ -100,7 +104,7 @@ def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict
     shoe : int
         One of its shoes.
     """
-    basis = stress_basis(history)
+    basis = columns.basis
     if columns.answers is None:
         return _in_words(coordinates_by_load(history, basis, shoe))
     fields = shoe_fields(history.case, rails=history.case.undercarriage is not None)
