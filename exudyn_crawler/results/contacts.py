@@ -50,15 +50,19 @@ def contacts_by_shoe(history: History) -> xr.Dataset:
 
 def contacts_of(dataset: xr.Dataset) -> xr.Dataset:
     """Same from a history's variables alone."""
-    shoes = dataset.shoe.values
-    found: dict[str, list[xr.DataArray]] = {name: [] for name in (*PER_CONTACT, *LEADING)}
-    for shoe in shoes:
-        own = dataset.isel(contact=np.flatnonzero(dataset.contact_shoe.values == shoe))
-        deepest = own.penetration.argmax("contact")
-        for name in PER_CONTACT:
-            found[name].append(own[name].sum("contact", keep_attrs=True))
-        for name in LEADING:
-            found[name].append(own[name].isel(contact=deepest))
+    shoes, of_shoe = dataset.shoe.values, dataset.contact_shoe.values
+    own = [np.flatnonzero(of_shoe == shoe) for shoe in shoes]
+    depth = dataset.penetration.compute()
+    deepest = [depth.isel(contact=chosen).argmax("contact") for chosen in own]
+    found: dict[str, list[xr.DataArray]] = {}
+    for name in (*PER_CONTACT, *LEADING):
+        # of a history that stays in its file a variable is read once, not once a shoe
+        whole = dataset[name].compute()
+        parts = [whole.isel(contact=chosen) for chosen in own]
+        if name in PER_CONTACT:
+            found[name] = [part.sum("contact", keep_attrs=True) for part in parts]
+        else:
+            found[name] = [part.isel(contact=one) for part, one in zip(parts, deepest, strict=True)]
     result = xr.Dataset(
         {
             name: xr.concat(values, dim="shoe", coords="minimal", compat="override")
