@@ -42,6 +42,7 @@ def found(folder):
     return spread(folder, 2, progress=False)
 
 
+@pytest.mark.slow
 def test_runs_start_a_nudge_apart_and_have_the_other_law(folder, found):
     first = read_case(folder / "case.toml").case
     second = read_case(folder / "spread" / "start_2" / "case.toml").case
@@ -57,6 +58,7 @@ def test_runs_start_a_nudge_apart_and_have_the_other_law(folder, found):
     assert found.by_shoe()["choice in %"][0] > 0.1
 
 
+@pytest.mark.slow
 def test_what_is_found_is_kept_and_taken_again(folder, found):
     with xr.open_dataset(folder / "spread" / "spread.nc", engine="h5netcdf") as saved:
         assert saved.peak_choice.values == pytest.approx(found.dataset.peak_choice.values)
@@ -70,6 +72,7 @@ def test_what_is_found_is_kept_and_taken_again(folder, found):
     assert again.dataset.run_peak.values == pytest.approx(found.dataset.run_peak.values)
 
 
+@pytest.mark.slow
 def test_a_life_takes_the_spread_beside_its_runs(folder, found, tmp_path):
     material = FatigueMaterial.a36().with_(fatigue_strength=90e6)
     run = DutyRun(name="propel", folder=str(folder), share=0.1)

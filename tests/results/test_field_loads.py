@@ -15,7 +15,7 @@ from exudyn_crawler.results.rollers import roller_loads
 from tests.rolled import small_flexible_case
 
 
-@pytest.mark.simulation
+@pytest.mark.slow
 def test_rollers_are_among_the_loads_of_a_rolled_shoe():
     """What the stations of both rails bear is what the rollers press with."""
     history = simulate(small_flexible_case(), 0.02)

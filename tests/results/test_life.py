@@ -58,6 +58,7 @@ def test_damage_at_a_place_is_that_of_its_history(flexible_run, found):
     assert run["times an hour"].unique() == pytest.approx([500.0])  # half of all hours at this place
 
 
+@pytest.mark.slow
 def test_order_of_runs_does_not_matter(flexible_run, found):
     history = flexible_run[0]
     other = life_of(duty(SECOND, FIRST), [history, history])

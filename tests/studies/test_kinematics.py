@@ -82,7 +82,9 @@ def test_results_are_overwritten_when_asked(tmp_path):
     assert left == {"translation", "comparison.csv", "run.json", "run.log", "notes.txt"}
 
 
-@pytest.mark.parametrize("duration", ["0", "-1", "nan", "1000"])
+@pytest.mark.parametrize(
+    "duration", ["nan", *(pytest.param(one, marks=pytest.mark.slow) for one in ("0", "-1", "1000"))]
+)
 def test_a_bad_duration_is_one_line_and_exit_code_2(duration, tmp_path):
     refused = study("kinematics", "--duration", duration, "--out", tmp_path / "out")
     assert refused.returncode == 2

@@ -24,6 +24,7 @@ def stress_of_a_moment(flexible_run, tmp_path):
     return folder
 
 
+@pytest.mark.slow
 def test_lives_of_materials_stand_side_by_side(stress_of_a_moment, tmp_path, monkeypatch):
     monkeypatch.setattr(life_study, "MATERIALS", (FatigueMaterial.a36,))
     out = tmp_path / "life"
