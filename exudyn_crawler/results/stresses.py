@@ -106,23 +106,23 @@ def recover_stresses(
     columns = stress_columns(history)
     whole, coordinates = columns.shapes, columns.coordinates
     reached, found, tables, by_region = {}, [], {}, {}
-    named_regions = shoe_regions(whole, history.case.track)
+    regions = shoe_regions(whole, history.case.track)
+    pulled = {shoe: near_pull(history, whole, shoe) for shoe in coordinates}
     for shoe, q in coordinates.items():
-        away = np.flatnonzero(~near_pull(history, whole, shoe))
-        reached[shoe] = recover_extremes(whole.stress_modes, q, ranked=away)
+        reached[shoe] = recover_extremes(whole.stress_modes, q, ranked=np.flatnonzero(~pulled[shoe]))
     if peak:
         highest = np.max([one.highest for one in reached.values()], axis=0)
         named.append((float(history.time[int(highest.argmax())]), "peak"))
     frames, names = _frames(history, named)
     for shoe, q in coordinates.items():
-        extremes, at_load = reached[shoe], near_pull(history, whole, shoe)
+        extremes, at_load = reached[shoe], pulled[shoe]
         away = np.flatnonzero(~at_load)
         trust = _trust(whole, q, extremes, np.where(at_load, np.nan, columns.bound or 0.0))
         marked = {"at_load": variable("at_load", at_load, without=("shoe",))}
         found.append(_of_shoe(history, whole, q, extremes, frames).assign(trust | marked))
-        tables[shoe] = _hot_spots(history, columns, shoe, extremes, away)
-        usable = away[named_regions[away] != BORES]
-        by_region[shoe] = _hot_spots(history, columns, shoe, extremes, usable, OneOfEach(named_regions))
+        tables[shoe] = _hot_spots(history, columns, shoe, extremes, regions, away)
+        usable = away[regions[away] != BORES]
+        by_region[shoe] = _hot_spots(history, columns, shoe, extremes, regions, usable, OneOfEach(regions))
     shoes = xr.Variable("shoe", list(coordinates))
     dataset = xr.concat(found, dim=shoes).transpose("time", "frame", "shoe", ...)
     spider = np.zeros(len(whole.nodes), dtype=bool)
@@ -200,6 +200,7 @@ def _hot_spots(
     columns: StressColumns,
     shoe: int,
     extremes: Extremes,
+    regions: NDArray,
     nodes: NDArray,
     separation: OneOfEach | None = None,
 ) -> pd.DataFrame:
@@ -221,7 +222,7 @@ def _hot_spots(
     at_start = track.com_positions(history.case.shoe.com_height)[shoe - 1]
     table = judged(table, columns.bound).assign(
         **{axis: table[axis] + at_start[k] for k, axis in enumerate("xyz")},
-        region=shoe_regions(whole, track)[at],
+        region=regions[at],
     )
     return pd.concat((table, load_shares(history, columns, shoe, at, times)), axis=1)
 

@@ -7,6 +7,7 @@ both, finds them kept. That takes three quarters of the time.
 import os
 import subprocess
 import sys
+from functools import cache
 
 import numpy as np
 from numba import typeof
@@ -17,8 +18,9 @@ from exudyn_crawler.model.compiled.system import CompiledSystem, compiled_system
 from fem.compiling import told_of_compiling
 
 
+@cache
 def compile_equations(framed: bool) -> None:
-    """Compile residual and derivative, with or without a side frame, unless they are kept.
+    """Compile residual and derivative, with or without a side frame, unless they are kept; once a process.
 
     What fails beside this process, such as a disk that keeps nothing, is compiled when it is called.
     """
