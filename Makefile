@@ -81,8 +81,8 @@ docs: $(INSTALLED)  ## the API reference, into site/; docs/ holds the handbook
 notebooks: $(INSTALLED)  ## execute the handbook's notebooks anew, in their places
 	$(BIN)/python -m docs.notebooks
 
-bench: $(INSTALLED)  ## time the runs and show their accuracy
-	$(BIN)/python -m benchmarks.run
+bench: $(INSTALLED)  ## time the runs and show their accuracy; ARGS=docs renews the figures of docs/speed.md
+	$(BIN)/python -m benchmarks.run $(ARGS)
 
 lock: $(INSTALLED)  ## resolve the versions anew into requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv

@@ -1,9 +1,15 @@
-"""All benchmarks; `benchmarks/README.md` keeps what they printed on a named machine."""
+"""All benchmarks; `benchmarks/README.md` keeps what they printed on a named machine.
+
+`python -m benchmarks.run FOLDER` also writes growth.csv and growth.png for docs/speed.md.
+"""
+
+import sys
+from pathlib import Path
 
 from benchmarks import fem, growth, rigid, static_fields, stress
 
 if __name__ == "__main__":
-    growth.main()
+    growth.main(Path(sys.argv[1]) if len(sys.argv) > 1 else None)
     rigid.main()
     fem.main()
     static_fields.main()
