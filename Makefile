@@ -81,7 +81,7 @@ docs: $(INSTALLED)  ## the API reference, into site/; docs/ holds the handbook
 notebooks: $(INSTALLED)  ## execute the handbook's notebooks anew, in their places
 	$(BIN)/python -m docs.notebooks
 
-bench: $(INSTALLED)  ## time the runs and show their accuracy; ARGS=docs renews the figures of docs/speed.md
+bench: $(INSTALLED)  ## time the runs and show their accuracy; ARGS=docs/images renews the curves of docs/speed.md
 	$(BIN)/python -m benchmarks.run $(ARGS)
 
 lock: $(INSTALLED)  ## resolve the versions anew into requirements.lock

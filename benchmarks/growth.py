@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import Case, FlexibleShoes, LoadCycle, Terrain
 from exudyn_crawler.model.formulation import track_system
@@ -30,8 +31,9 @@ PULL = 386.4e3
 """N a shoe."""
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def timed(case: Case, duration: float) -> tuple[dict[str, float], NDArray]:
-    """Wall and processor milliseconds a step of one run from rest, and its last coordinates."""
+    """Wall and processor milliseconds a step of one run from rest on one thread, and its last coordinates."""
     system = track_system(case)
     system.set_initial(static_equilibrium(case))
     settings = solver_settings(case.solver)

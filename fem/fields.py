@@ -81,6 +81,10 @@ class StaticFields:
     energy: Floats
     work: Floats
 
+    def held(self, frequencies: Floats) -> Floats:
+        """Static coordinates (k, m) of the modes, of frequencies (m,) in Hz, under the unit loads."""
+        return self.work / (2.0 * np.pi * frequencies) ** 2
+
     def coordinates(self, loads: Mapping[str, Floats]) -> Floats:
         """Coordinates (t, k) of loads (t, ...) by family; a family that is left out does not act.
 

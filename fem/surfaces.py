@@ -8,8 +8,6 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
-from skfem import ElementTriP1
-from skfem.quadrature import get_quadrature
 
 from fem.mesh import Floats, Integers, Mesh
 
@@ -142,5 +140,8 @@ def surface_weights(mesh: Mesh, faces: Integers) -> Floats:
 
 def _triangle_rule() -> tuple[Floats, Floats]:
     """Barycentric points (q, 3) and weights (q,) of a rule of order 6 on the unit triangle."""
+    from skfem import ElementTriP1  # a tenth of a second, which naming surfaces need not wait for
+    from skfem.quadrature import get_quadrature
+
     points, weights = get_quadrature(ElementTriP1, 6)
     return np.column_stack([1 - points.sum(axis=0), points[0], points[1]]), weights

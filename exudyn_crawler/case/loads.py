@@ -8,7 +8,6 @@ import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
-from scipy.optimize import brentq
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Name, Parameters, quantity
@@ -206,5 +205,8 @@ def _is_load(value: Any) -> bool:
 
 def _falling(greatest: float, total: float, distance: NDArray) -> NDArray:
     """Loads that fall evenly with the distance from `greatest` to nothing, with a given sum."""
-    slope = brentq(lambda slope: np.clip(greatest - slope * distance, 0.0, None).sum() - total, 0.0, greatest)
+    reach = np.cumsum(np.sort(distance))
+    count = np.arange(1, len(reach) + 1)
+    # with the n nearest ones alone loaded the sum is a line in the slope; the highest of these lines holds
+    slope = np.max((count * greatest - total)[reach > 0.0] / reach[reach > 0.0])
     return np.clip(greatest - slope * distance, 0.0, None)

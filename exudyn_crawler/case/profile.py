@@ -1,13 +1,12 @@
 """A quantity over time given at instants and joined by cubic STEPs."""
 
-from functools import cached_property
+from functools import lru_cache
 from typing import Annotated, Self
 
 import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
-from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from exudyn_crawler.case.base import Parameters
 
@@ -34,8 +33,9 @@ class StepProfile(Parameters):
         if np.any(np.diff(self.times) <= 0.0):
             raise ValueError(f"times must increase, got {self.times}")
         with np.errstate(all="ignore"):
-            joined = np.isfinite(self._spline.c).all() and np.isfinite(self._antiderivative(self.times[-1]))
-        if not joined:
+            cubes = np.diff(self.times) ** 3
+            joined = np.isfinite(cubes) & np.isfinite(np.diff(self.values) / cubes)
+        if not joined.all():
             raise ValueError(f"times must be apart enough to be joined in numbers, got {self.times}")
         return self
 
@@ -44,27 +44,37 @@ class StepProfile(Parameters):
         """Same value at all times."""
         return cls(times=(0.0,), values=(value,))
 
-    @cached_property
-    def _spline(self) -> PPoly:
-        """Cubic pieces with zero slope at every given time, which is what STEP is."""
-        if len(self.times) == 1:
-            return PPoly(np.array([[self.values[0]]]), np.array([self.times[0], self.times[0] + 1.0]))
-        return CubicHermiteSpline(self.times, self.values, np.zeros(len(self.times)))
-
-    @cached_property
-    def _antiderivative(self) -> PPoly:
-        return self._spline.antiderivative()
+    def _at(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
+        """Number of the STEP that each time lies in, and the share of it that is over; 0 before the first."""
+        times, _, lengths, _ = _steps(self.times, self.values)
+        inside = np.minimum(np.maximum(time, times[0]), times[-1])
+        step = times.searchsorted(inside, side="right") - 1
+        return step, (inside - times[step]) / lengths[step]
 
     def value(self, time: ArrayLike) -> NDArray:
         """Value at each time."""
-        return self._spline(np.clip(time, self.times[0], self.times[-1]))
+        _, values, _, rises = _steps(self.times, self.values)
+        step, s = self._at(time)
+        return values[step] + rises[step] * s**2 * (3.0 - 2.0 * s)
 
     def rate(self, time: ArrayLike) -> NDArray:
         """Time derivative at each time."""
-        return self._spline.derivative()(np.clip(time, self.times[0], self.times[-1]))
+        _, _, lengths, rises = _steps(self.times, self.values)
+        step, s = self._at(time)
+        return 6.0 * rises[step] / lengths[step] * s * (1.0 - s)
 
     def integral(self, time: ArrayLike) -> NDArray:
         """Integral from the first given time to each time (negative before it)."""
-        t = np.asarray(time, dtype=float)
-        inside = np.clip(t, self.times[0], self.times[-1])
-        return self._antiderivative(inside) + (t - inside) * self.value(t)
+        times, values, lengths, rises = _steps(self.times, self.values)
+        step, s = self._at(time)
+        before = np.append(0.0, np.cumsum(lengths * (values + 0.5 * rises))[:-1])
+        within = lengths[step] * s * (values[step] + rises[step] * s**2 * (1.0 - 0.5 * s))
+        beyond = time - np.minimum(np.maximum(time, times[0]), times[-1])
+        return before[step] + within + beyond * self.value(time)
+
+
+@lru_cache(maxsize=256)
+def _steps(times: tuple[float, ...], values: tuple[float, ...]) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Start (s), first value, length (s) and rise of every STEP, a flat one last."""
+    starts, firsts = np.array(times), np.array(values)
+    return starts, firsts, np.append(np.diff(starts), 1.0), np.append(np.diff(firsts), 0.0)

@@ -117,7 +117,9 @@ def localized(modes: TerrainModes, units: NDArray) -> TerrainModes:
     """Same terrain in coordinates of which only the first few move the given units.
 
     An orthogonal change of coordinates, so the mass matrix stays the identity; it makes the
-    derivatives of the contact forces sparse.
+    derivatives of the contact forces sparse. The coordinates follow from the terrain and the units alone:
+    many modes have one frequency and any mixture of them serves, but a kept state has to mean the same
+    on another machine.
 
     Parameters
     ----------
@@ -125,7 +127,11 @@ def localized(modes: TerrainModes, units: NDArray) -> TerrainModes:
         Indices (from 0) of the units that the track can touch.
     """
     near = np.vstack((modes.heave[units], modes.tilt[units] * _length_scale(modes)))
-    _, _, turned = np.linalg.svd(near, full_matrices=True)
+    _, values, turned = np.linalg.svd(near, full_matrices=True)
+    moving = int(np.sum(values > 1e-9 * values[0]))
+    shapes = np.vstack((modes.heave, modes.tilt * _length_scale(modes)))
+    parts = ((near, turned[:moving]), (shapes, turned[moving:]))
+    turned = np.vstack([_settled(rows @ part.T) @ part for rows, part in parts])
     return TerrainModes(
         heave=_clean(modes.heave @ turned.T),
         tilt=_clean(modes.tilt @ turned.T),
@@ -135,9 +141,26 @@ def localized(modes: TerrainModes, units: NDArray) -> TerrainModes:
     )
 
 
+def _settled(rows: NDArray) -> NDArray:
+    """Directions (k, k), orthonormal, that rows (n, k) name one after the other, whatever axes these are in.
+
+    Each is the first row whose rest beside the directions before it is large: of equally large ones rounding
+    would choose.
+    """
+    rest, count = rows.copy(), rows.shape[1]
+    directions = np.empty((count, count))
+    for direction in directions:
+        lengths = np.linalg.norm(rest, axis=1)
+        first = int(np.argmax(lengths > 0.9 * lengths.max()))
+        direction[:] = rest[first] / lengths[first]
+        rest -= np.outer(rest @ direction, direction)
+    return directions
+
+
 def _length_scale(modes: TerrainModes) -> float:
-    """Length that makes tilts comparable with heaves, m."""
-    return float(np.abs(modes.heave).max() / np.abs(modes.tilt).max())
+    """Length that makes tilts comparable with heaves, m; that of the terrain, whatever its coordinates."""
+    heaves, tilts = (np.linalg.norm(rows, axis=1).max() for rows in (modes.heave, modes.tilt))
+    return float(heaves / tilts)
 
 
 def _clean(shapes: NDArray) -> NDArray:

@@ -16,7 +16,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-VERSION = 2
+VERSION = 3
 """Of the layout's own form; another one is refused."""
 
 RATES = ("", " rate", " acceleration")

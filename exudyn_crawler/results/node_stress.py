@@ -5,8 +5,9 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.stress_columns import stress_columns
+from exudyn_crawler.results.stress_columns import stress_at
 from fem.stress import principal, von_mises
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
@@ -50,8 +51,7 @@ def node_stress(
     place = None if near is None else np.asarray(near, dtype=float)
     if place is not None and (place.shape != (3,) or not np.isfinite(place).all()):
         raise ValueError(f"near must be three finite numbers in m, got {near!r}")
-    columns = stress_columns(history, [shoe])
-    whole = columns.shapes
+    whole = whole_reduction(history.case).body
     number, distance = int(node or 0), 0.0
     if place is not None:
         distances = np.linalg.norm(whole.nodes - place, axis=1)
@@ -59,7 +59,7 @@ def node_stress(
         distance = float(distances[number])
     if not 0 <= number < len(whole.nodes):
         raise ValueError(f"node must be in 0..{len(whole.nodes) - 1}, got {node}")
-    stress = whole.stress(columns.coordinates[shoe], np.array([number]))[:, 0]
+    stress = stress_at(history, shoe, np.array([number]))[:, 0]
     pascal = {"units": "Pa"}
     return xr.Dataset(
         {

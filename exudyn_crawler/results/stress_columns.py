@@ -21,7 +21,7 @@ from exudyn_crawler.results.modal_coordinates import (
     coordinates_by_load,
     stress_basis,
 )
-from fem import Shapes, field_columns
+from fem import Shapes, StaticFields, field_columns
 
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `SHARE` allows: 0.01 MPa."""
@@ -78,17 +78,43 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     if not flexible.static_fields:
         return StressColumns(basis, basis.whole, {shoe: q for shoe, (q, _) in found.items()}, None)
     body, _ = shoe_model(flexible, history.case.track)
-    fields = shoe_fields(history.case, rails=history.case.undercarriage is not None)
+    fields = fields_of(history)
     loads = {
         shoe: field_loads(history, fields, basis.whole, momentum, shoe)
         for shoe, (_, momentum) in found.items()
     }
     frequencies = basis.whole.frequencies
     columns = field_columns(body, fields, list(loads.values()), TOLERANCE, int(SHARE * len(frequencies)))
-    held = fields.work / (2.0 * np.pi * frequencies) ** 2
-    both = np.hstack((held, columns.turn))
+    both = np.hstack((fields.held(frequencies), columns.turn))
     coordinates = {shoe: load @ both for shoe, load in loads.items()}
     return StressColumns(basis, columns.beside(basis.whole), coordinates, columns.bound, both)
+
+
+def stress_at(history: History, shoe: int, nodes: NDArray) -> NDArray:
+    """Stress of a flexible shoe at few nodes over time: array (times, nodes, 6), Pa, in the shoe's axes.
+
+    That of `stress_columns`, but of every load itself: no field is left out.
+
+    Raises
+    ------
+    ValueError
+        If the shoe is not a flexible one of the history.
+    """
+    basis = stress_basis(history)
+    coordinates, momentum = coordinates_and_momentum(history, basis, shoe)
+    flexible = history.case.flexible_shoes()
+    if not flexible.static_fields:
+        return basis.whole.stress(coordinates, nodes)
+    body, _ = shoe_model(flexible, history.case.track)
+    fields = fields_of(history)
+    loads = field_loads(history, fields, basis.whole, momentum, shoe)
+    rests = np.tensordot(loads, body.stress(fields.displacements, nodes), axes=([1], [2]))
+    return basis.whole.stress(loads @ fields.held(basis.whole.frequencies), nodes) + rests
+
+
+def fields_of(history: History) -> StaticFields:
+    """Static fields of the loads that a history's flexible shoes bear."""
+    return shoe_fields(history.case, rails=history.case.undercarriage is not None)
 
 
 def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict[str, NDArray]:
@@ -107,7 +133,7 @@ def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict
     basis = columns.basis
     if columns.answers is None:
         return _in_words(coordinates_by_load(history, basis, shoe))
-    fields = shoe_fields(history.case, rails=history.case.undercarriage is not None)
+    fields = fields_of(history)
     _, momentum = coordinates_and_momentum(history, basis, shoe)
     kinds = loads_by_kind(history, fields, basis.whole, momentum, shoe)
     return _in_words({kind: fields.coordinates(own) @ columns.answers for kind, own in kinds.items()})

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
@@ -59,6 +60,7 @@ def integrate(
     return stages.history()
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def integrate_from(case: Case, state: NDArray, duration: float) -> History:
     """Integrate a case for some time from a state such as checkpoints keep.
 

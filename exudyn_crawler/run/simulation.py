@@ -3,10 +3,13 @@
 import math
 from contextlib import nullcontext
 
+from threadpoolctl import threadpool_limits
+
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.plausible import warn_implausible
 from exudyn_crawler.case.size import check_size
 from exudyn_crawler.model.compiled.two_processes import compile_equations
+from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.model.formulation import EQUATIONS, track_system
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.checkpoints import Checkpoints
@@ -61,7 +64,10 @@ def simulate(
     if checkpoints is not None:
         checkpoints.load(case)
     told = nullcontext() if progress is False else told_of_compiling(EQUATIONS, lambda: note(COMPILING))
-    with told:
+    if case.flexible is not None:
+        whole_reduction(case)  # large enough for several threads, as nothing behind it is
+    # matrices of a step are so small that threads wait for each other, and round by how many they are
+    with told, threadpool_limits(1, user_api="blas"):
         if case.is_compiled:
             compile_equations(framed=case.undercarriage is not None)
         system = track_system(case)

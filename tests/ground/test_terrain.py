@@ -5,9 +5,10 @@ import exudyn.itemInterface as items
 import numpy as np
 import pytest
 import scipy.linalg
+import scipy.stats
 
 from exudyn_crawler import Case, Terrain, simulate
-from exudyn_crawler.ground.terrain import localized, terrain_joints, terrain_modes, units_near
+from exudyn_crawler.ground.terrain import TerrainModes, localized, terrain_joints, terrain_modes, units_near
 from exudyn_crawler.model.system import add_terrain
 from exudyn_crawler.run.settings import set_times, solver_settings
 from tests.model.linearized import linearized
@@ -76,6 +77,26 @@ def test_localized_coordinates_are_the_same_terrain(grid):
     mass = terrain.unit_mass * local.heave.T @ local.heave
     mass += terrain.unit_inertia[terrain.tilt_axis] * local.tilt.T @ local.tilt
     assert mass == pytest.approx(np.eye(local.size), abs=1e-9)
+
+
+@pytest.mark.parametrize("grid", VARIANTS)
+def test_localized_coordinates_do_not_depend_on_the_modes_they_are_made_of(grid):
+    """Of modes with one frequency, rounding chooses which mixture another machine or more threads find."""
+    terrain = VARIANTS[grid]
+    modes = terrain_modes(terrain)
+    mixture = scipy.stats.ortho_group.rvs(modes.size, random_state=3)
+    mixed = TerrainModes(
+        modes.heave @ mixture,
+        modes.tilt @ mixture,
+        mixture.T @ modes.stiffness @ mixture,
+        mixture.T @ modes.damping @ mixture,
+        mixture.T @ modes.weight,
+    )
+    near = units_near(terrain, Case.translation().outline(0.0), 1.0)
+    one, other = localized(modes, near), localized(mixed, near)
+    for name in ("heave", "tilt", "stiffness", "weight"):
+        expected = getattr(one, name)
+        np.testing.assert_allclose(getattr(other, name), expected, atol=1e-9 * np.abs(expected).max())
 
 
 def terrain_alone(terrain, formulation):

@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from exudyn_crawler import Case, Drive, SphereContact, simulate
+from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.run.checkpoints import Checkpoints
 from exudyn_crawler.run.stages import stage_times
 
@@ -194,7 +195,10 @@ def test_states_of_another_layout_are_refused_by_name(copied):
     """Same parameters, but a program that lays its states out otherwise."""
     kept = Checkpoints(copied).load(staged())[0]
     assert kept.time == pytest.approx(INTERVAL)
-    for change, told in (({"terrain": 16}, "terrain is 15, not 16"), ({"version": 7}, "version is 2, not 7")):
+    for change, told in (
+        ({"terrain": 16}, "terrain is 15, not 16"),
+        ({"version": 7}, f"version is {VERSION}, not 7"),
+    ):
         other = json.dumps(json.loads(kept.layout) | change)
         with pytest.raises(ValueError, match=rf"stage_0000\.npz has states of another layout: {told}"):
             Checkpoints(copied).load(staged(), other)
