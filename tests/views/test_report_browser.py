@@ -144,6 +144,7 @@ def test_rollers_stand_where_the_frame_has_them(reader, rolled):
 def test_the_time_of_the_shoes_can_be_chosen(reader, flexible_run):
     _, stress, _ = flexible_run
     used = np.unique(stress.triangle.values)
+    step = float(stress.frame_von_mises.max()) / 1e6 / 65535  # a page holds stresses as whole numbers of it
     view = "#shoe-view"
     reader.page.locator("#shoes").scroll_into_view_if_needed()
     pictures = []
@@ -157,7 +158,7 @@ def test_the_time_of_the_shoes_can_be_chosen(reader, flexible_run):
         for place, shoe in enumerate((7, 13)):
             expected = stress.frame_von_mises.sel(shoe=shoe, frame=frame).values / 1e6
             drawn = reader.shown(f"Array.from(data[{place}].intensity)", view)
-            assert drawn == pytest.approx(expected[used], abs=1e-3)
+            assert drawn == pytest.approx(expected[used], abs=0.51 * step)
             assert reader.shown(f"data[{place}].name", view) == f"shoe {shoe}: {expected.max():.1f} MPa"
         reader.page.wait_for_timeout(1000)
         pictures.append(reader.page.locator("#shoe-view").screenshot())
