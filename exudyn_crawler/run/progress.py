@@ -48,40 +48,39 @@ def _bar(title: str, duration: float, console: Console, unit: str) -> Iterator[C
         TextColumn("{task.fields[speed]}"),
         TimeRemainingColumn(),
     )
-    start = last = clock.perf_counter()
-    first: float | None = None
+    last = clock.perf_counter()
+    pace = _pace()
     with Progress(*columns, console=console, transient=False) as bar:
         task = bar.add_task(title, total=duration, speed="")
 
         def tell(time: float) -> None:
-            nonlocal last, first
+            nonlocal last
             now = clock.perf_counter()
-            first = time if first is None else first
+            wall = pace(time, now)
             if now - last < REFRESH and time < duration:
                 return
             last = now
-            bar.update(task, completed=time, speed=_speed(now - start, time - first, unit))
+            bar.update(task, completed=time, speed=_speed(wall, unit))
 
         yield tell
 
 
 def _lines(title: str, duration: float, unit: str) -> Callable[[float], None]:
     """Function that writes a line every `LINE_EVERY` until the run's end."""
-    start = last = clock.perf_counter()
-    first: float | None = None
+    last = clock.perf_counter()
+    pace = _pace()
 
     def tell(time: float) -> None:
-        nonlocal last, first
+        nonlocal last
         now = clock.perf_counter()
-        first = time if first is None else first
+        wall = pace(time, now)
         if now - last < LINE_EVERY or time >= duration:
             return
         last = now
-        parts = [f"{title}: {time:.4g} of {duration:g} {unit}", _speed(now - start, time - first, unit)]
-        if time > first:
-            left = (now - start) / (time - first) * (duration - time)
-            parts.append(f"about {left:.0f} s left")
-        note(", ".join(filter(None, parts)))
+        line = f"{title}: {time:.4g} of {duration:g} {unit}"
+        if wall is not None:
+            line += f", {_speed(wall, unit)}, about {wall * (duration - time):.0f} s left"
+        note(line)
 
     return tell
 
@@ -91,9 +90,25 @@ def note(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
 
-def _speed(wall: float, simulated: float, unit: str) -> str:
-    """Wall time for a simulated second, or for one of what is counted; empty as long as there was none."""
-    return f"{wall / simulated:.3g} s wall per {unit.removesuffix('s') or unit}" if simulated > 0.0 else ""
+def _pace() -> Callable[[float, float], float | None]:
+    """Function of time and clock (s) that gives the wall time a simulated second, as far as it is known.
+
+    The first step is left out: it loads or compiles.
+    """
+    begun: list[tuple[float, float]] = []
+
+    def pace(time: float, now: float) -> float | None:
+        if not begun or (len(begun) == 1 and time > begun[0][0]):
+            begun.append((time, now))
+        first, start = begun[-1]
+        return (now - start) / (time - first) if time > first else None
+
+    return pace
+
+
+def _speed(wall: float | None, unit: str) -> str:
+    """Wall time for a simulated second, or for one of what is counted; empty where it is not known."""
+    return "" if wall is None else f"{wall:.3g} s wall per {unit.removesuffix('s') or unit}"
 
 
 @contextmanager
