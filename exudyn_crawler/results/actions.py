@@ -229,9 +229,9 @@ def _contacts(history: History, shoe: int) -> Iterator[Action]:
         history.dataset[name].isel(contact=own).values
         for name in ("area", "point", "normal_force", "friction_force", "friction_torque")
     )
-    for column, index in enumerate(own):
-        pressed = area[:, column] > 0.0
-        entry = OverRectangle(*patches(history, int(index)), pressed) if bends else OnFrame()
+    pressed_on = patches(history, shoe) if bends else {}
+    for column, index in enumerate(own.tolist()):
+        entry = OverRectangle(*pressed_on[index], area[:, column] > 0.0) if bends else OnFrame()
         yield Action(
             "contact",
             shoe,

@@ -15,36 +15,37 @@ from exudyn_crawler.ground.rotations import rotation_matrices, shoe_at, unit_at
 from exudyn_crawler.results.history import History
 
 
-def patches(history: History, index: int) -> tuple[NDArray, NDArray]:
-    """Least and greatest x and y, m in the shoe's frame, of a contact's patch: two arrays (times, 2).
+def patches(history: History, shoe: int) -> dict[int, tuple[NDArray, NDArray]]:
+    """Least and greatest x and y, m in the shoe's frame, of the patches of a shoe: arrays (times, 2).
 
-    Parameters
-    ----------
-    index : int
-        Of the contact, whose patch is of no size while it is open.
+    By the index of the contact, whose patch is of no size while it is open.
     """
     case = history.case
-    shoe, unit = int(history.contact_shoe[index]), int(history.contact_unit[index])
+    own = np.flatnonzero(history.contact_shoe.values == shoe)
+    # each variable is read once, for histories larger than memory
     position, angles = (history.dataset[name].sel(shoe=shoe).values for name in ("position", "angles"))
-    units = _unit_places(history, unit)
-    bounds = _overlaps(position, angles, units, case)
-    middle = units[:, :2] + 0.5 * (bounds[:, 0::2] + bounds[:, 1::2])
-    half = 0.5 * (bounds[:, 1::2] - bounds[:, 0::2])
-    height = history.point.isel(contact=index, axis=2).values
-    place = np.column_stack((middle, height)) - position
+    heights = history.point.isel(contact=own, axis=2).values
+    places = _unit_places(history, history.contact_unit.values[own])
     frames = rotation_matrices(angles)
-    center = np.einsum("tji,tj->ti", frames, place)[:, :2]
-    reach = np.einsum("tji,tj->ti", np.abs(frames[:, :2, :2]), half)
-    return center - reach, center + reach
+    found = {}
+    for index, units, height in zip(own.tolist(), places, heights.T, strict=True):
+        bounds = _overlaps(position, angles, units, case)
+        middle = units[:, :2] + 0.5 * (bounds[:, 0::2] + bounds[:, 1::2])
+        half = 0.5 * (bounds[:, 1::2] - bounds[:, 0::2])
+        place = np.column_stack((middle, height)) - position
+        center = np.einsum("tji,tj->ti", frames, place)[:, :2]
+        reach = np.einsum("tji,tj->ti", np.abs(frames[:, :2, :2]), half)
+        found[index] = (center - reach, center + reach)
+    return found
 
 
-def _unit_places(history: History, unit: int) -> NDArray:
-    """Position (m) and tilt (rad) of a unit: array (times, 4)."""
+def _unit_places(history: History, units: NDArray) -> NDArray:
+    """Position (m) and tilt (rad) of units by their numbers: array (units, times, 4)."""
     terrain = history.case.terrain
-    still = np.append(terrain.centers[unit - 1], terrain.tilts[unit - 1])
-    places = np.tile(still, (history.time.size, 1))
-    places[:, 2] += history.unit_heave.sel(unit=unit).values
-    places[:, 3] += history.unit_tilt.sel(unit=unit).values
+    still = np.column_stack((terrain.centers, terrain.tilts))[units - 1]
+    places = np.tile(still[:, None], (1, history.time.size, 1))
+    places[:, :, 2] += history.unit_heave.sel(unit=units).values.T
+    places[:, :, 3] += history.unit_tilt.sel(unit=units).values.T
     return places
 
 

@@ -58,9 +58,9 @@ def test_modes_feel_the_ground_as_in_the_equations(turns):
 
 def test_patches_of_a_shoe_on_two_units_lie_side_by_side_and_cover_its_underside(translation):
     """But for half a unit's length times its tilt squared, and what its tilt moves the overlap by."""
-    of_shoe = translation.contact_shoe.values == 7
+    found = patches(translation, 7)
     rear, front = (
-        patches(translation, int(np.flatnonzero(of_shoe & (translation.contact_unit.values == unit))[0]))
+        next(patch for index, patch in found.items() if translation.contact_unit.values[index] == unit)
         for unit in (7, 12)
     )
     footprint = translation.case.shoe.footprint
