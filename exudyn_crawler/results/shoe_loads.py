@@ -11,7 +11,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import pulled_node
-from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
+from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, weights_a_metre
 from exudyn_crawler.model.rail_rows import strip_lines
 from exudyn_crawler.results.actions import (
     AtDrivePoint,
@@ -210,8 +210,11 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
         match action.entry:
             case AtInterface(name):
                 centers[names.index(name)] += np.concatenate((force, moment))
-            case OverSurface(name):
-                nodal += body.surface_load(name, force)
+            case OverSurface(name, shift):
+                weights = body.surface_load(name, np.array([0.0, 0.0, 1.0]))[:, 2]
+                if shift is not None:
+                    weights = weights + shift[0] * weights_a_metre(weights, body.mesh.nodes)
+                nodal += weights[:, None] * force
             case OverRectangle():
                 nodal += patch_weights(history.case, body, action.entry)[:, None] * force
             case OnRail(line, x):

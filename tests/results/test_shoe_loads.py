@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import action_table, peak_time, shoe_loads, stress_basis, whole_coordinates
+from exudyn_crawler import History, action_table, peak_time, shoe_loads, stress_basis, whole_coordinates
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.balance import shoe_momentum_rates
 from fem import Partition
@@ -27,8 +27,14 @@ def test_forces_and_moments_of_a_deck_are_in_balance(flexible_run, shoe):
     assert np.abs(loads.residual).max() < 1e-10 * size
 
 
-def test_loads_do_the_elastic_forces_work_on_every_mode(flexible_run, front):
-    history = flexible_run[0]
+@pytest.mark.parametrize("shift", [0.0, 0.4])
+def test_loads_do_the_elastic_forces_work_on_every_mode(flexible_run, shift):
+    """Also of a machine's load that acts beside the middle of the shoe."""
+    case = flexible_run[0].case
+    phases = tuple(phase.with_(side_shift=shift) for phase in case.loads.phases)
+    shifted = case.with_(loads=case.loads.with_(phases=phases))
+    history = History(shifted, flexible_run[0].dataset)
+    front = shoe_loads(history, 13, TIME)
     basis = stress_basis(history)
     row = int(np.abs(history.time.values - TIME).argmin())
     q = whole_coordinates(history, basis, 13)[row]
