@@ -7,7 +7,9 @@ import json
 import os
 import time
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from itertools import islice
+from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -70,6 +72,17 @@ def short_runs(workers: int) -> dict[str, float]:
     }
 
 
+def pooled_runs(workers: int) -> float:
+    """Wall time of the same runs in processes that no scheduler looks after, all that two cores can do."""
+    sweep = short_sweep(RUNS + workers)
+    with TemporaryDirectory() as folder, ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        tasks = tasks_of(sweep, {one.digest: one for one in sweep.planned}, folder)
+        list(pool.map(run_alone, islice(tasks, workers)))
+        ready = time.perf_counter()
+        list(pool.map(run_alone, tasks))
+        return time.perf_counter() - ready
+
+
 def tiny(task: Task) -> Outcome:
     """Do nothing."""
     return {"digest": task.digest, "status": "done", "process": os.getpid()}
@@ -102,7 +115,9 @@ def tiny_tasks(client: Client) -> dict[str, float]:
 def main() -> None:
     """Print all tables."""
     table = pd.DataFrame([short_runs(1), short_runs(2)])
+    table["without a scheduler, s"] = [pooled_runs(1), pooled_runs(2)]
     table["efficiency"] = table["wall time, s"][0] / (table["workers"] * table["wall time, s"])
+    table["of what is without one"] = table["without a scheduler, s"] / table["wall time, s"]
     print_table(table, f"{RUNS} runs of {DURATION:g} s, {os.cpu_count()} cores")
     print(f"load of the machine over the last minutes: {os.getloadavg()}")
     with (

@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import bsr_array, csr_array
+from scipy.sparse import bsr_array, csr_array, kron
 from skfem import Basis, ElementTetP1, ElementTetP2, MeshTet1, MeshTet2
 
 from fem.mesh import Floats, Mesh
@@ -99,18 +99,18 @@ def shape_gradients(mesh: Mesh, points: Floats) -> Floats:
 
 
 def _blocks_to_csr(mesh: Mesh, blocks: Floats) -> csr_array:
-    """Sum element blocks (e, a, b, 3, 3) into a (3n, 3n) matrix with xyz per node."""
-    n = len(mesh.nodes)
+    """Sum element blocks (e, a, b, k, k) into a (k n, k n) matrix with k rows per node."""
+    n, k = len(mesh.nodes), blocks.shape[-1]
     nodes = mesh.elements
     keys = (nodes[:, :, None] * n + nodes[:, None, :]).ravel()
     pairs, place = np.unique(keys, return_inverse=True)
-    data = np.empty((len(pairs), 3, 3))
-    flat = blocks.reshape(-1, 3, 3)
-    for i in range(3):
-        for j in range(3):
+    data = np.empty((len(pairs), k, k))
+    flat = blocks.reshape(-1, k, k)
+    for i in range(k):
+        for j in range(k):
             data[:, i, j] = np.bincount(place, weights=flat[:, i, j], minlength=len(pairs))
     indptr = np.searchsorted(pairs, np.arange(n + 1) * n)
-    matrix = csr_array(bsr_array((data, pairs % n, indptr), shape=(3 * n, 3 * n)))
+    matrix = csr_array(bsr_array((data, pairs % n, indptr), shape=(k * n, k * n)))
     matrix.sort_indices()
     return matrix
 
@@ -138,9 +138,4 @@ def mass_matrix(mesh: Mesh, density: float) -> csr_array:
     values, _ = _values_and_gradients(basis)
     v = np.ascontiguousarray(values.transpose(1, 0, 2))  # e, a, q
     scalar = np.matmul(v * (density * basis.dx)[:, None, :], v.transpose(0, 2, 1))
-    blocks = np.zeros((*scalar.shape, 3, 3))
-    for i in range(3):
-        blocks[..., i, i] = scalar
-    matrix = _blocks_to_csr(mesh, blocks)
-    matrix.eliminate_zeros()
-    return matrix
+    return csr_array(kron(_blocks_to_csr(mesh, scalar[..., None, None]), np.eye(3), format="csr"))

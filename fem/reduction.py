@@ -25,6 +25,8 @@ from fem.mesh import Floats
 from fem.reduced import ReducedBody
 from fem.solver import Backend, factorized
 
+BALANCED = 1e-9
+"""Part of a load beyond its inertia below which it is rounding."""
 RIGID_RESIDUAL = 1e-6
 """Greatest strain energy of a rigid-body mode over that of the first elastic mode."""
 
@@ -174,8 +176,8 @@ def craig_bampton(
     Raises
     ------
     ValueError
-        If interfaces do not fit, more modes are asked for than the mesh has, or the basis is
-        linearly dependent.
+        If interfaces do not fit, more modes are asked for than the mesh has, a residual load only moves
+        the body as a whole, or the basis is linearly dependent.
     RuntimeError
         If a mode that should be rigid stores energy, or another one does not.
     """
@@ -196,10 +198,7 @@ def craig_bampton(
             )
     columns = [partition.constraint_modes, partition.fixed_interface_modes(n_fixed_modes)]
     if loads:
-        forces = np.column_stack(list(loads.values()))
-        moved = body.mass_matrix @ body.rigid_modes
-        resultant = np.linalg.solve(body.rigid_modes.T @ moved, body.rigid_modes.T @ forces)
-        columns.append(partition.held_response(forces - moved @ resultant))
+        columns.append(partition.held_response(_balanced(body, loads)))
     basis = np.column_stack(columns)
     centers = np.zeros((6 * len(partition.interfaces), basis.shape[1]))
     centers[:, : len(centers)] = np.eye(len(centers))
@@ -214,6 +213,19 @@ def craig_bampton(
         {"n_fixed_modes": n_fixed_modes, "residual_loads": list(loads)},
         ritz,
     )
+
+
+def _balanced(body: ElasticBody, loads: Mapping[str, Floats]) -> Floats:
+    """Nodal loads (3n,) with the inertia of the free body that balances them: array (3n, loads)."""
+    forces = np.column_stack(list(loads.values()))
+    moved = body.mass_matrix @ body.rigid_modes
+    balanced = forces - moved @ np.linalg.solve(body.rigid_modes.T @ moved, body.rigid_modes.T @ forces)
+    for name, force, rest in zip(loads, forces.T, balanced.T, strict=True):
+        if np.linalg.norm(rest) <= BALANCED * np.linalg.norm(force):
+            raise ValueError(
+                f"residual load {name!r} must bend the body, got one that its inertia balances everywhere"
+            )
+    return balanced
 
 
 def nested_reduction(

@@ -47,9 +47,9 @@ def _extension(order: int) -> tuple[Floats, Floats]:
     return points, np.vstack([corners, corners[TETRA_EDGES].mean(axis=1)])
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=2)
 def element_gradient_operator(mesh: Mesh) -> Floats:
-    """Gradients of the shape functions at the nodes of each element after extension; the last is remembered.
+    """Gradients of the shape functions at the nodes of each element after extension; the last two are kept.
 
     Returns
     -------
@@ -119,6 +119,15 @@ def nodal_stress(
         operator = operator[rows]
     gradient = (operator @ displacements.reshape(n, 3 * m)).reshape(-1, 3, 3, m)
     return np.moveaxis(stress_of_gradient(np.moveaxis(gradient, 3, 1), material), 1, 2)
+
+
+def stress_at_node(mesh: Mesh, material: Material, displacements: Floats, node: int) -> Floats:
+    """Nodal stress (6, m) in Pa of displacements (n, 3, m) at one node, from the elements about it alone."""
+    about = mesh.elements[(mesh.elements == node).any(axis=1)]
+    used, elements = np.unique(about, return_inverse=True)
+    part = Mesh(mesh.nodes[used], elements.reshape(about.shape), {})
+    place = np.searchsorted(used, [node])
+    return nodal_stress(nodal_gradient_operator(part), material, displacements[used], place)[0]
 
 
 def element_stress(mesh: Mesh, material: Material, displacement: Floats) -> Floats:

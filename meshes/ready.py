@@ -5,7 +5,6 @@ from pathlib import Path
 from fem.mesh import Mesh
 from fem.mesh_files import read_mesh
 from meshes.geometry import SHOE_SIZES
-from meshes.load_surfaces import with_load_surfaces
 
 
 def shoe_path(size: str = "study") -> Path:
@@ -26,9 +25,18 @@ def shoe_mesh(size: str = "study") -> Mesh:
     return read_mesh(shoe_path(size))
 
 
-def mesh_named(name: str) -> Mesh:
-    """Ready mesh of the shoe by its size, or any mesh by its path, with `LOAD_SURFACES`.
+def mesh_as_filed(name: str) -> Mesh:
+    """Ready mesh of the shoe by its size, or any mesh by its path, with the surfaces of its file.
 
     Errors are those of `fem.read_mesh`.
     """
-    return with_load_surfaces(shoe_mesh(name) if name in SHOE_SIZES else read_mesh(name))
+    return shoe_mesh(name) if name in SHOE_SIZES else read_mesh(name)
+
+
+def mesh_named(name: str) -> Mesh:
+    """Mesh as of `mesh_as_filed`, with `LOAD_SURFACES`."""
+    from meshes.load_surfaces import (
+        with_load_surfaces,
+    )  # searches space, which a look at a mesh need not load
+
+    return with_load_surfaces(mesh_as_filed(name))

@@ -78,7 +78,8 @@ def stopped(case: Path, out: Path, moment: float, kind: signal.Signals) -> dict[
         os.kill(process, kind)
     first = ended(process)
     then = None if first == 0 else ended(begin(case, out))
-    status = json.loads((out / "run.json").read_text())["status"]
+    record = out / "run.json"
+    status = json.loads(record.read_text())["status"] if record.exists() else "no record"
     return {
         "moment": round(moment, 3),
         "signal": kind.name,

@@ -109,9 +109,9 @@ def shoe_weights(case: Case) -> str:
     if case.flexible is None:
         return ""
     # it reads a mesh, which a case without one need not wait for
-    from meshes import mesh_named
+    from meshes.ready import mesh_as_filed
 
-    mass = mesh_named(case.flexible.mesh).volume * case.flexible.density
+    mass = mesh_as_filed(case.flexible.mesh).volume * case.flexible.density
     more = 100.0 * (mass / case.shoe.mass - 1.0)
     return (
         f"shoes: rigid ones weigh {case.shoe.mass:.6g} kg each, flexible ones {mass:.6g} kg ({more:+.2g} %), "

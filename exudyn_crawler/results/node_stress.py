@@ -59,7 +59,7 @@ def node_stress(
         distance = float(distances[number])
     if not 0 <= number < len(whole.nodes):
         raise ValueError(f"node must be in 0..{len(whole.nodes) - 1}, got {node}")
-    stress = stress_at(history, shoe, np.array([number]))[:, 0]
+    stress = stress_at(history, shoe, number)
     pascal = {"units": "Pa"}
     return xr.Dataset(
         {

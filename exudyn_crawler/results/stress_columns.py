@@ -22,6 +22,7 @@ from exudyn_crawler.results.modal_coordinates import (
     stress_basis,
 )
 from fem import Shapes, StaticFields, field_columns
+from fem.stress import stress_at_node
 
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `SHARE` allows: 0.01 MPa."""
@@ -90,8 +91,8 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     return StressColumns(basis, columns.beside(basis.whole), coordinates, columns.bound, both)
 
 
-def stress_at(history: History, shoe: int, nodes: NDArray) -> NDArray:
-    """Stress of a flexible shoe at few nodes over time: array (times, nodes, 6), Pa, in the shoe's axes.
+def stress_at(history: History, shoe: int, node: int) -> NDArray:
+    """Stress of a flexible shoe at a node over time: array (times, 6), Pa, in the shoe's axes.
 
     That of `stress_columns`, but of every load itself: no field is left out.
 
@@ -101,15 +102,14 @@ def stress_at(history: History, shoe: int, nodes: NDArray) -> NDArray:
         If the shoe is not a flexible one of the history.
     """
     basis = stress_basis(history)
+    whole = basis.whole
     coordinates, momentum = coordinates_and_momentum(history, basis, shoe)
-    flexible = history.case.flexible_shoes()
-    if not flexible.static_fields:
-        return basis.whole.stress(coordinates, nodes)
-    body, _ = shoe_model(flexible, history.case.track)
+    if not history.case.flexible_shoes().static_fields:
+        return coordinates @ whole.stress_modes[node].T
     fields = fields_of(history)
-    loads = field_loads(history, fields, basis.whole, momentum, shoe)
-    rests = np.tensordot(loads, body.stress(fields.displacements, nodes), axes=([1], [2]))
-    return basis.whole.stress(loads @ fields.held(basis.whole.frequencies), nodes) + rests
+    loads = field_loads(history, fields, whole, momentum, shoe)
+    held = fields.held(whole.frequencies) @ whole.stress_modes[node].T
+    return loads @ (held + stress_at_node(whole.mesh, whole.material, fields.displacements, node).T)
 
 
 def fields_of(history: History) -> StaticFields:
