@@ -35,8 +35,7 @@ def mesh_as_filed(name: str) -> Mesh:
 
 def mesh_named(name: str) -> Mesh:
     """Mesh as of `mesh_as_filed`, with `LOAD_SURFACES`."""
-    from meshes.load_surfaces import (
-        with_load_surfaces,
-    )  # searches space, which a look at a mesh need not load
+    # searches space with what a look at a mesh need not load
+    from meshes.load_surfaces import with_load_surfaces
 
     return with_load_surfaces(mesh_as_filed(name))
