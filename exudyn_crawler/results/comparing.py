@@ -38,6 +38,9 @@ COLUMNS = (
     "at in s",
 )
 
+STILL = 1e-7
+"""Part of the greatest on all axes below which nothing moves along one: what the solver leaves out of balance
+(0.2 N) over the forces."""
 ROUNDING = 1e-12
 """Of the greatest value of a quantity over all its axes, below which differences are rounding."""
 
@@ -80,9 +83,12 @@ def difference_table(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
         a, b = xr.align(first[name], second[name], join="inner", exclude=["time"])
         a, b = a.sel(time=time), b.interp(time=np.minimum(time, float(b.time[-1])))
         b = b.assign_coords(time=time)
-        rounding = ROUNDING * max(float(abs(a).max()) if a.size else 0.0, ROUNDING)
+        greatest = float(abs(a).max()) if a.size else 0.0
+        rounding = ROUNDING * max(greatest, ROUNDING)
         for axis in a.axis.values if "axis" in a.dims else [None]:
             pair = (a, b) if axis is None else (a.sel(axis=axis), b.sel(axis=axis))
+            if axis is not None and all(bool((abs(one) <= STILL * greatest).all()) for one in pair):
+                continue
             rows += [
                 {"quantity": str(name), "axis": "" if axis is None else str(axis)} | row
                 for row in _rows(*pair, rounding)

@@ -28,7 +28,8 @@ def test_a_change_is_found_with_its_place_and_time(translation):
 
 def test_rounding_on_an_axis_that_nothing_moves_along_is_no_difference(translation):
     changed = translation.dataset.copy(deep=True)
-    changed.velocity.loc[{"axis": "y"}] = 1e-17
+    # what a solver leaves there hangs on the machine
+    changed.velocity.loc[{"axis": "y"}] = 1e-11
     assert difference_table(compared(translation), compared(History(translation.case, changed))).empty
 
 
