@@ -5,6 +5,7 @@ from pathlib import Path
 from fem.mesh import Mesh
 from fem.mesh_files import read_mesh
 from meshes.geometry import SHOE_SIZES
+from meshes.load_surfaces import with_load_surfaces
 
 
 def shoe_path(size: str = "study") -> Path:
@@ -25,17 +26,9 @@ def shoe_mesh(size: str = "study") -> Mesh:
     return read_mesh(shoe_path(size))
 
 
-def mesh_as_filed(name: str) -> Mesh:
-    """Ready mesh of the shoe by its size, or any mesh by its path, with the surfaces of its file.
+def mesh_named(name: str) -> Mesh:
+    """Ready mesh of the shoe by its size, or any mesh by its path, with `LOAD_SURFACES`.
 
     Errors are those of `fem.read_mesh`.
     """
-    return shoe_mesh(name) if name in SHOE_SIZES else read_mesh(name)
-
-
-def mesh_named(name: str) -> Mesh:
-    """Mesh as of `mesh_as_filed`, with `LOAD_SURFACES`."""
-    # searches space with what a look at a mesh need not load
-    from meshes.load_surfaces import with_load_surfaces
-
-    return with_load_surfaces(mesh_as_filed(name))
+    return with_load_surfaces(shoe_mesh(name) if name in SHOE_SIZES else read_mesh(name))

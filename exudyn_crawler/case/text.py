@@ -11,6 +11,7 @@ from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile
 from exudyn_crawler.case.fields import BASE, NONE, Entry, first_line, is_table, models_of, named_values, walk
 from exudyn_crawler.case.profile import StepProfile
+from meshes.geometry import VOLUMES
 
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
 
@@ -108,15 +109,22 @@ def shoe_weights(case: Case) -> str:
     """
     if case.flexible is None:
         return ""
-    # it reads a mesh, which a case without one need not wait for
-    from meshes.ready import mesh_as_filed
-
-    mass = mesh_as_filed(case.flexible.mesh).volume * case.flexible.density
+    mass = _volume(case.flexible.mesh) * case.flexible.density
     more = 100.0 * (mass / case.shoe.mass - 1.0)
     return (
         f"shoes: rigid ones weigh {case.shoe.mass:.6g} kg each, flexible ones {mass:.6g} kg ({more:+.2g} %), "
         f"as their mesh and density make them"
     )
+
+
+def _volume(mesh: str) -> float:
+    """Volume of a mesh of the shoe, m3."""
+    if mesh in VOLUMES:
+        return VOLUMES[mesh]
+    # an own one is read, which a case without it need not wait for
+    from meshes import mesh_named
+
+    return mesh_named(mesh).volume
 
 
 def value_text(value: object) -> str:

@@ -6,11 +6,18 @@ import pytest
 import fem
 import meshes
 from meshes import STEEL
+from meshes.geometry import VOLUMES
 
 
 @pytest.fixture(scope="module", params=["coarse", "study"])
 def shoe(request: pytest.FixtureRequest) -> fem.ElasticBody:
     return fem.ElasticBody(meshes.shoe_mesh(request.param), STEEL)
+
+
+@pytest.mark.parametrize("size", meshes.SHOE_SIZES)
+def test_volumes_are_those_of_the_files(size: str) -> None:
+    assert list(VOLUMES) == list(meshes.SHOE_SIZES)
+    assert meshes.shoe_mesh(size).volume == pytest.approx(VOLUMES[size], rel=1e-12)
 
 
 def test_mass_and_center(shoe: fem.ElasticBody) -> None:
