@@ -216,10 +216,9 @@ def craig_bampton(
 
 
 def _balanced(body: ElasticBody, loads: Mapping[str, Floats]) -> Floats:
-    """Nodal loads (3n,) with the inertia of the free body that balances them: array (3n, loads)."""
+    """Loads (3n,) as of `ElasticBody.balanced`, each of which must leave something: array (3n, loads)."""
     forces = np.column_stack(list(loads.values()))
-    moved = body.mass_matrix @ body.rigid_modes
-    balanced = forces - moved @ np.linalg.solve(body.rigid_modes.T @ moved, body.rigid_modes.T @ forces)
+    balanced = body.balanced(forces)
     for name, force, rest in zip(loads, forces.T, balanced.T, strict=True):
         if np.linalg.norm(rest) <= BALANCED * np.linalg.norm(force):
             raise ValueError(

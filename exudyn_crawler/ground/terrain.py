@@ -126,10 +126,10 @@ def localized(modes: TerrainModes, units: NDArray) -> TerrainModes:
     units : array of int
         Indices (from 0) of the units that the track can touch.
     """
-    near = np.vstack((modes.heave[units], modes.tilt[units] * _length_scale(modes)))
+    shapes = np.vstack((modes.heave, modes.tilt * _length_scale(modes)))
+    near = shapes[np.concatenate((units, len(modes.heave) + units))]
     _, values, turned = np.linalg.svd(near, full_matrices=True)
     moving = int(np.sum(values > 1e-9 * values[0]))
-    shapes = np.vstack((modes.heave, modes.tilt * _length_scale(modes)))
     parts = ((near, turned[:moving]), (shapes, turned[moving:]))
     turned = np.vstack([_settled(rows @ part.T) @ part for rows, part in parts])
     return TerrainModes(
