@@ -1,14 +1,14 @@
 """Files that appear whole or not at all, and are never overwritten unasked."""
 
 import os
-import signal
 import tempfile
-import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
+
+from fem.interrupts import interrupts_wait
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,31 +107,6 @@ def clear_partial_files(folder: Path, below: bool = True) -> None:
     name = f"{PARTIAL}????????-*"
     for path in folder.rglob(name) if below else folder.glob(name):
         path.unlink(missing_ok=True)
-
-
-@contextmanager
-def interrupts_wait() -> Iterator[list[int]]:
-    """Let Ctrl-C and requests to terminate wait for the end of the block, in a list that it gives.
-
-    One that comes while HDF5 writes to a Python file would end the process or be lost with what was written.
-    One that is ignored stays so.
-    """
-    waiting: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield waiting
-        return
-    before = {
-        number: signal.signal(number, lambda number, _frame: waiting.append(number))
-        for number in (signal.SIGINT, signal.SIGTERM)
-        if signal.getsignal(number) is not signal.SIG_IGN
-    }
-    try:
-        yield waiting
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, signal.SIG_DFL if handler is None else handler)
-        if waiting:
-            signal.raise_signal(waiting[0])
 
 
 COMPRESSION = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}

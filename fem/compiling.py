@@ -14,6 +14,8 @@ from typing import Any
 from numba import njit
 from numba.core.event import Event, Listener, install_listener
 
+from fem.interrupts import interrupts_wait
+
 
 def source_digest(*sources: Path) -> str:
     """SHA-256 of some Python sources: files, or all in a folder."""
@@ -39,6 +41,9 @@ def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
     def compiled(function: Callable) -> Any:
         # nobody takes the C address of a function, which would be a fifth of the time to compile
         dispatcher = njit(cache=True, no_cfunc_wrapper=True, **options)(function)
+        # LLVM asks Python for kept code and goes on without it where an interrupt comes just then: it calls what
+        # is not there
+        dispatcher.compile = interrupts_wait()(dispatcher.compile)
         # numba has no public way to say what a function is made of; without the attributes it keeps its own
         cache: Any = getattr(dispatcher, "_cache", None)
         kept = getattr(cache, "_cache_file", None)

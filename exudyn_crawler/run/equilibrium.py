@@ -5,7 +5,6 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.files import interrupts_wait
 from exudyn_crawler.model.compiled.rest import crept, rest
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.engine import exu
@@ -13,6 +12,7 @@ from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.formulation import TrackSystem
 from exudyn_crawler.model.system import System, build
 from exudyn_crawler.run.faults import at_fault
+from fem.interrupts import interrupts_wait
 
 RESIDUAL = 1e-3
 """N, root mean square of the residual that ends the iteration: 1e-9 of a shoe's load."""

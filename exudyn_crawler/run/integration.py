@@ -10,7 +10,6 @@ from threadpoolctl import threadpool_limits
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
-from exudyn_crawler.files import interrupts_wait
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.formulation import TrackSystem, track_system
@@ -22,6 +21,7 @@ from exudyn_crawler.run.recorder import Recorder
 from exudyn_crawler.run.run_stages import RunStages, system_history
 from exudyn_crawler.run.settings import set_times, solver_settings
 from exudyn_crawler.run.stages import is_quiet, stage_times
+from fem.interrupts import interrupts_wait
 
 
 def integrate(

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.views.colours import CONTACT_FORCE, STRESS_MAP
 from exudyn_crawler.views.scene import Body, Scene, View
+from fem.interrupts import interrupts_wait
 
 Backend = Literal["opengl", "plain"]
 
@@ -90,6 +91,7 @@ def draw_scene(
     return ax
 
 
+@interrupts_wait()
 def opengl_image(
     scene: Scene,
     view: View,

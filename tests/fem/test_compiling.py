@@ -19,6 +19,29 @@ with told_of_compiling([outer], lambda: told.append(1)):
     result = outer(3.0)
 print(result, len(told), outer.stats.cache_hits)
 """
+INTERRUPTED = """
+import os, signal
+from numba.core import codegen
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+library, asked = codegen.CPUCodeLibrary, []
+get = library._object_getbuffer_hook
+
+
+def interrupted(module):
+    asked.append(module)
+    os.kill(os.getpid(), signal.SIGINT)
+    return get(module)
+
+
+library._object_getbuffer_hook = interrupted
+from outer import outer
+
+try:
+    outer(3.0)
+except KeyboardInterrupt:
+    print("interrupted", len(asked) > 0, outer(3.0))
+"""
 FULL_DISK = """
 import resource, signal
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -26,10 +49,10 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
 """
 
 
-def result(folder: Path, before: str = "") -> str:
+def result(folder: Path, before: str = "", ask: str = ASK) -> str:
     """What the compiled function gives in a process of its own."""
     paths = os.pathsep.join([str(folder), str(Path(__file__).parents[2])])
-    command = [sys.executable, "-c", before + ASK]
+    command = [sys.executable, "-c", before + ask]
     environment = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(folder / "kept")}
     return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
 
@@ -53,3 +76,12 @@ def test_a_function_that_finds_no_room_to_be_kept_is_compiled_all_the_same(tmp_p
     (tmp_path / "inner.py").write_text(INNER.format(factor="2.0"))
     for _ in range(2):
         assert result(tmp_path, FULL_DISK) == "7.0 1 Counter()\n"
+
+
+@pytest.mark.simulation
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+def test_an_interrupt_waits_until_a_function_is_compiled_or_loaded(tmp_path):
+    (tmp_path / "outer.py").write_text(OUTER)
+    (tmp_path / "inner.py").write_text(INNER.format(factor="2.0"))
+    for _ in range(2):
+        assert result(tmp_path, ask=INTERRUPTED) == "interrupted True 7.0\n"

@@ -1,6 +1,9 @@
 """Drawing of surfaces by both backends, and what an arrow or a view means."""
 
 import io
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -129,3 +132,32 @@ def test_a_machine_whose_opengl_ends_the_process_gets_the_plain_backend(monkeypa
         assert scenes.usual_backend() == "plain"
     finally:
         opengl_works.cache_clear()
+
+
+INTERRUPTED = """
+import signal, sys, traceback
+from tests.views.test_scenes import ABOVE, square
+from exudyn_crawler.views.scenes import opengl_image
+
+def interrupt(event, arguments):
+    # a part of VTK that another one asks for is imported by compiled code
+    if event == "import" and any("vtkmodules" in one.filename for one in traceback.extract_stack()):
+        signal.raise_signal(signal.SIGINT)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.addaudithook(interrupt)
+try:
+    opengl_image(square(0.0, 1.0), ABOVE, (-1.0, 1.0, -1.0, 1.0), (0.0, 1.0), 50.0)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+@needs_opengl
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+def test_an_interrupt_waits_while_vtk_is_imported():
+    root = Path(__file__).parents[2]
+    found = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED], cwd=root, capture_output=True, text=True, check=False
+    )
+    assert (found.returncode, found.stdout, found.stderr) == (0, "interrupted\n", "")
