@@ -41,8 +41,7 @@ def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
     def compiled(function: Callable) -> Any:
         # nobody takes the C address of a function, which would be a fifth of the time to compile
         dispatcher = njit(cache=True, no_cfunc_wrapper=True, **options)(function)
-        # LLVM asks Python for kept code and goes on without it where an interrupt comes just then: it calls what
-        # is not there
+        # LLVM asks Python for kept code; where an interrupt comes just then, it calls what is not there
         dispatcher.compile = interrupts_wait()(dispatcher.compile)
         # numba has no public way to say what a function is made of; without the attributes it keeps its own
         cache: Any = getattr(dispatcher, "_cache", None)

@@ -18,7 +18,7 @@ from exudyn_crawler.run.integration import integrate
 from exudyn_crawler.run.progress import note
 from fem.compiling import told_of_compiling
 
-COMPILING = "compiling the equations of motion, once on a machine: half a minute or more, which a stop waits for"
+COMPILING = "compiling the equations of motion, once on a machine: half a minute or more (a stop waits)"
 
 
 def simulate(
