@@ -47,7 +47,7 @@ class Shoe:
 
     def exact(self, family: UnitLoads, loads: Floats) -> Floats:
         """Stress (n, 6, t) of the full static answers to loads (t, k)."""
-        u = self.partition.static_response(family.forces @ loads.T)
+        u = self.partition.static_response(family.nodal @ loads.T)
         return self.body.stress(u.reshape(-1, 3, len(loads)))
 
     def found(self, fields: fem.StaticFields, loads: Floats) -> tuple[Floats, Floats]:
@@ -181,11 +181,11 @@ def in_time(shoe: Shoe) -> None:
     loads = stations.coordinates(force, x).reshape(len(x), -1)
     free = csr_array(hstack([partition.of_centers, partition.of_rest]))
     mass, stiffness = (csr_array(free.T @ m @ free) for m in (shoe.body.mass_matrix, shoe.body.stiffness))
-    u = free @ newmark(mass, stiffness, free.T @ (family.forces @ loads.T))
+    u = free @ newmark(mass, stiffness, free.T @ (family.nodal @ loads.T))
     exact = shoe.body.stress(u.reshape(-1, 3, u.shape[1]))
     families = {
         "rail": family,
-        "inertia": UnitLoads.of_inertia(shoe.body, reduced.modes, partition.interfaces),
+        "inertia": UnitLoads.of_inertia(reduced.modes, partition.interfaces),
     }
     fields = fem.static_fields(partition, reduced, families)
     q, acceleration = newmark_modes(reduced.frequencies, fields.coordinates({"rail": loads}) @ fields.work)

@@ -17,6 +17,7 @@ from exudyn_crawler.run.progress import heartbeat
 from exudyn_crawler.run.spread_folder import FOLDER, SPREAD
 from exudyn_crawler.run.standing import CASE, Standing, standing
 from exudyn_crawler.views.tables import write_table
+from fem.interrupts import interrupts_wait
 
 TABLE = "spread.csv"
 NUDGE = 1e-9
@@ -118,5 +119,5 @@ def _peaks(
     if standing(out, case_file) is not Standing.FINISHED:
         say(f"{case_file.case.name}: {out.name.replace('_', ' ')}")
         run_case(case_file, out, overwrite=overwrite and out.exists(), progress=progress, say=say)
-    with xr.open_dataset(out / "stress.nc", engine="h5netcdf") as stress:
+    with interrupts_wait(), xr.open_dataset(out / "stress.nc", engine="h5netcdf") as stress:
         return stress.peak_von_mises.load()

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fem.rainflow import Cycles, repeated_cycles
     from fem.recovery import Peaks, recover_peaks, shares
     from fem.reduced import ReducedBody
-    from fem.reduction import Partition, craig_bampton, nested_reduction
+    from fem.reduction import Nested, Partition, craig_bampton, nested_reduction
     from fem.shapes import Shapes, SideBySide
     from fem.surfaces import faces_joined_to, faces_seen_from
     from fem.trust import judged, mesh_error
@@ -55,7 +55,7 @@ _NAMES = {
     "rainflow": "Cycles repeated_cycles",
     "recovery": "Peaks recover_peaks shares",
     "reduced": "ReducedBody",
-    "reduction": "Partition craig_bampton nested_reduction",
+    "reduction": "Nested Partition craig_bampton nested_reduction",
     "shapes": "Shapes SideBySide",
     "surfaces": "faces_joined_to faces_seen_from",
     "trust": "judged mesh_error",
@@ -78,6 +78,7 @@ __all__ = [
     "Material",
     "Mesh",
     "MeshError",
+    "Nested",
     "OneARegion",
     "OneOfEach",
     "Partition",

@@ -129,8 +129,8 @@ def cached_static_fields(
     """
     sha = hashlib.sha256((FIELDS_FORMAT + kept.path.name).encode())
     for name, family in families.items():
-        sha.update(json.dumps([name, *family.forces.shape]).encode())
-        for array in (family.forces.data, family.forces.indices, family.forces.indptr, family.centers):
+        sha.update(json.dumps([name, *family.nodal.shape, family.by_mass]).encode())
+        for array in (family.nodal.data, family.nodal.indices, family.nodal.indptr, family.centers):
             sha.update(np.ascontiguousarray(array).tobytes())
     digest = sha.hexdigest()
     path = Path(folder) / f"{digest[:32]}{FIELDS_SUFFIX}"

@@ -32,20 +32,23 @@ class UnitLoads(NamedTuple):
 
     Attributes
     ----------
-    forces : sparse array (3n, k)
+    nodal : sparse array (3n, k)
         Nodal forces in N, xyz per node, per unit of a coordinate.
     centers : array (6 i, k)
         Force and moment on each joint centre in N and N m.
+    by_mass : bool
+        Whether `nodal` are accelerations in m/s2 instead, which the body's mass turns into forces.
     """
 
-    forces: csr_array
+    nodal: csr_array
     centers: Floats
+    by_mass: bool = False
 
     @classmethod
     def spread(cls, weights: csr_array | Floats, interfaces: Sequence[Interface]) -> Self:
         """Forces along x, y, z with nodal weights (n, p): 3 p coordinates, xyz for each weight."""
-        forces = csr_array(kron(csr_array(weights), np.eye(3), format="csr"))
-        return cls(forces, np.zeros((6 * len(interfaces), forces.shape[1])))
+        nodal = csr_array(kron(csr_array(weights), np.eye(3), format="csr"))
+        return cls(nodal, np.zeros((6 * len(interfaces), nodal.shape[1])))
 
     @classmethod
     def at_centers(cls, nodes: int, interfaces: Sequence[Interface]) -> Self:
@@ -54,10 +57,14 @@ class UnitLoads(NamedTuple):
         return cls(csr_array((3 * nodes, count)), np.eye(count))
 
     @classmethod
-    def of_inertia(cls, body: ElasticBody, modes: Floats, interfaces: Sequence[Interface]) -> Self:
+    def of_inertia(cls, modes: Floats, interfaces: Sequence[Interface]) -> Self:
         """Momentum of modes (n, 3, m) as nodal forces: m coordinates, kg^0.5 m/s2."""
-        momentum = body.mass_matrix @ modes.reshape(-1, modes.shape[2])
-        return cls(csr_array(momentum), np.zeros((6 * len(interfaces), modes.shape[2])))
+        count = modes.shape[2]
+        return cls(csr_array(modes.reshape(-1, count)), np.zeros((6 * len(interfaces), count)), True)
+
+    def forces(self, body: ElasticBody) -> csr_array:
+        """Nodal forces (3n, k) in N on a body."""
+        return csr_array(body.mass_matrix @ self.nodal) if self.by_mass else self.nodal
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,12 +134,12 @@ def static_fields(
     if not families:
         raise ValueError("families must be at least one, got none")
     for name, family in families.items():
-        if family.forces.shape[0] != size or family.centers.shape[0] != centers:
+        if family.nodal.shape[0] != size or family.centers.shape[0] != centers:
             raise ValueError(
                 f"loads of {name!r} must be on {size} displacements and {centers} motions of centres, "
-                f"got {family.forces.shape[0]} and {family.centers.shape[0]}"
+                f"got {family.nodal.shape[0]} and {family.centers.shape[0]}"
             )
-    forces = hstack([family.forces for family in families.values()], format="csc")
+    forces = hstack([family.forces(partition.body) for family in families.values()], format="csc")
     at_centers = np.concatenate([family.centers for family in families.values()], axis=1)
     modes = reduced.modes.reshape(size, -1)
     work = forces.T @ modes + at_centers.T @ reduced.pilots.reshape(centers, -1)

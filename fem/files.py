@@ -16,6 +16,7 @@ import numpy as np
 from fem.elasticity import Material
 from fem.fields import StaticFields
 from fem.interfaces import Interface
+from fem.interrupts import interrupts_wait
 from fem.mesh import Mesh
 from fem.reduced import ReducedBody
 
@@ -92,6 +93,7 @@ def save_fields(path: str | Path, fields: StaticFields, digest: str = "") -> Non
     _write_whole(Path(path), fill)
 
 
+@interrupts_wait()
 def _write_whole(path: Path, fill: Callable[[h5py.File], None]) -> None:
     """Write an HDF5 file that `fill` fills, whole or not at all."""
     # made in memory first: where a disk is full, HDF5 does not fail but ends the process
@@ -154,6 +156,7 @@ def load_fields(path: str | Path, digest: str | None = None) -> StaticFields:
     return _read_whole(Path(path), lambda file: _read_fields(file, Path(path), digest))
 
 
+@interrupts_wait()
 def _read_whole(path: Path, read: Callable[[h5py.File], Kind]) -> Kind:
     """What `read` makes of an HDF5 file; `ValueError` where it is broken."""
     if not path.is_file():

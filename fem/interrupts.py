@@ -10,9 +10,9 @@ from contextlib import contextmanager
 def interrupts_wait() -> Iterator[list[int]]:
     """Let Ctrl-C and requests to terminate wait for the end of the block, in a list that it gives.
 
-    Serves as a decorator, too. Compiled libraries that call Python back (HDF5 that writes to a Python file,
-    LLVM that asks for kept code, VTK that imports its parts) crash, end the process or lose the interrupt
-    where it comes within such a call. One that is ignored stays so.
+    Serves as a decorator, too. Compiled libraries that call Python (HDF5 with its lock and with Python files,
+    LLVM that asks for kept code, VTK that imports its parts) crash, end the process, lose the interrupt or
+    tell of another error where it comes within such a call. One that is ignored stays so.
     """
     waiting: list[int] = []
     if threading.current_thread() is not threading.main_thread():

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 from skfem import Basis, ElementTriP1, ElementTriP2, MeshTri
 
 from fem.mesh import Floats, Integers, Mesh
@@ -23,6 +23,8 @@ PIECE = 0.02
 """m, greatest side of such a piece: the elements are several times as large."""
 INSIDE = 1e-9
 """Part of a rectangle by which samples keep from its edges, beside which rounding may put them."""
+AT_ONCE = 256
+"""Points whose faces are looked for together: the search tries all faces near any of them on each."""
 LEVEL = 1e-6
 """Greatest difference of a level surface's heights over the extent of the body."""
 
@@ -106,7 +108,8 @@ class FlatRectangle:
         margin = INSIDE * (self.high - self.low)
         points = np.clip(np.column_stack((x, y)), self.low + margin, self.high - margin)
         try:
-            found = csr_array(basis.probes(points.T))
+            parts = [points[first : first + AT_ONCE] for first in range(0, len(points), AT_ONCE)]
+            found = vstack([csr_array(basis.probes(part.T)) for part in parts])
         except ValueError as error:
             raise ValueError(
                 f"surface {self.surface!r} must cover x {self.low[0]:g}..{self.high[0]:g}, "

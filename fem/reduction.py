@@ -8,6 +8,7 @@ eigenvectors of the reduced pencil, their mass matrix is the identity, their sti
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import NamedTuple, Self
 
 import numpy as np
 import scipy.linalg
@@ -227,13 +228,30 @@ def _balanced(body: ElasticBody, loads: Mapping[str, Floats]) -> Floats:
     return balanced
 
 
-def nested_reduction(
-    body: ReducedBody, n_fixed_modes: int, residual_loads: Sequence[str] = ()
-) -> ReducedBody:
+class Nested(NamedTuple):
+    """A reduction inside one of M modes.
+
+    Attributes
+    ----------
+    body : ReducedBody
+        With m modes.
+    inside : array (M, m)
+        Its modes in the coordinates of the other: its ``modes`` are those of that one ``@ inside``.
+    """
+
+    body: ReducedBody
+    inside: Floats
+
+    def with_modes(self, modes: Sequence[int]) -> Self:
+        """Keep some of the modes only, as of `ReducedBody.with_modes`."""
+        return type(self)(self.body.with_modes(modes), self.inside[:, list(modes)])
+
+
+def nested_reduction(body: ReducedBody, n_fixed_modes: int, residual_loads: Sequence[str] = ()) -> Nested:
     """Reduce a body to fewer of the vectors that its modes are combined of.
 
     Craig-Bampton bases nest: a reduction with fewer fixed-interface modes lies inside one with more, in whose
-    coordinates it is a Rayleigh-Ritz projection of its size alone. The answer is that of `craig_bampton`.
+    coordinates it is a Rayleigh-Ritz projection of its size alone. The body is that of `craig_bampton`.
 
     Parameters
     ----------
@@ -259,7 +277,7 @@ def nested_reduction(
         raise ValueError(f"residual_loads must be among those of the body, {loads}, got {unknown}")
     kept = [name in residual_loads for name in loads]
     if n_fixed_modes == most and all(kept):
-        return body
+        return Nested(body, np.eye(len(body.frequencies)))
     constraints = 6 * len(body.interfaces)
     chosen = np.r_[np.arange(constraints + n_fixed_modes), constraints + most + np.flatnonzero(kept)]
     vectors = body.ritz[:, chosen]
@@ -269,7 +287,7 @@ def nested_reduction(
     eigenvalues, turn = np.linalg.eigh(spanned.T @ body.modal_stiffness @ spanned)
     inside = spanned @ turn
     inside = inside * _senses(body.pilots.reshape(constraints, -1) @ inside)
-    return replace(
+    own = replace(
         body,
         frequencies=np.sqrt(eigenvalues) / (2 * np.pi),
         modes=body.modes @ inside,
@@ -278,6 +296,7 @@ def nested_reduction(
         parameters={"n_fixed_modes": n_fixed_modes, "residual_loads": list(residual_loads)},
         ritz=inside.T @ vectors,
     )
+    return Nested(own, inside)
 
 
 def _senses(motions: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 import weakref
 from collections.abc import Callable
+from functools import cache
 from typing import Any, Literal
 
 import numpy as np
@@ -10,19 +11,24 @@ from scipy.sparse.linalg import splu
 
 from fem.mesh import Floats
 
-try:
-    import pypardiso
-except ImportError:  # no wheel for this platform
-    pypardiso = None
-
 Backend = Literal["pardiso", "superlu"]
 SYMMETRIC_POSITIVE_DEFINITE = 2
 ANALYSE_AND_FACTORIZE, SOLVE, RELEASE = 12, 33, -1
 
 
+@cache
+def _pardiso() -> Any:
+    """Package of PARDISO, which takes longer to import than all others; None where it has no wheel."""
+    try:
+        import pypardiso
+    except ImportError:
+        return None
+    return pypardiso
+
+
 def default_backend() -> Backend:
     """PARDISO where its wheel exists, SuperLU elsewhere."""
-    return "superlu" if pypardiso is None else "pardiso"
+    return "superlu" if _pardiso() is None else "pardiso"
 
 
 def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[Floats], Floats]:
@@ -53,6 +59,7 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[F
             options={"SymmetricMode": True},
         )
         return lambda b: factors.solve(np.ascontiguousarray(b, dtype=np.float64))
+    pypardiso = _pardiso()
     if backend != "pardiso" or pypardiso is None:
         raise ValueError(f"backend must be 'superlu' or, where installed, 'pardiso', got {backend!r}")
 

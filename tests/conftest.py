@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import tempfile
 from collections.abc import Generator
 
@@ -102,3 +103,11 @@ def rolled() -> History:
 def bent() -> History:
     """The same over two flexible shoes, shorter."""
     return simulate(small_flexible_case(), 0.06, progress=False)
+
+
+@pytest.fixture
+def interruptible() -> Generator[None, None, None]:
+    """A process in the background of a shell would ignore interrupts."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -472,9 +472,18 @@ def test_a_traceback_is_for_debugging(call):
     assert err.endswith("error: no case file nowhere.toml\n")
 
 
+def of_an_interrupt():
+    """What a library has made of an interrupt."""
+    error = ValueError("no history")
+    error.__cause__ = SystemError("returned a result with an exception set")
+    error.__cause__.__context__ = KeyboardInterrupt()
+    return error
+
+
 @pytest.mark.parametrize(
     ("error", "code", "words"),
     [
+        (of_an_interrupt(), 130, "interrupted"),
         (ZeroDivisionError("division by\nzero"), 1, "ZeroDivisionError: division by zero (unexpected"),
         (OSError("disk is full"), 1, "disk is full"),
         (KeyboardInterrupt(), 130, "interrupted"),

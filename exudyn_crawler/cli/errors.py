@@ -75,6 +75,13 @@ def readable(function: Callable[..., None]) -> Callable[..., None]:
     return told
 
 
+def _interrupted(error: BaseException | None) -> bool:
+    """Whether an interrupt led to an error, of which a library may have made another one."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
+
+
 def _told(error: BaseException) -> tuple[list[str], int]:
     """Lines that tell of an error, and the exit code."""
     from pydantic import ValidationError  # takes longer than the help of a command
@@ -82,6 +89,8 @@ def _told(error: BaseException) -> tuple[list[str], int]:
     if isinstance(error, SimulationStopped):
         how = f"; {GOES_ON}" if error.reason == INTERRUPTED else ""
         return [f"{error}; what there is was kept{how}"], STOPPED
+    if _interrupted(error):
+        return [f"{INTERRUPTED}; {GOES_ON}"], ENDED_FROM_OUTSIDE
     if isinstance(error, EquilibriumError):
         return [str(error)], STOPPED
     if isinstance(error, ValidationError):
@@ -92,7 +101,5 @@ def _told(error: BaseException) -> tuple[list[str], int]:
         return str(error).splitlines() or [repr(error)], BAD_INPUT
     if isinstance(error, OSError):
         return [" ".join(str(error).split())], OTHER
-    if isinstance(error, KeyboardInterrupt):
-        return [f"{INTERRUPTED}; {GOES_ON}"], ENDED_FROM_OUTSIDE
     told = " ".join(str(error).split())
     return [f"{type(error).__name__}: {told} (unexpected; --debug shows where)"], OTHER

@@ -19,7 +19,7 @@ from exudyn_crawler.case.size import check_modes
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.reductions import kept_reduction
 from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, check_surfaces, pin_interfaces
-from fem import ElasticBody, Interface, Kept, Material, ReducedBody, nested_reduction
+from fem import ElasticBody, Interface, Kept, Material, Nested, ReducedBody, nested_reduction
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
 
@@ -170,6 +170,34 @@ def whole_reduction(case: Case) -> Kept:
     return _reduction(flexible.mesh, _material(flexible), case.track, flexible.recovered_modes, loaded, node)
 
 
+def integrated_reduction(case: Case) -> Nested:
+    """Modes that a run of a case integrates, and where they lie in `whole_reduction`; remembered.
+
+    Raises
+    ------
+    ValueError
+        If the case has no flexible shoes, their mesh does not fit the track or no mode remains.
+    """
+    return _integrated(case.flexible_shoes(), whole_reduction(case).body)
+
+
+@lru_cache(maxsize=4)
+def _integrated(flexible: FlexibleShoes, whole: ReducedBody) -> Nested:
+    nested = nested_reduction(whole, flexible.fixed_modes, [MACHINE_LOAD] if flexible.load_mode else [])
+    if flexible.modes is not None:
+        return nested.with_modes([number - 1 for number in flexible.modes])
+    if flexible.highest_frequency is not None:
+        frequencies = nested.body.frequencies
+        below = np.flatnonzero(frequencies <= flexible.highest_frequency)
+        if len(below) == 0:
+            raise ValueError(
+                f"highest_frequency must be at least that of the first mode, {frequencies[0]:.1f} Hz, "
+                f"got {flexible.highest_frequency:g} Hz"
+            )
+        return nested.with_modes(below.tolist())
+    return nested
+
+
 def floating_shoe(case: Case) -> FloatingShoe:
     """Reduce the mesh of a case's flexible shoes and integrate what the multibody system needs.
 
@@ -181,18 +209,16 @@ def floating_shoe(case: Case) -> FloatingShoe:
         If the case has no flexible shoes, their mesh does not fit the track or no mode remains.
     """
     check_shoe(case)
-    whole = whole_reduction(case).body
-    return _floating_shoe(case.flexible_shoes(), case.track, tuple(case.shoe.footprint.tolist()), whole)
+    reduced = integrated_reduction(case).body
+    return _floating_shoe(case.flexible_shoes(), case.track, tuple(case.shoe.footprint.tolist()), reduced)
 
 
 @lru_cache(maxsize=4)
 def _floating_shoe(
-    flexible: FlexibleShoes, track: Track, footprint: tuple[float, ...], whole: ReducedBody
+    flexible: FlexibleShoes, track: Track, footprint: tuple[float, ...], reduced: ReducedBody
 ) -> FloatingShoe:
     body, interfaces = shoe_model(flexible, track)
     mesh = body.mesh
-    loads = [MACHINE_LOAD] if flexible.load_mode else []
-    reduced = _integrated_modes(flexible, nested_reduction(whole, flexible.fixed_modes, loads))
     positions, rows = _massless_nodes(reduced, flexible.load_surface)
     under = mesh.nodes_of("underside")
     return FloatingShoe(
@@ -203,21 +229,6 @@ def _floating_shoe(
         integrals=_integrals(body, reduced.modes),
         underside=integrate_underside(mesh.nodes[under, :2], reduced.modes[under], np.array(footprint)),
     )
-
-
-def _integrated_modes(flexible: FlexibleShoes, whole: ReducedBody) -> ReducedBody:
-    """Modes of a basis that a run integrates."""
-    if flexible.modes is not None:
-        return whole.with_modes([number - 1 for number in flexible.modes])
-    if flexible.highest_frequency is not None:
-        below = np.flatnonzero(whole.frequencies <= flexible.highest_frequency)
-        if len(below) == 0:
-            raise ValueError(
-                f"highest_frequency must be at least that of the first mode, {whole.frequencies[0]:.1f} Hz, "
-                f"got {flexible.highest_frequency:g} Hz"
-            )
-        return whole.with_modes(below.tolist())
-    return whole
 
 
 def _massless_nodes(reduced: ReducedBody, loaded: str) -> tuple[NDArray, NDArray]:

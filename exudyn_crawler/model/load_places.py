@@ -20,7 +20,7 @@ from scipy.sparse import csr_array, hstack
 from exudyn_crawler.case import Case, FlexibleShoes, Track
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import (
-    floating_shoe,
+    integrated_reduction,
     shoe_model,
     weights_a_metre,
     whole_reduction,
@@ -124,7 +124,8 @@ def shoe_fields(case: Case, rails: bool = False) -> StaticFields:
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
     node = pulled_node(case, body.mesh)
-    return _fields(flexible, case.track, node, whole_reduction(case), floating_shoe(case).reduced, rails)
+    integrated = integrated_reduction(case).body
+    return _fields(flexible, case.track, node, whole_reduction(case), integrated, rails)
 
 
 @lru_cache(maxsize=2)
@@ -141,7 +142,7 @@ def _fields(
         JOINTS: UnitLoads.at_centers(len(body.mesh.nodes), interfaces),
         MACHINE: UnitLoads.spread(_machine_weights(whole.body, flexible.load_surface), interfaces),
         GROUND: UnitLoads.spread(ground_grid(body.mesh).weights, interfaces),
-        INERTIA: UnitLoads.of_inertia(body, integrated.modes, interfaces),
+        INERTIA: UnitLoads.of_inertia(integrated.modes, interfaces),
     }
     if rails:
         weights = hstack([stations.weights for stations in rail_stations(body.mesh)])

@@ -11,12 +11,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case, FlexibleShoes, Undercarriage
-from exudyn_crawler.case.track import SIDES, Track
+from exudyn_crawler.case import Case, Undercarriage
+from exudyn_crawler.case.track import SIDES
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.flexible_shoes import shoe_model, side_weights
+from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.patches import patches
+from fem import ReducedBody
 
 
 @dataclass(frozen=True)
@@ -143,18 +144,16 @@ class ShoeMass:
 def shoe_mass(case: Case, shoe: int) -> ShoeMass:
     """Mass of a shoe of a case; a flexible one has that of its mesh."""
     if case.flexible is not None and shoe in case.flexible.shoes:
-        return _mesh_mass(case.flexible, case.track)
+        return _mesh_mass(whole_reduction(case).body, case.flexible.load_surface)
     return ShoeMass(case.shoe.mass, np.zeros(3), np.array(case.shoe.load_point), np.array([0.0, 1.0, 0.0]))
 
 
 @lru_cache(maxsize=4)
-def _mesh_mass(flexible: FlexibleShoes, track: Track) -> ShoeMass:
-    body, _ = shoe_model(flexible, track)
-    weights = body.surface_load(flexible.load_surface, np.array([0.0, 0.0, 1.0])).reshape(-1, 3)[:, 2]
-    nodes = body.mesh.nodes
-    right, left = (one @ nodes / one.sum() for one in side_weights(weights, nodes))
+def _mesh_mass(body: ReducedBody, loaded: str) -> ShoeMass:
+    weights = body.weights(loaded)
+    right, left = (one @ body.nodes / one.sum() for one in side_weights(weights, body.nodes))
     beside = (left - right) / (left[1] - right[1])
-    return ShoeMass(body.mass, body.center_of_mass, weights @ nodes / weights.sum(), beside)
+    return ShoeMass(body.mass, body.center_of_mass, weights @ body.nodes, beside)
 
 
 def actions(history: History, shoe: int | None = None) -> list[Action]:

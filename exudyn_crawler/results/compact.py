@@ -6,6 +6,7 @@ rounded to 6e-8 of their values, far below what the solver leaves out of balance
 """
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -62,16 +63,18 @@ def packed(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.assign({name: dataset[name].astype(CONTACT_TYPE) for name in _of_contacts(dataset)})
 
 
-def unpacked(dataset: xr.Dataset) -> xr.Dataset:
+def unpacked(dataset: xr.Dataset, widened: bool = False) -> xr.Dataset:
     """Dataset of a history from that of a file; what a file does not hold is computed when it is asked for.
 
+    Contacts may be `widened` at once. Units are hundreds, of which few are looked at: their motion never is.
     Files of earlier versions hold all of it.
     """
     found: dict[str, xr.Variable] = {}
     for name in _of_contacts(dataset):
         kept = dataset.variables[name]
         if kept.dtype != np.float64:
-            found[name] = _lazy(QUANTITIES[name].dimensions, kept.shape, _widened(kept), kept.attrs)
+            wide = _lazy(QUANTITIES[name].dimensions, kept.shape, partial(_widened, kept), kept.attrs)
+            found[name] = wide.load() if widened else wide
     if TERRAIN in dataset.variables:
         dataset = dataset.set_coords(list(TERRAIN_COORDINATES))
         for rate in RATES:
@@ -86,17 +89,18 @@ def _of_contacts(dataset: xr.Dataset) -> list[str]:
 
 def _units(dataset: xr.Dataset, name: str, shape: str, coordinates: str) -> xr.Variable:
     shapes, motion = dataset.variables[shape].values, dataset.variables[coordinates]
-
-    def part(key: tuple) -> NDArray:
-        times, units = key
-        return unit_motion(shapes[units], motion[times].values)
-
     sizes = (motion.shape[0], len(shapes))
+    part = partial(_part_of_motion, shapes, motion)
     return _lazy(QUANTITIES[name].dimensions, sizes, part, QUANTITIES[name].attributes)
 
 
-def _widened(kept: xr.Variable) -> Callable[[tuple], NDArray]:
-    return lambda key: kept[key].values.astype(float)
+def _part_of_motion(shapes: NDArray, motion: xr.Variable, key: tuple) -> NDArray:
+    times, units = key
+    return unit_motion(shapes[units], motion[times].values)
+
+
+def _widened(kept: xr.Variable, key: tuple) -> NDArray:
+    return kept[key].values.astype(float)
 
 
 def _lazy(

@@ -1,6 +1,6 @@
 """Loads of a history as coordinates of static fields: all that acts on a flexible shoe, by family."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,12 @@ class _Families(dict[str, NDArray]):
 
 
 def field_loads(
-    history: History, fields: StaticFields, body: Shapes, momentum: NDArray, shoe: int
+    history: History,
+    fields: StaticFields,
+    body: Shapes,
+    momentum: NDArray,
+    shoe: int,
+    acting: Sequence[Action] | None = None,
 ) -> NDArray:
     """Coordinates (times, loads) of static fields by all that acts on a flexible shoe.
 
@@ -59,16 +64,23 @@ def field_loads(
         Of the integrated modes, as of `coordinates_and_momentum`.
     shoe : int
         Number of a flexible shoe.
+    acting : sequence of Action, optional
+        Its `actions`, if they are known already.
     """
     whole = _Families(len(momentum), fields.families)
-    for families in loads_by_kind(history, fields, body, momentum, shoe).values():
+    for families in loads_by_kind(history, fields, body, momentum, shoe, acting).values():
         for name, values in families.items():
             whole[name] += values
     return fields.coordinates(whole)
 
 
 def loads_by_kind(
-    history: History, fields: StaticFields, body: Shapes, momentum: NDArray, shoe: int
+    history: History,
+    fields: StaticFields,
+    body: Shapes,
+    momentum: NDArray,
+    shoe: int,
+    acting: Sequence[Action] | None = None,
 ) -> dict[str, Mapping[str, NDArray]]:
     """Loads on a flexible shoe by kind of action and by family of static fields: arrays (times, coordinates).
 
@@ -83,7 +95,7 @@ def loads_by_kind(
     rails = [] if undercarriage is None else rail_stations(body.mesh)
     found: dict[str, _Families] = {INERTIA: _Families(times, fields.families)}
     found[INERTIA][INERTIA] += momentum
-    for action in actions(history, shoe):
+    for action in actions(history, shoe) if acting is None else acting:
         loads = found.setdefault(action.kind, _Families(times, fields.families))
         if isinstance(action.entry, OnRail) and undercarriage is not None:
             rail = action.entry.line // undercarriage.strips

@@ -18,6 +18,7 @@ from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.results.compact import packed, unpacked
 from exudyn_crawler.results.pieces import CASE, CASE_DIGEST, blocks, case_digest, with_case, without_case
 from exudyn_crawler.results.quantities import check_dimensions
+from fem.interrupts import interrupts_wait
 
 LAYOUT_VERSION = "layout_version"
 """Attribute of the version of the states that a history was made of; the first histories have none."""
@@ -50,11 +51,11 @@ class History:
 
     def __getattr__(self, name: str) -> xr.DataArray:
         """Variable or coordinate of the dataset."""
-        if name.startswith("_") or name not in self.dataset.variables:
-            raise AttributeError(
-                f"a history has no {name!r}; it has {sorted(map(str, self.dataset.variables))}"
-            )
-        return self.dataset[name]
+        # what copies a history or sends it to another process asks before there is a dataset
+        dataset = vars(self).get("dataset", xr.Dataset())
+        if name.startswith("_") or name not in dataset.variables:
+            raise AttributeError(f"a history has no {name!r}; it has {sorted(map(str, dataset.variables))}")
+        return dataset[name]
 
     def __dir__(self) -> list[str]:
         """Attributes, for completion: those of every object and the variables."""
@@ -82,6 +83,7 @@ class History:
         return write_netcdf_along("time", whole.sizes["time"], blocks(whole), Path(path), overwrite)
 
     @classmethod
+    @interrupts_wait()
     def load(cls, path: str | Path) -> Self:
         """Read a file that `save` wrote.
 
@@ -110,7 +112,7 @@ class History:
             file_dataset = xr.open_dataset(path, engine="h5netcdf", cache=False)
             dataset = without_case(unpacked(file_dataset))
             if dataset.nbytes <= MOST_IN_MEMORY:
-                dataset = dataset.load()
+                dataset = without_case(unpacked(file_dataset.load(), widened=True))
                 file_dataset.close()
             _check(case, dataset)
         except FutureWarning:

@@ -6,6 +6,7 @@ was integrated is a subspace of the whole, and the mode-acceleration method (R. 
 1981, ch. 15) gives the whole: its elastic forces are the loads less the inertia and damping of that subspace.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +15,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import drive_point
 from exudyn_crawler.model.flexible_shoes import (
-    floating_shoe,
-    shoe_model,
+    integrated_reduction,
     weights_a_metre,
     whole_reduction,
 )
@@ -69,33 +69,31 @@ def stress_basis(history: History) -> StressBasis:
     ValueError
         If the history has no flexible shoes.
     """
-    flexible = history.case.flexible
-    if flexible is None:
+    if history.case.flexible is None:
         raise ValueError("the history has no flexible shoes")
-    floating = floating_shoe(history.case)
-    body, _ = shoe_model(flexible, history.case.track)
     whole = whole_reduction(history.case).body
-    count = len(whole.frequencies)
-    modes = whole.modes.reshape(-1, count)
-    mass = body.mass_matrix
-    inside = modes.T @ (mass @ floating.reduced.modes.reshape(len(modes), -1))
-    under = body.mesh.nodes_of("underside")
+    under = whole.mesh.nodes_of("underside")
     return StressBasis(
         whole=whole,
-        inside=inside,
+        inside=integrated_reduction(history.case).inside,
         underside=integrate_underside(
-            body.mesh.nodes[under, :2], whole.modes[under], history.case.shoe.footprint
+            whole.nodes[under, :2], whole.modes[under], history.case.shoe.footprint
         ),
         pulled=drive_point(history.case, whole).rows,
         rails=rail_rows(whole, history.case),
     )
 
 
-def modal_loads(history: History, basis: StressBasis, shoe: int) -> NDArray:
-    """Loads of all modes of a flexible shoe by all that acts on it: array (times, M), N kg^-0.5."""
+def modal_loads(
+    history: History, basis: StressBasis, shoe: int, acting: Sequence[Action] | None = None
+) -> NDArray:
+    """Loads of all modes of a flexible shoe by all that acts on it: array (times, M), N kg^-0.5.
+
+    `acting` are its `actions`, if they are known already.
+    """
     frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
     loads = np.zeros((len(frames), len(basis.whole.frequencies)))
-    for action in actions(history, shoe):
+    for action in actions(history, shoe) if acting is None else acting:
         _add_modal_loads(loads, action, frames, basis)
     return loads
 
@@ -163,15 +161,20 @@ def whole_coordinates(history: History, basis: StressBasis, shoe: int) -> NDArra
     return coordinates_and_momentum(history, basis, shoe)[0]
 
 
-def coordinates_and_momentum(history: History, basis: StressBasis, shoe: int) -> tuple[NDArray, NDArray]:
-    """Coordinates as of `whole_coordinates` and, (times, m) in N kg^-0.5, momentum ``k q - P^T f``."""
+def coordinates_and_momentum(
+    history: History, basis: StressBasis, shoe: int, acting: Sequence[Action] | None = None
+) -> tuple[NDArray, NDArray]:
+    """Coordinates as of `whole_coordinates` and, (times, m) in N kg^-0.5, momentum ``k q - P^T f``.
+
+    `acting` are the shoe's `actions`, if they are known already.
+    """
     flexible = history.case.flexible
     if flexible is None or shoe not in flexible.shoes:
         raise ValueError(f"shoe {shoe} is not flexible in this history")
     inside = basis.inside
     q = history.modal_coordinate.sel(flexible_shoe=shoe).values
     own = (2.0 * np.pi * history.frequency.values) ** 2
-    loads = modal_loads(history, basis, shoe)
+    loads = modal_loads(history, basis, shoe, acting)
     momentum = q * own - loads @ inside
     elastic = loads + momentum @ inside.T
     return elastic / (2.0 * np.pi * basis.whole.frequencies) ** 2, momentum

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import write_netcdf_along
 from exudyn_crawler.results.compact import packed, unpacked
+from fem.interrupts import interrupts_wait
 
 CASE, CASE_DIGEST = "case", "case_digest"
 """Attributes of a file; the first histories have no digest."""
@@ -44,7 +45,7 @@ class Piece:
     @classmethod
     def of_file(cls, path: Path, end: float) -> Self:
         """What a saved history holds up to a time, s."""
-        with xr.open_dataset(path, engine="h5netcdf") as dataset:
+        with interrupts_wait(), xr.open_dataset(path, engine="h5netcdf") as dataset:
             times = int(np.count_nonzero(dataset.time.values <= end + 1e-9 * max(1.0, end)))
             pairs = _pairs(dataset)
 

@@ -11,7 +11,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import pulled_node
-from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model, weights_a_metre
+from exudyn_crawler.model.flexible_shoes import integrated_reduction, shoe_model, weights_a_metre
 from exudyn_crawler.model.rail_rows import strip_lines
 from exudyn_crawler.results.actions import (
     AtDrivePoint,
@@ -274,7 +274,7 @@ def _elastic_inertia(now: History, shoe: int, body: ElasticBody, nodal: NDArray,
     Their modal forces are what the elastic ones have beyond those of the loads; spread as the modes'
     momentum, they do the same work on every mode and none on a rigid motion.
     """
-    reduced = floating_shoe(now.case).reduced
+    reduced = integrated_reduction(now.case).body
     modes = reduced.modes.reshape(nodal.size, -1)
     q = now.modal_coordinate.sel(flexible_shoe=shoe).values[0]
     loads = modes.T @ nodal.ravel() + np.einsum("ik,ikm->m", centers, reduced.pilots)

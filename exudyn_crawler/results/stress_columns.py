@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.model.load_places import shoe_fields
+from exudyn_crawler.results.actions import actions
 from exudyn_crawler.results.field_loads import field_loads, loads_by_kind
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import (
@@ -75,15 +76,12 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     basis = stress_basis(history)
     flexible = history.case.flexible_shoes()
     chosen = list(flexible.shoes if shoes is None else shoes)
-    found = {shoe: coordinates_and_momentum(history, basis, shoe) for shoe in chosen}
     if not flexible.static_fields:
-        return StressColumns(basis, basis.whole, {shoe: q for shoe, (q, _) in found.items()}, None)
+        found = {shoe: coordinates_and_momentum(history, basis, shoe)[0] for shoe in chosen}
+        return StressColumns(basis, basis.whole, found, None)
     body, _ = shoe_model(flexible, history.case.track)
     fields = fields_of(history)
-    loads = {
-        shoe: field_loads(history, fields, basis.whole, momentum, shoe)
-        for shoe, (_, momentum) in found.items()
-    }
+    loads = {shoe: _loads_of_fields(history, basis, fields, shoe) for shoe in chosen}
     frequencies = basis.whole.frequencies
     columns = field_columns(body, fields, list(loads.values()), TOLERANCE, int(SHARE * len(frequencies)))
     both = np.hstack((fields.held(frequencies), columns.turn))
@@ -103,13 +101,19 @@ def stress_at(history: History, shoe: int, node: int) -> NDArray:
     """
     basis = stress_basis(history)
     whole = basis.whole
-    coordinates, momentum = coordinates_and_momentum(history, basis, shoe)
     if not history.case.flexible_shoes().static_fields:
-        return coordinates @ whole.stress_modes[node].T
+        return coordinates_and_momentum(history, basis, shoe)[0] @ whole.stress_modes[node].T
     fields = fields_of(history)
-    loads = field_loads(history, fields, whole, momentum, shoe)
+    loads = _loads_of_fields(history, basis, fields, shoe)
     held = fields.held(whole.frequencies) @ whole.stress_modes[node].T
     return loads @ (held + stress_at_node(whole.mesh, whole.material, fields.displacements, node).T)
+
+
+def _loads_of_fields(history: History, basis: StressBasis, fields: StaticFields, shoe: int) -> NDArray:
+    """Coordinates (times, loads) of static fields on a flexible shoe."""
+    acting = actions(history, shoe)
+    _, momentum = coordinates_and_momentum(history, basis, shoe, acting)
+    return field_loads(history, fields, basis.whole, momentum, shoe, acting)
 
 
 def fields_of(history: History) -> StaticFields:
@@ -134,8 +138,9 @@ def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict
     if columns.answers is None:
         return _in_words(coordinates_by_load(history, basis, shoe))
     fields = fields_of(history)
-    _, momentum = coordinates_and_momentum(history, basis, shoe)
-    kinds = loads_by_kind(history, fields, basis.whole, momentum, shoe)
+    acting = actions(history, shoe)
+    _, momentum = coordinates_and_momentum(history, basis, shoe, acting)
+    kinds = loads_by_kind(history, fields, basis.whole, momentum, shoe, acting)
     return _in_words({kind: fields.coordinates(own) @ columns.answers for kind, own in kinds.items()})
 
 

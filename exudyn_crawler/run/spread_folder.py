@@ -5,10 +5,12 @@ from pathlib import Path
 import xarray as xr
 
 from exudyn_crawler.case import Case
+from fem.interrupts import interrupts_wait
 
 FOLDER, SPREAD = "spread", "spread.nc"
 
 
+@interrupts_wait()
 def spread_beside(run: Path, case: Case) -> xr.Dataset | None:
     """Spread of the stresses of the run in a folder, or None if it has not been found yet.
 

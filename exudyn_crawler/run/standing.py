@@ -10,6 +10,7 @@ from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.run.histories import HISTORY, SAME_TIME
 from exudyn_crawler.run.record import DONE, earlier_record
+from fem.interrupts import interrupts_wait
 
 CASE = "case.toml"
 
@@ -59,6 +60,7 @@ def study_standing(out: Path, cases: Mapping[str, CaseFile]) -> Standing:
     return Standing.UNFINISHED
 
 
+@interrupts_wait()
 def _end(path: Path) -> float | None:
     """Time of the last state of a history, s; None if there is none that can be read."""
     try:

@@ -47,7 +47,7 @@ def exact_stress(
 ) -> np.ndarray:
     """Full static answer to the loads (k,) of one family: nodal stress (n, 6)."""
     family = families[name]
-    u = partition.static_response((family.forces @ load)[:, None], (family.centers @ load)[:, None])
+    u = partition.static_response((family.nodal @ load)[:, None], (family.centers @ load)[:, None])
     return partition.body.stress(u.reshape(-1, 3, 1))[:, :, 0]
 
 
@@ -104,7 +104,7 @@ def test_all_modes_leave_nothing_to_fields() -> None:
     for count in (4, partition.of_rest.shape[1]):
         reduced = fem.craig_bampton(body, partition.interfaces, count, partition=partition)
         found = fem.static_fields(partition, reduced, family)
-        exact = partition.static_response(family["push"].forces.toarray())
+        exact = partition.static_response(family["push"].nodal.toarray())
         sizes.append(np.abs(found.displacements).max() / np.abs(exact).max())
     assert sizes[0] > 0.01
     assert sizes[1] < 1e-9
@@ -124,7 +124,7 @@ def test_a_load_in_time_against_the_full_model(
     loads = 1e5 * come[:, None] * np.array([0.2, 1.0, -1.0])
     free = csr_array(hstack([partition.of_centers, partition.of_rest]))
     mass, stiffness = (csr_array(free.T @ m @ free) for m in (beam.mass_matrix, beam.stiffness))
-    u = free @ newmark(mass, stiffness, free.T @ (push.forces @ loads.T), step)
+    u = free @ newmark(mass, stiffness, free.T @ (push.nodal @ loads.T), step)
     exact = beam.stress(u.reshape(-1, 3, u.shape[1]))
     fields = fem.static_fields(partition, reduced, {"push": push})
     q, _ = newmark_modes(reduced.frequencies, loads @ fields.work, step)

@@ -45,7 +45,7 @@ def test_a_shoes_reduction_is_the_projection_of_a_greater_one(
 ) -> None:
     """Mode by mode and sign by sign."""
     direct = fem.craig_bampton(shoe, partition.interfaces, 10, partition=partition)
-    inside = fem.nested_reduction(reduced, 10)
+    inside = fem.nested_reduction(reduced, 10).body
     np.testing.assert_allclose(inside.frequencies, direct.frequencies, rtol=1e-9)
     for name in ("modes", "stress_modes", "pilots"):
         expected = getattr(direct, name)
@@ -62,13 +62,21 @@ def test_fewer_modes_lie_inside_more_of_them(beam: fem.ElasticBody, spider: str)
     push = {"push": loads["push"]}
     for count, kept in ((5, {}), (0, {}), (5, push), (12, push)):
         direct = fem.craig_bampton(beam, interfaces, count, kept, partition=partition)
-        inside = fem.nested_reduction(whole, count, list(kept))
-        again = fem.nested_reduction(inside, 0)
+        nested = fem.nested_reduction(whole, count, list(kept))
+        inside, again = nested.body, fem.nested_reduction(nested.body, 0).body
+        modes = whole.modes.reshape(-1, len(whole.frequencies))
+        products = modes.T @ (beam.mass_matrix @ inside.modes.reshape(len(modes), -1))
+        np.testing.assert_allclose(nested.inside, products, atol=1e-9)
+        few = nested.with_modes([2, 0])
+        np.testing.assert_array_equal(few.body.modes, inside.modes[:, :, [2, 0]])
+        np.testing.assert_array_equal(few.inside, nested.inside[:, [2, 0]])
         np.testing.assert_allclose(inside.frequencies, direct.frequencies, rtol=1e-7)
         assert inside.parameters == direct.parameters
-        constraints_alone = fem.nested_reduction(whole, 0).frequencies
+        constraints_alone = fem.nested_reduction(whole, 0).body.frequencies
         np.testing.assert_allclose(again.frequencies, constraints_alone, rtol=1e-7)
-    assert fem.nested_reduction(whole, 12, ["pull", "push"]) is whole
+    all_of_it = fem.nested_reduction(whole, 12, ["pull", "push"])
+    assert all_of_it.body is whole
+    np.testing.assert_array_equal(all_of_it.inside, np.eye(len(whole.frequencies)))
     with pytest.raises(ValueError, match=r"n_fixed_modes must lie in 0\.\.12, those of the body, got 13"):
         fem.nested_reduction(whole, 13)
     with pytest.raises(ValueError, match=r"residual_loads must be among .* got \['lift'\]"):

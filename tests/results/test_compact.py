@@ -1,5 +1,7 @@
 """Histories in files: half as large, and the same numbers when they are read."""
 
+import pickle
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -36,6 +38,13 @@ def test_a_file_holds_coordinates_of_the_terrain_and_single_contacts(flexible_ru
     earlier = History.load(old).dataset
     xr.testing.assert_identical(earlier, history.dataset.drop_vars(TERRAIN_COORDINATES))
     assert packed(earlier).unit_heave.dtype == float
+
+
+def test_a_history_from_a_file_goes_to_other_processes(translation, tmp_path):
+    history = History.load(translation.save(tmp_path / "history.nc"))
+    again = pickle.loads(pickle.dumps(history))
+    xr.testing.assert_identical(again.dataset, history.dataset)
+    assert np.array_equal(again.unit_heave.values, translation.unit_heave.values)
 
 
 def test_units_move_by_the_terrains_coordinates(translation):

@@ -1,5 +1,7 @@
 """Results as data: names, units, saving and reading back."""
 
+import signal
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -99,3 +101,18 @@ def test_dimensions_are_those_of_the_papers(translation):
 def test_unknown_names_are_refused_with_those_there_are(translation):
     with pytest.raises(AttributeError, match=r"a history has no 'speed'; it has .*'velocity'"):
         _ = translation.speed
+
+
+@pytest.mark.usefixtures("interruptible")
+def test_an_interrupt_waits_until_a_history_is_read(translation, tmp_path, monkeypatch):
+    path, read = translation.save(tmp_path / "history.nc"), []
+
+    def interrupted(*arguments, open_dataset=xr.open_dataset, **options):
+        signal.raise_signal(signal.SIGINT)
+        return open_dataset(*arguments, **options)
+
+    monkeypatch.setattr(xr, "open_dataset", interrupted)
+    monkeypatch.setattr("exudyn_crawler.results.history._check", lambda _, dataset: read.append(dataset))
+    with pytest.raises(KeyboardInterrupt):
+        History.load(path)
+    assert len(read) == 1

@@ -108,14 +108,6 @@ def test_a_search_for_rest_names_what_does_not_come_to_rest():
         simulate(Case.translation().with_(loads=loads), 0.01)
 
 
-@pytest.fixture
-def interruptible():
-    """A process in the background of a shell would ignore interrupts."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 @pytest.mark.usefixtures("interruptible")
 def test_a_search_for_rest_is_interrupted_within_the_engine(monkeypatch):
     calls, forces = [], PairGroundContact.forces

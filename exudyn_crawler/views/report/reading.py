@@ -8,6 +8,7 @@ import xarray as xr
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.quantities import check_dimensions
 from exudyn_crawler.views.report.left_out import LeftOut
+from fem.interrupts import interrupts_wait
 
 STRESSES = "stress.nc"
 
@@ -33,12 +34,14 @@ def histories_in(folders: list[Path], left_out: LeftOut) -> tuple[dict[str, Hist
     return histories, places
 
 
+@interrupts_wait()
 def _holds_a_case(path: Path) -> bool:
     # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
     with h5py.File(path, "r") as file:
         return "case" in file.attrs
 
 
+@interrupts_wait()
 def stress_of(folder: Path) -> xr.Dataset | None:
     """Stresses that a run has left in a folder; None if there are none.
 
