@@ -187,6 +187,19 @@ def test_extremes_and_hot_spots_take_fields_as_more_columns(
     assert top["jump"] == pytest.approx(jump[top["node"]])
 
 
+def test_loads_by_mass_are_the_forces_that_accelerate_it(beam: fem.ElasticBody) -> None:
+    ends = beam_interfaces(beam)
+    partition = fem.Partition(beam, ends)
+    reduced = fem.craig_bampton(beam, ends, 4, partition=partition)
+    inertia = UnitLoads.of_inertia(reduced.modes, ends)
+    forces = csr_array(beam.mass_matrix @ reduced.modes.reshape(-1, len(reduced.frequencies)))
+    found = fem.static_fields(partition, reduced, {"inertia": inertia})
+    expected = fem.static_fields(partition, reduced, {"inertia": UnitLoads(forces, inertia.centers)})
+    np.testing.assert_array_equal(found.displacements, expected.displacements)
+    # modes are orthonormal in mass: the momentum of one works on itself alone
+    np.testing.assert_allclose(found.work, np.eye(len(reduced.frequencies)), atol=1e-9)
+
+
 @pytest.mark.simulation
 def test_fields_are_kept_by_all_that_they_depend_on(tmp_path: Path, beam: fem.ElasticBody) -> None:
     ends = beam_interfaces(beam)
