@@ -26,7 +26,6 @@ from exudyn_crawler.results.actions import (
     OverMass,
     OverRectangle,
     OverSurface,
-    actions,
 )
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.modal_coordinates import in_body
@@ -44,15 +43,34 @@ class _Families(dict[str, NDArray]):
         return self[name]
 
 
-def field_loads(
+def field_loads(fields: StaticFields, by_kind: Mapping[str, Mapping[str, NDArray]]) -> NDArray:
+    """Coordinates (times, loads) of static fields by all that acts on a flexible shoe.
+
+    Parameters
+    ----------
+    fields : StaticFields
+        Of `model.load_places`.
+    by_kind : mapping
+        Of `loads_by_kind`.
+    """
+    whole: dict[str, NDArray] = {}
+    for families in by_kind.values():
+        for name, values in families.items():
+            whole[name] = whole[name] + values if name in whole else values
+    return fields.coordinates(whole)
+
+
+def loads_by_kind(
     history: History,
     fields: StaticFields,
     body: Shapes,
     momentum: NDArray,
     shoe: int,
-    acting: Sequence[Action] | None = None,
-) -> NDArray:
-    """Coordinates (times, loads) of static fields by all that acts on a flexible shoe.
+    acting: Sequence[Action],
+) -> dict[str, Mapping[str, NDArray]]:
+    """Loads on a flexible shoe by kind of action and by family of static fields: arrays (times, coordinates).
+
+    "inertia" is the momentum of the integrated modes; other kinds are those of `Action.kind`.
 
     Parameters
     ----------
@@ -64,28 +82,8 @@ def field_loads(
         Of the integrated modes, as of `coordinates_and_momentum`.
     shoe : int
         Number of a flexible shoe.
-    acting : sequence of Action, optional
-        Its `actions`, if they are known already.
-    """
-    whole = _Families(len(momentum), fields.families)
-    for families in loads_by_kind(history, fields, body, momentum, shoe, acting).values():
-        for name, values in families.items():
-            whole[name] += values
-    return fields.coordinates(whole)
-
-
-def loads_by_kind(
-    history: History,
-    fields: StaticFields,
-    body: Shapes,
-    momentum: NDArray,
-    shoe: int,
-    acting: Sequence[Action] | None = None,
-) -> dict[str, Mapping[str, NDArray]]:
-    """Loads on a flexible shoe by kind of action and by family of static fields: arrays (times, coordinates).
-
-    "inertia" is the momentum of the integrated modes; other kinds are those of `Action.kind`. Parameters are
-    those of `field_loads`.
+    acting : sequence of Action
+        Its `actions`.
     """
     frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
     times = len(frames)
@@ -95,7 +93,7 @@ def loads_by_kind(
     rails = [] if undercarriage is None else rail_stations(body.mesh)
     found: dict[str, _Families] = {INERTIA: _Families(times, fields.families)}
     found[INERTIA][INERTIA] += momentum
-    for action in actions(history, shoe) if acting is None else acting:
+    for action in acting:
         loads = found.setdefault(action.kind, _Families(times, fields.families))
         if isinstance(action.entry, OnRail) and undercarriage is not None:
             rail = action.entry.line // undercarriage.strips

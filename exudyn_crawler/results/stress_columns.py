@@ -81,7 +81,7 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
         return StressColumns(basis, basis.whole, found, None)
     body, _ = shoe_model(flexible, history.case.track)
     fields = fields_of(history)
-    loads = {shoe: _loads_of_fields(history, basis, fields, shoe) for shoe in chosen}
+    loads = {shoe: field_loads(fields, _loads_on(history, basis, fields, shoe)) for shoe in chosen}
     frequencies = basis.whole.frequencies
     columns = field_columns(body, fields, list(loads.values()), TOLERANCE, int(SHARE * len(frequencies)))
     both = np.hstack((fields.held(frequencies), columns.turn))
@@ -104,16 +104,18 @@ def stress_at(history: History, shoe: int, node: int) -> NDArray:
     if not history.case.flexible_shoes().static_fields:
         return coordinates_and_momentum(history, basis, shoe)[0] @ whole.stress_modes[node].T
     fields = fields_of(history)
-    loads = _loads_of_fields(history, basis, fields, shoe)
+    loads = field_loads(fields, _loads_on(history, basis, fields, shoe))
     held = fields.held(whole.frequencies) @ whole.stress_modes[node].T
     return loads @ (held + stress_at_node(whole.mesh, whole.material, fields.displacements, node).T)
 
 
-def _loads_of_fields(history: History, basis: StressBasis, fields: StaticFields, shoe: int) -> NDArray:
-    """Coordinates (times, loads) of static fields on a flexible shoe."""
+def _loads_on(
+    history: History, basis: StressBasis, fields: StaticFields, shoe: int
+) -> dict[str, Mapping[str, NDArray]]:
+    """Loads on a flexible shoe, as of `loads_by_kind`."""
     acting = actions(history, shoe)
     _, momentum = coordinates_and_momentum(history, basis, shoe, acting)
-    return field_loads(history, fields, basis.whole, momentum, shoe, acting)
+    return loads_by_kind(history, fields, basis.whole, momentum, shoe, acting)
 
 
 def fields_of(history: History) -> StaticFields:
@@ -138,9 +140,7 @@ def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict
     if columns.answers is None:
         return _in_words(coordinates_by_load(history, basis, shoe))
     fields = fields_of(history)
-    acting = actions(history, shoe)
-    _, momentum = coordinates_and_momentum(history, basis, shoe, acting)
-    kinds = loads_by_kind(history, fields, basis.whole, momentum, shoe, acting)
+    kinds = _loads_on(history, basis, fields, shoe)
     return _in_words({kind: fields.coordinates(own) @ columns.answers for kind, own in kinds.items()})
 
 

@@ -10,7 +10,7 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.model.load_places import RAILS, ground_grid, rail_loads, rail_stations, shoe_fields
 from exudyn_crawler.results.actions import OverRectangle, actions
-from exudyn_crawler.results.field_loads import field_loads
+from exudyn_crawler.results.field_loads import field_loads, loads_by_kind
 from exudyn_crawler.results.modal_coordinates import coordinates_and_momentum, modal_loads, stress_basis
 from exudyn_crawler.results.node_stress import node_stress
 from exudyn_crawler.results.shoe_loads import at_instant, patch_weights, shoe_loads
@@ -45,7 +45,8 @@ def test_coordinates_do_the_work_of_the_modal_loads(with_fields: History) -> Non
     fields = shoe_fields(with_fields.case)
     for shoe in (7, 13):
         _, momentum = coordinates_and_momentum(with_fields, basis, shoe)
-        loads = field_loads(with_fields, fields, basis.whole, momentum, shoe)
+        acting = actions(with_fields, shoe)
+        loads = field_loads(fields, loads_by_kind(with_fields, fields, basis.whole, momentum, shoe, acting))
         expected = modal_loads(with_fields, basis, shoe) + momentum @ basis.inside.T
         np.testing.assert_allclose(loads @ fields.work, expected, atol=0.02 * np.abs(expected).max())
         low = slice(6)
