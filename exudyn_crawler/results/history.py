@@ -52,10 +52,10 @@ class History:
     def __getattr__(self, name: str) -> xr.DataArray:
         """Variable or coordinate of the dataset."""
         # what copies a history or sends it to another process asks before there is a dataset
-        dataset = vars(self).get("dataset", xr.Dataset())
-        if name.startswith("_") or name not in dataset.variables:
-            raise AttributeError(f"a history has no {name!r}; it has {sorted(map(str, dataset.variables))}")
-        return dataset[name]
+        variables = self.dataset.variables if "dataset" in vars(self) else {}
+        if name.startswith("_") or name not in variables:
+            raise AttributeError(f"a history has no {name!r}; it has {sorted(map(str, variables))}")
+        return self.dataset[name]
 
     def __dir__(self) -> list[str]:
         """Attributes, for completion: those of every object and the variables."""
