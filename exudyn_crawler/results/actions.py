@@ -6,7 +6,6 @@ builder in `model` and one record here. All vectors are global, all units SI.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,7 +147,6 @@ def shoe_mass(case: Case, shoe: int) -> ShoeMass:
     return ShoeMass(case.shoe.mass, np.zeros(3), np.array(case.shoe.load_point), np.array([0.0, 1.0, 0.0]))
 
 
-@lru_cache(maxsize=4)
 def _mesh_mass(body: ReducedBody, loaded: str) -> ShoeMass:
     weights = body.weights(loaded)
     right, left = (one @ body.nodes / one.sum() for one in side_weights(weights, body.nodes))

@@ -57,31 +57,33 @@ def result(folder: Path, before: str = "", ask: str = ASK) -> str:
     return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
 
 
-@pytest.mark.simulation
-def test_a_kept_function_notices_a_change_of_what_it_calls(tmp_path):
+@pytest.fixture
+def functions(tmp_path: Path) -> Path:
+    """Folder of a function and of one that it calls."""
     (tmp_path / "outer.py").write_text(OUTER)
     (tmp_path / "inner.py").write_text(INNER.format(factor="2.0"))
-    assert result(tmp_path).startswith("7.0 1 ")
-    again = result(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.simulation
+def test_a_kept_function_notices_a_change_of_what_it_calls(functions):
+    assert result(functions).startswith("7.0 1 ")
+    again = result(functions)
     assert again.startswith("7.0 0 ")
     assert not again.rstrip().endswith("Counter()")
-    (tmp_path / "inner.py").write_text(INNER.format(factor="5.0"))
-    assert result(tmp_path).startswith("16.0 1 ")
+    (functions / "inner.py").write_text(INNER.format(factor="5.0"))
+    assert result(functions).startswith("16.0 1 ")
 
 
 @pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
-def test_a_function_that_finds_no_room_to_be_kept_is_compiled_all_the_same(tmp_path):
-    (tmp_path / "outer.py").write_text(OUTER)
-    (tmp_path / "inner.py").write_text(INNER.format(factor="2.0"))
+def test_a_function_that_finds_no_room_to_be_kept_is_compiled_all_the_same(functions):
     for _ in range(2):
-        assert result(tmp_path, FULL_DISK) == "7.0 1 Counter()\n"
+        assert result(functions, FULL_DISK) == "7.0 1 Counter()\n"
 
 
 @pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-def test_an_interrupt_waits_until_a_function_is_compiled_or_loaded(tmp_path):
-    (tmp_path / "outer.py").write_text(OUTER)
-    (tmp_path / "inner.py").write_text(INNER.format(factor="2.0"))
+def test_an_interrupt_waits_until_a_function_is_compiled_or_loaded(functions):
     for _ in range(2):
-        assert result(tmp_path, ask=INTERRUPTED) == "interrupted True 7.0\n"
+        assert result(functions, ask=INTERRUPTED) == "interrupted True 7.0\n"
