@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fem.blocks import Fold, StressBlock, fold_stresses
     from fem.body import ElasticBody
-    from fem.cache import Kept, cached_craig_bampton, cached_static_fields, kept_reductions
+    from fem.cache import Kept, KeptFields, cached_craig_bampton, cached_static_fields
     from fem.critical_plane import CriticalPlanes, critical_planes, damage_on_planes, surface_normals
     from fem.damage import Counting, Damage, recover_damage
     from fem.elasticity import Material
@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     from fem.files import StaleCacheError, load_fields, load_reduced, save_fields, save_reduced
     from fem.hotspots import Apart, OneARegion, OneOfEach, hot_spots
     from fem.interfaces import Interface, center_loads
+    from fem.keeping import kept_files
     from fem.mesh import Mesh, MeshError
     from fem.mesh_files import read_mesh, write_mesh
+    from fem.one_node import Places, places_in, unit_stress, unit_stress_in
     from fem.places import FlatRectangle, PressureGrid, Stations, flat_parts
     from fem.rainflow import Cycles, repeated_cycles
     from fem.recovery import Peaks, recover_peaks, shares
@@ -38,7 +40,7 @@ if TYPE_CHECKING:
 _NAMES = {
     "blocks": "Fold StressBlock fold_stresses",
     "body": "ElasticBody",
-    "cache": "Kept cached_craig_bampton cached_static_fields kept_reductions",
+    "cache": "Kept KeptFields cached_craig_bampton cached_static_fields",
     "critical_plane": "CriticalPlanes critical_planes damage_on_planes surface_normals",
     "damage": "Counting Damage recover_damage",
     "elasticity": "Material",
@@ -49,6 +51,7 @@ _NAMES = {
     "files": "StaleCacheError load_fields load_reduced save_fields save_reduced",
     "hotspots": "Apart OneARegion OneOfEach hot_spots",
     "interfaces": "Interface center_loads",
+    "keeping": "kept_files",
     "mesh": "Mesh MeshError",
     "mesh_files": "read_mesh write_mesh",
     "places": "FlatRectangle PressureGrid Stations flat_parts",
@@ -59,6 +62,7 @@ _NAMES = {
     "shapes": "Shapes SideBySide",
     "surfaces": "faces_joined_to faces_seen_from",
     "trust": "judged mesh_error",
+    "one_node": "Places places_in unit_stress unit_stress_in",
 }
 """Public names of each module."""
 
@@ -75,6 +79,7 @@ __all__ = [
     "Fold",
     "Interface",
     "Kept",
+    "KeptFields",
     "Material",
     "Mesh",
     "MeshError",
@@ -83,6 +88,7 @@ __all__ = [
     "OneOfEach",
     "Partition",
     "Peaks",
+    "Places",
     "PressureGrid",
     "Program",
     "ReducedBody",
@@ -107,11 +113,12 @@ __all__ = [
     "fold_stresses",
     "hot_spots",
     "judged",
-    "kept_reductions",
+    "kept_files",
     "load_fields",
     "load_reduced",
     "mesh_error",
     "nested_reduction",
+    "places_in",
     "read_mesh",
     "recover_damage",
     "recover_extremes",
@@ -122,6 +129,8 @@ __all__ = [
     "shares",
     "static_fields",
     "surface_normals",
+    "unit_stress",
+    "unit_stress_in",
     "write_calculix",
     "write_frame_vtu",
     "write_load_deck",

@@ -1,34 +1,28 @@
-"""Reductions and static fields kept on disk: a file each, named by the digest of all that it depends on."""
+"""Reductions and static fields kept on disk, by the digest of all that each of them depends on."""
 
 import hashlib
 import json
 import logging
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
-from filelock import FileLock
 
 from fem.body import ElasticBody
-from fem.compiling import FEM, source_digest
 from fem.fields import StaticFields, UnitLoads, static_fields
-from fem.files import FIELDS_FORMAT, FORMAT, load_fields, load_reduced, save_fields, save_reduced
+from fem.files import load_fields, load_reduced, save_fields, save_reduced
+from fem.hdf5 import REDUCED_BODY, STATIC_FIELDS
 from fem.interfaces import Interface
+from fem.keeping import kept_path, taken_or_made
 from fem.mesh import Floats
 from fem.reduced import ReducedBody
 from fem.reduction import Partition, craig_bampton
+from fem.sources import FEM, source_digest
 
-LIMIT = 3e9
-"""Bytes that a folder may hold; what was not used for longest goes first. The study mesh takes 0.2e9."""
-
-FIELDS_SUFFIX = ".fields.h5"
-"""Ending of files of static fields, which reductions do not have."""
-
-Made = TypeVar("Made")
+FIELDS_SUFFIX = ".fields"
+"""Of files of static fields, before the ending; reductions have none."""
 
 logger = logging.getLogger(__name__)
 
@@ -50,6 +44,23 @@ class Kept(NamedTuple):
     found: bool
 
 
+class KeptFields(NamedTuple):
+    """Static fields and where they are kept.
+
+    Attributes
+    ----------
+    fields : StaticFields
+    path : Path
+        Their file.
+    found : bool
+        Whether it was there already.
+    """
+
+    fields: StaticFields
+    path: Path
+    found: bool
+
+
 def reduction_digest(
     body: ElasticBody,
     interfaces: Sequence[Interface],
@@ -57,7 +68,7 @@ def reduction_digest(
     residual_loads: Mapping[str, Floats] | None = None,
 ) -> str:
     """SHA-256 of everything that a reduction depends on, this package's sources included."""
-    sha = hashlib.sha256((FORMAT + source_digest(FEM)).encode())
+    sha = hashlib.sha256((REDUCED_BODY + source_digest(FEM)).encode())
     sha.update(body.mesh.digest.encode())
     sha.update(json.dumps([asdict(body.material), n_fixed_modes], sort_keys=True).encode())
     for i in interfaces:
@@ -78,8 +89,7 @@ def cached_craig_bampton(
 ) -> Kept:
     """Reduced body from a folder if it is kept there, else made anew and kept.
 
-    Processes that want the same reduction at the same time wait for the first of them. A broken file is
-    replaced. Where the folder cannot be written to, the reduction is made and not kept.
+    How it is kept is what `keeping.taken_or_made` says.
 
     Parameters
     ----------
@@ -91,8 +101,8 @@ def cached_craig_bampton(
         Gets a line about a file that is broken or cannot be written.
     """
     digest = reduction_digest(body, interfaces, n_fixed_modes, residual_loads)
-    path = Path(folder) / f"{digest[:32]}.h5"
-    reduced, found = _taken_or_made(
+    path = kept_path(folder, digest)
+    reduced, found = taken_or_made(
         path,
         lambda: load_reduced(path, body.mesh, digest),
         lambda: craig_bampton(body, interfaces, n_fixed_modes, residual_loads),
@@ -109,7 +119,7 @@ def cached_static_fields(
     kept: Kept,
     families: Mapping[str, UnitLoads],
     warn: Callable[[str], None] = logger.warning,
-) -> StaticFields:
+) -> KeptFields:
     """Static fields beside a kept reduction, from a folder if they are there, else made anew and kept.
 
     What is said of `cached_craig_bampton` goes for them, too.
@@ -127,14 +137,14 @@ def cached_static_fields(
     warn : callable
         Gets a line about a file that is broken or cannot be written.
     """
-    sha = hashlib.sha256((FIELDS_FORMAT + kept.path.name).encode())
+    sha = hashlib.sha256((STATIC_FIELDS + kept.path.name).encode())
     for name, family in families.items():
         sha.update(json.dumps([name, *family.nodal.shape, family.by_mass]).encode())
         for array in (family.nodal.data, family.nodal.indices, family.nodal.indptr, family.centers):
             sha.update(np.ascontiguousarray(array).tobytes())
     digest = sha.hexdigest()
-    path = Path(folder) / f"{digest[:32]}{FIELDS_SUFFIX}"
-    fields, _ = _taken_or_made(
+    path = kept_path(folder, digest, FIELDS_SUFFIX)
+    fields, found = taken_or_made(
         path,
         lambda: load_fields(path, digest),
         lambda: static_fields(Partition(body, kept.body.interfaces), kept.body, families),
@@ -142,68 +152,4 @@ def cached_static_fields(
         warn,
         "the file of static fields",
     )
-    return fields
-
-
-def _taken_or_made(
-    path: Path,
-    load: Callable[[], Made],
-    make: Callable[[], Made],
-    save: Callable[[Made], None],
-    warn: Callable[[str], None],
-    what: str,
-) -> tuple[Made, bool]:
-    """What a file holds, or what is made anew and kept in it, and whether it was there."""
-    with _alone(path, warn):
-        try:
-            found = load()
-        except FileNotFoundError:
-            pass
-        except ValueError as error:
-            warn(f"{what} is made anew: {error}")
-        else:
-            with suppress(OSError):
-                os.utime(path)
-            return found, True
-        made = make()
-        try:
-            save(made)
-            _make_room(path.parent)
-        except OSError as error:
-            warn(f"{what} is not kept, {path} cannot be written: {error}")
-    return made, False
-
-
-def kept_reductions(folder: str | Path) -> list[Path]:
-    """Files of reductions and their static fields in a folder, those used last first."""
-    used = {}
-    for path in Path(folder).glob("[!.]*.h5"):  # a dot before what is being written
-        with suppress(FileNotFoundError):  # another process made room
-            used[path] = path.stat().st_mtime
-    return sorted(used, key=used.__getitem__, reverse=True)
-
-
-@contextmanager
-def _alone(path: Path, warn: Callable[[str], None]) -> Iterator[None]:
-    """Hold the lock of a file, if there can be one; the operating system releases it when a process ends."""
-    lock = FileLock(path.with_suffix(".lock"))
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        lock.acquire()
-    except (OSError, NotImplementedError) as error:
-        warn(f"reductions cannot be kept in {path.parent}: {error}")
-    try:
-        yield
-    finally:
-        lock.release()
-
-
-def _make_room(folder: Path) -> None:
-    """Remove what was not used for longest, as far as a folder holds more than its limit."""
-    total = 0
-    for path in kept_reductions(folder):
-        with suppress(OSError):
-            total += path.stat().st_size
-            if total > LIMIT:
-                path.unlink()
-                path.with_suffix(".lock").unlink(missing_ok=True)
+    return KeptFields(fields, path, found)

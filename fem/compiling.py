@@ -5,7 +5,6 @@ inlined from other files would stay as it was, so a kept function is stamped wit
 made of.
 """
 
-import hashlib
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -15,15 +14,7 @@ from numba import njit
 from numba.core.event import Event, Listener, install_listener
 
 from fem.interrupts import interrupts_wait
-
-
-def source_digest(*sources: Path) -> str:
-    """SHA-256 of some Python sources: files, or all in a folder."""
-    digest = hashlib.sha256()
-    for source in sources:
-        for path in sorted(source.rglob("*.py")) if source.is_dir() else [source]:
-            digest.update(path.read_bytes())
-    return digest.hexdigest()
+from fem.sources import source_digest
 
 
 def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
@@ -82,7 +73,3 @@ def _forgiving(save: Callable[..., None]) -> Callable[..., None]:
             save(*values)
 
     return saved
-
-
-FEM = Path(__file__).parent
-"""Sources of this package."""

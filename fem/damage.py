@@ -13,12 +13,13 @@ from typing import Literal
 import numpy as np
 
 from fem.blocks import Fold, StressBlock, fold_stresses
-from fem.compiling import FEM, compiler
+from fem.compiling import compiler
 from fem.fatigue import SNCurve, check_survivals
 from fem.mesh import Floats, Integers
 from fem.rainflow import Cycles, repeated_cycles
 from fem.rank import NODE_BLOCK
 from fem.shapes import Columns
+from fem.sources import FEM
 
 SignedCriterion = Literal["signed von mises", "signed principal"]
 SIGNED_CRITERIA: tuple[SignedCriterion, ...] = ("signed von mises", "signed principal")

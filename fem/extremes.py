@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.blocks import Fold, StressBlock, fold_stresses
-from fem.compiling import FEM, compiler
+from fem.compiling import compiler
 from fem.mesh import Floats, Integers
 from fem.rank import TIME_BLOCK, node_blocks
-from fem.recovery import DEVIATOR, Peaks
+from fem.recovery import Peaks
 from fem.shapes import Columns
+from fem.sources import FEM
+from fem.stress import DEVIATOR
 
 Singles = NDArray[np.float32]
 

@@ -16,10 +16,10 @@ from scipy.sparse import csr_array, hstack, kron
 from fem.body import ElasticBody
 from fem.interfaces import Interface
 from fem.mesh import Floats
-from fem.recovery import DEVIATOR
 from fem.reduced import ReducedBody
 from fem.reduction import Partition
 from fem.shapes import Shapes, SideBySide
+from fem.stress import DEVIATOR
 
 AT_ONCE = 32
 """Fields that are solved for, or whose stress is recovered, together."""

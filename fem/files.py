@@ -1,31 +1,22 @@
 """Reduced bodies and static fields to and from an HDF5 file each, with digests that tell a stale one."""
 
 import hashlib
-import io
 import json
-import os
-import tempfile
-from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
-from typing import TypeVar
 
 import h5py
 import numpy as np
 
 from fem.elasticity import Material
 from fem.fields import StaticFields
+from fem.hdf5 import REDUCED_BODY, STATIC_FIELDS, read_whole, write_rows, write_whole
 from fem.interfaces import Interface
-from fem.interrupts import interrupts_wait
 from fem.mesh import Mesh
 from fem.reduced import ReducedBody
 
-FORMAT = "fem reduced body 2"
 _ARRAYS = ("frequencies", "modes", "stress_modes", "pilots", "center_of_mass", "inertia", "ritz")
-FIELDS_FORMAT = "fem static fields 1"
 _FIELD_ARRAYS = ("displacements", "energy", "work")
-
-Kind = TypeVar("Kind")
 
 
 class StaleCacheError(ValueError):
@@ -45,7 +36,6 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
     """
 
     def fill(file: h5py.File) -> None:
-        file.attrs["format"] = FORMAT
         file.attrs["mesh_digest"] = body.mesh.digest
         file.attrs["digest"] = digest
         file.attrs["content"] = _content_digest(body)
@@ -53,9 +43,10 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
         file.attrs["parameters"] = json.dumps(dict(body.parameters))
         file.attrs["mass"] = body.mass
         for name in _ARRAYS:
-            file[name] = getattr(body, name)
+            write_rows(file, name, getattr(body, name))
         mesh = file.create_group("mesh")
-        mesh["nodes"], mesh["elements"] = body.mesh.nodes, body.mesh.elements
+        write_rows(mesh, "nodes", body.mesh.nodes)
+        write_rows(mesh, "elements", body.mesh.elements)
         for group, arrays in (
             ("surfaces", body.mesh.surfaces),
             ("surface_weights", body.surface_weights),
@@ -66,9 +57,10 @@ def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
         for number, interface in enumerate(body.interfaces):
             entry = file.create_group(f"interfaces/{number:03d}")
             entry.attrs["name"], entry.attrs["spider"] = interface.name, interface.spider
-            entry["center"], entry["nodes"] = interface.center, interface.nodes
+            entry["center"] = interface.center
+            write_rows(entry, "nodes", interface.nodes)
 
-    _write_whole(Path(path), fill)
+    write_whole(Path(path), REDUCED_BODY, fill)
 
 
 def save_fields(path: str | Path, fields: StaticFields, digest: str = "") -> None:
@@ -83,31 +75,13 @@ def save_fields(path: str | Path, fields: StaticFields, digest: str = "") -> Non
     """
 
     def fill(file: h5py.File) -> None:
-        file.attrs["format"] = FIELDS_FORMAT
         file.attrs["digest"] = digest
         file.attrs["content"] = _fields_digest(fields)
         file.attrs["families"] = json.dumps(dict(fields.families))
         for name in _FIELD_ARRAYS:
-            file[name] = getattr(fields, name)
+            write_rows(file, name, getattr(fields, name))
 
-    _write_whole(Path(path), fill)
-
-
-@interrupts_wait()
-def _write_whole(path: Path, fill: Callable[[h5py.File], None]) -> None:
-    """Write an HDF5 file that `fill` fills, whole or not at all."""
-    # made in memory first: where a disk is full, HDF5 does not fail but ends the process
-    content = io.BytesIO()
-    with h5py.File(content, "w") as file:
-        fill(file)
-    handle, part = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
-    try:
-        with open(handle, "wb") as stream:
-            stream.write(content.getbuffer())
-        os.replace(part, path)
-    except BaseException:
-        os.unlink(part)
-        raise
+    write_whole(Path(path), STATIC_FIELDS, fill)
 
 
 def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None = None) -> ReducedBody:
@@ -131,7 +105,7 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
     StaleCacheError
         If mesh or digest differ.
     """
-    return _read_whole(Path(path), lambda file: _read(file, Path(path), mesh, digest))
+    return read_whole(Path(path), REDUCED_BODY, lambda file: _read(file, Path(path), mesh, digest))
 
 
 def load_fields(path: str | Path, digest: str | None = None) -> StaticFields:
@@ -153,28 +127,10 @@ def load_fields(path: str | Path, digest: str | None = None) -> StaticFields:
     StaleCacheError
         If the digest differs.
     """
-    return _read_whole(Path(path), lambda file: _read_fields(file, Path(path), digest))
-
-
-@interrupts_wait()
-def _read_whole(path: Path, read: Callable[[h5py.File], Kind]) -> Kind:
-    """What `read` makes of an HDF5 file; `ValueError` where it is broken."""
-    if not path.is_file():
-        raise FileNotFoundError(f"no file {path}")
-    try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        raise ValueError(f"{path} must be an HDF5 file, got: {error}") from error
-    try:
-        with file:
-            return read(file)
-    except (OSError, KeyError, TypeError, RuntimeError) as error:
-        raise ValueError(f"{path} must be whole, got a broken file: {error}") from error
+    return read_whole(Path(path), STATIC_FIELDS, lambda file: _read_fields(file, Path(path), digest))
 
 
 def _read_fields(file: h5py.File, path: Path, digest: str | None) -> StaticFields:
-    if file.attrs.get("format") != FIELDS_FORMAT:
-        raise ValueError(f"{path} must be a {FIELDS_FORMAT!r} file, got {file.attrs.get('format')!r}")
     if digest is not None and file.attrs["digest"] != digest:
         raise StaleCacheError(f"{path} must be made with the body and loads given, got others")
     fields = StaticFields(
@@ -194,8 +150,6 @@ def _fields_digest(fields: StaticFields) -> str:
 
 
 def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) -> ReducedBody:
-    if file.attrs.get("format") != FORMAT:
-        raise ValueError(f"{path} must be a {FORMAT!r} file, got {file.attrs.get('format')!r}")
     if mesh is not None and file.attrs["mesh_digest"] != mesh.digest:
         raise StaleCacheError(f"{path} must belong to the mesh given, got that of another mesh")
     if digest is not None and file.attrs["digest"] != digest:

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
 
-from fem.compiling import FEM, compiler
+from fem.compiling import compiler
 from fem.mesh import Floats
+from fem.sources import FEM
 
 CELL = 0.03
 """m, greatest side of a cell of the grid; the underside's elements are several times as large."""

@@ -10,21 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.blocks import Fold, StressBlock, fold_stresses
-from fem.compiling import FEM, compiler
+from fem.compiling import compiler
 from fem.mesh import Floats, Integers
 from fem.shapes import Columns
-from fem.stress import CRITERIA, Criterion, evaluate
-
-DEVIATOR = np.array(
-    [
-        [np.sqrt(0.5), -np.sqrt(0.5), 0, 0, 0, 0],
-        [np.sqrt(1 / 6), np.sqrt(1 / 6), -2 * np.sqrt(1 / 6), 0, 0, 0],
-        [0, 0, 0, np.sqrt(2), 0, 0],
-        [0, 0, 0, 0, np.sqrt(2), 0],
-        [0, 0, 0, 0, 0, np.sqrt(2)],
-    ]
-) * np.sqrt(1.5)
-"""Combinations (5, 6) of the stress components whose Euclidean length is the von Mises stress."""
+from fem.sources import FEM
+from fem.stress import CRITERIA, DEVIATOR, Criterion, evaluate
 
 
 @dataclass(frozen=True)

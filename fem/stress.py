@@ -10,6 +10,7 @@ the mesh has the plain mean over its elements. CalculiX has the same rule.
 from functools import lru_cache
 from typing import Literal
 
+import h5py
 import numpy as np
 from scipy.sparse import csr_array
 from skfem import ElementTetP1
@@ -35,6 +36,17 @@ CRITERIA: tuple[Criterion, ...] = (
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """Tensor indices of the six components."""
+
+DEVIATOR = np.array(
+    [
+        [np.sqrt(0.5), -np.sqrt(0.5), 0, 0, 0, 0],
+        [np.sqrt(1 / 6), np.sqrt(1 / 6), -2 * np.sqrt(1 / 6), 0, 0, 0],
+        [0, 0, 0, np.sqrt(2), 0, 0],
+        [0, 0, 0, 0, np.sqrt(2), 0],
+        [0, 0, 0, 0, 0, np.sqrt(2)],
+    ]
+) * np.sqrt(1.5)
+"""Combinations (5, 6) of the stress components whose Euclidean length is the von Mises stress."""
 
 
 def _extension(order: int) -> tuple[Floats, Floats]:
@@ -121,11 +133,24 @@ def nodal_stress(
     return np.moveaxis(stress_of_gradient(np.moveaxis(gradient, 3, 1), material), 1, 2)
 
 
-def stress_at_node(mesh: Mesh, material: Material, displacements: Floats, node: int) -> Floats:
-    """Nodal stress (6, m) in Pa of displacements (n, 3, m) at one node, from the elements about it alone."""
-    about = mesh.elements[(mesh.elements == node).any(axis=1)]
-    used, elements = np.unique(about, return_inverse=True)
-    part = Mesh(mesh.nodes[used], elements.reshape(about.shape), {})
+def stress_at_node(
+    nodes: Floats, elements: Integers, material: Material, displacements: Floats | h5py.Dataset, node: int
+) -> Floats:
+    """Nodal stress (6, m) in Pa of displacement fields at one node, from the elements about it alone.
+
+    Parameters
+    ----------
+    nodes : array (n, 3)
+        Of the mesh, m.
+    elements : int array (e, 4 or 10)
+    material : Material
+    displacements : array (n, 3, m)
+        In m; of a dataset in a file, only the rows of nodes about the node are read.
+    node : int
+    """
+    about = elements[(elements == node).any(axis=1)]
+    used, local = np.unique(about, return_inverse=True)
+    part = Mesh(nodes[used], local.reshape(about.shape), {})
     place = np.searchsorted(used, [node])
     return nodal_stress(nodal_gradient_operator(part), material, displacements[used], place)[0]
 

@@ -16,9 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fem.elasticity import Material
 from fem.mesh import Floats, Mesh
-from fem.recovery import DEVIATOR
 from fem.shapes import Columns, Shapes, lengths
-from fem.stress import element_stress
+from fem.stress import DEVIATOR, element_stress
 
 SAFETY = 1.5
 """Error of the nodal stress over the relative difference about it, at a bore whose solution is known."""

@@ -18,7 +18,8 @@ from meshes.geometry import (
 if TYPE_CHECKING:
     from meshes.build_shoe import mesh_shoe
     from meshes.load_surfaces import LOAD_SURFACES, with_load_surfaces
-    from meshes.ready import mesh_named, shoe_mesh, shoe_path
+    from meshes.paths import mesh_path, shoe_path
+    from meshes.ready import mesh_named, shoe_mesh
     from meshes.shoe import STEEL, joint_interfaces
 
 _HOMES = {
@@ -26,12 +27,13 @@ _HOMES = {
     "STEEL": "shoe",
     "joint_interfaces": "shoe",
     "mesh_named": "ready",
+    "mesh_path": "paths",
     "mesh_shoe": "build_shoe",
     "shoe_mesh": "ready",
-    "shoe_path": "ready",
+    "shoe_path": "paths",
     "with_load_surfaces": "load_surfaces",
 }
-"""Modules of the names that need finite elements."""
+"""Modules of the names that are imported when they are asked for."""
 
 __all__ = [
     "COM_HEIGHT",
@@ -47,6 +49,7 @@ __all__ = [
     "ShoeDimensions",
     "joint_interfaces",
     "mesh_named",
+    "mesh_path",
     "mesh_shoe",
     "shoe_mesh",
     "shoe_path",

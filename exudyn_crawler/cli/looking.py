@@ -44,24 +44,27 @@ def node_stress(
 
     Example: exudyn-crawler node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05
     """
-    history = loaded(run)
-    from exudyn_crawler.results.node_stress import node_stress as stress_at
-    from exudyn_crawler.results.node_stress import node_stress_table
+    path = history_path(run)
+    from exudyn_crawler.results.node_look import MEGA, look_into
+    from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.views.columns import write_columns
 
-    found = stress_at(history, shoe, near, node)
-    number = found.attrs["node"]
-    place = ", ".join(f"{value:.4f}" for value in found.place.values)
+    found = look_into(path, shoe, near, node)
+    place = ", ".join(f"{value:.4f}" for value in found.place)
     typer.echo(
-        f"shoe {shoe}, node {number} at ({place}) m in the shoe's frame, "
-        f"{found.attrs['distance_m']:.4f} m from the place asked for"
+        f"shoe {shoe}, node {found.node} at ({place}) m in the shoe's frame, "
+        f"{found.distance:.4f} m from the place asked for"
     )
-    if found.attrs["in_spider"]:
+    if found.in_spider:
         typer.echo("the node is held by a joint's rigid spider: its stress is that beside a rigid ring")
-    table = node_stress_table(found)
-    greatest = table.loc[table["von Mises in MPa"].idxmax()]
-    typer.echo(f"greatest von Mises stress {greatest.iloc[-1]:.4g} MPa at t = {greatest.iloc[0]:g} s")
-    default = history_path(run).parent / f"stress_shoe_{shoe}_node_{number}.csv"
-    _write(table, default if out is None else out, overwrite)
+    mises = found.von_mises
+    greatest = int(mises.argmax())
+    typer.echo(
+        f"greatest von Mises stress {mises[greatest] / MEGA:.4g} MPa at t = {found.time[greatest]:g} s"
+    )
+    default = path.parent / f"stress_shoe_{shoe}_node_{found.node}.csv"
+    note_file(write_columns(found.columns(), default if out is None else out, overwrite))
+    typer.echo(default if out is None else out)
 
 
 @app.command()

@@ -8,7 +8,8 @@ import math
 from pathlib import Path
 from typing import Any, NamedTuple, get_type_hints
 
-from fem.compiling import FEM, compiler
+from fem.compiling import compiler
+from fem.sources import FEM
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]

@@ -29,10 +29,10 @@ from exudyn_crawler.model.reductions import kept_fields
 from fem import (
     FlatRectangle,
     Kept,
+    KeptFields,
     Mesh,
     PressureGrid,
     ReducedBody,
-    StaticFields,
     Stations,
     UnitLoads,
     flat_parts,
@@ -108,7 +108,7 @@ def rail_loads(stations: Sequence[Stations], rail: int, forces: NDArray, x: NDAr
     return np.concatenate(parts, axis=1)
 
 
-def shoe_fields(case: Case, rails: bool = False) -> StaticFields:
+def shoe_fields(case: Case, rails: bool = False) -> KeptFields:
     """Static fields of a case's flexible shoes beside all modes of `whole_reduction`; kept like these.
 
     Parameters
@@ -136,7 +136,7 @@ def _fields(
     whole: Kept,
     integrated: ReducedBody,
     rails: bool,
-) -> StaticFields:
+) -> KeptFields:
     body, interfaces = shoe_model(flexible, track)
     families = {
         JOINTS: UnitLoads.at_centers(len(body.mesh.nodes), interfaces),

@@ -1,4 +1,4 @@
-"""Where reductions of flexible shoes are kept between runs."""
+"""Where reductions of flexible shoes, and what is made with them, are kept between runs."""
 
 import logging
 import os
@@ -13,7 +13,7 @@ from platformdirs import user_cache_path
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem import ElasticBody, Interface, Kept, StaticFields, UnitLoads
+    from fem import ElasticBody, Interface, Kept, KeptFields, UnitLoads
 
 VARIABLE = "EXUDYN_CRAWLER_CACHE"
 """Environment variable that names the folder of caches in place of the user's own."""
@@ -58,7 +58,7 @@ def kept_reduction(
     )
 
 
-def kept_fields(body: "ElasticBody", kept: "Kept", families: "Mapping[str, UnitLoads]") -> "StaticFields":
+def kept_fields(body: "ElasticBody", kept: "Kept", families: "Mapping[str, UnitLoads]") -> "KeptFields":
     """Static fields as of `fem.cached_static_fields`; what is wrong with kept ones goes to the log."""
     from fem import cached_static_fields
 
@@ -69,6 +69,6 @@ def reductions_line() -> str:
     """What is kept, in a line."""
     folder = reductions_folder()
     sizes = {path: path.stat().st_size for path in folder.glob("[!.]*.h5")}  # a dot: being written
-    shoes = [path for path in sizes if path.suffixes == [".h5"]]  # their static fields have one more
+    shoes = [path for path in sizes if path.suffixes == [".h5"]]  # static fields and loads have one more
     size = sum(sizes.values()) / 1e6
     return f"{len(shoes)} reduced shoes are kept in {folder} ({size:.0f} MB), to be removed at will"

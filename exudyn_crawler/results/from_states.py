@@ -16,8 +16,9 @@ from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
+from exudyn_crawler.results.case_in_file import LAYOUT_VERSION
 from exudyn_crawler.results.compact import CONTACT_TYPE, TERRAIN_COORDINATES, motion_variables
-from exudyn_crawler.results.history import LAYOUT_VERSION, History
+from exudyn_crawler.results.history import History
 from exudyn_crawler.results.quantities import Variable, variable
 from exudyn_crawler.results.rolled_states import Treads, rolled_coordinates, rolled_variables
 

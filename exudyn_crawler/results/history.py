@@ -5,25 +5,16 @@ from html import escape
 from pathlib import Path
 from typing import Self
 
-import h5py
 import numpy as np
 import xarray as xr
-from pydantic import ValidationError
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.faults import faults
-from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.files import write_netcdf_along
-from exudyn_crawler.model.state import VERSION
+from exudyn_crawler.results.case_in_file import case_in_file, reading_history, with_case, without_case
 from exudyn_crawler.results.compact import packed, unpacked
-from exudyn_crawler.results.pieces import CASE, CASE_DIGEST, blocks, case_digest, with_case, without_case
+from exudyn_crawler.results.pieces import blocks
 from exudyn_crawler.results.quantities import check_dimensions
 from fem.interrupts import interrupts_wait
-
-LAYOUT_VERSION = "layout_version"
-"""Attribute of the version of the states that a history was made of; the first histories have none."""
-UNSIGNED = 1
-"""Version whose modes had the signs that rounding gave them: of flexible shoes it says nothing."""
 
 MOST_IN_MEMORY = 10**9
 """Bytes of a history that are read at once: 280 s of 13 rigid shoes, stored every 2 ms."""
@@ -97,36 +88,16 @@ class History:
             If the file does not hold a history, or one of states laid out in another version.
         """
         path = Path(path)
-        if not path.is_file():
-            raise FileNotFoundError(f"no history at {path}")
-        try:
-            # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
-            with h5py.File(path, "r") as file:
-                found = np.asarray(file.attrs.get(LAYOUT_VERSION, UNSIGNED)).item()
-                if found != VERSION and (found != UNSIGNED or "modal_coordinate" in file):
-                    raise ValueError(f"its states have layout version {found}, this program reads {VERSION}")
-                text = file.attrs[CASE]
-                if file.attrs.get(CASE_DIGEST, case_digest(text)) != case_digest(text):
-                    raise ValueError("its case was altered: the digest is wrong")
-                case = saved_case(text, path)
+        # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
+        case = case_in_file(path)
+        with reading_history(path):
             file_dataset = xr.open_dataset(path, engine="h5netcdf", cache=False)
             dataset = without_case(unpacked(file_dataset))
             if dataset.nbytes <= MOST_IN_MEMORY:
                 dataset = without_case(unpacked(file_dataset.load(), widened=True))
                 file_dataset.close()
             _check(case, dataset)
-        except FutureWarning:
-            raise
-        except ValidationError as error:
-            raise _no_history(path, "; ".join(faults(error))) from error
-        # altered bytes make the readers raise all kinds of errors
-        except Exception as error:
-            raise _no_history(path, str(error) or repr(error)) from error
         return cls(case=case, dataset=dataset)
-
-
-def _no_history(path: Path, reason: str) -> ValueError:
-    return ValueError(f"{path} does not hold a history: {' '.join(reason.split())}")
 
 
 def _check(case: Case, dataset: xr.Dataset) -> None:

@@ -1,6 +1,5 @@
 """Histories in pieces along time, such as the stages of a run leave, joined in memory or in one file."""
 
-import hashlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,11 +11,9 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import write_netcdf_along
+from exudyn_crawler.results.case_in_file import with_case, without_case
 from exudyn_crawler.results.compact import packed, unpacked
 from fem.interrupts import interrupts_wait
-
-CASE, CASE_DIGEST = "case", "case_digest"
-"""Attributes of a file; the first histories have no digest."""
 
 
 @dataclass(frozen=True)
@@ -68,23 +65,6 @@ def blocks(dataset: xr.Dataset) -> Iterator[xr.Dataset]:
 
 def _pairs(dataset: xr.Dataset) -> NDArray:
     return np.column_stack((dataset.contact_shoe.values, dataset.contact_unit.values))
-
-
-def with_case(dataset: xr.Dataset, case: Case) -> xr.Dataset:
-    """Dataset of a history as a file holds it: with its case, and a digest of that."""
-    text = case.model_dump_json()
-    return dataset.assign_attrs({CASE: text, CASE_DIGEST: case_digest(text)})
-
-
-def without_case(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset of a history from that of a file."""
-    kept = {name: value for name, value in dataset.attrs.items() if name not in (CASE, CASE_DIGEST)}
-    return dataset.drop_attrs(deep=False).assign_attrs(kept)
-
-
-def case_digest(text: str) -> str:
-    """SHA-256 of a case as JSON."""
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def joined(pieces: Sequence[Piece]) -> xr.Dataset:

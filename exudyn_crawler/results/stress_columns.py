@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.model.load_places import shoe_fields
 from exudyn_crawler.results.actions import actions
@@ -22,8 +23,7 @@ from exudyn_crawler.results.modal_coordinates import (
     coordinates_by_load,
     stress_basis,
 )
-from fem import Shapes, StaticFields, field_columns
-from fem.stress import stress_at_node
+from fem import KeptFields, Shapes, StaticFields, field_columns
 
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `SHARE` allows: 0.01 MPa."""
@@ -76,11 +76,12 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     basis = stress_basis(history)
     flexible = history.case.flexible_shoes()
     chosen = list(flexible.shoes if shoes is None else shoes)
-    if not flexible.static_fields:
+    kept = fields_of(history.case)
+    if kept is None:
         found = {shoe: coordinates_and_momentum(history, basis, shoe)[0] for shoe in chosen}
         return StressColumns(basis, basis.whole, found, None)
     body, _ = shoe_model(flexible, history.case.track)
-    fields = fields_of(history)
+    fields = kept.fields
     loads = {shoe: field_loads(fields, _loads_on(history, basis, fields, shoe)) for shoe in chosen}
     frequencies = basis.whole.frequencies
     columns = field_columns(body, fields, list(loads.values()), TOLERANCE, int(SHARE * len(frequencies)))
@@ -89,10 +90,11 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
     return StressColumns(basis, columns.beside(basis.whole), coordinates, columns.bound, both)
 
 
-def stress_at(history: History, shoe: int, node: int) -> NDArray:
-    """Stress of a flexible shoe at a node over time: array (times, 6), Pa, in the shoe's axes.
+def acting_loads(history: History, shoe: int) -> NDArray:
+    """Loads on a flexible shoe, array (times, k), for `fem.unit_stress` of the fields of `fields_of`.
 
-    That of `stress_columns`, but of every load itself: no field is left out.
+    Without static fields they are the coordinates of the modes. Their stress is that of `stress_columns`, but
+    of every load itself: no field is left out.
 
     Raises
     ------
@@ -100,13 +102,10 @@ def stress_at(history: History, shoe: int, node: int) -> NDArray:
         If the shoe is not a flexible one of the history.
     """
     basis = stress_basis(history)
-    whole = basis.whole
-    if not history.case.flexible_shoes().static_fields:
-        return coordinates_and_momentum(history, basis, shoe)[0] @ whole.stress_modes[node].T
-    fields = fields_of(history)
-    loads = field_loads(fields, _loads_on(history, basis, fields, shoe))
-    held = fields.held(whole.frequencies) @ whole.stress_modes[node].T
-    return loads @ (held + stress_at_node(whole.mesh, whole.material, fields.displacements, node).T)
+    kept = fields_of(history.case)
+    if kept is None:
+        return coordinates_and_momentum(history, basis, shoe)[0]
+    return field_loads(kept.fields, _loads_on(history, basis, kept.fields, shoe))
 
 
 def _loads_on(
@@ -118,9 +117,17 @@ def _loads_on(
     return loads_by_kind(history, fields, basis.whole, momentum, shoe, acting)
 
 
-def fields_of(history: History) -> StaticFields:
-    """Static fields of the loads that a history's flexible shoes bear."""
-    return shoe_fields(history.case, rails=history.case.undercarriage is not None)
+def fields_of(case: Case) -> KeptFields | None:
+    """Static fields of the loads that a case's flexible shoes bear; None where it asks for none.
+
+    Raises
+    ------
+    ValueError
+        If the case has no flexible shoes.
+    """
+    if not case.flexible_shoes().static_fields:
+        return None
+    return shoe_fields(case, rails=case.undercarriage is not None)
 
 
 def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict[str, NDArray]:
@@ -137,9 +144,10 @@ def columns_by_load(history: History, columns: StressColumns, shoe: int) -> dict
         One of its shoes.
     """
     basis = columns.basis
-    if columns.answers is None:
+    kept = fields_of(history.case)
+    if columns.answers is None or kept is None:
         return _in_words(coordinates_by_load(history, basis, shoe))
-    fields = fields_of(history)
+    fields = kept.fields
     kinds = _loads_on(history, basis, fields, shoe)
     return _in_words({kind: fields.coordinates(own) @ columns.answers for kind, own in kinds.items()})
 

@@ -1,9 +1,12 @@
 """Histories in folders, found again by their parameters."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from exudyn_crawler.case import CaseFile
-from exudyn_crawler.results.history import History
+
+if TYPE_CHECKING:
+    from exudyn_crawler.results.history import History
 
 HISTORY = "history.nc"
 """History in the folder of a run."""
@@ -13,7 +16,7 @@ SAME_TIME = 1e-6
 """s by which durations may differ and be the same."""
 
 
-def matching_history(folder: Path, case_file: CaseFile) -> History:
+def matching_history(folder: Path, case_file: CaseFile) -> "History":
     """History of the same case and duration in the folder of an earlier run, or of a study that ran it.
 
     Raises
@@ -23,6 +26,9 @@ def matching_history(folder: Path, case_file: CaseFile) -> History:
     ValueError
         If it comes from other parameters or is shorter or longer, naming what differs.
     """
+    # naming a history must not wait for what reads it
+    from exudyn_crawler.results.history import History
+
     case = case_file.case
     # a run's folder, a study's, and a study's as it was when it kept its histories side by side
     places = (folder / HISTORY, folder / case.name / HISTORY, folder / f"{case.name}.nc")

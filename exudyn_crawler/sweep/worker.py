@@ -19,7 +19,7 @@ from exudyn_crawler.run.folder import note_file
 from exudyn_crawler.run.record import timestamp
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.storage import OUTCOME, Outcome, read_outcome, working_folder, write_outcome
-from fem.compiling import source_digest
+from fem.sources import source_digest
 
 LOCK_WAIT = 600.0
 """s for which a run waits for another process at it: a worker that the scheduler took for dead, say."""

@@ -6,6 +6,7 @@ import pandas as pd
 from rich.console import Console
 
 from exudyn_crawler.files import whole_file
+from exudyn_crawler.views.columns import NUMBER
 from exudyn_crawler.views.terminal import print_rows
 
 
@@ -16,14 +17,10 @@ def print_table(table: pd.DataFrame, title: str, console: Console | None = None)
     print_rows([str(name) for name in table.columns], rows, title, numeric, console)
 
 
-DIGITS = 10
-"""Of a number in a CSV file: the last ones of sixteen are rounding alone, 1.5860000000000005 for 1.586."""
-
-
 def write_table(table: pd.DataFrame, path: Path, overwrite: bool = False) -> Path:
     """Write a table as CSV, whole or not at all."""
     with whole_file(path, overwrite) as temporary:
-        table.to_csv(temporary, index=False, float_format=f"%.{DIGITS}g")
+        table.to_csv(temporary, index=False, float_format=NUMBER)
     return path
 
 

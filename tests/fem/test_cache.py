@@ -52,8 +52,8 @@ def test_a_reduction_is_taken_only_if_all_matches(tmp_path: Path, beam: fem.Elas
     ]
     assert not any(other.found for other in others)
     assert len({first.path, *(other.path for other in others)}) == 7
-    assert fem.kept_reductions(tmp_path)[-1].parent == tmp_path
-    assert len(fem.kept_reductions(tmp_path)) == 7
+    assert fem.kept_files(tmp_path)[-1].parent == tmp_path
+    assert len(fem.kept_files(tmp_path)) == 7
 
 
 @pytest.mark.simulation
@@ -76,7 +76,7 @@ def test_two_processes_that_want_the_same_at_once(tmp_path: Path, small: fem.Red
             process.stdin.flush()
         answers = sorted(process.communicate(timeout=60)[0].strip() for process in (one, other))
     assert answers == ["False 26", "True 26"]
-    (path,) = fem.kept_reductions(folder)
+    (path,) = fem.kept_files(folder)
     np.testing.assert_allclose(fem.load_reduced(path).frequencies, small.frequencies, rtol=1e-9)
 
 
@@ -101,6 +101,6 @@ def test_a_folder_that_cannot_be_written_to_costs_the_keeping_only(
     kept = fem.cached_craig_bampton(taken, beam, beam_interfaces(beam), 4, warn=told.append)
     assert len(kept.body.frequencies) == 10
     assert [str(taken) in line for line in told] == [True, True]
-    monkeypatch.setattr("fem.cache.LIMIT", 0)
+    monkeypatch.setattr("fem.keeping.LIMIT", 0)
     fem.cached_craig_bampton(tmp_path, beam, beam_interfaces(beam), 4)
-    assert fem.kept_reductions(tmp_path) == []
+    assert fem.kept_files(tmp_path) == []

@@ -7,7 +7,7 @@ import fem
 from fem.blocks import Fold, StressBlock
 from fem.mesh import Floats, Integers
 from fem.rank import TIME_BLOCK
-from fem.recovery import DEVIATOR
+from fem.stress import DEVIATOR
 
 TOLERANCE = 1e-3
 

@@ -8,6 +8,7 @@ import xarray as xr
 
 from exudyn_crawler import History
 from exudyn_crawler.files import write_netcdf_along
+from exudyn_crawler.results.case_in_file import with_case
 from exudyn_crawler.results.compact import (
     CONTACT_TYPE,
     SHAPES,
@@ -16,7 +17,6 @@ from exudyn_crawler.results.compact import (
     unit_motion,
     unpacked,
 )
-from exudyn_crawler.results.pieces import with_case
 
 
 def test_a_file_holds_coordinates_of_the_terrain_and_single_contacts(flexible_run, tmp_path):

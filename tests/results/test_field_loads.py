@@ -18,7 +18,7 @@ from tests.rolled import small_flexible_case
 def test_rollers_are_among_the_loads_of_a_rolled_shoe():
     """What the stations of both rails bear is what the rollers press with."""
     history = simulate(small_flexible_case(), 0.02)
-    fields, basis = shoe_fields(history.case, rails=True), stress_basis(history)
+    fields, basis = shoe_fields(history.case, rails=True).fields, stress_basis(history)
     ends = np.cumsum(list(fields.families.values()))[:-1]
     _, momentum = coordinates_and_momentum(history, basis, 5)
     loads = field_loads(fields, loads_by_kind(history, fields, basis.whole, momentum, 5, actions(history, 5)))
@@ -31,7 +31,7 @@ def test_rollers_are_among_the_loads_of_a_rolled_shoe():
 def test_a_unit_that_a_shoe_never_touches_loads_nothing(flexible_run):
     """Of a part of a run, in which the shoe stood on other units before."""
     history = flexible_run[0]
-    fields, basis = shoe_fields(history.case), stress_basis(history)
+    fields, basis = shoe_fields(history.case).fields, stress_basis(history)
     _, momentum = coordinates_and_momentum(history, basis, 7)
     found = actions(history, 7)
     place, entry = next((k, one.entry) for k, one in enumerate(found) if isinstance(one.entry, OverRectangle))

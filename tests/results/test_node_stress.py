@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import node_stress
-from exudyn_crawler.results.node_stress import node_stress_table
+from exudyn_crawler.results.node_look import look
 from exudyn_crawler.results.stress_columns import TOLERANCE
 
 
@@ -38,9 +38,10 @@ def test_principal_stresses_belong_to_the_tensor(flexible_run):
     assert one + two + three == pytest.approx(trace, abs=1.0)
     mises = np.sqrt(0.5 * ((one - two) ** 2 + (two - three) ** 2 + (three - one) ** 2))
     assert mises == pytest.approx(found.von_mises.values, rel=1e-9)
-    table = node_stress_table(found)
-    assert table["von Mises in MPa"].to_numpy() == pytest.approx(mises / 1e6)
-    assert list(table.columns[:2]) == ["time in s", "xx in MPa"]
+    columns = look(flexible_run[0], 7, near=(0.0, 0.0, 0.1)).columns()
+    assert columns["von Mises in MPa"] == pytest.approx(mises / 1e6)
+    assert columns["principal 3 in MPa"] == pytest.approx(three / 1e6)
+    assert list(columns)[:2] == ["time in s", "xx in MPa"]
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ def columns(with_fields: History) -> StressColumns:
 def test_coordinates_do_the_work_of_the_modal_loads(with_fields: History) -> None:
     """The ground's grid apart, which holds a pressure's resultants and not its seams."""
     basis = stress_basis(with_fields)
-    fields = shoe_fields(with_fields.case)
+    fields = shoe_fields(with_fields.case).fields
     for shoe in (7, 13):
         _, momentum = coordinates_and_momentum(with_fields, basis, shoe)
         acting = actions(with_fields, shoe)
@@ -139,7 +139,7 @@ def test_a_force_at_a_station_of_a_rail_has_its_full_static_answer(with_fields: 
     case = with_fields.case
     body, interfaces = shoe_model(case.flexible_shoes(), case.track)
     whole = stress_basis(with_fields).whole
-    fields = shoe_fields(case, rails=True)
+    fields = shoe_fields(case, rails=True).fields
     stations = rail_stations(body.mesh)
     force = np.array([[0.1e6, 0.05e6, -1e6]])
     at = stations[1].positions[[5]]

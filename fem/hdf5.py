@@ -1,0 +1,83 @@
+"""HDF5 files: whole or not at all, readable in part with a checksum of every part."""
+
+import io
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import h5py
+
+from fem.interrupts import interrupts_wait
+from fem.mesh import Floats, Integers
+
+KIND = "format"
+"""Attribute that says what a file holds."""
+REDUCED_BODY, STATIC_FIELDS = "fem reduced body 3", "fem static fields 2"
+"""Kinds of files of this package."""
+CHUNK_BYTES = 2**16
+"""Size of the parts of an array that is written for single rows to be read."""
+
+Read = TypeVar("Read")
+
+
+@interrupts_wait()
+def write_whole(path: Path, kind: str, fill: Callable[[h5py.File], None]) -> None:
+    """Write an HDF5 file of a kind, which `fill` fills, whole or not at all."""
+    # made in memory first: where a disk is full, HDF5 does not fail but ends the process
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        file.attrs[KIND] = kind
+        fill(file)
+    handle, part = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    try:
+        with open(handle, "wb") as stream:
+            stream.write(content.getbuffer())
+        os.replace(part, path)
+    except BaseException:
+        os.unlink(part)
+        raise
+
+
+def write_rows(file: h5py.Group, name: str, array: Floats | Integers) -> None:
+    """Write an array of which single rows may be read; its checksums tell of altered bytes in these."""
+    if array.size == 0:  # no part to have a checksum
+        file[name] = array
+        return
+    rows = min(len(array), max(1, CHUNK_BYTES // array[0].nbytes))
+    file.create_dataset(name, data=array, chunks=(rows, *array.shape[1:]), fletcher32=True)
+
+
+@interrupts_wait()
+def read_whole(path: Path, kind: str, read: Callable[[h5py.File], Read]) -> Read:
+    """What `read` makes of an HDF5 file.
+
+    Parameters
+    ----------
+    path : Path
+    kind : str
+        What the file's attribute `KIND` must be.
+    read : callable
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the file is of another kind or broken.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"no file {path}")
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise ValueError(f"{path} must be an HDF5 file, got: {error}") from error
+    try:
+        with file:
+            found = file.attrs.get(KIND)
+            if found != kind:
+                raise ValueError(f"{path} must be a {kind!r} file, got {found!r}")
+            return read(file)
+    except (OSError, KeyError, TypeError, RuntimeError) as error:
+        raise ValueError(f"{path} must be whole, got a broken file: {error}") from error
