@@ -5,6 +5,10 @@ from typing import Any
 
 INTERRUPTED = "interrupted"
 """Why a simulation stopped that could have gone on."""
+GOES_ON = "the same command goes on"
+"""What a user does then."""
+ENDED_FROM_OUTSIDE = 130
+"""Exit code of a command that an interrupt ended outside of a simulation."""
 
 
 class CrawlerError(Exception):

@@ -14,7 +14,7 @@ import imageio_ffmpeg
 import pandas as pd
 import pytest
 
-from exudyn_crawler import Case, History, cli
+from exudyn_crawler import Case, History, __main__, cli
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.cli import sweeping
 from exudyn_crawler.cli.registered import COMMANDS as GROUP
@@ -86,7 +86,7 @@ def assert_one_line(told, *words):
 def test_the_installed_command_is_this_one():
     project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
     module, _, name = project["scripts"]["exudyn-crawler"].partition(":")
-    assert getattr(importlib.import_module(module), name) is cli.main
+    assert getattr(importlib.import_module(module), name) is __main__.main
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -149,6 +149,34 @@ def test_versions_are_told(call):
     code, out, err = call("--version")
     assert (code, err) == (0, "")
     assert out.startswith(f"exudyn-crawler {importlib.metadata.version('exudyn-crawler')}, exudyn 1.")
+
+
+EARLY = """
+import sys
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == sys.argv[1]:
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Interrupting())
+from exudyn_crawler.__main__ import main
+main()
+"""
+
+
+@pytest.mark.parametrize("module", ["typer", "exudyn_crawler.cli.commands"])
+def test_an_interrupt_while_the_command_loads_is_told_in_a_line(module):
+    line = [sys.executable, "-c", EARLY, module]
+    done = subprocess.run(line, capture_output=True, text=True, check=False)
+    assert done.returncode == 130
+    assert done.stderr == "error: interrupted; the same command goes on\n"
+
+
+def test_an_interrupt_while_words_are_read_is_told_in_a_line(call, monkeypatch):
+    def interrupted(*_args):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("exudyn_crawler.cli.registered.Commands.get_command", interrupted)
+    assert call("info", "stress") == (130, "", "error: interrupted; the same command goes on\n")
 
 
 def test_the_package_is_the_command_too():

@@ -7,13 +7,17 @@ from contextlib import contextmanager
 from functools import wraps
 from typing import Any
 
-from exudyn_crawler.errors import INTERRUPTED, EquilibriumError, SimulationStopped
+from exudyn_crawler.errors import (
+    ENDED_FROM_OUTSIDE,
+    GOES_ON,
+    INTERRUPTED,
+    EquilibriumError,
+    SimulationStopped,
+)
 
 OTHER = 1
 BAD_INPUT = 2
 STOPPED = 3
-ENDED_FROM_OUTSIDE = 130
-GOES_ON = "the same command goes on"
 
 BAD_INPUT_ERRORS = (
     ValueError,

@@ -25,6 +25,7 @@ from typer.core import TyperGroup
 
 from exudyn_crawler.cli.errors import BAD_INPUT, readable
 from exudyn_crawler.cli.options import Debug
+from exudyn_crawler.errors import ENDED_FROM_OUTSIDE, GOES_ON, INTERRUPTED
 
 if TYPE_CHECKING:
     from exudyn_crawler.case import CaseFile
@@ -112,7 +113,14 @@ def call(commands: typer.Typer) -> None:
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        sys.exit(commands(standalone_mode=False) or 0)
+        code = commands(standalone_mode=False) or 0
+        if code != ENDED_FROM_OUTSIDE:
+            sys.exit(code)
+        # which Typer makes of an interrupt while it reads the words
+        raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        print(f"error: {INTERRUPTED}; {GOES_ON}", file=sys.stderr)
+        sys.exit(ENDED_FROM_OUTSIDE)
     except typer.Abort:
         sys.exit(BAD_INPUT)
     except Exception as error:

@@ -43,6 +43,14 @@ def reductions_in(folder: str | Path | None) -> Iterator[None]:
         _chosen.reset(token)
 
 
+def program_digest() -> str:
+    """SHA-256 of all sources that results are made with."""
+    from fem.sources import source_digest
+
+    package = Path(__file__).parents[1]
+    return source_digest(package, *(package.parent / name for name in ("fem", "meshes")))
+
+
 def kept_reduction(
     body: "ElasticBody",
     interfaces: "Sequence[Interface]",

@@ -9,10 +9,9 @@ import h5py
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.model.reductions import reductions_folder
+from exudyn_crawler.model.reductions import program_digest, reductions_folder
 from fem.hdf5 import read_whole, write_rows, write_whole
 from fem.keeping import kept_path, taken_or_made
-from fem.sources import source_digest
 from meshes import mesh_path
 
 KIND = "exudyn crawler shoe loads 1"
@@ -78,9 +77,7 @@ def kept_loads(path: Path, case: Case, shoe: int) -> KeptLoads:
 
 def _digest(history: Path, mesh: Path, shoe: int) -> str:
     """SHA-256 of all that loads depend on."""
-    package = Path(__file__).parents[1]
-    beside = [package.parent / name for name in ("fem", "meshes")]
-    sha = hashlib.sha256(f"{KIND} {source_digest(package, *beside)} {shoe}".encode())
+    sha = hashlib.sha256(f"{KIND} {program_digest()} {shoe}".encode())
     if not mesh.is_file():
         raise FileNotFoundError(f"no mesh file {mesh}")
     for path in (history, mesh):

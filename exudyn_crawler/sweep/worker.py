@@ -15,11 +15,11 @@ from pathlib import Path
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.errors import CrawlerError, ImplausibleWarning
+from exudyn_crawler.model.reductions import program_digest
 from exudyn_crawler.run.folder import note_file
 from exudyn_crawler.run.record import timestamp
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.storage import OUTCOME, Outcome, read_outcome, working_folder, write_outcome
-from fem.sources import source_digest
 
 LOCK_WAIT = 600.0
 """s for which a run waits for another process at it: a worker that the scheduler took for dead, say."""
@@ -62,14 +62,12 @@ class Task:
 @cache
 def own_versions() -> dict[str, str]:
     """What has to be the same on client and workers, by name."""
-    beside = Path(__file__).parents[2]
     python = ".".join(platform.python_version_tuple()[:2])
     names = ("exudyn-crawler", "exudyn", "numpy", "scipy", "distributed")
-    folders = [beside / name for name in ("exudyn_crawler", "fem", "meshes")]
     return {
         "Python": python,
         **{name: version(name) for name in names},
-        "sources": source_digest(*folders)[:12],
+        "sources": program_digest()[:12],
     }
 
 
