@@ -1,9 +1,8 @@
-"""Memory of a long duty: ``python -m benchmarks.long_duty [SECONDS]``.
+"""Memory of a long duty: ``python -m benchmarks.long_duty [SECONDS [SHOES]]``.
 
-Three rigid shoes go to and fro under changing loads; stages go to disk as they end, so that memory should not
-grow with the simulated time. Prints the process's memory at each checkpoint, its growth a simulated second by
-a straight line over the second half, and what an hour of the papers' track would come to by that, which is an
-extrapolation: the size of a stored state is that of 13 shoes in place of 3.
+Rigid shoes, three if not said otherwise, go to and fro; stages go to disk as they end, so that memory should
+not grow with the simulated time. Prints the process's memory at checkpoints, its growth a simulated second by
+a straight line over the second half, and what an hour would come to by that.
 """
 
 import resource
@@ -21,18 +20,20 @@ from exudyn_crawler.views.tables import print_table
 SHOES, PERIOD, STAGE = 3, 4.0, 2.5
 """Number; s, of the way to and fro and of a stage."""
 HOUR = 3600.0
+ROWS = 40
+"""Of the printed table, at most."""
 
 
-def duty(duration: float) -> Case:
-    """Track of few shoes that goes forth and back at 5 cm/s."""
+def duty(duration: float, shoes: int) -> Case:
+    """Track that goes forth and back at 5 cm/s."""
     base = Case.translation()
     times = np.arange(0.0, duration + PERIOD, 0.5 * PERIOD)
     speeds = 0.05 * np.where(np.arange(len(times)) % 2, 1.0, -1.0)
     speeds[0] = 0.0
     return base.with_(
         name="long duty",
-        track=base.track.with_(shoe_count=SHOES),
-        loads=LoadCycle.propel(SHOES),
+        track=base.track.with_(shoe_count=shoes),
+        loads=LoadCycle.propel(shoes),
         drive=Drive(speed=StepProfile(times=tuple(times), values=tuple(speeds)), on=((0.0, duration),)),
         solver=base.solver.with_(checkpoint_interval=STAGE),
     )
@@ -44,7 +45,7 @@ def memory() -> float:
     return pages * resource.getpagesize() / 1e6
 
 
-def run(duration: float) -> tuple[pd.DataFrame, int]:
+def run(duration: float, shoes: int) -> tuple[pd.DataFrame, int]:
     """Memory over simulated time: columns time in s and MB; and the bytes of the history in memory."""
     found: list[tuple[float, float]] = []
     save = Checkpoints.save
@@ -58,7 +59,7 @@ def run(duration: float) -> tuple[pd.DataFrame, int]:
     Checkpoints.save = noted  # type: ignore[method-assign]
     try:
         with tempfile.TemporaryDirectory() as folder:
-            case_file = CaseFile(case=duty(duration), duration=duration, outputs=nothing)
+            case_file = CaseFile(case=duty(duration, shoes), duration=duration, outputs=nothing)
             history: History = run_case(case_file, folder, progress=False).history
             size = history.dataset.nbytes
             found.append((duration, memory()))
@@ -70,9 +71,11 @@ def run(duration: float) -> tuple[pd.DataFrame, int]:
 def main() -> None:
     """Run, and tell."""
     duration = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
-    table, size = run(duration)
+    shoes = int(sys.argv[2]) if len(sys.argv) > 2 else SHOES
+    table, size = run(duration, shoes)
+    shown = table.iloc[[*range(0, len(table) - 1, 1 + len(table) // ROWS), len(table) - 1]]
     print_table(
-        table, f"{SHOES} rigid shoes, {duration:g} s; the last row is after the history was assembled"
+        shown, f"{shoes} rigid shoes, {duration:g} s; the last row is after the history was assembled"
     )
     late = table[:-1][table["time in s"][:-1] > 0.5 * duration]
     growth = float(np.polyfit(late["time in s"], late["MB"], 1)[0])
