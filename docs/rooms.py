@@ -27,8 +27,8 @@ FLOORS = (
     ("fem",),
 )
 """Rooms from the top of the house to the ground: a room imports only from floors below its own."""
-SHARED = ("errors", "files")
-"""What any room may import; they import the lowest floor alone."""
+SHARED = ("errors", "files", "netcdf")
+"""What any room may import; they import each other and the lowest floor alone."""
 ALSO = {("run", "views")}
 """Imports beside those of the floors: (from, to)."""
 FACE = PACKAGE
@@ -83,7 +83,7 @@ def arrows() -> set[tuple[str, str]]:
 def allowed(room: str) -> set[str]:
     """Rooms that a room may import."""
     if room in SHARED:
-        return set(FLOORS[-1])
+        return set(FLOORS[-1]) | set(SHARED)
     if room == FACE:
         return {one for floor in FLOORS for one in floor} - {"studies", "cli"} | set(SHARED)
     floor = next(k for k, rooms in enumerate(FLOORS) if room in rooms)

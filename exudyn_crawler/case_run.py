@@ -12,9 +12,10 @@ import xarray as xr
 
 from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.outputs import Outputs
-from exudyn_crawler.files import whole_file, write_netcdf_along
+from exudyn_crawler.files import whole_file
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.model.reductions import reductions_in
+from exudyn_crawler.netcdf import write_netcdf_along
 from exudyn_crawler.results.compact import CONTACT_TYPE
 from exudyn_crawler.results.contacts import contact_force, terrain_deformation
 from exudyn_crawler.results.extremes import extremes

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.files import refuse_existing, whole_file, writable_folder, write_netcdf
+from exudyn_crawler.files import refuse_existing, whole_file, writable_folder
+from exudyn_crawler.netcdf import write_netcdf
 from exudyn_crawler.results.duty import Duty, read_duty
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.life import LifeResults, life_of

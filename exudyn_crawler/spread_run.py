@@ -8,7 +8,8 @@ import xarray as xr
 from exudyn_crawler.case import Case, CaseFile, PairContact, read_case
 from exudyn_crawler.case.outputs import Outputs
 from exudyn_crawler.case_run import run_case
-from exudyn_crawler.files import refuse_existing, writable_folder, write_netcdf
+from exudyn_crawler.files import refuse_existing, writable_folder
+from exudyn_crawler.netcdf import open_netcdf, write_netcdf
 from exudyn_crawler.results.spread import Spread, spread_of
 from exudyn_crawler.results.stresses import recover_stresses
 from exudyn_crawler.run.histories import matching_history
@@ -119,5 +120,5 @@ def _peaks(
     if standing(out, case_file) is not Standing.FINISHED:
         say(f"{case_file.case.name}: {out.name.replace('_', ' ')}")
         run_case(case_file, out, overwrite=overwrite and out.exists(), progress=progress, say=say)
-    with interrupts_wait(), xr.open_dataset(out / "stress.nc", engine="h5netcdf") as stress:
+    with interrupts_wait(), open_netcdf(out / "stress.nc") as stress:
         return stress.peak_von_mises.load()

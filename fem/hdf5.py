@@ -5,17 +5,21 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import h5py
 
 from fem.interrupts import interrupts_wait
-from fem.mesh import Floats, Integers
+
+if TYPE_CHECKING:
+    from fem.mesh import Floats, Integers
 
 KIND = "format"
 """Attribute that says what a file holds."""
 REDUCED_BODY, STATIC_FIELDS = "fem reduced body 3", "fem static fields 2"
 """Kinds of files of this package."""
+VERSIONS = ("v110", "v110")
+"""Of the format: the first one whose indices of parts have a checksum."""
 CHUNK_BYTES = 2**16
 """Size of the parts of an array that is written for single rows to be read."""
 
@@ -27,7 +31,7 @@ def write_whole(path: Path, kind: str, fill: Callable[[h5py.File], None]) -> Non
     """Write an HDF5 file of a kind, which `fill` fills, whole or not at all."""
     # made in memory first: where a disk is full, HDF5 does not fail but ends the process
     content = io.BytesIO()
-    with h5py.File(content, "w") as file:
+    with h5py.File(content, "w", libver=VERSIONS) as file:
         file.attrs[KIND] = kind
         fill(file)
     handle, part = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
@@ -40,7 +44,7 @@ def write_whole(path: Path, kind: str, fill: Callable[[h5py.File], None]) -> Non
         raise
 
 
-def write_rows(file: h5py.Group, name: str, array: Floats | Integers) -> None:
+def write_rows(file: h5py.Group, name: str, array: "Floats | Integers") -> None:
     """Write an array of which single rows may be read; its checksums tell of altered bytes in these."""
     if array.size == 0:  # no part to have a checksum
         file[name] = array

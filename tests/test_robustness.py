@@ -207,7 +207,7 @@ def test_a_broken_history_is_refused_by_name(tmp_path, short_file, data):
     if data.draw(st.booleans()):
         content = content[: data.draw(st.integers(0, len(content) - 1))]
     else:
-        for _ in range(10):
+        for _ in range(data.draw(st.integers(1, 10))):
             content[data.draw(st.integers(0, len(content) - 1))] ^= data.draw(st.integers(1, 255))
     path = tmp_path / "translation.nc"
     path.write_bytes(content)

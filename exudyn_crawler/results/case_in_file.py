@@ -14,6 +14,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.case.faults import faults
 from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.model.state import VERSION
+from exudyn_crawler.netcdf import check_seal
 from fem.interrupts import interrupts_wait
 
 if TYPE_CHECKING:
@@ -83,7 +84,13 @@ def case_in_file(path: Path) -> Case:
     ValueError
         If the file does not hold a history, or one of states laid out in another version.
     """
-    with reading_history(path), h5py.File(path, "r") as file:
+    with reading_history(path):
+        check_seal(path)
+        return _case_of(path)
+
+
+def _case_of(path: Path) -> Case:
+    with h5py.File(path, "r") as file:
         found = np.asarray(file.attrs.get(LAYOUT_VERSION, UNSIGNED)).item()
         if found != VERSION and (found != UNSIGNED or "modal_coordinate" in file):
             raise ValueError(f"its states have layout version {found}, this program reads {VERSION}")

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.files import write_netcdf_along
+from exudyn_crawler.netcdf import write_netcdf_along
 from exudyn_crawler.results.case_in_file import case_in_file, reading_history, with_case, without_case
 from exudyn_crawler.results.compact import packed, unpacked
 from exudyn_crawler.results.pieces import blocks

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.files import write_netcdf_along
+from exudyn_crawler.netcdf import open_netcdf, write_netcdf_along
 from exudyn_crawler.results.case_in_file import with_case, without_case
 from exudyn_crawler.results.compact import packed, unpacked
 from fem.interrupts import interrupts_wait
@@ -42,7 +42,7 @@ class Piece:
     @classmethod
     def of_file(cls, path: Path, end: float) -> Self:
         """What a saved history holds up to a time, s."""
-        with interrupts_wait(), xr.open_dataset(path, engine="h5netcdf") as dataset:
+        with interrupts_wait(), open_netcdf(path) as dataset:
             times = int(np.count_nonzero(dataset.time.values <= end + 1e-9 * max(1.0, end)))
             pairs = _pairs(dataset)
 

@@ -9,8 +9,8 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.drive_point import pulled_node
+from exudyn_crawler.netcdf import write_netcdf
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.load_shares import load_shares
 from exudyn_crawler.results.phases import phases

@@ -5,6 +5,7 @@ from pathlib import Path
 import xarray as xr
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.netcdf import open_netcdf
 from fem.interrupts import interrupts_wait
 
 FOLDER, SPREAD = "spread", "spread.nc"
@@ -22,7 +23,7 @@ def spread_beside(run: Path, case: Case) -> xr.Dataset | None:
     path = run / FOLDER / SPREAD
     if not path.is_file():
         return None
-    with xr.open_dataset(path, engine="h5netcdf") as dataset:
+    with open_netcdf(path) as dataset:
         if dataset.attrs.get("case") != case.model_dump_json():
             raise ValueError(
                 f"{path} comes from another case than the run beside it: find it anew, or remove it"

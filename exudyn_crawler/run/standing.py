@@ -8,6 +8,7 @@ import h5py
 
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.netcdf import check_seal
 from exudyn_crawler.run.histories import HISTORY, SAME_TIME
 from exudyn_crawler.run.record import DONE, earlier_record
 from fem.interrupts import interrupts_wait
@@ -64,6 +65,7 @@ def study_standing(out: Path, cases: Mapping[str, CaseFile]) -> Standing:
 def _end(path: Path) -> float | None:
     """Time of the last state of a history, s; None if there is none that can be read."""
     try:
+        check_seal(path)
         with h5py.File(path, "r") as file:
             return float(file["time"][-1])
     # altered bytes make the readers raise all kinds of errors

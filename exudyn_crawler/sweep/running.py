@@ -10,7 +10,8 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.case import write_case
-from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
+from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.netcdf import write_netcdf
 from exudyn_crawler.run.folder import held
 from exudyn_crawler.run.keeper import Keeper, quiet, recorded
 from exudyn_crawler.run.progress import progress_bar

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import History
-from exudyn_crawler.files import write_netcdf_along
+from exudyn_crawler.netcdf import write_netcdf_along
 from exudyn_crawler.results.case_in_file import with_case
 from exudyn_crawler.results.compact import (
     CONTACT_TYPE,

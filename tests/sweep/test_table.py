@@ -6,7 +6,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from exudyn_crawler import Vary
-from exudyn_crawler.files import write_netcdf
+from exudyn_crawler.netcdf import write_netcdf
 from exudyn_crawler.sweep.table import results_dataset, results_table, write_parquet, write_units_csv
 from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_sweep
 
