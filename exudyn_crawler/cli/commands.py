@@ -123,11 +123,14 @@ def run(
     Example: exudyn-crawler run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7
     """
     from exudyn_crawler.case.files import read_case
+    from exudyn_crawler.run.folder import refuse_occupied
 
-    case_file = read_case(case, changes or ())  # refused before the engine is loaded, which takes a second
+    # what is refused is refused before the engine is loaded, which takes a second
+    case_file = read_case(case, changes or ())
+    out = RESULTS / case.stem if out is None else out
+    refuse_occupied(out, case_file, overwrite)
     from exudyn_crawler.case_run import run_case
 
-    out = RESULTS / case.stem if out is None else out
     history = run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo).history
     typer.echo(f"{case_file.case.name}: {history.duration:g} s; case, log, results and figures are in {out}")
 

@@ -80,7 +80,7 @@ def pin_forces(
 
     Example: exudyn-crawler pin-forces results/stress/cycle --shoe 13
     """
-    history = loaded(run)
+    history = loaded(run, shoe)
     from exudyn_crawler.results.pins import pin_table
 
     default = history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
@@ -104,11 +104,10 @@ def shoe_loads(
 
     Example: exudyn-crawler shoe-loads results/stress/cycle --shoe 13 --program abaqus
     """
-    history = loaded(run)
+    history = loaded(run, shoe)
     from exudyn_crawler.results import shoe_loads as found
     from exudyn_crawler.run.folder import note_file
 
-    history.case.track.check_shoe(shoe)
     flexible = history.case.flexible is not None and shoe in history.case.flexible.shoes
     if time is None:
         if not flexible:

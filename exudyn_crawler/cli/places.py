@@ -44,9 +44,16 @@ def history_path(run: Path) -> Path:
     raise FileNotFoundError(f"no history at {run / HISTORY}{told}")
 
 
-def loaded(run: Path) -> "History":
-    """History of a run, named itself or by its folder; errors are those of `history_path` and loading."""
+def loaded(run: Path, shoe: int | None = None) -> "History":
+    """History of a run, named itself or by its folder; errors are those of `history_path` and loading.
+
+    A shoe that its track does not have is refused before the results are read.
+    """
     path = history_path(run)
+    if shoe is not None:
+        from exudyn_crawler.results.case_in_file import case_in_file
+
+        case_in_file(path).track.check_shoe(shoe)
     from exudyn_crawler.results.history import History
 
     return History.load(path)

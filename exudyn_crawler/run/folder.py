@@ -63,10 +63,7 @@ def kept_run(
         return
     with held(writable_folder(out)):
         found = earlier_record(out)
-        holds = study_standing(out, cases or {}) if case_file is None else standing(out, case_file)
-        keeper = _keeper(holds, found, overwrite, tell)
-        if not keeper.replaces:
-            refuse_results(out, below=case_file is None)
+        keeper = _keeper(out, case_file, cases or {}, found, overwrite, tell)
         if case_file is not None:
             _keep_case(out / CASE, case_file, keeper.replaces)
         clear_partial_files(out, below=case_file is not None)
@@ -74,15 +71,35 @@ def kept_run(
             yield keeper
 
 
-def _keeper(holds: Standing, found: dict[str, Any], overwrite: bool, tell: Callable[[str], None]) -> Keeper:
-    """What a run may do in a folder that holds something, of which there is a record."""
+def refuse_occupied(out: Path, case_file: CaseFile, overwrite: bool = False) -> None:
+    """Refuse a folder that `kept_run` would not take for a case, before anything else is loaded.
+
+    Raises
+    ------
+    FileExistsError
+        If the folder holds results of another run, and `overwrite` is false.
+    """
+    if out.is_dir():
+        _keeper(out, case_file, {}, earlier_record(out), overwrite, quiet)
+
+
+def _keeper(
+    out: Path,
+    case_file: CaseFile | None,
+    cases: Mapping[str, CaseFile],
+    found: dict[str, Any],
+    overwrite: bool,
+    tell: Callable[[str], None],
+) -> Keeper:
+    """What a run may do in a folder, by the record of an earlier one; refuses one that it may not replace."""
+    holds = study_standing(out, cases) if case_file is None else standing(out, case_file)
     stopped_overwriting = found.get("overwrites") is True
     goes_on = holds in (Standing.UNFINISHED, Standing.LONGER_ASKED) and (not overwrite or stopped_overwriting)
     longer = holds is Standing.SHORTER and not overwrite
     simulated = goes_on and found.get("simulated") is True
     longer |= simulated and holds is Standing.LONGER_ASKED
     begun = found.get("begun")
-    return Keeper(
+    keeper = Keeper(
         tell,
         anew=not (goes_on or longer),
         overwrites=overwrite or (goes_on and stopped_overwriting),
@@ -90,6 +107,9 @@ def _keeper(holds: Standing, found: dict[str, Any], overwrite: bool, tell: Calla
         simulated=simulated and not longer,
         begun=begun if goes_on and isinstance(begun, str) else timestamp(),
     )
+    if not keeper.replaces:
+        refuse_results(out, below=case_file is None)
+    return keeper
 
 
 def refuse_results(out: Path, below: bool = False) -> None:
