@@ -343,13 +343,14 @@ WRITERS: tuple[Callable[[History, Path, Outputs, bool], None], ...] = (
     write_forces,
     write_extremes,
     write_loads,
-    write_motion,
-    write_contact_and_joints,
-    write_rollers,
     write_ground,
     write_film,
 )
 """What is written of any run, in this order."""
+CURVE_WRITERS = (write_motion, write_contact_and_joints, write_rollers)
+"""Figures over time of any run."""
+MOST_DRAWN = 5 * 10**8
+"""Bytes of a history whose curves are drawn as they are: 70 s of 13 rigid shoes, stored every 2 ms."""
 
 
 def write_outputs(
@@ -361,6 +362,10 @@ def write_outputs(
             write_stress(history, stresses, folder, outputs, overwrite)
     for write in WRITERS:
         write(history, folder, outputs, overwrite)
+    # curves of a long run would not fit into memory, and no figure shows them at every step
+    drawn = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
+    for write_curves in CURVE_WRITERS:
+        write_curves(drawn, folder, outputs, overwrite)
 
 
 def _figure_file(folder: Path, title: str, outputs: Outputs) -> Path:

@@ -179,6 +179,13 @@ def test_an_interrupt_while_words_are_read_is_told_in_a_line(call, monkeypatch):
     assert call("info", "stress") == (130, "", "error: interrupted; the same command goes on\n")
 
 
+def test_a_reader_who_has_had_enough_is_no_error():
+    line = f"{sys.executable} -m exudyn_crawler info stress | head -1"
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("stress: 0 of ")
+    assert done.stderr == ""
+
+
 def test_the_package_is_the_command_too():
     line = [sys.executable, "-m", "exudyn_crawler", "--version"]
     done = subprocess.run(line, capture_output=True, text=True, check=True)

@@ -1,5 +1,6 @@
 """How a command tells of what went wrong."""
 
+import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator
@@ -45,6 +46,10 @@ def readable_errors(debug: bool = False) -> Iterator[None]:
     try:
         with _readable_warnings():
             yield
+    except BrokenPipeError as error:
+        # who reads has had enough, as head does; what Python still writes at its end must not fail again
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise SystemExit(OTHER) from error
     except (Exception, KeyboardInterrupt) as error:
         if debug:
             import traceback

@@ -73,6 +73,12 @@ class History:
         whole = with_case(packed(self.dataset), self.case)
         return write_netcdf_along("time", whole.sizes["time"], blocks(whole), Path(path), overwrite)
 
+    def every(self, step: int) -> Self:
+        """Every so many-th of the stored times, from the first on, in memory; itself for 1."""
+        if step == 1:
+            return self
+        return type(self)(self.case, self.dataset.isel(time=slice(None, None, step)).load())
+
     @classmethod
     @interrupts_wait()
     def load(cls, path: str | Path) -> Self:

@@ -116,7 +116,14 @@ def _checked(case: Case, shoe: int, near: ArrayLike | None, node: int | None) ->
 def _chosen(places: Places, place: NDArray | None, node: int | None) -> int:
     """Number of the node that is nearest to a place, or the one given."""
     if place is not None:
-        return int(np.linalg.norm(places.nodes - place, axis=1).argmin())
+        distances = np.linalg.norm(places.nodes - place, axis=1)
+        number = int(distances.argmin())
+        if distances[number] > np.ptp(places.nodes, axis=0).max():
+            raise ValueError(
+                f"near must be at the shoe, in m in its frame, got {place.tolist()}, "
+                f"{distances[number]:.4g} m from the nearest node"
+            )
+        return number
     if node is None or not 0 <= node < len(places.nodes):
         raise ValueError(f"node must be in 0..{len(places.nodes) - 1}, got {node}")
     return node

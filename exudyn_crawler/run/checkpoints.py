@@ -93,6 +93,7 @@ class Checkpoints:
         self.tell = tell
         self._found: dict[Path, tuple[tuple[int, int], Case, KeptStage]] = {}
         self._cases: dict[str, Case] = {}
+        self._left_out: set[Path] = set()
 
     @property
     def history(self) -> Path:
@@ -135,7 +136,9 @@ class Checkpoints:
             except ValueError as error:
                 if not found:
                     raise ValueError(f"{error}; delete {self.folder} to begin anew") from error
-                self.tell(f"{error}: left out, and computed anew from t = {found[-1].time:g} s")
+                if path not in self._left_out:
+                    self.tell(f"{error}: left out, and computed anew from t = {found[-1].time:g} s")
+                self._left_out.add(path)
                 break
             if saved != case:
                 raise ValueError(

@@ -78,6 +78,18 @@ def test_modes_of_an_unknown_sign_are_refused(translation, tmp_path):
         History.load(before.save(tmp_path / "before.nc"))
 
 
+def test_every_third_state_of_a_history_in_its_file_is_read_into_memory(translation, tmp_path, monkeypatch):
+    path = translation.save(tmp_path / "long.nc")
+    monkeypatch.setattr("exudyn_crawler.results.history.MOST_IN_MEMORY", 0)
+    found = History.load(path).every(3)
+    assert found.time.equals(translation.time[::3])
+    for name in ("position", "unit_heave", "normal_force"):
+        np.testing.assert_array_equal(
+            found.dataset[name].values, History.load(path).dataset[name].values[::3]
+        )
+    assert translation.every(1) is translation
+
+
 def test_results_are_selected_by_name(translation):
     x = translation.position.sel(shoe=13, axis="x")
     assert x.dims == ("time",)

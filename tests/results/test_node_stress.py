@@ -51,6 +51,10 @@ def test_principal_stresses_belong_to_the_tensor(flexible_run):
         ({"shoe": 7}, "near or node must be given"),
         ({"shoe": 7, "near": (0, 0)}, "near must be three finite numbers"),
         ({"shoe": 7, "near": (0, 0, np.nan)}, "near must be three finite numbers"),
+        (
+            {"shoe": 7, "near": (250, -500, 60)},
+            r"near must be at the shoe, in m .*, 560\.5 m from the nearest",
+        ),
         ({"shoe": 7, "node": 10**9}, "node must be in 0"),
         ({"shoe": 7, "node": -1}, "node must be in 0"),
     ],
