@@ -7,7 +7,7 @@ from typing import Any
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile
-from exudyn_crawler.case.fields import key_paths
+from exudyn_crawler.case.kinds import key_paths
 
 KEY = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
 
@@ -49,8 +49,7 @@ def _whole_path(key: str) -> str:
     top = {"base", *Case.model_fields, *CaseFile.model_fields}
     if key.partition(".")[0] in top:
         return key
-    meant = [path for path in key_paths(CaseFile) if path.endswith(f".{key}")]
-    paths = list(dict.fromkeys(path.removeprefix("case.") for path in meant))
+    paths = [path for path in key_paths(CaseFile) if path.endswith(f".{key}")]
     if len(paths) > 1:
         raise ValueError(f"{key}: which one is meant? {', '.join(paths)}")
     return paths[0] if paths else key

@@ -91,8 +91,11 @@ def test_a_case_file_names_a_cycle_beside_it(tmp_path):
         ("file = 3", "loads.file must be the name of a load cycle and stand alone"),
         ('file = "nowhere.toml"', "no load cycle .*nowhere.toml"),
         ('file = "broken.toml"', "broken.toml is not TOML"),
-        ('file = "odd.toml"', r"loads\.speed: unknown key"),
-        ('file = "short.toml"', r"loads\.phases\[0\]\.loads: Input should be a valid array, got True"),
+        ('file = "odd.toml"', r"odd\.toml: speed: unknown key"),
+        (
+            'file = "short.toml"',
+            r"^\S*short\.toml: phases\[0\]\.loads: Input should be a valid array, got True",
+        ),
     ],
 )
 def test_cycles_that_cannot_be_are_refused_with_the_case(tmp_path, table, told):
