@@ -16,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile
-from exudyn_crawler.case.changes import changed
+from exudyn_crawler.case.changes import Change, change_item, changed, parsed
 from exudyn_crawler.case.faults import faults
 from exudyn_crawler.case.kinds import (
     BASE,
@@ -52,7 +52,8 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     Parameters
     ----------
     changes : iterable of str
-        Values in place of the file's, each as ``terrain.spring_stiffness=1e7``.
+        Values in place of the file's, each as ``terrain.spring_stiffness=1e7`` or, of an item of a list that
+        the file or a base has, ``loads.phases[0].end=15``.
 
     Raises
     ------
@@ -63,8 +64,10 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     """
     path = Path(path)
     with faults_named(path, CaseFile):
-        content = migrated(changed(toml_content(path, "case file"), changes), path)
-        return from_content(CaseFile, _resolved(content, path.parent))
+        asked = parsed(changes)
+        of_items = [change for change in asked if change.is_of_item]
+        content = changed(toml_content(path, "case file"), [one for one in asked if not one.is_of_item])
+        return from_content(CaseFile, _resolved(migrated(content, path), path.parent, of_items))
 
 
 def case_of(content: dict[str, Any], path: Path) -> CaseFile:
@@ -129,8 +132,8 @@ def saved_case(text: str, where: object) -> Case:
         raise ParameterError("\n".join(faults(error, Case))) from None
 
 
-def _resolved(content: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Values of a file as `CaseFile` takes them: bases filled in, "none" replaced."""
+def _resolved(content: dict[str, Any], folder: Path, of_items: Iterable[Change] = ()) -> dict[str, Any]:
+    """Values of a file as `CaseFile` takes them: bases filled in, "none" replaced, items of lists changed."""
     own = {name: content.pop(name) for name in CaseFile.model_fields if name in content and name != "case"}
     cycle = _cycle_file(content.get("loads"), folder)
     if cycle is not None:
@@ -139,6 +142,10 @@ def _resolved(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     if _spread_equal_loads(case) and cycle is not None:
         with faults_named(cycle, LoadCycle):
             from_content(LoadCycle, case["loads"])
+    for change in of_items:
+        of_file = change.place[0] in CaseFile.model_fields and change.place[0] != "case"
+        change_item(own if of_file else case, change)
+        _spread_equal_loads(case)
     for name, field in CaseFile.model_fields.items():
         kinds = models_of(field.annotation)
         if kinds and isinstance(own.get(name), dict):
