@@ -104,10 +104,11 @@ def _told(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool)
 
 def _missing(one: ErrorDetails, spot: _Spot, in_file: bool) -> str:
     """What to do about a value that is not there."""
-    if in_file:
-        return "missing; give it, or a base for what is left out"
     if isinstance(spot.place[-1], int):
         return f"missing, got {shown(one['input'])}"
+    if in_file:
+        in_list = any(isinstance(part, int) for part in spot.place)
+        return "missing" if in_list else "missing; give it, or a base for what is left out"
     named = " or ".join(f"{spot.table.__name__}.{name}()" for name in named_values(spot.table))
     return f"missing; give it, or change a copy of {named}" if named else "missing"
 

@@ -215,7 +215,7 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ("[terrain]\ncolumn_tilt = 1", "terrain.column_tilt: Input should be a valid boolean, got 1"),
         ('terrain = "stress"', "terrain: Input should be a table, got 'stress'"),
         ("name = 1979-05-27", "name: Input should be a valid string, got "),
-        ("[shoe]\nload_point = [1, 2]", "shoe.load_point[2]: missing"),
+        ("[shoe]\nload_point = [1, 2]", "shoe.load_point[2]: missing, got [1, 2]"),
         ("duration = 0", "duration must be positive and finite, got 0.0 s"),
         ("duration = 1e4", "terrain must carry the track over the whole drive: at t = "),
         ("[track]\nshoe_count = 12", "loads must name every shoe of the track (12), got loads for 13"),
