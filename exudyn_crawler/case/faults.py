@@ -85,6 +85,8 @@ def _told(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool)
     path, given = key_path(spot.place), one["input"]
     head = f"{path}: " if path else ""
     message = one["msg"].removeprefix("Value error, ")
+    if one["type"].endswith("_parsing"):
+        message = message.partition(", unable to ")[0]
     if one["type"] == "extra_forbidden":
         return f"{path}: {_unknown(spot, model)}"
     if one["type"] == "missing":
@@ -132,7 +134,8 @@ def _unknown(spot: _Spot, model: type[BaseModel]) -> str:
     names = list(spot.table.model_fields)
     if spot.around is not None:
         names += [name for name, field in spot.around.model_fields.items() if not is_beside(field)]
-    if near := difflib.get_close_matches(wrong, names, n=1, cutoff=0.7):
+    near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.7)
+    if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
         return f"unknown key; did you mean {key_path((*start, near[0]))}?"
     # of several the first
     elsewhere = {path.rpartition(".")[2]: path for path in reversed([*key_paths(model)])}

@@ -55,6 +55,8 @@ def test_items_of_a_list_of_the_file_are_changed(tmp_path):
         ("spring_stiffness=soft", "terrain.spring_stiffness: Input should be a valid number, got 'soft'"),
         ("terrain.spring_stiffness=-1", "terrain.spring_stiffness: Input should be greater than"),
         ("density=7000", "density: which one is meant? terrain.density, flexible.density"),
+        ("terrain.spring.stiffness=1", "terrain.spring: unknown key; did you mean terrain.spring_stiffness?"),
+        ("terain.spring_stiffness=1", "terain: unknown key; did you mean terrain?"),
         ("terrain.origin.x=1", "terrain.origin: Input should be a valid array"),
         ("base.x=1", "base.x: base must be a table to change a value of it, got 'translation'"),
         ("terrain.spring_stiffness", "a change must be like terrain.spring_stiffness=1e7 or loads"),

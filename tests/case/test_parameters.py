@@ -126,6 +126,7 @@ def refused_both_ways(read, text, values):
         ("[terrain]\ndensity = -1.0", {"terrain": {"density": -1.0}}),
         ("[terrain]\ndensty = 1.0\nrow = 3", {"terrain": {"densty": 1.0, "row": 3}}),
         ("[contact]\nstiffness = nan\nradius = 1", {"contact": {"stiffness": math.nan, "radius": 1}}),
+        ('[solver]\nstep = "soon"', {"solver": {"step": "soon"}}),
         ('gravty = 1\nformulation = "exudyn"', {"gravty": 1, "formulation": "exudyn"}),
         ("[solver]\nstep = 1.0\nminimum_step = 2.0", {"solver": {"step": 1.0, "minimum_step": 2.0}}),
     ],
