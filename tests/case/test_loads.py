@@ -37,7 +37,7 @@ def test_a_cycle_is_read_from_toml(tmp_path):
     with pytest.raises(ValueError, match=r"drive_on must not be in a load cycle.* on = \[\[0\.0, 15"):
         LoadCycle.from_toml(path)
     path.write_text("phases = 1")
-    with pytest.raises(ValueError, match="phases"):
+    with pytest.raises(ValueError, match=r"^\S*cycle\.toml: phases: Input should be .*, got 1$"):
         LoadCycle.from_toml(path)
     path.write_text("[[phases")
     with pytest.raises(ValueError, match="is not TOML"):
