@@ -35,7 +35,13 @@ if TYPE_CHECKING:
         write_case,
     )
     from exudyn_crawler.case_run import CaseRun, run_case
-    from exudyn_crawler.errors import CaseFileError, CrawlerError, EquilibriumError, SimulationStopped
+    from exudyn_crawler.errors import (
+        CaseFileError,
+        CrawlerError,
+        EquilibriumError,
+        ParameterError,
+        SimulationStopped,
+    )
     from exudyn_crawler.life_run import life
     from exudyn_crawler.results.actions import actions
     from exudyn_crawler.results.balance import shoe_imbalance
@@ -94,6 +100,7 @@ _HOMES = {
     "FatigueMaterial": "results.fatigue_material",
     "History": "results.history",
     "LifeResults": "results.life",
+    "ParameterError": "errors",
     "HotSpot": "sweep.answers",
     "SimulationStopped": "errors",
     "ShoeLoads": "results.shoe_loads",
@@ -157,6 +164,7 @@ __all__ = [
     "MachinePhase",
     "Outputs",
     "PairContact",
+    "ParameterError",
     "Phase",
     "Rails",
     "Shoe",

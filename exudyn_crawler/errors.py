@@ -19,6 +19,18 @@ class ImplausibleWarning(UserWarning):
     """A case has values that no machine and no ground is known to have; it is run all the same."""
 
 
+class ParameterError(CrawlerError, ValueError):
+    """Parameters that are not allowed.
+
+    Its text has a line for each fault: the name at fault, its value and what is allowed.
+    """
+
+    @property
+    def faults(self) -> list[str]:
+        """A line each."""
+        return str(self).splitlines()
+
+
 class EquilibriumError(CrawlerError):
     """No static equilibrium was found before the run."""
 
@@ -44,7 +56,7 @@ class SimulationStopped(CrawlerError):  # noqa: N818 - it carries a result, as S
 
 
 class CaseFileError(CrawlerError, ValueError):
-    """A case file cannot be used.
+    """A case file, or a file that it names, cannot be used.
 
     Attributes
     ----------

@@ -2,7 +2,10 @@
 
 import gzip
 import shutil
+import sys
 import tempfile
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import meshio
@@ -35,12 +38,28 @@ def _surfaces_of(raw: meshio.Mesh, kind: str) -> dict[str, Integers]:
 
 def _read_plain(path: Path) -> meshio.Mesh:
     if path.suffix != ".gz":
-        return meshio.read(path)
+        return _parsed(path)
     with tempfile.TemporaryDirectory() as folder:
         plain = Path(folder) / path.stem
         with gzip.open(path) as packed, plain.open("wb") as out:
             shutil.copyfileobj(packed, out)
-        return meshio.read(plain)
+        return _parsed(plain)
+
+
+def _parsed(path: Path) -> meshio.Mesh:
+    """Mesh of a file; meshio prints what its readers stumble on and ends the process where all of them do."""
+    if not path.stat().st_size:
+        raise MeshError("the file is empty")
+    printed, warned = StringIO(), StringIO()
+    try:
+        with redirect_stdout(printed), redirect_stderr(warned):
+            raw = meshio.read(path)
+    except SystemExit as end:
+        formats = " or ".join(meshio.extension_to_filetypes[path.suffix.lower()])
+        said = "; ".join(filter(None, map(str.strip, printed.getvalue().splitlines())))
+        raise MeshError(f"it holds no mesh as {formats}{said and f': {said}'}") from end
+    sys.stderr.write(warned.getvalue())
+    return raw
 
 
 def read_mesh(path: str | Path) -> Mesh:
@@ -71,8 +90,11 @@ def read_mesh(path: str | Path) -> Mesh:
         raise FileNotFoundError(f"no mesh file {path}")
     try:
         raw = _read_plain(path)
-    except (Exception, SystemExit) as error:  # meshio's readers raise whatever they stumble on
-        raise MeshError(f"{path} must be a mesh that meshio can read, got: {error}") from error
+    except MeshError as error:
+        raise MeshError(f"{path} must be a mesh that meshio can read: {error}") from error
+    except Exception as error:  # meshio's readers raise whatever they stumble on
+        reason = " ".join(str(error).split()) or repr(error)
+        raise MeshError(f"{path} must be a mesh that meshio can read, got: {reason}") from error
     counts = {
         block.type: sum(len(b.data) for b in raw.cells if b.type == block.type)
         for block in raw.cells

@@ -1,12 +1,13 @@
 """Base of the parameter classes: frozen, closed to unknown names, finite numbers only."""
 
-import difflib
 from typing import Annotated, Any, Self
 
 from annotated_types import Ge, Le, MaxLen, MinLen
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from exudyn_crawler.case.faults import faults, shown
 from exudyn_crawler.case.html import parameter_html
+from exudyn_crawler.errors import ParameterError
 
 FAR = 1e6
 """m, beyond which places are no longer exact to a tenth of a micrometre."""
@@ -20,22 +21,33 @@ class Parameters(BaseModel):
 
     Raises
     ------
-    pydantic.ValidationError
+    ParameterError
         On construction, naming each field at fault, its value and what is allowed.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    def with_(self, **changes: Any) -> Self:
-        """Copy with some fields changed, validated anew; a note of the error has the nearest name."""
-        values = {name: getattr(self, name) for name in type(self).model_fields}
+    def __init__(self, /, **values: Any) -> None:
         try:
-            return type(self)(**(values | changes))
+            super().__init__(**values)
         except ValidationError as error:
-            for name in changes.keys() - values.keys():
-                for near in difflib.get_close_matches(name, values, n=1):
-                    error.add_note(f"{name}: did you mean {near}?")
-            raise
+            raise ParameterError("\n".join(faults(error, type(self), in_file=False))) from None
+
+    # parts that are given as tables are validated in one go, so that their faults have the whole path
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        try:
+            super().__setattr__(name, value)
+        except ValidationError:
+            raise ParameterError(
+                f"{name}: parameters do not change, got {shown(value)}; with_({name}=...) gives a copy"
+            ) from None
+
+    def with_(self, **changes: Any) -> Self:
+        """Copy with some fields changed, validated anew."""
+        values = {name: getattr(self, name) for name in type(self).model_fields}
+        return type(self)(**(values | changes))
 
     def _repr_html_(self) -> str:
         """Table of every value with unit and meaning, for notebooks."""

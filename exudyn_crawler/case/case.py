@@ -29,7 +29,7 @@ class Case(Parameters):
 
     Raises
     ------
-    pydantic.ValidationError
+    ParameterError
         Where the parts do not fit each other: loads for another number of shoes, or a track that does
         not stand on the terrain.
     """

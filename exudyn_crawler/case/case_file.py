@@ -1,14 +1,14 @@
 """A case with the duration of its run and what the run leaves."""
 
-import math
-from typing import Self
+from typing import Annotated, Self
 
 from pydantic import model_validator
 
 from exudyn_crawler.case.base import Parameters, quantity
 from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.kinds import BESIDE
 from exudyn_crawler.case.outputs import Outputs
-from exudyn_crawler.case.size import check_size
+from exudyn_crawler.case.size import check_duration, check_size
 
 
 class CaseFile(Parameters):
@@ -16,18 +16,17 @@ class CaseFile(Parameters):
 
     Raises
     ------
-    pydantic.ValidationError
+    ParameterError
         Where the duration or the outputs do not fit the case.
     """
 
-    case: Case
+    case: Annotated[Case, BESIDE]
     duration: float = quantity("s", "simulated time", default=10.0, allow_inf_nan=True)
     outputs: Outputs = Outputs()
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if not (math.isfinite(self.duration) and self.duration > 0.0):
-            raise ValueError(f"duration must be positive and finite, got {self.duration!r} s")
+        check_duration(self.duration)
         beyond = [shoe for shoe in self.outputs.shoes or () if not 1 <= shoe <= self.case.track.shoe_count]
         if beyond:
             raise ValueError(f"outputs.shoes must be in 1..{self.case.track.shoe_count}, got {beyond}")

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile
-from exudyn_crawler.case.fields import named_values
+from exudyn_crawler.case.kinds import named_values
 from exudyn_crawler.case.text import Row, case_rows
 
 ABSENT = "-"

@@ -1,4 +1,4 @@
-"""Faults of a case in words: the key's path, what is wrong there and what is allowed."""
+"""Faults of parameters in words: the key's path, what is wrong there and what is allowed."""
 
 import difflib
 from collections.abc import Iterator
@@ -7,41 +7,56 @@ from typing import NamedTuple
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from exudyn_crawler.case.base import Parameters
-from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.case_file import CaseFile
-from exudyn_crawler.case.fields import TAG, Place, key_path, key_paths, models_of, tag_of
-from exudyn_crawler.case.plausible import likely_cause
+from exudyn_crawler.case.kinds import (
+    TAG,
+    Place,
+    is_beside,
+    key_path,
+    key_paths,
+    models_of,
+    named_values,
+    tag_of,
+)
+from exudyn_crawler.case.units import likely_cause
 
 SHOWN = 60
 """Characters of a refused value that an error shows."""
 
 
-def faults(error: ValidationError, model: type[BaseModel] = Case) -> Iterator[str]:
-    """Every fault that a validation found, a line each: the key's path, what is wrong and what is allowed."""
+def faults(error: ValidationError, model: type[BaseModel], in_file: bool = True) -> Iterator[str]:
+    """Every fault that a validation found, a line each: the key's path, what is wrong and what is allowed.
+
+    Parameters
+    ----------
+    model : type of BaseModel
+        Parameter class that was to be made.
+    in_file : bool
+        Whether the values were a file's; else they were arguments.
+    """
     found = error.errors(include_url=False)
     for one in found:
         loc = tuple(one["loc"])
         within = [other for other in found if other["loc"][: len(loc)] == loc and other is not one]
         if one["type"] == "too_short" and within:
             continue  # what is in the list is at fault, not how much
-        yield _told(one, model)
+        yield " ".join(_told(one, _spot(loc, model, in_file), model, in_file).split())
 
 
 class _Spot(NamedTuple):
     """Where a fault is.
 
     `place` is as a file has it, `table` the class of the table there, `others` are those that it might be of
-    instead, `held` those of the field.
+    instead, `held` those of the field; `around` is the class whose file has the table's keys beside its own.
     """
 
     place: Place
     table: type[BaseModel]
     others: tuple[type[BaseModel], ...]
     held: tuple[type[BaseModel], ...]
+    around: type[BaseModel] | None = None
 
 
-def _spot(loc: Place, model: type[BaseModel]) -> _Spot:
+def _spot(loc: Place, model: type[BaseModel], in_file: bool) -> _Spot:
     """Where pydantic's place is, which names the tag of a part that may be of several classes, too."""
     spot = _Spot((), model, (), (model,))
     instead: tuple[type[BaseModel], ...] = ()
@@ -56,29 +71,48 @@ def _spot(loc: Place, model: type[BaseModel]) -> _Spot:
             continue
         table = spot.held[0] if spot.held else spot.table
         field = table.model_fields.get(part)
-        spot = _Spot((*spot.place, part), table, instead, models_of(field.annotation) if field else ())
+        held = models_of(field.annotation) if field else ()
+        if in_file and field and is_beside(field):
+            spot = _Spot(spot.place, table, instead, held, around=table)
+        else:
+            around = spot.around if spot.held and spot.around is spot.table else None
+            spot = _Spot((*spot.place, part), table, instead, held, around)
         instead = ()
     return spot
 
 
-def _told(one: ErrorDetails, model: type[BaseModel]) -> str:
-    loc = tuple(one["loc"])
-    in_file = model is CaseFile
-    # a file has the fields of the case beside its own
-    spot = _spot(loc[1:], Case) if in_file and loc[:1] == ("case",) else _spot(loc, model)
-    path = key_path(spot.place)
-    message = one["msg"].removeprefix("Value error, ").replace("be an object", "be a table")
+def _told(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
+    path, given = key_path(spot.place), one["input"]
+    head = f"{path}: " if path else ""
+    message = one["msg"].removeprefix("Value error, ")
+    if one["type"].endswith("_parsing"):
+        message = message.partition(", unable to ")[0]
     if one["type"] == "extra_forbidden":
-        return f"{path}: {_unknown(spot, in_file)}"
+        return f"{path}: {_unknown(spot, model)}"
     if one["type"] == "missing":
-        return f"{path}: missing; give it, or a base for what is left out"
+        return f"{path}: {_missing(one, spot, in_file)}"
     if one["type"] == "value_error":
-        return f"{path}: {message}" if path else message
+        return f"{head}{message}"
     if one["type"] in ("union_tag_invalid", "union_tag_not_found"):
-        given = one["input"].get(TAG) if isinstance(one["input"], dict) else one["input"]
+        tag = given.get(TAG) if isinstance(given, dict) else given
         allowed = " or ".join(repr(tag_of(kind)) for kind in spot.held)
-        return f"{path}.{TAG}: Input should be {allowed}, got {shown(given)}"
-    return f"{path}: {message}, got {shown(one['input'])}{_cause(one, spot)}"
+        return f"{path}.{TAG}: Input should be {allowed}, got {shown(tag)}"
+    if in_file:
+        message = message.replace("be an object", "be a table")
+    elif one["type"] in ("model_type", "model_attributes_type"):
+        message = f"Input should be {' or '.join(kind.__name__ for kind in spot.held)}"
+    return f"{head}{message}, got {shown(given)}{_cause(one, spot)}"
+
+
+def _missing(one: ErrorDetails, spot: _Spot, in_file: bool) -> str:
+    """What to do about a value that is not there."""
+    if isinstance(spot.place[-1], int):
+        return f"missing, got {shown(one['input'])}"
+    if in_file:
+        in_list = any(isinstance(part, int) for part in spot.place)
+        return "missing" if in_list else "missing; give it, or a base for what is left out"
+    named = " or ".join(f"{spot.table.__name__}.{name}()" for name in named_values(spot.table))
+    return f"missing; give it, or change a copy of {named}" if named else "missing"
 
 
 def _cause(one: ErrorDetails, spot: _Spot) -> str:
@@ -91,28 +125,24 @@ def _cause(one: ErrorDetails, spot: _Spot) -> str:
     return likely_cause(float(given), field)
 
 
-def _unknown(spot: _Spot, in_file: bool) -> str:
+def _unknown(spot: _Spot, model: type[BaseModel]) -> str:
     """Hint at the name that was meant: of the same table if one is near, else of another."""
     wrong, start = str(spot.place[-1]), spot.place[:-1]
     for other in spot.others:
         if wrong in other.model_fields:
             return f"unknown key with {TAG} = {tag_of(spot.table)!r}; {TAG} = {tag_of(other)!r} has it"
     names = list(spot.table.model_fields)
-    if spot.table is Case and in_file:
-        names += [name for name in CaseFile.model_fields if name != "case"]
-    if near := difflib.get_close_matches(wrong, names, n=1, cutoff=0.7):
+    if spot.around is not None:
+        names += [name for name, field in spot.around.model_fields.items() if not is_beside(field)]
+    near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.7)
+    if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
         return f"unknown key; did you mean {key_path((*start, near[0]))}?"
     # of several the first
-    elsewhere = {path.rpartition(".")[2]: path for path in reversed([*key_paths(Case)])}
+    elsewhere = {path.rpartition(".")[2]: path for path in reversed([*key_paths(model)])}
     if near := difflib.get_close_matches(wrong, elsewhere, n=1, cutoff=0.7):
         return f"unknown key; did you mean {elsewhere[near[0]]}?"
     near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.0) or names[:1]
     return f"unknown key; the nearest is {near[0]}, allowed are {', '.join(names)}"
-
-
-def validated_model(error: ValidationError) -> type[BaseModel]:
-    """Parameter class whose construction failed."""
-    return next((kind for kind in Parameters.__subclasses__() if kind.__name__ == error.title), Case)
 
 
 def shown(value: object) -> str:

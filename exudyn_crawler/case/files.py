@@ -16,9 +16,9 @@ from pydantic import BaseModel, ValidationError
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile
-from exudyn_crawler.case.changes import changed
+from exudyn_crawler.case.changes import Change, change_item, changed, parsed
 from exudyn_crawler.case.faults import faults
-from exudyn_crawler.case.fields import (
+from exudyn_crawler.case.kinds import (
     BASE,
     NONE,
     TAG,
@@ -29,12 +29,12 @@ from exudyn_crawler.case.fields import (
     named_values,
     tag_of,
 )
-from exudyn_crawler.case.loads import cycle_content, with_equal_loads
+from exudyn_crawler.case.loads import LoadCycle, cycle_content, with_equal_loads
 from exudyn_crawler.case.old_keys import migrated
 from exudyn_crawler.case.text import case_text
 from exudyn_crawler.case.toml import toml_content
 from exudyn_crawler.case.track import MOST_SHOES
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.files import whole_file
 from meshes import SHOE_SIZES
 
@@ -52,7 +52,8 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     Parameters
     ----------
     changes : iterable of str
-        Values in place of the file's, each as ``terrain.spring_stiffness=1e7``.
+        Values in place of the file's, each as ``terrain.spring_stiffness=1e7`` or, of an item of a list that
+        the file or a base has, ``loads.phases[0].end=15``.
 
     Raises
     ------
@@ -63,8 +64,10 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     """
     path = Path(path)
     with faults_named(path, CaseFile):
-        content = migrated(changed(toml_content(path, "case file"), changes), path)
-        return from_content(CaseFile, _resolved(content, path.parent))
+        asked = parsed(changes)
+        of_items = [change for change in asked if change.is_of_item]
+        content = changed(toml_content(path, "case file"), [one for one in asked if not one.is_of_item])
+        return from_content(CaseFile, _resolved(migrated(content, path), path.parent, of_items))
 
 
 def case_of(content: dict[str, Any], path: Path) -> CaseFile:
@@ -79,7 +82,7 @@ def faults_named(path: Path, kind: type[BaseModel]) -> Iterator[None]:
     try:
         yield
     except ValidationError as error:
-        raise CaseFileError(path, list(faults(error, kind))) from error
+        raise CaseFileError(path, list(faults(error, kind))) from None
     except CaseFileError:  # of another file that this one names
         raise
     except (ValueError, RecursionError) as error:
@@ -118,19 +121,31 @@ def saved_case(text: str, where: object) -> Case:
     Raises
     ------
     ValueError
+        If it is no JSON.
+    ParameterError
         If it is no case.
     """
     values = json.loads(text)
-    return Case.model_validate(migrated(values, where) if isinstance(values, dict) else values)
+    try:
+        return Case.model_validate(migrated(values, where) if isinstance(values, dict) else values)
+    except ValidationError as error:
+        raise ParameterError("\n".join(faults(error, Case))) from None
 
 
-def _resolved(content: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Values of a file as `CaseFile` takes them: bases filled in, "none" replaced."""
+def _resolved(content: dict[str, Any], folder: Path, of_items: Iterable[Change] = ()) -> dict[str, Any]:
+    """Values of a file as `CaseFile` takes them: bases filled in, "none" replaced, items of lists changed."""
     own = {name: content.pop(name) for name in CaseFile.model_fields if name in content and name != "case"}
-    if isinstance(content.get("loads"), dict):
-        content["loads"] = _with_cycle(content["loads"], folder)
+    cycle = _cycle_file(content.get("loads"), folder)
+    if cycle is not None:
+        content["loads"] = _content_of_cycle(cycle)
     case = with_base(content, (Case,), {}, ())
-    _spread_equal_loads(case)
+    if _spread_equal_loads(case) and cycle is not None:
+        with faults_named(cycle, LoadCycle):
+            from_content(LoadCycle, case["loads"])
+    for change in of_items:
+        of_file = change.place[0] in CaseFile.model_fields and change.place[0] != "case"
+        change_item(own if of_file else case, change)
+        _spread_equal_loads(case)
     for name, field in CaseFile.model_fields.items():
         kinds = models_of(field.annotation)
         if kinds and isinstance(own.get(name), dict):
@@ -141,24 +156,33 @@ def _resolved(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     return {**own, "case": case}
 
 
-def _with_cycle(loads: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Table of the loads with the cycle of the file that it names."""
-    if CYCLE not in loads:
-        return loads
+def _cycle_file(loads: object, folder: Path) -> Path | None:
+    """File of the cycle that a table of the loads names."""
+    if not isinstance(loads, dict) or CYCLE not in loads:
+        return None
     if len(loads) > 1 or not isinstance(loads[CYCLE], str):
         raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {loads!r}")
+    return folder / loads[CYCLE]
+
+
+def _content_of_cycle(path: Path) -> dict[str, Any]:
     try:
-        return cycle_content(folder / loads[CYCLE])
+        return cycle_content(path)
     except OSError as error:
         raise ValueError(f"loads.{CYCLE}: {error}") from error
 
 
-def _spread_equal_loads(case: dict[str, Any]) -> None:
-    """Put the one number that a phase, or all of the loads, gives for all shoes on each of them."""
+def _spread_equal_loads(case: dict[str, Any]) -> bool:
+    """Put the one number that a phase, or all of the loads, gives for all shoes on each of them.
+
+    Returns whether the case says how many shoes there are.
+    """
     track = case.get("track")
     count = track.get("shoe_count") if isinstance(track, dict) else None
-    if "loads" in case and isinstance(count, int) and 0 < count <= MOST_SHOES:
-        case["loads"] = with_equal_loads(case["loads"], count)
+    if "loads" not in case or not isinstance(count, int) or not 0 < count <= MOST_SHOES:
+        return False
+    case["loads"] = with_equal_loads(case["loads"], count)
+    return True
 
 
 def _mesh(name: str, folder: Path) -> str:

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.base import Name, Parameters, quantity
+from exudyn_crawler.case.faults import faults
 from exudyn_crawler.case.profile import StepProfile
 from exudyn_crawler.case.toml import toml_content
+from exudyn_crawler.errors import CaseFileError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -129,7 +131,10 @@ class LoadCycle(Parameters):
         ValueError
             If it is not TOML or not a load cycle, naming what is wrong.
         """
-        return cls.model_validate(with_equal_loads(cycle_content(path), shoe_count))
+        try:
+            return cls.model_validate(with_equal_loads(cycle_content(path), shoe_count))
+        except ValidationError as error:
+            raise CaseFileError(Path(path), list(faults(error, cls))) from None
 
     def table(self) -> "pd.DataFrame":
         """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""

@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Iterator
 from typing import Any
 
-from exudyn_crawler.case.fields import BASE
+from exudyn_crawler.case.kinds import BASE
 
 MODEL, SPHERES = "contact_model", "general_contact"
 

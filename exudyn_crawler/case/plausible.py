@@ -5,7 +5,6 @@ how deep shoes sink, has a check of its own here.
 """
 
 import logging
-import math
 import warnings
 from collections.abc import Callable, Iterator
 
@@ -15,29 +14,20 @@ from pydantic.fields import FieldInfo
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.fields import walk
 from exudyn_crawler.case.profile import StepProfile
+from exudyn_crawler.case.units import likely_cause, plausible_range, unit_of
 from exudyn_crawler.errors import ImplausibleWarning
 
 logger = logging.getLogger("exudyn_crawler")
 
-MISTAKEN: dict[str, dict[str, float]] = {
-    "": {"per cent": 0.01},
-    "m": {"mm": 1e-3, "inch": 0.0254},
-    "m/s": {"km/h": 1.0 / 3.6, "mm/s": 1e-3},
-    "m/s2": {"mm/s2": 1e-3},
-    "rad/s": {"deg/s": math.pi / 180.0},
-    "s": {"ms": 1e-3},
-    "kg": {"t": 1e3, "g": 1e-3},
-    "kg/m3": {"t/m3": 1e3, "t/mm3": 1e12},
-    "N": {"kN": 1e3},
-    "N/m": {"kN/m": 1e3, "MN/m": 1e6},
-    "N s/m": {"kN s/m": 1e3},
-    "Pa": {"MPa": 1e6, "GPa": 1e9, "kPa": 1e3},
-    "Hz": {"kHz": 1e3},
-}
-"""Units that numbers come in by mistake, with their size in that of the case."""
-
 LEAST_LOAD, GREATEST_LOAD = 1e3, 1e7
 """N, mean load of the machine on a shoe."""
+KILO = 1e3
+CLEARLY_LESS = 200.0
+"""Times that a load is less than the greatest of its phase to be a likely mistake."""
+LIKE = 2.0
+"""Ratio of loads that are alike."""
+MOST_SHOWN = 5
+"""Shoes that a line lists."""
 LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0
 """m, radii of gyration of a shoe."""
 DEEPEST = 0.5
@@ -47,9 +37,16 @@ GREATEST_SAG = 0.5
 
 
 def _loads(case: Case) -> Iterator[str]:
-    """Phases whose loads are next to nothing, or beyond any machine."""
+    """Phases whose loads are next to nothing, or beyond any machine, or lift shoes."""
     for number, phase in enumerate(case.loads.phases):
         whole, count = sum(phase.loads), len(phase.loads)
+        if min(phase.loads) < 0.0:
+            up = [shoe for shoe, load in enumerate(phase.loads, 1) if load < 0.0]
+            yield (
+                f"loads.phases[{number}].loads: {_newtons(min(phase.loads))} at the end of {phase.name!r} "
+                f"lifts {_shoes(up)}; loads press down and are positive"
+            )
+            continue
         if LEAST_LOAD <= whole / count <= GREATEST_LOAD or case.propel == "rolled":
             continue
         if whole == 0.0:
@@ -57,6 +54,44 @@ def _loads(case: Case) -> Iterator[str]:
         else:
             cause = f"{_newtons(whole)} in all; loads are in N"
         yield f"loads.phases[{number}].loads: {count} shoes carry {cause}"
+
+
+def _single_loads(case: Case) -> Iterator[str]:
+    """Phases with loads on some shoes that would be like those on the others if they were in kN."""
+    for number, phase in enumerate(case.loads.phases):
+        loads = np.array(phase.loads)
+        small = loads * CLEARLY_LESS < loads.max()
+        small &= loads > 0.0
+        if not small.any():
+            continue
+        like = loads[~small & (loads > 0.0)]
+        least, greatest = loads[small].min() * KILO, loads[small].max() * KILO
+        if like.min() / LIKE <= greatest and least <= like.max() * LIKE:
+            shoes = _shoes([*(np.flatnonzero(small) + 1)])
+            yield (
+                f"loads.phases[{number}].loads: {_newtons(loads[small].min())} at the end of {phase.name!r} "
+                f"on {shoes}, up to {_newtons(loads.max())} on others; is it in kN? It has to be in N"
+            )
+
+
+def _side_shift(case: Case) -> Iterator[str]:
+    """Phases whose loads act so far beside the middle that their spread over a shoe pulls at its edge."""
+    core = case.shoe.width / 6.0
+    for number, phase in enumerate(case.loads.phases):
+        if abs(phase.side_shift) > core and any(phase.loads):
+            yield (
+                f"loads.phases[{number}].side_shift: {phase.side_shift:g} m at the end of {phase.name!r} is "
+                f"beyond a sixth of the shoe's width, {core:.3g} m: the load pulls at the other edge, which "
+                f"no machine does"
+            )
+
+
+def _shoes(numbers: list[int]) -> str:
+    """Numbers of shoes for reading: "shoe 3", "shoes 1..13", "shoes 1, 2, 5"."""
+    if len(numbers) > 2 and numbers[-1] - numbers[0] + 1 == len(numbers):
+        return f"shoes {numbers[0]}..{numbers[-1]}"
+    more = ", ..." if len(numbers) > MOST_SHOWN else ""
+    return f"shoe{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers[:MOST_SHOWN]))}{more}"
 
 
 def _inertia(case: Case) -> Iterator[str]:
@@ -96,7 +131,14 @@ def _newtons(force: float) -> str:
     return f"{force:.4g} N"
 
 
-CHECKS: tuple[Callable[[Case], Iterator[str]], ...] = (_loads, _inertia, _sinking, _sag)
+CHECKS: tuple[Callable[[Case], Iterator[str]], ...] = (
+    _loads,
+    _single_loads,
+    _side_shift,
+    _inertia,
+    _sinking,
+    _sag,
+)
 """What only several values together tell."""
 
 
@@ -143,33 +185,6 @@ def _out_of_range(value: object, field: FieldInfo) -> str:
         return ""
     unit = unit_of(field)
     return f"{worst:g}{unit} is outside of {least:g} to {greatest:g}{unit}{likely_cause(worst, field)}"
-
-
-def plausible_range(field: FieldInfo) -> tuple[float, float] | None:
-    """Least and greatest plausible value of a field; None for one that has none."""
-    match field.json_schema_extra:
-        case {"plausible": [int() | float() as least, int() | float() as greatest]}:
-            return least, greatest
-    return None
-
-
-def unit_of(field: FieldInfo) -> str:
-    """Unit of a field after a number: with a space before it, or nothing."""
-    extra = field.json_schema_extra
-    unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
-    return "" if unit in ("", "1") else f" {unit}"
-
-
-def likely_cause(value: float, field: FieldInfo) -> str:
-    """Hint at the unit in which a value would be plausible; empty if there is none."""
-    plausible = plausible_range(field)
-    if plausible is None or not value:
-        return ""
-    own = unit_of(field).strip()
-    for unit, size in MISTAKEN.get(own, {}).items():
-        if plausible[0] <= value * size <= plausible[1]:
-            return f"; is it in {unit}? It has to be {f'in {own}' if own else 'a fraction of 1'}"
-    return ""
 
 
 def _numbers(value: object) -> list[float]:

@@ -92,17 +92,19 @@ class Shoe(Parameters):
         ------
         FileNotFoundError, fem.MeshError
             If there is no such mesh.
-        KeyError
-            If the mesh lacks one of the surfaces.
         ValueError
-            If the origin of the mesh is not its COM.
+            If the mesh is larger than any shoe, lacks one of the surfaces, or its origin is not its COM.
         """
         # a case without a mesh need not wait for finite elements
         from fem import ElasticBody
         from meshes import STEEL, mesh_named, with_load_surfaces
+        from meshes.checks import check_extent, check_surfaces
         from meshes.rails import rail_outline
 
         found = mesh_named(mesh) if isinstance(mesh, str) else with_load_surfaces(mesh)
+        name = mesh if isinstance(mesh, str) else ""
+        check_extent(found, name)
+        check_surfaces(found, load_surface, name)
         body = ElasticBody(found, replace(STEEL, density=density))
         off = body.center_of_mass
         if np.abs(off).max() > ORIGIN_TOLERANCE:

@@ -1,7 +1,9 @@
 """Sizes of a run that no machine can hold, refused before it starts."""
 
+import math
 import os
 from collections.abc import Iterator
+from typing import SupportsFloat
 
 from exudyn_crawler.case.case import Case
 
@@ -17,6 +19,19 @@ COPIES_OF_MODES = 6
 """Arrays as large as a basis that a reduction and the stresses of its modes hold at a time."""
 A_UNIT = 20e3
 """Bytes of a unit that is a body of the multibody system with its joints."""
+
+
+def check_duration(duration: object) -> None:
+    """Refuse a duration that is no number of seconds above zero.
+
+    Raises
+    ------
+    ValueError
+    """
+    if not isinstance(duration, SupportsFloat):
+        raise ValueError(f"duration must be a number in s, got {duration!r}")
+    if not 0.0 < float(duration) < math.inf:
+        raise ValueError(f"duration must be positive and finite, got {duration!r} s")
 
 
 def check_size(case: Case, duration: float) -> None:

@@ -9,7 +9,8 @@ from tomlkit.items import Array, Float, InlineTable, Item, Trivia
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile
-from exudyn_crawler.case.fields import BASE, NONE, Entry, first_line, is_table, models_of, named_values, walk
+from exudyn_crawler.case.fields import Entry, first_line, is_table, walk
+from exudyn_crawler.case.kinds import BASE, NONE, models_of, named_values
 from exudyn_crawler.case.profile import StepProfile
 from meshes.geometry import VOLUMES
 

@@ -93,8 +93,6 @@ def _interrupted(error: BaseException | None) -> bool:
 
 def _told(error: BaseException) -> tuple[list[str], int]:
     """Lines that tell of an error, and the exit code."""
-    from pydantic import ValidationError  # takes longer than the help of a command
-
     if isinstance(error, SimulationStopped):
         how = f"; {GOES_ON}" if error.reason == INTERRUPTED else ""
         return [f"{error}; what there is was kept{how}"], STOPPED
@@ -102,10 +100,6 @@ def _told(error: BaseException) -> tuple[list[str], int]:
         return [f"{INTERRUPTED}; {GOES_ON}"], ENDED_FROM_OUTSIDE
     if isinstance(error, EquilibriumError):
         return [str(error)], STOPPED
-    if isinstance(error, ValidationError):
-        from exudyn_crawler.case.faults import faults, validated_model
-
-        return list(faults(error, validated_model(error))), BAD_INPUT
     if isinstance(error, BAD_INPUT_ERRORS):
         return str(error).splitlines() or [repr(error)], BAD_INPUT
     if isinstance(error, OSError):

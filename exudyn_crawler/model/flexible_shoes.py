@@ -18,10 +18,11 @@ from exudyn_crawler.case.flexible import CONSTRAINT_MODES
 from exudyn_crawler.case.size import check_modes
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.reductions import kept_reduction
-from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, check_surfaces, pin_interfaces
+from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, pin_interfaces
 from fem import ElasticBody, Interface, Kept, Material, Nested, ReducedBody, nested_reduction
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
+from meshes.checks import check_surfaces
 
 MACHINE_LOAD, DRIVE = "machine load", "drive"
 """Loads whose static answers may join the modes."""
@@ -112,7 +113,7 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list
         loaded.
     """
     body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track)
-    check_surfaces(body.mesh, flexible)
+    check_surfaces(body.mesh, flexible.load_surface, flexible.mesh)
     check_modes(len(body.mesh.nodes), CONSTRAINT_MODES + flexible.recovered_modes)
     return body, interfaces
 

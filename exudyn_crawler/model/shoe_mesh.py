@@ -3,18 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import FlexibleShoes, Rails, Shoe, Track
+from exudyn_crawler.case import Rails, Shoe, Track
 from fem import Interface, Mesh
-from meshes import LOAD_SURFACES
+from meshes.checks import check_extent
 from meshes.rails import rail_outline
 
 PIN_TOLERANCE = 1e-3
 """m, between the axis of a bore and the pin."""
 UNDERSIDE_TOLERANCE = 5e-3
 """m, between the mesh's underside and that of the rigid shoes, on which all shoes meet the ground."""
-LARGEST = 50.0
-"""m, beyond which no shoe extends."""
-MILLI = 1e-3
 
 
 def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
@@ -30,13 +27,7 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
     ValueError
         If the mesh is in other units, or has no bore where a pin is.
     """
-    extent = float(np.ptp(mesh.nodes, axis=0).max())
-    if extent > LARGEST:
-        cause = "; is it in mm?" if extent * MILLI <= LARGEST else ""
-        raise ValueError(
-            f"the mesh {name!r} must be in m and no larger than {LARGEST:g} m, "
-            f"it is {extent:.4g} m long{cause}"
-        )
+    check_extent(mesh, name)
     interfaces = []
     for joint, center in track.joint_centers.items():
         if f"bore {joint}" not in mesh.surfaces:
@@ -54,26 +45,6 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
             )
         interfaces.append(Interface(joint, center, nodes))
     return interfaces
-
-
-def check_surfaces(mesh: Mesh, flexible: FlexibleShoes) -> None:
-    """Refuse a mesh without underside or without the surface that the machine's load is spread over.
-
-    Raises
-    ------
-    ValueError
-        Naming what it lacks and what it has.
-    """
-    if "underside" not in mesh.surfaces:
-        raise ValueError(
-            f"the mesh {flexible.mesh!r} must have the surface 'underside', it has {sorted(mesh.surfaces)}"
-        )
-    if flexible.load_surface not in mesh.surfaces:
-        follows = ", which follows from 'top'" if flexible.load_surface in LOAD_SURFACES else ""
-        raise ValueError(
-            f"load_surface must be a surface of the mesh {flexible.mesh!r}, which has "
-            f"{sorted(mesh.surfaces)}, got {flexible.load_surface!r}{follows}"
-        )
 
 
 def check_footprint(mesh: Mesh, name: str, shoe: Shoe) -> None:

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
-from pydantic import ValidationError
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.faults import faults
 from exudyn_crawler.case.files import saved_case
+from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.netcdf import check_seal
 from fem.interrupts import interrupts_wait
@@ -62,8 +61,8 @@ def reading_history(path: Path) -> Iterator[None]:
         yield
     except FutureWarning:
         raise
-    except ValidationError as error:
-        raise _no_history(path, "; ".join(faults(error))) from error
+    except ParameterError as error:
+        raise _no_history(path, "; ".join(error.faults)) from error
     # altered bytes make the readers raise all kinds of errors
     except Exception as error:
         raise _no_history(path, str(error) or repr(error)) from error

@@ -1,13 +1,12 @@
 """Run of a case from its static equilibrium."""
 
-import math
 from contextlib import nullcontext
 
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.plausible import warn_implausible
-from exudyn_crawler.case.size import check_size
+from exudyn_crawler.case.size import check_duration, check_size
 from exudyn_crawler.model.compiled.two_processes import compile_equations
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.model.formulation import EQUATIONS, track_system
@@ -56,8 +55,7 @@ def simulate(
     ImplausibleWarning
         Before anything runs, of what no machine and no ground is known to have.
     """
-    if not (math.isfinite(duration) and duration > 0.0):
-        raise ValueError(f"duration must be positive and finite, got {duration!r} s")
+    check_duration(duration)
     check_size(case, duration)
     case.check_support(duration)
     warn_implausible(case, duration)

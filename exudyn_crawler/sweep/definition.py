@@ -58,7 +58,7 @@ class Sweep(Parameters):
 
     Raises
     ------
-    pydantic.ValidationError
+    ParameterError
         Where something does not fit: unknown paths, bounds in another unit or order, answers that the runs
         cannot give.
     """

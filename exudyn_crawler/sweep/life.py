@@ -59,7 +59,7 @@ class Life(AnyAnswer):
         return f"machine hours to a crack{where}, {100 * self.survival:g} % survive"
 
     def duty(self) -> Duty:
-        """Duty that is made of the run alone; raises `pydantic.ValidationError` as that does."""
+        """Duty that is made of the run alone; raises `ParameterError` as that does."""
         often = {"an_hour": self.an_hour, "share": self.share}
         if often == {"an_hour": None, "share": None}:
             often["share"] = 1.0

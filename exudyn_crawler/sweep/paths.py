@@ -9,7 +9,8 @@ from pydantic import ValidationError
 
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.faults import faults
-from exudyn_crawler.case.fields import Entry, Place, walk
+from exudyn_crawler.case.fields import Entry, walk
+from exudyn_crawler.case.kinds import Place
 from exudyn_crawler.case.loads import with_equal_loads
 
 EVERY = "*"

@@ -10,8 +10,9 @@ from pydantic import Field, ValidationError, model_validator
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.base import Name, Parameters
 from exudyn_crawler.case.faults import shown
-from exudyn_crawler.case.fields import TAG, Entry, is_table
-from exudyn_crawler.case.plausible import likely_cause, plausible_range
+from exudyn_crawler.case.fields import Entry, is_table
+from exudyn_crawler.case.kinds import TAG
+from exudyn_crawler.case.units import likely_cause, plausible_range
 from exudyn_crawler.sweep.paths import (
     Content,
     change_at,

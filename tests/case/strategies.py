@@ -6,11 +6,11 @@ A field that is added to a class is drawn without a word here.
 import typing
 
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
 from exudyn_crawler import Case, CaseFile, Outputs, SphereContact, StepProfile
 from exudyn_crawler.case.base import Parameters
-from exudyn_crawler.case.fields import allows_none, models_of, named_values
+from exudyn_crawler.case.kinds import allows_none, models_of, named_values
+from exudyn_crawler.errors import ParameterError
 from meshes import SHOE_SIZES
 
 # no lone surrogates: they are no text that a file could hold
@@ -73,7 +73,7 @@ def changed(draw, base):
             strategy |= st.none()
         try:
             new = new.with_(**{name: draw(strategy)})
-        except ValidationError:
+        except ParameterError:
             continue
     return new
 
@@ -86,7 +86,7 @@ def case_files(draw):
     duration = draw(st.floats(1e-6, 20.0))
     try:
         return CaseFile(case=case, duration=duration, outputs=outputs)
-    except ValidationError:
+    except ParameterError:
         return CaseFile(case=case, duration=1e-6)
 
 

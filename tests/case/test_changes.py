@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from exudyn_crawler import read_case
+from exudyn_crawler import LoadCycle, read_case
 from exudyn_crawler.errors import CaseFileError
 
 
@@ -26,6 +26,27 @@ def test_values_are_changed_by_path_or_by_a_name_that_only_one_has(path):
     assert read_case(path).case.terrain.spring_stiffness == 10e6
 
 
+def test_items_of_lists_are_changed_by_the_names_that_faults_have(path):
+    """Also of lists that a base gives, and after the values that are no items."""
+    changes = ("loads.phases[1].side_shift=0.3", "phases[0].loads[12] = 5e5", "loads.base=shovel_cycle")
+    found = read_case(path, (*changes, "terrain.origin[1]=-1", "loads.phases[2].loads=4e5")).case
+    cycle = LoadCycle.shovel_cycle()
+    assert found.loads.phases[1] == cycle.phases[1].with_(side_shift=0.3)
+    assert found.loads.phases[0] == cycle.phases[0].with_(loads=(*cycle.phases[0].loads[:12], 5e5))
+    assert found.loads.phases[2] == cycle.phases[2].with_(loads=(4e5,) * 13)
+    assert found.loads.phases[3:] == cycle.phases[3:]
+    assert found.terrain.origin == (0.0, -1.0)
+
+
+def test_items_of_a_list_of_the_file_are_changed(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text('base = "translation"\n[outputs]\nshoes = [1, 2]\n[loads]\nfile = "cycle.toml"\n')
+    (tmp_path / "cycle.toml").write_text('[[phases]]\nname = "a"\nend = 0\nloads = 4e5\n')
+    found = read_case(path, ["outputs.shoes[1]=7", "loads.phases[0].loads[0]=1e5"])
+    assert found.outputs.shoes == (1, 7)
+    assert found.case.loads.phases[0].loads == (1e5, *[4e5] * 12)
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [
@@ -34,10 +55,26 @@ def test_values_are_changed_by_path_or_by_a_name_that_only_one_has(path):
         ("spring_stiffness=soft", "terrain.spring_stiffness: Input should be a valid number, got 'soft'"),
         ("terrain.spring_stiffness=-1", "terrain.spring_stiffness: Input should be greater than"),
         ("density=7000", "density: which one is meant? terrain.density, flexible.density"),
+        ("terrain.spring.stiffness=1", "terrain.spring: unknown key; did you mean terrain.spring_stiffness?"),
+        ("terain.spring_stiffness=1", "terain: unknown key; did you mean terrain?"),
         ("terrain.origin.x=1", "terrain.origin: Input should be a valid array"),
         ("base.x=1", "base.x: base must be a table to change a value of it, got 'translation'"),
-        ("terrain.spring_stiffness", "a change must be like terrain.spring_stiffness=1e7, got"),
-        ("loads.phases[0].end=1", "a change must be like"),
+        ("terrain.spring_stiffness", "a change must be like terrain.spring_stiffness=1e7 or loads"),
+        ("loads.phases[0].ende=1", "loads.phases[0].ende: unknown key; did you mean loads.phases[0].end?"),
+        ("loads.phase[0].end=1", "loads.phase: unknown key; did you mean loads.phases?"),
+        ("load.phases[0].end=1", "load: unknown key; did you mean loads?"),
+        ("loads.phases[0].loads[13]=1", "loads.phases[0].loads[13]: loads.phases[0].loads has 13 items"),
+        ("loads.phases[-1].end=1", "a change must be like terrain.spring_stiffness=1e7 or loads.phases[0]"),
+        ("loads.phases[1].end=1", "loads.phases[1].end: loads.phases has 1 items, counted from 0, no [1]"),
+        ("terrain.heights[1]=1", "terrain.heights[1]: there is no list terrain.heights to change an item of"),
+        ("terrain[1]=1", "terrain[1]: there is no list terrain to change an item of"),
+        ("loads.phases[0][1]=1", "loads.phases[0][1]: there is no list loads.phases[0] to change an item of"),
+        (
+            "loads.phases[0].loads[1].x=1",
+            "loads.phases[0].loads[1].x: loads.phases[0].loads[1] must be a tab",
+        ),
+        ("terrain.origin[1]=far", "terrain.origin[1]: Input should be a valid number, got 'far'"),
+        ("case.terrain.origin[1]=1", "case: unknown key"),
         ("name=a\nb = 1", "name must be printable"),
     ],
 )

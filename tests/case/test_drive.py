@@ -1,9 +1,9 @@
 """When the drive moves the front shoe, and how far the track travels with it."""
 
 import pytest
-from pydantic import ValidationError
 
 from exudyn_crawler import Case, Drive, StepProfile
+from exudyn_crawler.errors import ParameterError
 
 
 def driven(*windows):
@@ -12,9 +12,9 @@ def driven(*windows):
 
 
 def test_the_drive_takes_up_a_shoe_at_rest_only():
-    with pytest.raises(ValidationError, match=r"speed must be zero where the drive goes on, at 0.05 s"):
+    with pytest.raises(ParameterError, match=r"speed must be zero where the drive goes on, at 0.05 s"):
         driven((0.05, 0.1))
-    with pytest.raises(ValidationError, match="on must be times from 0 s that increase"):
+    with pytest.raises(ParameterError, match="on must be times from 0 s that increase"):
         driven((0.1, 0.0))
 
 

@@ -7,7 +7,6 @@ import tomllib
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
 from exudyn_crawler import (
     Case,
@@ -21,9 +20,9 @@ from exudyn_crawler import (
     read_case,
     write_case,
 )
-from exudyn_crawler.case.fields import key_paths, named_values
+from exudyn_crawler.case.kinds import key_paths, named_values
 from exudyn_crawler.case.text import case_rows, case_text, number_text
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.errors import CaseFileError, ParameterError
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed
 
@@ -216,7 +215,7 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ("[terrain]\ncolumn_tilt = 1", "terrain.column_tilt: Input should be a valid boolean, got 1"),
         ('terrain = "stress"', "terrain: Input should be a table, got 'stress'"),
         ("name = 1979-05-27", "name: Input should be a valid string, got "),
-        ("[shoe]\nload_point = [1, 2]", "shoe.load_point[2]: missing"),
+        ("[shoe]\nload_point = [1, 2]", "shoe.load_point[2]: missing, got [1, 2]"),
         ("duration = 0", "duration must be positive and finite, got 0.0 s"),
         ("duration = 1e4", "terrain must carry the track over the whole drive: at t = "),
         ("[track]\nshoe_count = 12", "loads must name every shoe of the track (12), got loads for 13"),
@@ -289,7 +288,7 @@ def test_an_existing_file_is_kept_unless_asked(tmp_path):
 
 def test_durations_are_checked_when_the_file_is_made():
     for duration in (0.0, -1.0, math.nan, math.inf):
-        with pytest.raises(ValidationError, match="duration must be positive and finite"):
+        with pytest.raises(ParameterError, match="duration must be positive and finite"):
             CaseFile(case=Case.translation(), duration=duration)
 
 

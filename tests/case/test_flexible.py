@@ -1,21 +1,21 @@
 """Choice of flexible shoes and of their modes."""
 
 import pytest
-from pydantic import ValidationError
 
 from exudyn_crawler import Case, FlexibleShoes
+from exudyn_crawler.errors import ParameterError
 
 COARSE = FlexibleShoes.ph4100c("coarse")
 
 
 def test_bad_flexible_shoes_are_refused_by_name():
-    with pytest.raises(ValidationError, match="shoes must be different numbers in rising order"):
+    with pytest.raises(ParameterError, match="shoes must be different numbers in rising order"):
         COARSE.with_(shoes=(7, 7))
-    with pytest.raises(ValidationError, match=r"flexible.shoes must be in 1..13, got \(7, 14\)"):
+    with pytest.raises(ParameterError, match=r"flexible.shoes must be in 1..13, got \(7, 14\)"):
         Case.translation().with_(flexible=COARSE.with_(shoes=(7, 14)))
-    with pytest.raises(ValidationError, match="poissons_ratio"):
+    with pytest.raises(ParameterError, match="poissons_ratio"):
         COARSE.with_(poissons_ratio=0.5)
-    with pytest.raises(ValidationError, match="'reduced'"):
+    with pytest.raises(ParameterError, match="'reduced'"):
         Case.translation().with_(flexible=COARSE, terrain_formulation="constrained")
 
 

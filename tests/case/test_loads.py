@@ -37,7 +37,7 @@ def test_a_cycle_is_read_from_toml(tmp_path):
     with pytest.raises(ValueError, match=r"drive_on must not be in a load cycle.* on = \[\[0\.0, 15"):
         LoadCycle.from_toml(path)
     path.write_text("phases = 1")
-    with pytest.raises(ValueError, match="phases"):
+    with pytest.raises(ValueError, match=r"^\S*cycle\.toml: phases: Input should be .*, got 1$"):
         LoadCycle.from_toml(path)
     path.write_text("[[phases")
     with pytest.raises(ValueError, match="is not TOML"):
@@ -91,13 +91,18 @@ def test_a_case_file_names_a_cycle_beside_it(tmp_path):
         ("file = 3", "loads.file must be the name of a load cycle and stand alone"),
         ('file = "nowhere.toml"', "no load cycle .*nowhere.toml"),
         ('file = "broken.toml"', "broken.toml is not TOML"),
-        ('file = "odd.toml"', r"loads\.speed: unknown key"),
-        ('file = "short.toml"', r"loads\.phases\[0\]\.loads: Input should be a valid array, got True"),
+        ('file = "odd.toml"', r"odd\.toml: speed: unknown key"),
+        ('file = "lacking.toml"', r"lacking\.toml: phases\[0\]\.loads: missing$"),
+        (
+            'file = "short.toml"',
+            r"^\S*short\.toml: phases\[0\]\.loads: Input should be a valid array, got True",
+        ),
     ],
 )
 def test_cycles_that_cannot_be_are_refused_with_the_case(tmp_path, table, told):
     (tmp_path / "broken.toml").write_text("[[phases")
     (tmp_path / "odd.toml").write_text("speed = 1\n" + EVEN)
+    (tmp_path / "lacking.toml").write_text('[[phases]]\nname = "a"\nend = 1\n')
     (tmp_path / "short.toml").write_text(EVEN.replace("4e5", "true"))
     path = tmp_path / "case.toml"
     path.write_text(f'base = "translation"\n[loads]\n{table}\n')

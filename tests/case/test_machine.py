@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 from exudyn_crawler import Case
 from exudyn_crawler.case import MachineCycle, MachinePhase, Pose, Shovel, Undercarriage, ph4100c
+from exudyn_crawler.errors import ParameterError
 
 FRAME = Undercarriage.ph4100c()
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -83,15 +83,15 @@ def test_machine_that_tips_over_a_track_is_refused():
 )
 def test_cycles_in_which_a_roller_would_pull_are_refused(force, moment, said):
     phase = MachinePhase(name="wrong", end=1.0, force=force, moment=moment)
-    with pytest.raises(ValidationError, match=said):
+    with pytest.raises(ParameterError, match=said):
         Case.rolled().with_(machine=MachineCycle(phases=(phase,)))
 
 
 def test_times_that_do_not_increase_are_refused():
-    with pytest.raises(ValidationError, match="the phases' ends must increase"):
+    with pytest.raises(ParameterError, match="the phases' ends must increase"):
         MachineCycle.shovel(poses=[*poses(0.0), *poses(0.1)])
 
 
 def test_machine_without_a_frame_is_refused():
-    with pytest.raises(ValidationError, match="machine must be None without an undercarriage"):
+    with pytest.raises(ParameterError, match="machine must be None without an undercarriage"):
         Case.translation().with_(machine=MachineCycle.shovel())

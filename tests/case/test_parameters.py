@@ -1,11 +1,13 @@
 """Parameters: the papers' values and what derives from them, and refusal of what cannot be."""
 
+import copy
 import math
+import pickle
 import re
+import traceback
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 import fem
 from exudyn_crawler import (
@@ -19,8 +21,10 @@ from exudyn_crawler import (
     StepProfile,
     Terrain,
     Track,
+    read_case,
     simulate,
 )
+from exudyn_crawler.errors import CaseFileError, ParameterError
 from meshes import shoe_mesh
 
 MAKERS = {
@@ -49,7 +53,7 @@ def pairs(table):
 
 def refusal(make, *words):
     """Message of the refusal, which must contain all words."""
-    with pytest.raises(ValidationError) as caught:
+    with pytest.raises(ParameterError) as caught:
         make()
     message = str(caught.value)
     for word in words:
@@ -60,19 +64,19 @@ def refusal(make, *words):
 @pytest.mark.parametrize(("part", "field"), pairs(POSITIVE))
 @pytest.mark.parametrize("value", [0.0, -1.0])
 def test_what_must_be_positive_is_refused_otherwise(part, field, value):
-    refusal(lambda: MAKERS[part]().with_(**{field: value}), field, "greater than", f"input_value={value}")
+    refusal(lambda: MAKERS[part]().with_(**{field: value}), field, "greater than", f"got {value}")
 
 
 @pytest.mark.parametrize(("part", "field"), pairs(POSITIVE) + pairs(NOT_NEGATIVE))
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_what_is_not_finite_is_refused(part, field, value):
-    refusal(lambda: MAKERS[part]().with_(**{field: value}), field, "finite number", f"input_value={value}")
+    refusal(lambda: MAKERS[part]().with_(**{field: value}), field, "finite number", f"got {value}")
 
 
 @pytest.mark.parametrize(("part", "field"), pairs(NOT_NEGATIVE))
 def test_what_must_not_be_negative_is_refused_otherwise(part, field):
     make = MAKERS[part]
-    refusal(lambda: make().with_(**{field: -0.5}), field, "greater than or equal to 0", "input_value=-0.5")
+    refusal(lambda: make().with_(**{field: -0.5}), field, "greater than or equal to 0", "got -0.5")
     if field != "static_friction":  # without it the dynamic one would exceed it
         assert getattr(make().with_(**{field: 0.0}), field) == 0.0
 
@@ -91,17 +95,107 @@ def test_what_must_not_be_negative_is_refused_otherwise(part, field):
     ],
 )
 def test_what_is_out_of_its_range_is_refused(part, field, value, allowed):
-    refusal(lambda: MAKERS[part]().with_(**{field: value}), field, allowed, f"input_value={value!r}")
+    refusal(lambda: MAKERS[part]().with_(**{field: value}), field, allowed, f"got {value!r}")
 
 
 def test_an_unknown_field_is_refused():
-    refusal(lambda: Shoe.ph4100c().with_(weight=3.0), "weight", "Extra inputs are not permitted")
+    refusal(lambda: Shoe.ph4100c().with_(weight=3.0), "weight: unknown key; ")
 
 
 def test_a_name_that_is_nearly_one_is_named_right():
-    with pytest.raises(ValidationError) as refused:
+    with pytest.raises(ParameterError) as refused:
         Terrain.stress().with_(spring_stifness=1e7, columns=19)
-    assert refused.value.__notes__ == ["spring_stifness: did you mean spring_stiffness?"]
+    assert str(refused.value) == "spring_stifness: unknown key; did you mean spring_stiffness?"
+    with pytest.raises(ParameterError) as refused:
+        Case.translation().with_(spring_stiffness=1e7)
+    assert str(refused.value) == "spring_stiffness: unknown key; did you mean terrain.spring_stiffness?"
+
+
+def refused_both_ways(read, text, values):
+    """Lines that a file's faults and those of the same values in Python are told in."""
+    with pytest.raises(CaseFileError) as in_file:
+        read(text)
+    with pytest.raises(ParameterError) as in_python:
+        Case.translation().with_(**values)
+    return in_file.value.faults, in_python.value.faults
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("[terrain]\ndensity = -1.0", {"terrain": {"density": -1.0}}),
+        ("[terrain]\ndensty = 1.0\nrow = 3", {"terrain": {"densty": 1.0, "row": 3}}),
+        ("[contact]\nstiffness = nan\nradius = 1", {"contact": {"stiffness": math.nan, "radius": 1}}),
+        ('[solver]\nstep = "soon"', {"solver": {"step": "soon"}}),
+        ('gravty = 1\nformulation = "exudyn"', {"gravty": 1, "formulation": "exudyn"}),
+        ("[solver]\nstep = 1.0\nminimum_step = 2.0", {"solver": {"step": 1.0, "minimum_step": 2.0}}),
+    ],
+)
+def test_faults_in_python_are_told_as_those_of_a_file(tmp_path, text, values):
+    """Also those of parts that are given as tables, with the whole path."""
+
+    def read(content):
+        path = tmp_path / "case.toml"
+        path.write_text(f'base = "translation"\n{content}\n')
+        return read_case(path)
+
+    case = Case.translation()
+    whole = {
+        name: value if not isinstance(value, dict) else getattr(case, name).model_dump() | value
+        for name, value in values.items()
+    }
+    in_file, in_python = refused_both_ways(read, text, whole)
+    assert in_python == in_file
+
+
+def test_what_is_missing_is_named_with_the_constructors_that_have_it():
+    with pytest.raises(ParameterError) as refused:
+        Terrain(origin=(0.0,))
+    first, *rest = refused.value.faults
+    assert first == "origin[1]: missing, got (0.0,)"
+    assert len(rest) == sum(field.is_required() for field in Terrain.model_fields.values())
+    assert (
+        rest[0] == "columns: missing; give it, or change a copy of Terrain.kinematics() or Terrain.stress()"
+    )
+
+
+def test_a_part_of_another_class_is_refused():
+    with pytest.raises(ParameterError) as refused:
+        Case.translation().with_(terrain=Track.ph4100c(), contact=5)
+    assert [one[: one.index(", got")] for one in refused.value.faults] == [
+        "terrain: Input should be Terrain",
+        "contact: Input should be PairContact or SphereContact",
+    ]
+
+
+def test_errors_of_parameters_are_value_errors_without_words_of_the_library():
+    with pytest.raises(ValueError, match=r"^step: ") as refused:
+        Solver(step="fast", residual=-1.0)
+    assert len(str(refused.value).splitlines()) == 2
+    shown = "".join(traceback.format_exception(refused.value))
+    assert "pydantic.dev" not in shown
+    assert "validation error" not in shown
+    again = pickle.loads(pickle.dumps(refused.value))
+    assert (type(again), again.faults) == (ParameterError, refused.value.faults)
+
+
+def test_cases_are_copied_and_sent_as_they_are():
+    case = Case.stress("coarse")
+    assert pickle.loads(pickle.dumps(case)) == case
+    assert copy.deepcopy(case) == case
+
+
+@pytest.mark.parametrize(
+    ("duration", "told"),
+    [
+        ("a", "duration must be a number in s, got 'a'"),
+        (None, "duration must be a number in s, got None"),
+        (-1.0, "duration must be positive and finite, got -1.0 s"),
+    ],
+)
+def test_a_duration_that_is_none_is_refused_before_anything_runs(duration, told):
+    with pytest.raises(ValueError, match=f"^{re.escape(told)}$"):
+        simulate(Case.translation(), duration)
 
 
 @pytest.mark.parametrize("name", ["a\0b", "two\nlines"])
@@ -111,7 +205,8 @@ def test_a_case_name_that_cannot_be_printed_is_refused(name):
 
 def test_parameters_cannot_be_changed_in_place():
     shoe = Shoe.ph4100c()
-    refusal(lambda: setattr(shoe, "mass", 1.0), "mass", "frozen")
+    told = "mass: parameters do not change, got 1.0; with_(mass=...) gives a copy"
+    refusal(lambda: setattr(shoe, "mass", 1.0), told)
     assert shoe.with_(mass=1.0).mass == 1.0
     assert shoe.mass == 4681.67
 

@@ -3,19 +3,37 @@
 import warnings
 
 import pytest
-from pydantic import ValidationError
 
-from exudyn_crawler import Case, LoadCycle, SphereContact
-from exudyn_crawler.case.faults import faults
+from exudyn_crawler import Case, LoadCycle, Phase, SphereContact
 from exudyn_crawler.case.fields import walk
-from exudyn_crawler.case.plausible import implausible, plausible_range, warn_implausible
-from exudyn_crawler.errors import ImplausibleWarning
+from exudyn_crawler.case.plausible import implausible, warn_implausible
+from exudyn_crawler.case.units import plausible_range
+from exudyn_crawler.errors import ImplausibleWarning, ParameterError
 
 STRAIGHT = Case.translation()
 
 
 def changed(part, case=STRAIGHT, **values):
     return case.with_(**{part: getattr(case, part).with_(**values)})
+
+
+def two_phases(loads, **values):
+    """Even loads in a first phase, others at the end of a second one."""
+    even = Phase(name="first", end=1.0, loads=(386e3,) * 13)
+    return LoadCycle(phases=(even, Phase(name="second", end=2.0, loads=loads, **values)))
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [
+        two_phases((0.0, 0.0, *[600e3] * 11)),
+        two_phases((2e3, 50e3, 100e3, *[500e3] * 10)),
+        two_phases((386e3,) * 13, side_shift=0.58),
+        two_phases((0.0,) * 12 + (5e6,)),
+    ],
+)
+def test_loads_that_fall_to_nothing_or_lean_are_plausible(loads):
+    assert list(implausible(STRAIGHT.with_(loads=loads), 10.0)) == []
 
 
 @pytest.mark.parametrize("case", [STRAIGHT, Case.turning(), Case.stress()])
@@ -41,6 +59,32 @@ def test_the_papers_cases_are_plausible(case):
         (
             STRAIGHT.with_(loads=LoadCycle.constant([1e9] * 13)),
             "loads.phases[0].loads: 13 shoes carry 13 GN in all; loads are in N",
+        ),
+        (
+            STRAIGHT.with_(loads=LoadCycle.constant([386e3] * 12 + [-386e3])),
+            "loads.phases[0].loads: -386 kN at the end of 'constant' lifts shoe 13; loads press down",
+        ),
+        (
+            STRAIGHT.with_(loads=LoadCycle.constant([-5e3] * 13)),
+            "loads.phases[0].loads: -5 kN at the end of 'constant' lifts shoes 1..13; loads press down",
+        ),
+        (
+            STRAIGHT.with_(loads=two_phases((386e3, *[-1.0, 386e3] * 6))),
+            "loads.phases[1].loads: -1 N at the end of 'second' lifts shoes 2, 4, 6, 8, 10, ...; loads press",
+        ),
+        (
+            STRAIGHT.with_(loads=two_phases((386.0, *[400e3] * 12))),
+            "loads.phases[1].loads: 386 N at the end of 'second' on shoe 1, up to 400 kN on others; is it in "
+            "kN? It has to be in N",
+        ),
+        (
+            STRAIGHT.with_(loads=two_phases((*[300.0] * 12, 400e3))),
+            "loads.phases[1].loads: 300 N at the end of 'second' on shoes 1..12, up to 400 kN on others",
+        ),
+        (
+            STRAIGHT.with_(loads=two_phases((386e3,) * 13, side_shift=-0.9)),
+            "loads.phases[1].side_shift: -0.9 m at the end of 'second' is beyond a sixth of the shoe's "
+            "width, 0.584 m",
         ),
         (STRAIGHT.with_(gravity=0.0), "gravity: 0 m/s2 is outside of 9.7 to 9.9 m/s2"),
         (
@@ -80,9 +124,9 @@ def test_only_what_is_wrong_is_told():
 
 
 def test_what_cannot_be_meant_is_refused_with_its_likely_cause():
-    with pytest.raises(ValidationError) as caught:
+    with pytest.raises(ParameterError) as caught:
         changed("contact", static_friction=40.0)
-    assert list(faults(caught.value, type(STRAIGHT.contact))) == [
+    assert caught.value.faults == [
         "static_friction: Input should be less than or equal to 10, got 40.0; is it in per cent? "
         "It has to be a fraction of 1"
     ]
@@ -106,13 +150,13 @@ def test_what_cannot_be_meant_is_refused_with_its_likely_cause():
     ],
 )
 def test_what_numbers_cannot_hold_is_refused_by_its_bound(part, values):
-    with pytest.raises(ValidationError, match=r"Input should be (less|greater) than or equal to"):
+    with pytest.raises(ParameterError, match=r"Input should be (less|greater) than or equal to"):
         changed(part, Case.stress(), **values)
 
 
 @pytest.mark.parametrize("name", ["", "n" * 100_000])
 def test_names_are_neither_empty_nor_endless(name):
-    with pytest.raises(ValidationError, match=r"String should have at (least|most)"):
+    with pytest.raises(ParameterError, match=r"String should have at (least|most)"):
         STRAIGHT.with_(name=name)
 
 

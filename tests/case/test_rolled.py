@@ -3,11 +3,11 @@
 import re
 
 import pytest
-from pydantic import ValidationError
 
 from exudyn_crawler import Case, Drive, LoadCycle, Shoe
 from exudyn_crawler.case import CaseFile, Rails, Undercarriage, read_case, write_case
 from exudyn_crawler.case.plausible import implausible
+from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.model.flexible_shoes import check_shoe
 from meshes import mesh_named
 from meshes.rails import rail_outline, station_weights
@@ -50,7 +50,7 @@ def test_case_file_gives_the_case_again(tmp_path):
     ],
 )
 def test_undercarriages_that_are_none_are_refused(change, said):
-    with pytest.raises(ValidationError, match=re.escape(said)):
+    with pytest.raises(ParameterError, match=re.escape(said)):
         FRAME.with_(**change)
 
 
@@ -67,14 +67,14 @@ def test_undercarriages_that_are_none_are_refused(change, said):
     ],
 )
 def test_cases_that_do_not_go_with_a_frame_are_refused(change, said):
-    with pytest.raises(ValidationError, match=re.escape(said)):
+    with pytest.raises(ParameterError, match=re.escape(said)):
         ROLLED.with_(**change)
 
 
 def test_gap_that_swallows_a_roller_is_refused():
     rails = Rails.ph4100c().with_(rear=0.1)
     shoe, frame = ROLLED.shoe.with_(rails=rails), FRAME.with_(radius=0.2)
-    with pytest.raises(ValidationError, match="must leave a gap from shoe to shoe that rollers cross"):
+    with pytest.raises(ParameterError, match="must leave a gap from shoe to shoe that rollers cross"):
         ROLLED.with_(shoe=shoe, undercarriage=frame)
 
 
@@ -86,7 +86,7 @@ def test_track_shorter_than_the_drive_is_refused():
 
 
 def test_rails_must_be_two_beside_each_other():
-    with pytest.raises(ValidationError, match="the rails overlap"):
+    with pytest.raises(ParameterError, match="the rails overlap"):
         Rails.ph4100c().with_(left=-0.1)
 
 

@@ -1,5 +1,6 @@
 """Reading and writing meshes: what cannot be used is refused by name."""
 
+import gzip
 from pathlib import Path
 
 import meshio
@@ -37,6 +38,40 @@ def test_no_mesh(tmp_path: Path) -> None:
     (tmp_path / "text.msh").write_text("this is no mesh")
     with pytest.raises(fem.MeshError, match="must be a mesh that meshio can read"):
         fem.read_mesh(tmp_path / "text.msh")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("a.msh", b"junk", "it holds no mesh as ansys or gmsh"),
+        (
+            "a.msh",
+            b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n",
+            r"it holds no mesh as .*: \$Element section",
+        ),
+        ("a.msh.gz", gzip.compress(b"junk"), "it holds no mesh as ansys or gmsh"),
+        ("a.vtu", b"\0\1", "it holds no mesh as vtu"),
+        ("a.msh", b"", "the file is empty"),
+        ("a.inp", b"", "the file is empty"),
+        ("a.msh.gz", gzip.compress(b""), "the file is empty"),
+        ("a.msh.gz", b"", "the file is empty"),
+        ("a.msh", b"\n\n", "it holds no mesh|got: "),
+        ("a.odd", b"x", "got: Could not deduce file format"),
+    ],
+)
+def test_what_is_no_mesh_is_told_in_a_line_alone(tmp_path, capfd, name, content, told):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(fem.MeshError, match=f"must be a mesh that meshio can read.*({told})") as refused:
+        fem.read_mesh(tmp_path / name)
+    assert "\n" not in str(refused.value)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_reading_prints_nothing(tmp_path: Path, cube: fem.Mesh, capfd) -> None:
+    """Also of a format that one of meshio's readers fails for."""
+    fem.write_mesh(tmp_path / "m.msh", cube)
+    assert fem.read_mesh(tmp_path / "m.msh").digest == cube.digest
+    assert capfd.readouterr() == ("", "")
 
 
 def test_no_tetrahedra(tmp_path: Path) -> None:

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, Terrain, simulate
+from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import DrivePoint, drive_point, pulled_node
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
@@ -110,5 +110,5 @@ def test_the_pulled_node_is_the_nearest_to_the_com_node():
 
 
 def test_an_unknown_point_is_refused():
-    with pytest.raises(ValidationError, match="point"):
+    with pytest.raises(ParameterError, match="point"):
         Drive(speed=QUICK, point="rear pins")

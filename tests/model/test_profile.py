@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from pydantic import ValidationError
 
 from exudyn_crawler import Case, LoadCycle, SphereContact, Terrain, shoe_imbalance, simulate
+from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.run.equilibrium import static_equilibrium
 from exudyn_crawler.run.steady_sliding import check_sliding
@@ -132,17 +132,17 @@ def test_only_a_drive_beside_the_middle_starts_with_a_jolt_on_an_incline():
     ],
 )
 def test_bad_profiles_are_refused(change, message):
-    with pytest.raises(ValidationError, match=message):
+    with pytest.raises(ParameterError, match=message):
         Terrain.stress().with_(**change)
 
 
 def test_what_takes_no_profile_says_what_does():
     case = short_track(hill)
-    with pytest.raises(ValidationError, match=r"terrain.profile must be None with contact\.model 'spheres'"):
+    with pytest.raises(ParameterError, match=r"terrain.profile must be None with contact\.model 'spheres'"):
         case.with_(contact=SphereContact.oil_sand())
-    with pytest.raises(ValidationError, match="terrain_formulation must be 'reduced' on a"):
+    with pytest.raises(ParameterError, match="terrain_formulation must be 'reduced' on a"):
         case.with_(terrain_formulation="constrained")
-    with pytest.raises(ValidationError, match=r"no steps between units but a smooth terrain\.profile"):
+    with pytest.raises(ParameterError, match=r"no steps between units but a smooth terrain\.profile"):
         Case.stress("coarse").with_(terrain=Terrain.stress().with_step(14.0, 0.1))
     with pytest.raises(ValueError, match=r"terrain\.profile must be None: a track has no steady state"):
         check_sliding(case, 0.1)

@@ -1,5 +1,7 @@
 """Meshes of flexible shoes that do not fit their track or its rigid shoes are refused by name."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -72,6 +74,33 @@ def test_a_shoe_of_a_stretched_mesh_fits_it(tmp_path):
     wider = case.with_(shoe=Shoe.from_mesh(case.flexible.mesh))
     check_shoe(wider)
     assert wider.shoe.width == pytest.approx(1.02 * CASE.shoe.width, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("size", "told"),
+    [
+        (1e3, "is 3505 m long; is it in mm?"),
+        (1e2, "is 350.5 m long; is it in mm or cm?"),
+        (1.0 / 0.0254, "is 138 m long; is it in cm or inch?"),
+        (1e6, "is 3.505e+06 m long"),
+    ],
+)
+def test_a_mesh_in_another_unit_is_told_before_its_origin(size, told):
+    nodes = size * (MESH.nodes + np.array([0.0, 0.0, 0.1]))
+    with pytest.raises(ValueError, match=f"^the mesh must be in m and no larger .*{re.escape(told)}$"):
+        Shoe.from_mesh(Mesh(nodes, MESH.elements, MESH.surfaces))
+
+
+@pytest.mark.parametrize(
+    ("lacking", "told"),
+    [
+        ("underside", r"the mesh '.*shoe\.msh' must have the surface 'underside', which has \['bore"),
+        ("top", r"load_surface must be a surface of the mesh '.*shoe\.msh', which has \['bore .*'top'"),
+    ],
+)
+def test_a_mesh_without_a_surface_gives_no_shoe(tmp_path, lacking, told):
+    with pytest.raises(ValueError, match=told):
+        Shoe.from_mesh(of_mesh(tmp_path, leave_out=lacking).flexible.mesh)
 
 
 def test_a_mesh_whose_origin_is_not_its_com_gives_no_shoe():

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 from exudyn_crawler import FatigueMaterial
+from exudyn_crawler.errors import ParameterError
 
 
 def test_strength_by_hand():
@@ -59,5 +59,5 @@ def test_ready_materials_say_what_they_assume(name):
     ],
 )
 def test_what_is_no_material_is_refused(change, words):
-    with pytest.raises(ValidationError, match=words):
+    with pytest.raises(ParameterError, match=words):
         FatigueMaterial.cast_nicrmo().with_(**change)

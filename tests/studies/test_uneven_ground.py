@@ -6,12 +6,11 @@ import sys
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case import Terrain
 from exudyn_crawler.case.contact import SphereContact as Spheres
-from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.errors import EquilibriumError, ParameterError
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.balance import shoe_imbalance
 from exudyn_crawler.run.equilibrium import static_equilibrium
@@ -134,7 +133,7 @@ def test_run_on_the_papers_grid():
 
 
 def test_heights_are_refused_by_the_pair_law():
-    with pytest.raises(ValidationError, match=r"terrain.heights must be None with contact\.model 'pair'"):
+    with pytest.raises(ParameterError, match=r"terrain.heights must be None with contact\.model 'pair'"):
         Case.translation().with_(terrain=strip().with_step(14.0, 0.1))
 
 
@@ -147,7 +146,7 @@ def test_heights_are_refused_by_the_pair_law():
     ],
 )
 def test_bad_heights_are_refused(heights, message):
-    with pytest.raises(ValidationError, match=message):
+    with pytest.raises(ParameterError, match=message):
         strip().with_(heights=heights)
 
 
@@ -157,7 +156,7 @@ def test_bad_grounds_are_refused():
     for deviation in (-0.1, math.nan, math.inf):
         with pytest.raises(ValueError, match="standard_deviation must be finite and not negative"):
             strip().with_roughness(deviation, 1)
-    with pytest.raises(ValidationError, match="finite"):
+    with pytest.raises(ParameterError, match="finite"):
         strip().with_step(10.0, math.inf)
     with pytest.raises(ValueError, match=r"ground must be of \['step', 'ramp', 'rough'\], got 'moon'"):
         uneven_case("moon")
@@ -165,10 +164,10 @@ def test_bad_grounds_are_refused():
 
 def test_step_that_leaves_the_track_unsupported_is_refused():
     message = r"units 6 and 7 below it differ by 0\.2 m, allowed is less than 0\.1342 m"
-    with pytest.raises(ValidationError, match=message):
+    with pytest.raises(ParameterError, match=message):
         GENERAL.with_(terrain=strip().with_step(14.0, 0.2))
     larger = GENERAL.sphere_contact().with_(radius=0.25)
-    with pytest.raises(ValidationError, match=r"allowed is less than 0\.1842 m"):
+    with pytest.raises(ParameterError, match=r"allowed is less than 0\.1842 m"):
         GENERAL.with_(terrain=strip().with_step(14.0, 0.2), contact=larger)
 
 
