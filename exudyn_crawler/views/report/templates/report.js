@@ -9,8 +9,6 @@ const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: [
 /* m beyond the middles of the outer shoes that rollers are drawn */
 const ROLLERS_BESIDE = 0.75;
 
-const NARROW = window.matchMedia("(max-width: 640px)");
-
 function unpack(text, kind) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   return new KINDS[kind](bytes.buffer);
@@ -26,6 +24,9 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
+/* pixels of numbers and title of the time below a plot */
+const TIME_TITLE = 50;
+
 /* time histories: one object a plot, which owns its controls */
 
 class SeriesPlot {
@@ -33,6 +34,8 @@ class SeriesPlot {
     this.caseNames = Object.keys(data.cases);
     this.case = this.caseNames[0];
     this.cache = new Map();
+    this.names = [];
+    this.legendBelow = 0;
     this.caseSelect = element("select", { "aria-label": "case", onchange: () => this.pickCase(this.caseSelect.value) },
       ...this.caseNames.map((name) => element("option", { value: name }, name)));
     this.quantitySelect = element("select", { "aria-label": "quantity", onchange: () => this.pickQuantity() });
@@ -44,6 +47,7 @@ class SeriesPlot {
     controls.append(this.quantitySelect, this.axisBox, this.itemBox);
     place.append(controls, this.figure);
     this.pickCase(this.case, first);
+    this.figure.on("plotly_relayout", () => this.namePhases());
   }
 
   pickCase(name, label = null) {
@@ -122,12 +126,16 @@ class SeriesPlot {
     const chosenAxes = axes.length < 2 ? axes : this.picked(this.axisBox);
     const chosenItems = items.length < 2 ? items : this.picked(this.itemBox);
     const traces = [];
+    const panels = 20 + 230 * Math.max(chosenAxes.length, 1);
+    const top = TOUCHED.matches ? TOOLBAR + 16 : 20, below = TIME_TITLE + this.legendBelow;
     const layout = {
-      height: 90 + 230 * Math.max(chosenAxes.length, 1),
-      margin: { l: NARROW.matches ? 58 : 80, r: NARROW.matches ? 6 : 20, t: 20, b: 50 },
+      height: panels + top + below,
+      margin: { ...(NARROW.matches ? { l: 74, r: 6, autoexpand: false } : { l: 80, r: 20 }), t: top, b: below },
       grid: { rows: Math.max(chosenAxes.length, 1), columns: 1, pattern: "coupled" },
       xaxis: { title: { text: "time in s" } },
-      legend: NARROW.matches ? { orientation: "h", y: -0.15, tracegroupgap: 0 } : { tracegroupgap: 0 },
+      legend: NARROW.matches ? { orientation: "h", y: -TIME_TITLE / panels, yanchor: "top", tracegroupgap: 0 } : { tracegroupgap: 0 },
+      shapes: phaseBands(data.cases[this.case].phases),
+      annotations: this.names,
       showlegend: chosenItems.length > 1,
       hovermode: "x",
       uirevision: `${this.case}|${label}|${chosenAxes}`,
@@ -150,10 +158,28 @@ class SeriesPlot {
       });
     });
     Plotly.react(this.figure, traces, layout, CONFIG);
+    const { legend } = this.figure._fullLayout;
+    const legendBelow = NARROW.matches && layout.showlegend ? Math.ceil(legend._height) : 0;
+    if (legendBelow !== this.legendBelow) {
+      this.legendBelow = legendBelow;
+      this.draw();
+      return;
+    }
+    this.namePhases();
+  }
+
+  /* those that have room where the time is zoomed as it is */
+  namePhases() {
+    const names = phaseNames(data.cases[this.case].phases, this.figure._fullLayout.xaxis);
+    if (JSON.stringify(names) === JSON.stringify(this.names)) return;
+    this.names = names;
+    Plotly.relayout(this.figure, { annotations: names });
   }
 }
 
 /* flexible shoes */
+
+const SHOE_CAMERA = { eye: { x: -1.5, y: -1.3, z: 1.1 }, up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: -0.2 } };
 
 class ShoeView {
   constructor(place, shoes) {
@@ -213,9 +239,10 @@ class ShoeView {
     const name = `shoe ${this.shoes.shoes[index]}`;
     const bar = { x: 0, xanchor: "left", len: 0.8 };
     if (!this.trust.checked) {
+      const colorbar = this.barLies() ? lyingBar(this.place, "von Mises in MPa") : { title: { text: "von Mises<br>in MPa" }, ...bar };
       return {
         intensity: stress, cmin: 0, cmax: Number(this.limit.value) || this.shoes.limit,
-        colorbar: { title: { text: "von Mises<br>in MPa" }, ...bar },
+        colorbar,
         text: Array.from(stress, (value) => `${name}: ${value.toFixed(1)} MPa`),
       };
     }
@@ -226,6 +253,27 @@ class ShoeView {
       colorbar: { title: { text: "greatest stress" }, tickvals: words.map((_, k) => k), ticktext: words, ...bar },
       text: numbers.map((number) => `${name}: ${words[number] ?? "not known, the drive pulls here"}`),
     };
+  }
+
+  /* beside a narrow view a bar would hide shoes; the verdicts' words have no room below one */
+  barLies() {
+    return NARROW.matches && !this.trust.checked;
+  }
+
+  /* least and greatest coordinates (m) of all that is drawn, and a margin */
+  ranges(traces) {
+    return ["x", "y", "z"].map((axis) => {
+      let low = Infinity, high = -Infinity;
+      for (const trace of traces) {
+        for (const value of trace[axis]) {
+          if (value === null) continue;
+          low = Math.min(low, value);
+          high = Math.max(high, value);
+        }
+      }
+      const margin = (high - low) / 32;
+      return [low - margin, high + margin];
+    });
   }
 
   /* forces of ground and rollers */
@@ -252,14 +300,11 @@ class ShoeView {
     const traces = this.shoes.shoes.map((_, index) => this.surface(frame, index));
     if (this.forces.checked) traces.push(...this.acting(frame));
     traces.push(...this.rollers(frame));
-    const layout = {
-      uirevision: "kept", margin: { l: 0, r: 0, t: 0, b: 0 }, legend: { x: 1, xanchor: "right" },
-      scene: {
-        aspectmode: "data", xaxis: { title: { text: "x in m" } }, yaxis: { title: { text: "y in m" } },
-        zaxis: { title: { text: "z in m" }, nticks: 4 },
-        camera: { eye: { x: -1.5, y: -1.3, z: 1.1 }, center: { x: 0, y: 0, z: -0.2 } },
-      },
-    };
+    const ranges = this.ranges(traces);
+    const spans = ranges.map(([low, high]) => high - low);
+    // the camera counts on a box of a volume of one
+    const aspect = spans.map((span) => span / Math.cbrt(spans[0] * spans[1] * spans[2]));
+    const layout = viewLayout(this.place, ranges, aspect, SHOE_CAMERA, "shoes", this.barLies());
     Plotly.react(this.place, traces, layout, CONFIG);
   }
 }
@@ -302,6 +347,13 @@ if (Object.keys(data.tracks).length) {
   watcher.observe(place);
 }
 if (data.shoes) report.shoes = new ShoeView(document.getElementById("shoe-view"), data.shoes);
+let width = window.innerWidth;
+window.addEventListener("resize", () => {
+  // phones change the height of a page whenever it is scrolled
+  if (window.innerWidth === width) return;
+  width = window.innerWidth;
+  for (const one of [...report.plots, report.track, report.shoes]) one?.draw();
+});
 showPictures();
 filterComparison();
 document.body.dataset.ready = "yes";
