@@ -29,6 +29,9 @@ MAIN = (
     "total terrain deformation from equilibrium",
 )
 """Labels of the series that the page draws, as far as both runs have them."""
+SAME_CASES = "Nothing differs in the cases."
+SAME_RESULTS = "Nothing that both runs have differs in the results, beyond rounding."
+"""What stands in place of tables without rows."""
 ITEMS = 3
 """Shoes that a figure draws at most: the ends and the middle of those that both runs have."""
 
@@ -112,6 +115,8 @@ def write_comparison(
         ],
         parameters=_html(parameters),
         results=_html(results),
+        same_cases=SAME_CASES,
+        same_results=SAME_RESULTS,
         figures=[
             {"title": label, "uri": _embedded(figure)}
             for label, figure in comparison_figures(histories, stresses or {}).items()
