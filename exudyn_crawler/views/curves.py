@@ -43,7 +43,7 @@ STYLE: dict[Any, Any] = {
     "savefig.dpi": 130,
 }
 
-PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.38, 0.72, 1.0
+PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.38, 0.72, 1.1
 """Inches: width of a figure and height of each of its panels, height of what is written above and below them,
 width of what is written at their left."""
 

@@ -1,5 +1,7 @@
 """The report on screens of any width, in a browser: all of it is seen, and nothing lies over the other."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -100,6 +102,13 @@ def test_colour_bars_of_a_narrow_screen_are_as_wide_as_it(phone):
         (canvas,) = phone.page.evaluate(BOXES, f"{place} .gl-container > div")
         assert view["left"] <= whole["left"] < whole["right"] <= view["right"]
         assert canvas["bottom"] - 1.0 <= whole["top"] < whole["bottom"] <= view["bottom"] + 1.0
+    # the words of the verdicts have room, too
+    phone.page.locator("#shoe-trust").check()
+    words = phone.page.evaluate(BOXES, "#shoe-view .colorbar .cbaxis text")
+    assert len(words) == 3
+    assert all(view["left"] <= word["left"] < word["right"] <= view["right"] for word in words)
+    assert not any(overlap(one, other) for one, other in pairwise(words))
+    phone.page.locator("#shoe-trust").uncheck()
 
 
 def test_views_step_back_as_a_screen_becomes_narrow(browser, stress_folder, tmp_path):

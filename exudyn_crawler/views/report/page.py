@@ -36,7 +36,7 @@ from exudyn_crawler.views.stress_pictures import PICTURES, write_stress_pictures
 from exudyn_crawler.views.tables import within_by_class
 
 REPORT = "report.html"
-SCRIPTS = ("bodies.js", "camera.js", "phases.js", "track.js", "report.js")
+SCRIPTS = ("bodies.js", "camera.js", "phases.js", "track.js", "shoes.js", "report.js")
 LONGEST_TABLE = 300
 """Rows of a table on the page; longer ones are series, which plots show."""
 SECTIONS = (
