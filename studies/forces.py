@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler import Case, CaseFile, History, simulate
 from exudyn_crawler.results.contacts import contact_force
+from exudyn_crawler.results.phases import common_phases
 from exudyn_crawler.run.histories import matching_history
 from exudyn_crawler.run.keeper import quiet
 from exudyn_crawler.views.curves import Panel, panel_figure, save_figure
@@ -124,7 +125,8 @@ def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
         Panel("z normal force", "N", curves["normal"]),
         Panel("x contact force", "N", curves["contact"]),
     ]
-    return panel_figure(f"{history.case.name}: shoe {shoe} crossing units", panels)
+    title = f"{history.case.name}: shoe {shoe} crossing units"
+    return panel_figure(title, panels, common_phases(history))
 
 
 def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
@@ -136,7 +138,8 @@ def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
         panel for label in CONTACT_SCALARS for panel in _against(found, label, shoe)
     ]
     panels |= {f"link {COMPARED_JOINT} {label}": _against(found, label, link) for label in JOINT_VECTORS}
-    return {name: panel_figure(name, one) for name, one in panels.items()}
+    phases = common_phases(*histories.values())
+    return {name: panel_figure(name, one, phases) for name, one in panels.items()}
 
 
 def _against(found: Mapping[str, Mapping[str, Series]], label: str, item: str) -> list[Panel]:

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from hypothesis import settings
 
-from exudyn_crawler import Case, History, simulate
+from exudyn_crawler import Case, History, LoadCycle, Phase, simulate
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.reductions import VARIABLE
 from tests.rolled import small_case, small_flexible_case
@@ -23,6 +23,7 @@ settings.load_profile("reproducible")
 
 RUNS = {
     "translation",
+    "phased",
     "turning",
     "constrained",
     "longer",
@@ -68,6 +69,20 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
 @pytest.fixture(scope="session")
 def translation() -> History:
     return simulate(Case.translation(), 0.4)
+
+
+@pytest.fixture(scope="session")
+def phased() -> History:
+    """A cycle of own phases; the third is shorter than its name, the last goes on as the run ends."""
+    ends = {"propel <b>": 0.04, "first $dig": 0.08, "let the machine settle": 0.084, "swing & back": 1.0}
+    loads = [386.4e3, 400e3, 390e3, 386.4e3]
+    cycle = LoadCycle(
+        phases=tuple(
+            Phase(name=name, end=end, loads=(load,) * 13)
+            for (name, end), load in zip(ends.items(), loads, strict=True)
+        )
+    )
+    return simulate(Case.translation().with_(name="phased", loads=cycle), 0.12, progress=False)
 
 
 @pytest.fixture(scope="session")

@@ -247,6 +247,11 @@ def test_two_runs_are_compared(call, translation, turning, tmp_path):
     assert (tmp_path / "straight_turning.html").is_file()
     table = pd.read_csv(tmp_path / "straight_turning.csv")
     assert "angular_velocity" in set(table["quantity"])
+    code, out, _ = call("compare", "straight", "straight", "--out", "same.html")
+    assert code == 0
+    assert "Nothing differs in the cases." in out
+    assert "Nothing that both runs have differs in the results" in out
+    assert "quantity" not in out
     (tmp_path / "turning" / "stress.nc").write_bytes(b"\x89HDF\r\n\x1a\n broken")
     code, _, err = call("compare", "straight", "turning", "--overwrite")
     assert (code, len(err.splitlines())) == (2, 1)

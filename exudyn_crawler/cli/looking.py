@@ -140,7 +140,7 @@ def compare(
     """
     runs = dict(zip(_names(first, second), (first, second), strict=True))
     histories = {name: loaded(run) for name, run in runs.items()}
-    from exudyn_crawler.views.comparison import comparison_tables, write_comparison
+    from exudyn_crawler.views.comparison import SAME_CASES, SAME_RESULTS, comparison_tables, write_comparison
     from exudyn_crawler.views.report.reading import stress_of
     from exudyn_crawler.views.tables import print_table, write_table
 
@@ -149,12 +149,15 @@ def compare(
     page = Path("_".join(runs) + ".html") if out is None else out
     write_comparison(histories, page, stresses, overwrite)
     parameters, results = comparison_tables(histories, stresses)
-    print_table(
-        parameters,
-        "What differs in the cases: "
-        + ", ".join(f"{letter} is {name}" for letter, name in zip("AB", runs, strict=True)),
-    )
-    print_table(results, "What differs in the results")
+    if parameters.empty:
+        typer.echo(SAME_CASES)
+    else:
+        named = ", ".join(f"{letter} is {name}" for letter, name in zip("AB", runs, strict=True))
+        print_table(parameters, f"What differs in the cases: {named}")
+    if results.empty:
+        typer.echo(SAME_RESULTS)
+    else:
+        print_table(results, "What differs in the results")
     write_table(results, page.with_suffix(".csv"), overwrite)
     typer.echo(f"{page}: open it in a browser; {page.with_suffix('.csv')}: the table of results")
 

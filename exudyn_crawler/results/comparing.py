@@ -38,6 +38,8 @@ COLUMNS = (
     "at in s",
 )
 
+MEGA = 1e6
+
 STILL = 1e-7
 """Part of the greatest on all axes below which nothing moves along one: what the solver leaves out of balance
 (0.2 N) over the forces."""
@@ -46,13 +48,14 @@ ROUNDING = 1e-12
 
 
 def compared(history: History, stress: xr.Dataset | None = None) -> xr.Dataset:
-    """Quantities of a run that can be compared with another's, the highest stresses among them if given."""
+    """Quantities of a run that can be compared with another's; the highest stresses, in MPa, if given."""
     dataset = history.dataset
     found = {name: dataset[name] for name in OF_BODIES if name in dataset}
     found |= {name: contacts_of(dataset)[name] for name in OF_CONTACTS}
     found["terrain_deformation"] = terrain_deformation(history)
     if stress is not None:
-        found["highest_von_mises"] = stress.highest_von_mises.rename(shoe="stressed_shoe")
+        highest = stress.highest_von_mises.rename(shoe="stressed_shoe")
+        found["highest_von_mises"] = (highest / MEGA).assign_attrs(highest.attrs | {"units": "MPa"})
     return xr.Dataset(found)
 
 
@@ -72,7 +75,7 @@ def difference_table(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
     pandas.DataFrame
         Greatest magnitude in each over that time and its change, root mean square and greatest magnitude of
         B less A, and which shoe, link or unit that is of and when. Only what differs beyond rounding has a
-        row.
+        row. The column unit says in what; stresses are in MPa, all else in SI units.
     """
     end = min(float(first.time[-1]), float(second.time[-1]))
     time = first.time.values[first.time.values <= end * (1.0 + 1e-9)]

@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import LoadCycle
+from exudyn_crawler.case import LoadCycle, MachineCycle
+from exudyn_crawler.results.history import History
 
 
 class Phase(NamedTuple):
@@ -21,20 +22,32 @@ class Phase(NamedTuple):
         return after & (time <= self.end * (1.0 + 1e-9))
 
 
-def phases(loads: LoadCycle, duration: float) -> list[Phase]:
+def phases(cycle: LoadCycle | MachineCycle, duration: float) -> list[Phase]:
     """Phases that a run of some duration (s) reaches.
 
     The first begins with the run; the last of the cycle, whose loads stay, ends with it. A phase that ends
     as the run begins is no part of it, unless it is the only one.
     """
-    ends = [phase.end for phase in loads.phases]
+    names = [phase.name for phase in cycle.phases]
+    ends = [phase.end for phase in cycle.phases]
     ends[-1] = max(ends[-1], duration)
     begins = [0.0, *ends[:-1]]
     return [
-        Phase(phase.name, begin, min(end, duration))
-        for phase, begin, end in zip(loads.phases, begins, ends, strict=True)
+        Phase(name, begin, min(end, duration))
+        for name, begin, end in zip(names, begins, ends, strict=True)
         if begin < duration and end > begin
     ]
+
+
+def common_phases(*histories: History) -> list[Phase]:
+    """Phases that runs go through together, to the end of the longest; none where those of two differ.
+
+    They are those of the machine where it acts on a side frame, and else of the loads on the shoes.
+    """
+    duration = max(one.duration for one in histories)
+    cycles = (one.case.machine or one.case.loads for one in histories)
+    first, *others = (phases(cycle, duration) for cycle in cycles)
+    return first if all(one == first for one in others) else []
 
 
 def phase_ends(loads: LoadCycle, duration: float) -> list[float]:

@@ -10,8 +10,10 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.phases import common_phases
 from exudyn_crawler.views.curves import STYLE
 from exudyn_crawler.views.film import GIF, check_film, drawn_image, film_times, write_film
+from exudyn_crawler.views.phase_bands import draw_phases
 from exudyn_crawler.views.placement import greatest_shoe_force, instant
 from exudyn_crawler.views.plan_view import PlanView
 from exudyn_crawler.views.scales import ground_scale, shoe_force_scale
@@ -63,6 +65,7 @@ class TrackPicture:
             self.figure.set_size_inches(12.0, round(sum(heights) + SPEED_HEIGHT + WRITING_HEIGHT, 1))
             grid.set_height_ratios([*heights, SPEED_HEIGHT])
             self.show(0.0)
+            draw_phases([speed], common_phases(history))
             # places are found once; finding them anew would take most of the time of a picture
             self.figure.draw_without_rendering()
             self.figure.set_layout_engine("none")

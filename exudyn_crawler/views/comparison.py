@@ -14,6 +14,7 @@ from exudyn_crawler.case.differences import parameter_differences
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.comparing import compared, difference_table
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.phases import common_phases
 from exudyn_crawler.views.curves import Panel, panel_figure
 from exudyn_crawler.views.report.templating import rendered_page
 from exudyn_crawler.views.series import HIGHEST_STRESS, Series, history_series
@@ -28,6 +29,9 @@ MAIN = (
     "total terrain deformation from equilibrium",
 )
 """Labels of the series that the page draws, as far as both runs have them."""
+SAME_CASES = "Nothing differs in the cases."
+SAME_RESULTS = "Nothing that both runs have differs in the results, beyond rounding."
+"""What stands in place of tables without rows."""
 ITEMS = 3
 """Shoes that a figure draws at most: the ends and the middle of those that both runs have."""
 
@@ -37,11 +41,12 @@ def comparison_figures(
 ) -> dict[str, Figure]:
     """Overlays of the main curves of two runs by name, by the label of the quantity."""
     first, second = (history_series(one, stresses.get(name)) for name, one in histories.items())
-    return {
-        label: panel_figure(label, _overlay(dict(zip(histories, (first[label], second[label]), strict=True))))
-        for label in MAIN
-        if label in first and label in second
+    both = [label for label in MAIN if label in first and label in second]
+    panels = {
+        label: _overlay(dict(zip(histories, (first[label], second[label]), strict=True))) for label in both
     }
+    phases = common_phases(*histories.values())
+    return {label: panel_figure(label, one, phases) for label, one in panels.items()}
 
 
 def _overlay(series: Mapping[str, Series]) -> list[Panel]:
@@ -110,6 +115,8 @@ def write_comparison(
         ],
         parameters=_html(parameters),
         results=_html(results),
+        same_cases=SAME_CASES,
+        same_results=SAME_RESULTS,
         figures=[
             {"title": label, "uri": _embedded(figure)}
             for label, figure in comparison_figures(histories, stresses or {}).items()

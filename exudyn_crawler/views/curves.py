@@ -13,6 +13,8 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.phases import Phase, common_phases
+from exudyn_crawler.views.phase_bands import draw_phases
 
 SHOES = (1, 4, 7, 10, 13)
 """Shoes that the papers draw."""
@@ -41,7 +43,7 @@ STYLE: dict[Any, Any] = {
     "savefig.dpi": 130,
 }
 
-PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.38, 0.72, 1.0
+PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.38, 0.72, 1.1
 """Inches: width of a figure and height of each of its panels, height of what is written above and below them,
 width of what is written at their left."""
 
@@ -82,8 +84,8 @@ def draw_panel(ax: Axes, panel: Panel) -> Axes:
     return ax
 
 
-def panel_figure(title: str, panels: Sequence[Panel]) -> Figure:
-    """Panels one below the other, with one legend."""
+def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[Phase] = ()) -> Figure:
+    """Panels one below the other, with one legend; phases of the run stand behind the curves."""
     # places that are searched for would take half of the time of a figure
     with mpl.rc_context(STYLE | {"figure.constrained_layout.use": False}):
         height = TITLE_HEIGHT + PANEL_HEIGHT * len(panels) + TIME_HEIGHT
@@ -98,6 +100,7 @@ def panel_figure(title: str, panels: Sequence[Panel]) -> Figure:
         )
         for ax, panel in zip(axes, panels, strict=True):
             draw_panel(ax, panel)
+        draw_phases(axes, phases)
         axes[-1].set_xlabel("time in s")
         # a case may have any name, also one that looks like a formula
         figure.suptitle(title, x=0.01, y=1.0 - 0.06 / height, ha="left", parse_math=False)
@@ -131,14 +134,14 @@ def kinematic_figure(history: History, quantity: str, shoes: Sequence[int] = SHO
     values = kinematic_series(history.dataset, quantity)
     curves = {f"shoe {shoe}": values.sel(shoe=shoe) for shoe in shoes}
     panels = axis_panels(quantity, KINEMATICS[quantity][1], curves)
-    return panel_figure(f"{history.case.name}: {quantity}", panels)
+    return panel_figure(f"{history.case.name}: {quantity}", panels, common_phases(history))
 
 
 def comparison_figure(histories: Mapping[str, History], quantity: str, shoe: int) -> Figure:
     """x, y and z of a kinematic quantity of one shoe in several cases."""
     curves = {case: kinematic_series(one.dataset, quantity).sel(shoe=shoe) for case, one in histories.items()}
     panels = axis_panels(quantity, KINEMATICS[quantity][1], curves)
-    return panel_figure(f"shoe {shoe}: {quantity}", panels)
+    return panel_figure(f"shoe {shoe}: {quantity}", panels, common_phases(*histories.values()))
 
 
 def save_figure(figure: Figure, path: Path, overwrite: bool = False) -> Path:

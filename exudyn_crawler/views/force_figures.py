@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.phases import common_phases
 from exudyn_crawler.views.curves import JOINTS, SHOES, panel_figure
 from exudyn_crawler.views.series import (
     CONTACT_SCALARS,
@@ -29,7 +30,10 @@ def force_figures(
         panel for label in CONTACT_SCALARS for panel in found[label].panels(items)
     ]
     panels |= {label: found[label].panels(links) for label in JOINT_VECTORS}
-    case = history.case.name
-    figures = {name: panel_figure(f"{case}: {name}", one) for name, one in panels.items()}
-    figures["terrain deformation"] = panel_figure(f"{case}: {TERRAIN_DEFORMATION}", deformation_panels(found))
-    return figures
+    panels["terrain deformation"] = deformation_panels(found)
+    titles = {"terrain deformation": TERRAIN_DEFORMATION}
+    phases = common_phases(history)
+    return {
+        name: panel_figure(f"{history.case.name}: {titles.get(name, name)}", one, phases)
+        for name, one in panels.items()
+    }

@@ -6,6 +6,7 @@ from dataclasses import replace
 from matplotlib.figure import Figure
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.phases import common_phases
 from exudyn_crawler.views.curves import Panel, panel_figure
 from exudyn_crawler.views.series import (
     FRAME_ANGLE,
@@ -39,7 +40,8 @@ def roller_figures(history: History, shoes: Sequence[int]) -> dict[str, Figure]:
             *found[FRAME_ANGLE].panels(),
         ],
     }
-    return {name: panel_figure(f"{history.case.name}: {name}", one) for name, one in panels.items()}
+    phases = common_phases(history)
+    return {name: panel_figure(f"{history.case.name}: {name}", one, phases) for name, one in panels.items()}
 
 
 def _vertical(found: Mapping[str, Series], *labels: str) -> list[Panel]:

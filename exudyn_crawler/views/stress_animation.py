@@ -15,11 +15,13 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.phases import common_phases
 from exudyn_crawler.results.rail_forces import rail_force
 from exudyn_crawler.results.surface_stress import surface_stress
 from exudyn_crawler.views.colours import ROLLER, ROLLER_FORCE, STRESS_MAP
 from exudyn_crawler.views.curves import STYLE
 from exudyn_crawler.views.film import RATE, Shown, check_film, drawn_image, film_times, write_film
+from exudyn_crawler.views.phase_bands import draw_phases
 from exudyn_crawler.views.placement import Pose, shoe_forces_over_time
 from exudyn_crawler.views.scales import BENT, MEGA, drawn_scale, round_up
 from exudyn_crawler.views.scene import Body, Scene, View
@@ -104,6 +106,7 @@ class ShoePicture:
         stress.set(ylabel="stress in MPa", ylim=self._limits)
         stress.spines["right"].set_visible(True)
         stress.grid(False)
+        draw_phases([ax], common_phases(self._history))
         lines = [*ax.lines, *stress.lines]
         ax.legend(lines, [str(line.get_label()) for line in lines], loc="upper left", ncols=2)
         return ax.axvline(shown[0], color="black", lw=0.8)

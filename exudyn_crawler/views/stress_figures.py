@@ -5,6 +5,7 @@ from dataclasses import replace
 from matplotlib.figure import Figure
 
 from exudyn_crawler.results.history import History
+from exudyn_crawler.results.phases import common_phases
 from exudyn_crawler.results.stresses import StressResults
 from exudyn_crawler.views.curves import Panel, panel_figure
 from exudyn_crawler.views.series import (
@@ -33,22 +34,24 @@ def stress_figures(history: History, results: StressResults) -> dict[str, Figure
     """Every figure of a run with flexible shoes, by a name that can be a file's."""
     found = history_series(history, results.dataset)
     shoes = shoe_names(history.flexible_shoe.values)
+    phases = common_phases(history)
     figures = {
-        name: panel_figure(f"flexible shoes: {name}", found[label].panels(shoes))
+        name: panel_figure(f"flexible shoes: {name}", found[label].panels(shoes), phases)
         for name, label in OF_SHOES.items()
     }
     for name, label in OF_PINS.items():
         for side in history.pin.values:
             figures[f"{side} {name}"] = panel_figure(
-                f"flexible shoes: {side} {name}", _of_side(found[label], str(side)).panels()
+                f"flexible shoes: {side} {name}", _of_side(found[label], str(side)).panels(), phases
             )
-    figures["terrain deformation"] = panel_figure(TERRAIN_DEFORMATION, deformation_panels(found))
+    figures["terrain deformation"] = panel_figure(TERRAIN_DEFORMATION, deformation_panels(found), phases)
     figures["modal coordinates"] = panel_figure(
         f"modal coordinates 1 to {MODES_DRAWN}",
         [_modal_panel(history, int(shoe)) for shoe in history.flexible_shoe.values],
+        phases,
     )
     figures[HIGHEST_STRESS] = panel_figure(
-        "highest nodal von Mises stress", found[HIGHEST_STRESS].panels_by_item()
+        "highest nodal von Mises stress", found[HIGHEST_STRESS].panels_by_item(), phases
     )
     return figures
 

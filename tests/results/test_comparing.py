@@ -57,5 +57,9 @@ def test_stresses_are_compared_where_both_runs_have_them(flexible_run):
     table = difference_table(compared(history, stress), compared(history, doubled))
     assert table["quantity"].tolist() == ["highest_von_mises"]
     assert table["change in %"][0] == pytest.approx(100.0)
+    highest = float(stress.highest_von_mises.max()) / 1e6
+    assert (table["greatest in A"][0], table["unit"][0]) == (pytest.approx(highest), "MPa")
+    assert table["greatest in B"][0] == pytest.approx(2.0 * highest)
+    assert 0.0 < table["greatest difference"][0] <= highest * (1.0 + 1e-9)
     assert table["of"][0] in ("shoe 7", "shoe 13")
     assert difference_table(compared(history), compared(history, stress)).empty

@@ -6,10 +6,13 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 
 
 class Reader:
-    """A reader of the page: what went wrong, what was asked for, and what the plots show."""
+    """A reader of the page: what went wrong, what was asked for, and what the plots show.
 
-    def __init__(self, browser, path, ready="body[data-ready=yes]"):
-        self.page = browser.new_page(viewport={"width": 1300, "height": 900})
+    `screen` are options of the browser's page: its size, whether it is touched.
+    """
+
+    def __init__(self, browser, path, ready="body[data-ready=yes]", **screen):
+        self.page = browser.new_page(**{"viewport": {"width": 1300, "height": 900}} | screen)
         self.errors, self.requests = [], []
         self.page.on("console", lambda m: self.errors.append(m.text) if m.type == "error" else None)
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))

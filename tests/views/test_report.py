@@ -86,6 +86,20 @@ def test_series_on_the_page_are_those_of_the_history(flexible_run, stress_page):
     assert pin == pytest.approx(history.pin_force.sel(joint=12, pin="left", axis="x").values, rel=1e-6)
 
 
+def test_the_page_knows_the_phases_of_each_case_that_has_several(phased, translation, tmp_path):
+    for name, history in (("own", phased), ("constant", translation)):
+        (tmp_path / name).mkdir()
+        history.save(tmp_path / name / "history.nc")
+    cases = data_of(report_page(tmp_path))["cases"]
+    assert cases["phased"]["phases"] == [
+        {"name": "propel <b>", "begin": 0.0, "end": 0.04},
+        {"name": "first $dig", "begin": 0.04, "end": 0.08},
+        {"name": "let the machine settle", "begin": 0.08, "end": 0.084},
+        {"name": "swing & back", "begin": 0.084, "end": pytest.approx(0.12)},
+    ]
+    assert cases["translation"]["phases"] == []
+
+
 def test_rigid_links_have_no_pins_to_pick(flexible_run):
     history, stress, _ = flexible_run
     found = {series.label: series for series in dataset_series(history.dataset, stress)}

@@ -1,5 +1,7 @@
 """How the report answers in a browser; nothing may leave the page."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -77,6 +79,31 @@ def test_dragging_zooms_and_a_double_click_shows_everything(reader):
     assert high == pytest.approx(before[0] + 0.75 * span, abs=0.02 * span)
     reader.page.mouse.dblclick(x, y)
     reader.wait("layout.xaxis.range[0] < 0.001", "#plot-1 .figure")
+
+
+def test_phases_stand_behind_the_curves(browser, phased, translation, tmp_path):
+    """A band each; a name is left out where its band has no room, and comes as the time is zoomed."""
+    for history in (phased, translation):
+        folder = tmp_path / history.case.name
+        folder.mkdir()
+        history.save(folder / "history.nc")
+    reader = Reader(browser, write_report(tmp_path))
+    bands = reader.shown("layout.shapes.map(({ x0, x1, layer }) => [x0, x1, layer])")
+    expected = [(0.0, 0.04), (0.04, 0.08), (0.08, 0.084), (0.084, 0.12)]
+    assert [pytest.approx(band[:2]) for band in bands] == [list(one) for one in expected]
+    assert {band[2] for band in bands} == {"below"}
+    written = "[...document.querySelectorAll('#plot-0 .annotation-text')].map((one) => one.textContent)"
+    names = ["propel <b>", "first $dig", "let the machine settle", "swing & back"]
+    assert reader.shown(written) == [*names[:2], names[3]]
+    reader.page.evaluate(
+        "Plotly.relayout(document.querySelector('#plot-0 .figure'), { 'xaxis.range': [0.076, 0.09] })"
+    )
+    zoomed = json.dumps(names[1:], separators=(",", ":"))
+    reader.page.wait_for_function(f"() => JSON.stringify({written}) === '{zoomed}'")
+    reader.page.locator("#plot-0").get_by_label("case").select_option("translation")
+    assert reader.shown("[layout.shapes, layout.annotations]") == [[], []]
+    assert reader.shown(written) == []
+    assert reader.errors == []
 
 
 def test_a_click_in_the_legend_hides_a_shoe_on_all_axes(reader):
@@ -220,16 +247,6 @@ def test_pictures_and_rows_can_be_chosen(reader):
     assert set(shown) == {"outside"}
     page.get_by_label("all rows").check()
     assert all(rows.nth(k).is_visible() for k in range(rows.count()))
-
-
-@pytest.mark.slow
-def test_a_narrow_screen_needs_no_scrolling_sideways(browser, stress_folder, tmp_path):
-    reader = Reader(browser, write_report(stress_folder, tmp_path / "report.html"))
-    reader.page.set_viewport_size({"width": 400, "height": 800})
-    reader.page.reload()
-    reader.page.wait_for_selector("body[data-ready=yes]")
-    width = reader.page.evaluate("document.documentElement.scrollWidth")
-    assert width <= 400
 
 
 @pytest.mark.slow

@@ -21,6 +21,7 @@ from exudyn_crawler.views.report.pictures import embedded_picture, first_picture
 from exudyn_crawler.views.report.plots import (
     first_plots,
     packed_case,
+    packed_phases,
     page_colours,
     points_a_series,
     thinning,
@@ -35,7 +36,7 @@ from exudyn_crawler.views.stress_pictures import PICTURES, write_stress_pictures
 from exudyn_crawler.views.tables import within_by_class
 
 REPORT = "report.html"
-SCRIPTS = ("bodies.js", "track.js", "report.js")
+SCRIPTS = ("bodies.js", "camera.js", "phases.js", "track.js", "shoes.js", "report.js")
 LONGEST_TABLE = 300
 """Rows of a table on the page; longer ones are series, which plots show."""
 SECTIONS = (
@@ -125,7 +126,10 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     pictures, first = _pictures(stressed, stress, owner, left_out)
     data = {
         "first_picture": first,
-        "cases": {name: packed_case(one, points) for name, one in found.items()},
+        "cases": {
+            name: packed_case(one, points) | {"phases": packed_phases(histories[name])}
+            for name, one in found.items()
+        },
         "shoes": left_out.unless_broken(stressed / STRESSES, lambda _: _shoes(stress, owner)),
         "tracks": {name: packed_track(one) for name, one in histories.items()},
         "first": first_plots(found),

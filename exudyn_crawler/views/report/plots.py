@@ -12,8 +12,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.views.colours import CONTACT_FORCE, STRESS_MAP
+from exudyn_crawler.results.history import History
+from exudyn_crawler.results.phases import common_phases
+from exudyn_crawler.views.colours import CONTACT_FORCE, PHASE_BANDS, PHASE_NAME, STRESS_MAP
 from exudyn_crawler.views.curves import JOINTS, NEGLIGIBLE, NEGLIGIBLE_MOTION, SHOES
+from exudyn_crawler.views.phase_bands import banded
 from exudyn_crawler.views.report.packing import packed, thinned
 from exudyn_crawler.views.series import HIGHEST_STRESS, PULL, RAIL_FORCE, ROLLER_FORCE, Series
 
@@ -45,6 +48,11 @@ def packed_case(found: list[Series], points: int) -> dict[str, Any]:
         place = same[0] if same else len(times) - 1
         quantities.append(_packed_series(series, points) | {"time": place})
     return {"times": [packed(time, "f4") for time in times], "quantities": quantities}
+
+
+def packed_phases(history: History) -> list[dict[str, Any]]:
+    """Name, begin and end (s) of every phase of a run that has a band behind the curves."""
+    return [phase._asdict() for phase in banded(common_phases(history))]
 
 
 def _packed_series(series: Series, points: int) -> dict[str, Any]:
@@ -94,10 +102,10 @@ def first_plots(found: Mapping[str, list[Series]]) -> list[str]:
 
 
 def page_colours() -> dict[str, Any]:
-    """Colours of stresses, as Plotly takes them, and of contact forces."""
+    """Colours of stresses, as Plotly takes them, of contact forces, and of phases and their names."""
     places = np.linspace(0.0, 1.0, 17)
     colours = [[float(at), mpl.colors.to_hex(mpl.colormaps[STRESS_MAP](at))] for at in places]
-    return {"colours": colours, "arrows": CONTACT_FORCE}
+    return {"colours": colours, "arrows": CONTACT_FORCE, "bands": PHASE_BANDS, "phase_name": PHASE_NAME}
 
 
 def thinning(variables: Mapping[str, xr.Dataset], points: int) -> str:

@@ -6,11 +6,6 @@ const COLOURS = ["#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b
   "#bcbd22", "#17becf", "#393b79", "#637939", "#111111"];
 const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["sendDataToCloud", "lasso2d", "select2d"] };
 
-/* m beyond the middles of the outer shoes that rollers are drawn */
-const ROLLERS_BESIDE = 0.75;
-
-const NARROW = window.matchMedia("(max-width: 640px)");
-
 function unpack(text, kind) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   return new KINDS[kind](bytes.buffer);
@@ -26,6 +21,9 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
+/* pixels of numbers and title of the time below a plot */
+const TIME_TITLE = 50;
+
 /* time histories: one object a plot, which owns its controls */
 
 class SeriesPlot {
@@ -33,6 +31,8 @@ class SeriesPlot {
     this.caseNames = Object.keys(data.cases);
     this.case = this.caseNames[0];
     this.cache = new Map();
+    this.names = [];
+    this.legendBelow = 0;
     this.caseSelect = element("select", { "aria-label": "case", onchange: () => this.pickCase(this.caseSelect.value) },
       ...this.caseNames.map((name) => element("option", { value: name }, name)));
     this.quantitySelect = element("select", { "aria-label": "quantity", onchange: () => this.pickQuantity() });
@@ -44,6 +44,7 @@ class SeriesPlot {
     controls.append(this.quantitySelect, this.axisBox, this.itemBox);
     place.append(controls, this.figure);
     this.pickCase(this.case, first);
+    this.figure.on("plotly_relayout", () => this.namePhases());
   }
 
   pickCase(name, label = null) {
@@ -122,12 +123,16 @@ class SeriesPlot {
     const chosenAxes = axes.length < 2 ? axes : this.picked(this.axisBox);
     const chosenItems = items.length < 2 ? items : this.picked(this.itemBox);
     const traces = [];
+    const panels = 20 + 230 * Math.max(chosenAxes.length, 1);
+    const top = TOUCHED.matches ? TOOLBAR + 16 : 20, below = TIME_TITLE + this.legendBelow;
     const layout = {
-      height: 90 + 230 * Math.max(chosenAxes.length, 1),
-      margin: { l: NARROW.matches ? 58 : 80, r: NARROW.matches ? 6 : 20, t: 20, b: 50 },
+      height: panels + top + below,
+      margin: { ...(NARROW.matches ? { l: 74, r: 6, autoexpand: false } : { l: 80, r: 20 }), t: top, b: below },
       grid: { rows: Math.max(chosenAxes.length, 1), columns: 1, pattern: "coupled" },
       xaxis: { title: { text: "time in s" } },
-      legend: NARROW.matches ? { orientation: "h", y: -0.15, tracegroupgap: 0 } : { tracegroupgap: 0 },
+      legend: NARROW.matches ? { orientation: "h", y: -TIME_TITLE / panels, yanchor: "top", tracegroupgap: 0 } : { tracegroupgap: 0 },
+      shapes: phaseBands(data.cases[this.case].phases),
+      annotations: this.names,
       showlegend: chosenItems.length > 1,
       hovermode: "x",
       uirevision: `${this.case}|${label}|${chosenAxes}`,
@@ -150,117 +155,22 @@ class SeriesPlot {
       });
     });
     Plotly.react(this.figure, traces, layout, CONFIG);
-  }
-}
-
-/* flexible shoes */
-
-class ShoeView {
-  constructor(place, shoes) {
-    this.place = place;
-    this.shoes = shoes;
-    this.position = unpack(shoes.position, "f4");
-    this.triangle = unpack(shoes.triangle, "u4");
-    this.corner = [0, 1, 2].map((k) => this.triangle.filter((_, index) => index % 3 === k));
-    const control = (id) => document.getElementById(id);
-    this.time = control("shoe-time");
-    this.bend = control("shoe-bend");
-    this.gap = control("shoe-gap");
-    this.limit = control("shoe-limit");
-    this.forces = control("shoe-forces");
-    this.trust = control("shoe-trust");
-    this.trust.parentElement.hidden = shoes.verdict.length === 0;
-    this.rolling = control("shoe-rollers");
-    this.rolling.parentElement.hidden = !shoes.undercarriage;
-    this.shown = control("shoe-time-shown");
-    this.time.max = shoes.frames.length - 1;
-    this.time.value = shoes.first;
-    this.bend.value = shoes.magnification;
-    this.limit.value = shoes.limit;
-    const inputs = [this.time, this.bend, this.gap, this.limit, this.forces, this.rolling, this.trust];
-    for (const input of inputs) input.oninput = () => this.draw();
-    this.draw();
-  }
-
-  /* m along x by which a shoe is drawn away from its place */
-  shift(index) {
-    const { shoes } = this.shoes;
-    return Number(this.gap.value) * (shoes[index] - 0.5 * (shoes[0] + shoes[shoes.length - 1]));
-  }
-
-  surface(frame, index) {
-    const { bend_step: step, mises_step: misesStep, shoes } = this.shoes;
-    const bend = unpack(frame.bend[index], "i2");
-    const mises = unpack(frame.mises[index], "u2");
-    const origin = [frame.origin[index][0] + this.shift(index), ...frame.origin[index].slice(1)];
-    const turn = frame.frame[index];
-    const factor = Number(this.bend.value) * step;
-    const bent = this.position.map((value, index) => value + factor * bend[index]);
-    const place = placed(bent, origin, turn);
-    const stress = Float32Array.from(mises, (value) => misesStep * value);
-    return {
-      type: "mesh3d", name: `shoe ${shoes[index]}: ${frame.highest[index].toFixed(1)} MPa`,
-      x: place[0], y: place[1], z: place[2], i: this.corner[0], j: this.corner[1], k: this.corner[2],
-      ...this.colours(stress, index), colorscale: data.colours, showscale: index === 0, showlegend: true,
-      flatshading: true, lighting: { ambient: 0.75, diffuse: 0.45, specular: 0, fresnel: 0, facenormalsepsilon: 0 },
-      lightposition: { x: -30000, y: -60000, z: 90000 },
-      hoverinfo: "text",
-    };
-  }
-
-  /* what colours a shoe's nodes and what they say: the stress in MPa, or the verdict on the greatest of each */
-  colours(stress, index) {
-    const name = `shoe ${this.shoes.shoes[index]}`;
-    const bar = { x: 0, xanchor: "left", len: 0.8 };
-    if (!this.trust.checked) {
-      return {
-        intensity: stress, cmin: 0, cmax: Number(this.limit.value) || this.shoes.limit,
-        colorbar: { title: { text: "von Mises<br>in MPa" }, ...bar },
-        text: Array.from(stress, (value) => `${name}: ${value.toFixed(1)} MPa`),
-      };
+    const { legend } = this.figure._fullLayout;
+    const legendBelow = NARROW.matches && layout.showlegend ? Math.ceil(legend._height) : 0;
+    if (legendBelow !== this.legendBelow) {
+      this.legendBelow = legendBelow;
+      this.draw();
+      return;
     }
-    const words = this.shoes.verdicts;
-    const numbers = Array.from(unpack(this.shoes.verdict[index], "i2"));
-    return {
-      intensity: numbers.map((number) => (number < 0 ? NaN : number)), cmin: 0, cmax: words.length - 1,
-      colorbar: { title: { text: "greatest stress" }, tickvals: words.map((_, k) => k), ticktext: words, ...bar },
-      text: numbers.map((number) => `${name}: ${words[number] ?? "not known, the drive pulls here"}`),
-    };
+    this.namePhases();
   }
 
-  /* forces of ground and rollers */
-  acting(frame) {
-    const shifted = frame.points.map((packed, index) =>
-      unpack(packed, "f4").map((value, at) => value + (at % 3 === 0 ? this.shift(index) : 0)));
-    const all = (parts) => Float32Array.from(parts.flatMap((part) => [...part]));
-    const forces = all(frame.forces.map((packed) => unpack(packed, "f4")));
-    return arrows(all(shifted), forces, this.shoes.force_scale, data.arrows, "contact forces");
-  }
-
-  /* rollers above the shoes, where these stand in their places */
-  rollers(frame) {
-    const { undercarriage: shape } = this.shoes;
-    if (!shape || !this.rolling.checked || Number(this.gap.value) !== 0) return [];
-    const places = frame.origin.map(([x]) => x);
-    const near = (x) => x > Math.min(...places) - ROLLERS_BESIDE && x < Math.max(...places) + ROLLERS_BESIDE;
-    return [{ ...rollerSurface(shape, frame.side_frame, shape.colour, near), opacity: 0.45 }];
-  }
-
-  draw() {
-    const frame = this.shoes.frames[Number(this.time.value)];
-    this.shown.textContent = frame.title;
-    const traces = this.shoes.shoes.map((_, index) => this.surface(frame, index));
-    if (this.forces.checked) traces.push(...this.acting(frame));
-    traces.push(...this.rollers(frame));
-    const layout = {
-      uirevision: "kept", margin: { l: 0, r: 0, t: 0, b: 0 }, legend: { x: 1, xanchor: "right" },
-      scene: {
-        aspectmode: "data", xaxis: { title: { text: "x in m" } }, yaxis: { title: { text: "y in m" } },
-        zaxis: { title: { text: "z in m" }, nticks: 4 },
-        camera: { eye: { x: -1.5, y: -1.3, z: 1.1 }, center: { x: 0, y: 0, z: -0.2 } },
-      },
-    };
-    Plotly.react(this.place, traces, layout, CONFIG);
+  /* those that have room where the time is zoomed as it is */
+  namePhases() {
+    const names = phaseNames(data.cases[this.case].phases, this.figure._fullLayout.xaxis);
+    if (JSON.stringify(names) === JSON.stringify(this.names)) return;
+    this.names = names;
+    Plotly.relayout(this.figure, { annotations: names });
   }
 }
 
@@ -302,6 +212,13 @@ if (Object.keys(data.tracks).length) {
   watcher.observe(place);
 }
 if (data.shoes) report.shoes = new ShoeView(document.getElementById("shoe-view"), data.shoes);
+let width = window.innerWidth;
+window.addEventListener("resize", () => {
+  // phones change the height of a page whenever it is scrolled
+  if (window.innerWidth === width) return;
+  width = window.innerWidth;
+  for (const one of [...report.plots, report.track, report.shoes]) one?.draw();
+});
 showPictures();
 filterComparison();
 document.body.dataset.ready = "yes";

@@ -11,6 +11,8 @@ class TrackView {
     this.forces = control("track-forces");
     this.ground = control("track-ground");
     this.button = control("track-play");
+    this.camera = "aslant";
+    this.looks = 0;
     const names = Object.keys(tracks);
     this.case.replaceChildren(...names.map((name) => element("option", { value: name }, name)));
     this.case.hidden = names.length < 2;
@@ -18,7 +20,7 @@ class TrackView {
     for (const input of [this.time, this.forces, this.ground]) input.oninput = () => this.draw();
     this.button.onclick = () => this.play(!this.playing);
     for (const button of document.querySelectorAll("[data-camera]")) {
-      button.onclick = () => Plotly.relayout(this.place, { "scene.camera": CAMERAS[button.dataset.camera] });
+      button.onclick = () => this.look(button.dataset.camera);
     }
     this.pick(names[0]);
   }
@@ -33,6 +35,13 @@ class TrackView {
     }
     this.time.max = track.times.length - 1;
     this.time.value = 0;
+    this.draw();
+  }
+
+  /* from a named side, wherever the reader has turned the view */
+  look(name) {
+    this.camera = name;
+    this.looks += 1;
     this.draw();
   }
 
@@ -67,7 +76,7 @@ class TrackView {
       intensity: Float32Array.from({ length: 2 * units }, (_, half) => 1e3 * step * heave[half >> 1]),
       intensitymode: "cell", cmin: limits[0], cmax: limits[1], colorscale: "Cividis", flatshading: true,
       hoverinfo: "skip", opacity: 0.6, lighting: { ambient: 0.95, diffuse: 0.1, specular: 0, fresnel: 0, facenormalsepsilon: 0 },
-      colorbar: { title: { text: "heave of the ground in mm" }, orientation: "h", y: 0, yanchor: "bottom", len: 0.4, thickness: 14 },
+      colorbar: lyingBar(this.place, "heave of the ground in mm"),
     };
   }
 
@@ -89,16 +98,9 @@ class TrackView {
     if (undercarriage) traces.push(...this.sideFrame());
     if (this.forces.checked) traces.push(...arrows(this.now("points"), this.now("forces"), scale, data.arrows, "contact forces"));
     const spans = range.map(([low, high]) => high - low);
-    const axis = (name, at) => ({ title: { text: `${name} in m` }, range: range[at] });
-    const layout = {
-      uirevision: "kept", margin: { l: 0, r: 0, t: 0, b: 0 }, legend: { x: 1, xanchor: "right" },
-      scene: {
-        // the cameras count on a length of 2
-        aspectmode: "manual", aspectratio: { x: 2, y: 2 * spans[1] / spans[0], z: 2 * spans[2] / spans[0] },
-        xaxis: axis("x", 0), yaxis: axis("y", 1), zaxis: { ...axis("z", 2), nticks: 4 },
-        camera: CAMERAS.aslant,
-      },
-    };
+    // the cameras count on a length of 2
+    const aspect = spans.map((span) => 2 * span / spans[0]);
+    const layout = viewLayout(this.place, range, aspect, CAMERAS[this.camera], this.looks, this.ground.checked);
     return Plotly.react(this.place, traces, layout, CONFIG);
   }
 
