@@ -5,7 +5,7 @@ import tempfile
 
 import pytest
 
-from exudyn_crawler.files import whole_file, writable_folder
+from exudyn_crawler.files import clear_partial_files, whole_file, writable_folder
 
 
 def fail_halfway(path, overwrite=False):
