@@ -1,6 +1,8 @@
 """Random changes of a valid case: whatever comes, the command ends in plain lines and a known exit code."""
 
 import random
+import re
+import signal
 import sys
 
 import pytest
@@ -25,6 +27,9 @@ ODD = (
     "{}",
     "x",
 )
+PROGRESS = re.compile(r"^(compiling .*|.*: \d+ s so far)\n", re.MULTILINE)
+LONGEST = 120.0
+"""s, after which a change hangs: 300 of them take about two minutes."""
 FACTORS = (0.0, 1e-6, 1e-3, 0.5, 0.9, 1.1, 2.0, 1e3, 1e6, -1.0)
 
 
@@ -37,6 +42,33 @@ def tiny():
     case = case.with_(track=track, terrain=terrain, loads=LoadCycle.propel(2), solver=solver)
     outputs = Outputs(figures=False, tables=False, forces=False)
     return CaseFile(case=case, duration=0.004, outputs=outputs)
+
+
+def tiny_flexible():
+    """The same of the stress study's parameters, with a flexible front shoe of the coarse mesh."""
+    case = Case.stress("coarse")
+    terrain = case.terrain.with_(columns=8, rows=9)
+    track = case.track.with_(shoe_count=2)
+    solver = case.solver.with_(maximum_iterations=20, minimum_step=2e-4)
+    flexible = case.flexible_shoes().with_(shoes=(2,), static_fields=False)
+    case = case.with_(
+        track=track, terrain=terrain, loads=LoadCycle.propel(2), solver=solver, flexible=flexible
+    )
+    outputs = Outputs(figures=False, tables=False, forces=False, pictures=False, paraview=False)
+    return CaseFile(case=case, duration=0.004, outputs=outputs)
+
+
+@pytest.fixture
+def nothing_hangs():
+    """What takes longer than `LONGEST` from one call on to the next fails."""
+
+    def hangs(_number, _frame):
+        raise TimeoutError(f"nothing came of it in {LONGEST:g} s")
+
+    before = signal.signal(signal.SIGALRM, hangs)
+    yield lambda: signal.setitimer(signal.ITIMER_REAL, LONGEST)
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
+    signal.signal(signal.SIGALRM, before)
 
 
 def changed_line(line, dice):
@@ -64,12 +96,19 @@ def changed_line(line, dice):
 
 
 @pytest.mark.simulation
-@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("base", "count"),
+    [
+        (tiny, 40),
+        pytest.param(tiny, 300, marks=pytest.mark.slow),
+        pytest.param(tiny_flexible, 300, marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 @pytest.mark.filterwarnings("ignore:.*old keys are read:FutureWarning")
-def test_no_change_of_a_case_ends_in_a_traceback(count, tmp_path, monkeypatch, capsys):
+def test_no_change_of_a_case_ends_in_a_traceback(base, count, tmp_path, monkeypatch, capsys, nothing_hangs):
     dice = random.Random(SEED)
-    lines = case_text(tiny()).splitlines()
+    lines = case_text(base()).splitlines()
     monkeypatch.chdir(tmp_path)
     ends = {0: 0, 2: 0, 3: 0}
     for number in range(count):
@@ -79,9 +118,10 @@ def test_no_change_of_a_case_ends_in_a_traceback(count, tmp_path, monkeypatch, c
             own[at] = changed_line(own[at], dice)
         (tmp_path / "case.toml").write_text("\n".join(own) + "\n", encoding="utf-8")
         monkeypatch.setattr(sys, "argv", ["exudyn-crawler", "run", "case.toml", "--out", f"run{number}"])
+        nothing_hangs()
         with pytest.raises(SystemExit) as end:
             main()
-        told = capsys.readouterr().err
+        told = PROGRESS.sub("", capsys.readouterr().err)
         what = f"change {number}: exit {end.value.code}, {told}, {set(own) - set(lines)}"
         assert end.value.code in ends, what
         ends[end.value.code] += 1
