@@ -162,7 +162,8 @@ def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
     assert other.returncode == 2
     assert "is the case of another run" in other.stderr
     done = command("run", "case.toml", "--out", "out", "--overwrite", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode == 0, done.stderr
+    assert "error" not in done.stderr  # a first run on a machine tells of compiling there
     assert History.load(tmp_path / "out" / "history.nc").duration == pytest.approx(0.05, rel=1e-9)
 
 
