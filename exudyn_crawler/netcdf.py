@@ -127,6 +127,14 @@ def _seal(path: Path) -> None:
         file.write(SEAL + digest.encode())
 
 
+def sealed_digest(path: Path) -> bytes | None:
+    """Digest in the seal of a file, in hexadecimal, not proved; None if it has no seal."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - SEALED))
+        seal = file.read()
+    return seal[len(SEAL) :] if seal.startswith(SEAL) and len(seal) == SEALED else None
+
+
 def check_seal(path: Path) -> None:
     """Refuse a NetCDF file of which a bit was altered since it was written.
 
@@ -139,20 +147,18 @@ def check_seal(path: Path) -> None:
         If the digest is not that of the file.
     """
     length = path.stat().st_size - SEALED
-    if not 0 < length <= MOST_PROVED:
+    if length > MOST_PROVED:
         return
+    digest = sealed_digest(path)
+    if digest is None:
+        return
+    sha = hashlib.sha256()
     with path.open("rb") as file:
-        file.seek(length)
-        seal = file.read()
-        if not seal.startswith(SEAL):
-            return
-        file.seek(0)
-        sha = hashlib.sha256()
         while length:
             block = file.read(min(length, PROVED_AT_ONCE))
             sha.update(block)
             length -= len(block)
-    if sha.hexdigest().encode() != seal[len(SEAL) :]:
+    if sha.hexdigest().encode() != digest:
         raise ValueError("its bytes were altered: the digest at its end is not theirs")
 
 

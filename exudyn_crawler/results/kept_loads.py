@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.reductions import program_digest, reductions_folder
+from exudyn_crawler.netcdf import sealed_digest
 from fem.hdf5 import read_whole, write_rows, write_whole
 from fem.keeping import kept_path, taken_or_made
 from meshes import mesh_path
@@ -80,10 +81,15 @@ def _digest(history: Path, mesh: Path, shoe: int) -> str:
     sha = hashlib.sha256(f"{KIND} {program_digest()} {shoe}".encode())
     if not mesh.is_file():
         raise FileNotFoundError(f"no mesh file {mesh}")
-    for path in (history, mesh):
-        with path.open("rb") as file:
-            sha.update(hashlib.file_digest(file, "sha256").digest())
+    # the seal of the history was proved when its case was read
+    sha.update(sealed_digest(history) or _file_digest(history))
+    sha.update(_file_digest(mesh))
     return sha.hexdigest()
+
+
+def _file_digest(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").digest()
 
 
 def _made(path: Path, shoe: int) -> KeptLoads:
