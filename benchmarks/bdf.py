@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 
 from exudyn_crawler import Case, simulate
 from exudyn_crawler.model.system import System, build
-from exudyn_crawler.run.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.views.tables import print_table
 
 OUTPUT = 2e-3

@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler import FatigueMaterial, History
-from exudyn_crawler.results.stress_columns import stress_columns
-from exudyn_crawler.run.histories import HISTORY
+from exudyn_crawler.results.stress.stress_columns import stress_columns
+from exudyn_crawler.run.folder.histories import HISTORY
 from exudyn_crawler.views.tables import print_table
 from fem import Counting, critical_planes, damage_on_planes, recover_damage, surface_normals
 from fem.damage import SIGNED_CRITERIA

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler import Case, CaseFile, Drive, History, LoadCycle, Outputs, StepProfile, run_case
-from exudyn_crawler.run.checkpoints import Checkpoint, Checkpoints, KeptStage
+from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints, KeptStage
 from exudyn_crawler.views.tables import print_table
 
 SHOES, PERIOD, STAGE = 3, 4.0, 2.5

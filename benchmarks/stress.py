@@ -18,14 +18,14 @@ from exudyn_crawler import Case, Drive, LoadCycle, simulate
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.state import RATES
 from exudyn_crawler.model.system import build
-from exudyn_crawler.results.from_states import history_of
-from exudyn_crawler.results.history import History
-from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
-from exudyn_crawler.results.stress_columns import stress_columns
-from exudyn_crawler.results.stresses import recover_stresses
-from exudyn_crawler.run.checkpoints import Checkpoints
-from exudyn_crawler.run.equilibrium import static_equilibrium
-from exudyn_crawler.run.integration import integrate_from
+from exudyn_crawler.results.history.from_states import history_of
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.loads.modal_coordinates import stress_basis, whole_coordinates
+from exudyn_crawler.results.stress.stress_columns import stress_columns
+from exudyn_crawler.results.stress.stresses import recover_stresses
+from exudyn_crawler.run.folder.checkpoints import Checkpoints
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.integration import integrate_from
 from exudyn_crawler.views.stress_figures import stress_figures
 from exudyn_crawler.views.tables import print_table
 from fem import ReducedBody, recover_extremes

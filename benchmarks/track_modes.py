@@ -11,7 +11,7 @@ import pandas as pd
 
 from exudyn_crawler import Case, LoadCycle, PairContact, simulate
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.run.track_modes import track_modes
+from exudyn_crawler.run.solve.track_modes import track_modes
 from exudyn_crawler.views.tables import print_table
 
 SPEED = 0.2

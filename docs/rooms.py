@@ -36,7 +36,7 @@ FACE = PACKAGE
 
 
 def room_of(module: str) -> str:
-    """Room of a module's name: ``exudyn_crawler.run.stages`` is in ``run``, ``fem.mesh`` in ``fem``."""
+    """Room of a module's name: ``exudyn_crawler.run.solve.stages`` is in ``run``, ``fem.mesh`` in ``fem``."""
     parts = module.split(".")
     if parts[0] != PACKAGE:
         return parts[0]

@@ -43,22 +43,22 @@ if TYPE_CHECKING:
         SimulationStopped,
     )
     from exudyn_crawler.life_run import life
-    from exudyn_crawler.results.actions import actions
-    from exudyn_crawler.results.balance import shoe_imbalance
-    from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
-    from exudyn_crawler.results.duty import Duty, DutyRun, read_duty
-    from exudyn_crawler.results.fatigue_material import FatigueMaterial
-    from exudyn_crawler.results.history import History
-    from exudyn_crawler.results.life import LifeResults
-    from exudyn_crawler.results.modal_coordinates import stress_basis, whole_coordinates
-    from exudyn_crawler.results.node_stress import node_stress
-    from exudyn_crawler.results.pins import pin_forces
-    from exudyn_crawler.results.rollers import frame_imbalance, roller_loads
-    from exudyn_crawler.results.shoe_loads import ShoeLoads, action_table, peak_time, shoe_loads
-    from exudyn_crawler.results.spread import Spread
-    from exudyn_crawler.results.stresses import StressResults, recover_stresses
-    from exudyn_crawler.run.simulation import simulate
-    from exudyn_crawler.run.track_modes import track_modes
+    from exudyn_crawler.results.history.contacts import contacts_by_shoe, terrain_deformation
+    from exudyn_crawler.results.history.history import History
+    from exudyn_crawler.results.history.rollers import frame_imbalance, roller_loads
+    from exudyn_crawler.results.life.duty import Duty, DutyRun, read_duty
+    from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
+    from exudyn_crawler.results.life.life import LifeResults
+    from exudyn_crawler.results.loads.actions import actions
+    from exudyn_crawler.results.loads.balance import shoe_imbalance
+    from exudyn_crawler.results.loads.modal_coordinates import stress_basis, whole_coordinates
+    from exudyn_crawler.results.loads.pins import pin_forces
+    from exudyn_crawler.results.loads.shoe_loads import ShoeLoads, action_table, peak_time, shoe_loads
+    from exudyn_crawler.results.stress.node_stress import node_stress
+    from exudyn_crawler.results.stress.spread import Spread
+    from exudyn_crawler.results.stress.stresses import StressResults, recover_stresses
+    from exudyn_crawler.run.solve.simulation import simulate
+    from exudyn_crawler.run.solve.track_modes import track_modes
     from exudyn_crawler.spread_run import spread
     from exudyn_crawler.sweep.answers import Answer, HotSpot
     from exudyn_crawler.sweep.definition import Sweep
@@ -94,48 +94,48 @@ _HOMES = {
     "CaseFileError": "errors",
     "CaseRun": "case_run",
     "CrawlerError": "errors",
-    "Duty": "results.duty",
-    "DutyRun": "results.duty",
+    "Duty": "results.life.duty",
+    "DutyRun": "results.life.duty",
     "EquilibriumError": "errors",
-    "FatigueMaterial": "results.fatigue_material",
-    "History": "results.history",
-    "LifeResults": "results.life",
+    "FatigueMaterial": "results.life.fatigue_material",
+    "History": "results.history.history",
+    "LifeResults": "results.life.life",
     "ParameterError": "errors",
     "HotSpot": "sweep.answers",
     "SimulationStopped": "errors",
-    "ShoeLoads": "results.shoe_loads",
-    "Spread": "results.spread",
-    "StressResults": "results.stresses",
+    "ShoeLoads": "results.loads.shoe_loads",
+    "Spread": "results.stress.spread",
+    "StressResults": "results.stress.stresses",
     "Life": "sweep.life",
     "Sweep": "sweep.definition",
     "SweepRun": "sweep.running",
     "Vary": "sweep.vary",
-    "action_table": "results.shoe_loads",
-    "actions": "results.actions",
-    "contacts_by_shoe": "results.contacts",
-    "frame_imbalance": "results.rollers",
+    "action_table": "results.loads.shoe_loads",
+    "actions": "results.loads.actions",
+    "contacts_by_shoe": "results.history.contacts",
+    "frame_imbalance": "results.history.rollers",
     "history_series": "views.series",
     "life": "life_run",
     "mode_figure": "views.mode_shapes",
     "mode_table": "views.mode_shapes",
-    "node_stress": "results.node_stress",
+    "node_stress": "results.stress.node_stress",
     "panel_figure": "views.curves",
-    "peak_time": "results.shoe_loads",
-    "pin_forces": "results.pins",
-    "read_duty": "results.duty",
+    "peak_time": "results.loads.shoe_loads",
+    "pin_forces": "results.loads.pins",
+    "read_duty": "results.life.duty",
     "read_sweep": "sweep.files",
-    "recover_stresses": "results.stresses",
-    "roller_loads": "results.rollers",
+    "recover_stresses": "results.stress.stresses",
+    "roller_loads": "results.history.rollers",
     "run_case": "case_run",
     "run_sweep": "sweep.running",
-    "shoe_imbalance": "results.balance",
-    "shoe_loads": "results.shoe_loads",
-    "simulate": "run.simulation",
+    "shoe_imbalance": "results.loads.balance",
+    "shoe_loads": "results.loads.shoe_loads",
+    "simulate": "run.solve.simulation",
     "spread": "spread_run",
-    "stress_basis": "results.modal_coordinates",
-    "terrain_deformation": "results.contacts",
-    "track_modes": "run.track_modes",
-    "whole_coordinates": "results.modal_coordinates",
+    "stress_basis": "results.loads.modal_coordinates",
+    "terrain_deformation": "results.history.contacts",
+    "track_modes": "run.solve.track_modes",
+    "whole_coordinates": "results.loads.modal_coordinates",
     "write_animation": "views.animation",
     "write_paraview": "views.paraview",
     "write_report": "views.report.page",

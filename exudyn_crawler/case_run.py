@@ -11,26 +11,26 @@ from pathlib import Path
 import xarray as xr
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.case.parameters.outputs import Outputs
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.model.reductions import reductions_in
 from exudyn_crawler.netcdf import write_netcdf_along
-from exudyn_crawler.results.compact import CONTACT_TYPE
-from exudyn_crawler.results.contacts import contact_force, terrain_deformation
-from exudyn_crawler.results.extremes import extremes
-from exudyn_crawler.results.history import History
-from exudyn_crawler.results.pieces import blocks
-from exudyn_crawler.results.stresses import StressResults, recover_stresses
-from exudyn_crawler.results.tables import highest_by_phase, hot_spot_table, load_table, region_table
-from exudyn_crawler.run.folder import kept_run
-from exudyn_crawler.run.histories import HISTORY, matching_history
-from exudyn_crawler.run.into_folder import simulate_into
-from exudyn_crawler.run.keeper import Keeper, quiet
-from exudyn_crawler.run.progress import heartbeat
-from exudyn_crawler.run.record import earlier_record
-from exudyn_crawler.run.simulation import simulate
-from exudyn_crawler.run.standing import Standing, standing
+from exudyn_crawler.results.history.compact import CONTACT_TYPE
+from exudyn_crawler.results.history.contacts import contact_force, terrain_deformation
+from exudyn_crawler.results.history.extremes import extremes
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.pieces import blocks
+from exudyn_crawler.results.history.tables import highest_by_phase, hot_spot_table, load_table, region_table
+from exudyn_crawler.results.stress.stresses import StressResults, recover_stresses
+from exudyn_crawler.run.folder.folder import kept_run
+from exudyn_crawler.run.folder.histories import HISTORY, matching_history
+from exudyn_crawler.run.folder.into_folder import simulate_into
+from exudyn_crawler.run.folder.keeper import Keeper, quiet
+from exudyn_crawler.run.folder.progress import heartbeat
+from exudyn_crawler.run.folder.record import earlier_record
+from exudyn_crawler.run.folder.standing import Standing, standing
+from exudyn_crawler.run.solve.simulation import simulate
 from exudyn_crawler.views.animation import write_animation
 from exudyn_crawler.views.curves import KINEMATICS, kinematic_figure, save_figure
 from exudyn_crawler.views.force_figures import force_figures

@@ -9,14 +9,14 @@ import xarray as xr
 
 from exudyn_crawler.files import refuse_existing, whole_file, writable_folder
 from exudyn_crawler.netcdf import write_netcdf
-from exudyn_crawler.results.duty import Duty, read_duty
-from exudyn_crawler.results.history import History
-from exudyn_crawler.results.life import LifeResults, life_of
-from exudyn_crawler.results.life_table import in_words
-from exudyn_crawler.results.spread import relative_spread
-from exudyn_crawler.run.histories import HISTORY
-from exudyn_crawler.run.progress import heartbeat
-from exudyn_crawler.run.spread_folder import spread_beside
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.life.duty import Duty, read_duty
+from exudyn_crawler.results.life.life import LifeResults, life_of
+from exudyn_crawler.results.life.life_table import in_words
+from exudyn_crawler.results.stress.spread import relative_spread
+from exudyn_crawler.run.folder.histories import HISTORY
+from exudyn_crawler.run.folder.progress import heartbeat
+from exudyn_crawler.run.folder.spread_folder import spread_beside
 from exudyn_crawler.views.life_page import write_life_page
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
@@ -53,7 +53,7 @@ def life(
         If there is no such file, or no history in the folder of a run.
     ValueError
         Before anything is counted, if the duty or its runs do not fit together, as of `read_duty` and
-        `results.duty_runs.used_runs`; or if a spread beside a run is of another case.
+        `results.life.duty_runs.used_runs`; or if a spread beside a run is of another case.
     FileExistsError
         Before anything is counted, if results are there and `overwrite` is false.
     """

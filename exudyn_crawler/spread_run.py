@@ -6,17 +6,17 @@ from pathlib import Path
 import xarray as xr
 
 from exudyn_crawler.case import Case, CaseFile, PairContact, read_case
-from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.case.parameters.outputs import Outputs
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.files import refuse_existing, writable_folder
 from exudyn_crawler.netcdf import open_netcdf, write_netcdf
-from exudyn_crawler.results.spread import Spread, spread_of
-from exudyn_crawler.results.stresses import recover_stresses
-from exudyn_crawler.run.histories import matching_history
-from exudyn_crawler.run.keeper import quiet
-from exudyn_crawler.run.progress import heartbeat
-from exudyn_crawler.run.spread_folder import FOLDER, SPREAD
-from exudyn_crawler.run.standing import CASE, Standing, standing
+from exudyn_crawler.results.stress.spread import Spread, spread_of
+from exudyn_crawler.results.stress.stresses import recover_stresses
+from exudyn_crawler.run.folder.histories import matching_history
+from exudyn_crawler.run.folder.keeper import quiet
+from exudyn_crawler.run.folder.progress import heartbeat
+from exudyn_crawler.run.folder.spread_folder import FOLDER, SPREAD
+from exudyn_crawler.run.folder.standing import CASE, Standing, standing
 from exudyn_crawler.views.tables import write_table
 from fem.interrupts import interrupts_wait
 

@@ -136,7 +136,7 @@ def stress(
     Example: exudyn-crawler stress --duration 8 --mesh coarse --out results/short
     """
     from exudyn_crawler import Case, LoadCycle
-    from exudyn_crawler.results.propel import highest_in_propel_and_loading
+    from exudyn_crawler.results.history.propel import highest_in_propel_and_loading
     from exudyn_crawler.views.tables import print_table
     from studies.stress import open_choices, study
 

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.history import History
 from studies.reported import needed_time, reported_values, verdict
 
 KINEMATIC = {

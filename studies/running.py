@@ -8,8 +8,8 @@ from typing import NamedTuple, TypedDict, Unpack
 import pandas as pd
 
 from exudyn_crawler import CaseFile, CaseRun, History, run_case
-from exudyn_crawler.run.folder import kept_run
-from exudyn_crawler.run.keeper import Keeper, quiet
+from exudyn_crawler.run.folder.folder import kept_run
+from exudyn_crawler.run.folder.keeper import Keeper, quiet
 from exudyn_crawler.views.tables import write_table
 
 

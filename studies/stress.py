@@ -12,9 +12,9 @@ from pathlib import Path
 import pandas as pd
 
 from exudyn_crawler import Case, CaseFile, CaseRun, Outputs
-from exudyn_crawler.case.flexible import ADAMS_DAMPING
+from exudyn_crawler.case.parameters.flexible import ADAMS_DAMPING
 from exudyn_crawler.model.flexible_shoes import check_shoe
-from exudyn_crawler.run.keeper import quiet
+from exudyn_crawler.run.folder.keeper import quiet
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
 from studies.running import kept_study

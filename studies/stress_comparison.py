@@ -12,10 +12,10 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.results.contacts import contacts_by_shoe, terrain_deformation
-from exudyn_crawler.results.history import History
-from exudyn_crawler.results.propel import in_phase
-from exudyn_crawler.results.stresses import StressResults
+from exudyn_crawler.results.history.contacts import contacts_by_shoe, terrain_deformation
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.propel import in_phase
+from exudyn_crawler.results.stress.stresses import StressResults
 from studies.comparison import KINEMATIC, comparison_table, statistic_of
 from studies.reported import reported_values
 

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from exudyn_crawler import Case, CaseFile, LoadCycle, Outputs, Terrain
-from exudyn_crawler.case.text import case_text
+from exudyn_crawler.case.files.text import case_text
 from exudyn_crawler.cli import main
 
 SEED = 20160316

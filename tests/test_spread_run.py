@@ -21,7 +21,7 @@ from exudyn_crawler import (
     spread,
 )
 from exudyn_crawler.case_run import run_case
-from exudyn_crawler.results.spread import relative_spread
+from exudyn_crawler.results.stress.spread import relative_spread
 from exudyn_crawler.spread_run import BARE, NUDGE, laws_beside, nudged
 
 pytestmark = pytest.mark.simulation

@@ -6,21 +6,21 @@ Values of the P&H 4100C and of the papers are named constructors of the class th
 """
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.case_file import CaseFile
-from exudyn_crawler.case.contact import PairContact, SphereContact
-from exudyn_crawler.case.drive import Drive
-from exudyn_crawler.case.files import read_case, write_case
-from exudyn_crawler.case.flexible import FlexibleShoes
-from exudyn_crawler.case.loads import LoadCycle, Phase
-from exudyn_crawler.case.machine import MachineCycle, MachinePhase, Pose, Shovel
-from exudyn_crawler.case.outputs import Outputs
-from exudyn_crawler.case.profile import StepProfile
-from exudyn_crawler.case.rails import Rails
-from exudyn_crawler.case.shoe import Shoe
-from exudyn_crawler.case.solver import Solver
-from exudyn_crawler.case.terrain import Terrain
-from exudyn_crawler.case.track import Track
-from exudyn_crawler.case.undercarriage import Undercarriage
+from exudyn_crawler.case.files.case_file import CaseFile
+from exudyn_crawler.case.files.files import read_case, write_case
+from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
+from exudyn_crawler.case.parameters.drive import Drive
+from exudyn_crawler.case.parameters.flexible import FlexibleShoes
+from exudyn_crawler.case.parameters.loads import LoadCycle, Phase
+from exudyn_crawler.case.parameters.machine import MachineCycle, MachinePhase, Pose, Shovel
+from exudyn_crawler.case.parameters.outputs import Outputs
+from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.case.parameters.rails import Rails
+from exudyn_crawler.case.parameters.shoe import Shoe
+from exudyn_crawler.case.parameters.solver import Solver
+from exudyn_crawler.case.parameters.terrain import Terrain
+from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.case.parameters.undercarriage import Undercarriage
 
 __all__ = [
     "Case",

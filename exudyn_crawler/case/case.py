@@ -7,19 +7,19 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.base import Name, Parameters, quantity
-from exudyn_crawler.case.contact import Contact, PairContact, SphereContact
-from exudyn_crawler.case.drive import Drive
-from exudyn_crawler.case.flexible import FlexibleShoes
-from exudyn_crawler.case.loads import LoadCycle
-from exudyn_crawler.case.machine import MachineCycle
-from exudyn_crawler.case.rails import Rails
-from exudyn_crawler.case.rolled import check_length, check_rolled, ground_below
-from exudyn_crawler.case.shoe import Shoe
-from exudyn_crawler.case.solver import Solver
-from exudyn_crawler.case.terrain import Terrain
-from exudyn_crawler.case.track import Track
-from exudyn_crawler.case.undercarriage import Undercarriage
+from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
+from exudyn_crawler.case.parameters.contact import Contact, PairContact, SphereContact
+from exudyn_crawler.case.parameters.drive import Drive
+from exudyn_crawler.case.parameters.flexible import FlexibleShoes
+from exudyn_crawler.case.parameters.loads import LoadCycle
+from exudyn_crawler.case.parameters.machine import MachineCycle
+from exudyn_crawler.case.parameters.rails import Rails
+from exudyn_crawler.case.parameters.rolled import check_length, check_rolled, ground_below
+from exudyn_crawler.case.parameters.shoe import Shoe
+from exudyn_crawler.case.parameters.solver import Solver
+from exudyn_crawler.case.parameters.terrain import Terrain
+from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.case.parameters.undercarriage import Undercarriage
 
 Kind = TypeVar("Kind", PairContact, SphereContact)
 

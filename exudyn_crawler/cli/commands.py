@@ -57,7 +57,7 @@ def init(
 
     Example: exudyn-crawler init soft_ground --study kinematics
     """
-    from exudyn_crawler.case.files import write_case
+    from exudyn_crawler.case.files.files import write_case
 
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     case_file = study_case(study)
@@ -79,10 +79,10 @@ def info(
 
     Example: exudyn-crawler info soft_ground.toml
     """
-    from exudyn_crawler.case.differences import rows_beside_base
-    from exudyn_crawler.case.files import read_case
-    from exudyn_crawler.case.plausible import warn_implausible
-    from exudyn_crawler.case.text import shoe_weights
+    from exudyn_crawler.case.files.differences import rows_beside_base
+    from exudyn_crawler.case.files.files import read_case
+    from exudyn_crawler.case.files.text import shoe_weights
+    from exudyn_crawler.case.parameters.plausible import warn_implausible
     from exudyn_crawler.views.terminal import print_rows
 
     if case in registered(CASES):
@@ -122,8 +122,8 @@ def run(
 
     Example: exudyn-crawler run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7
     """
-    from exudyn_crawler.case.files import read_case
-    from exudyn_crawler.run.folder import refuse_occupied
+    from exudyn_crawler.case.files.files import read_case
+    from exudyn_crawler.run.folder.folder import refuse_occupied
 
     # what is refused is refused before the engine is loaded, which takes a second
     case_file = read_case(case, changes or ())
@@ -148,8 +148,8 @@ def report(
     Example: exudyn-crawler report results/stress
     """
     folder = run_folder(run)  # refused before all that draws is loaded
-    from exudyn_crawler.run.folder import note_file
-    from exudyn_crawler.run.progress import heartbeat
+    from exudyn_crawler.run.folder.folder import note_file
+    from exudyn_crawler.run.folder.progress import heartbeat
     from exudyn_crawler.views.report.page import write_report
 
     with heartbeat(f"report of {folder}"):
@@ -189,8 +189,8 @@ def animate(
     default = own.with_suffix(".mp4") if stress is None else own.with_name(f"shoe_{stress}.mp4")
     path = default if out is None else out
     history = loaded(run)  # refused before all that draws is loaded
-    from exudyn_crawler.run.folder import note_file
-    from exudyn_crawler.run.progress import heartbeat
+    from exudyn_crawler.run.folder.folder import note_file
+    from exudyn_crawler.run.folder.progress import heartbeat
 
     with heartbeat(f"animation of {run}"):
         if stress is None:

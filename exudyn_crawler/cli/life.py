@@ -26,11 +26,11 @@ def life(
 
     Example: exudyn-crawler life digging.toml --out results/digging
     """
-    from exudyn_crawler.results.duty import read_duty
+    from exudyn_crawler.results.life.duty import read_duty
 
     given = read_duty(duty)  # refused before all that counts and draws is loaded
     from exudyn_crawler.life_run import life as life_into
-    from exudyn_crawler.results.life_table import in_words
+    from exudyn_crawler.results.life.life_table import in_words
     from exudyn_crawler.views.tables import print_table
 
     folder = RESULTS / duty.stem if out is None else out

@@ -45,8 +45,8 @@ def node_stress(
     Example: exudyn-crawler node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05
     """
     path = history_path(run)
-    from exudyn_crawler.results.node_look import MEGA, look_into
-    from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.results.stress.node_look import MEGA, look_into
+    from exudyn_crawler.run.folder.folder import note_file
     from exudyn_crawler.views.columns import write_columns
 
     found = look_into(path, shoe, near, node)
@@ -81,7 +81,7 @@ def pin_forces(
     Example: exudyn-crawler pin-forces results/stress/cycle --shoe 13
     """
     history = loaded(run, shoe)
-    from exudyn_crawler.results.pins import pin_table
+    from exudyn_crawler.results.loads.pins import pin_table
 
     default = history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
     _write(pin_table(history, shoe), default if out is None else out, overwrite)
@@ -105,8 +105,8 @@ def shoe_loads(
     Example: exudyn-crawler shoe-loads results/stress/cycle --shoe 13 --program abaqus
     """
     history = loaded(run, shoe)
-    from exudyn_crawler.results import shoe_loads as found
-    from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.results.loads import shoe_loads as found
+    from exudyn_crawler.run.folder.folder import note_file
 
     flexible = history.case.flexible is not None and shoe in history.case.flexible.shoes
     if time is None:
@@ -170,7 +170,7 @@ def _names(first: Path, second: Path) -> tuple[str, str]:
 
 def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
     """Write a table and tell where it is."""
-    from exudyn_crawler.run.folder import note_file
+    from exudyn_crawler.run.folder.folder import note_file
     from exudyn_crawler.views.tables import write_table
 
     note_file(write_table(table, path, overwrite))

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from exudyn_crawler.results.history import History
+    from exudyn_crawler.results.history.history import History
 
 
 def run_folder(run: Path) -> Path:
@@ -34,7 +34,7 @@ def history_path(run: Path) -> Path:
         return run
     if not run.is_dir():
         raise FileNotFoundError(f"no history at {run}")
-    from exudyn_crawler.run.histories import HISTORY, STOPPED_HISTORY
+    from exudyn_crawler.run.folder.histories import HISTORY, STOPPED_HISTORY
 
     for name in (HISTORY, STOPPED_HISTORY):
         if (run / name).is_file():
@@ -51,9 +51,9 @@ def loaded(run: Path, shoe: int | None = None) -> "History":
     """
     path = history_path(run)
     if shoe is not None:
-        from exudyn_crawler.results.case_in_file import case_in_file
+        from exudyn_crawler.results.history.case_in_file import case_in_file
 
         case_in_file(path).track.check_shoe(shoe)
-    from exudyn_crawler.results.history import History
+    from exudyn_crawler.results.history.history import History
 
     return History.load(path)

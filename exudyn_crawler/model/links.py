@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
-from exudyn_crawler.case.track import SIDES
+from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.shoes import ShoeBody
 from exudyn_crawler.model.state import pin_name

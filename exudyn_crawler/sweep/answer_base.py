@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.base import Name, Parameters
+from exudyn_crawler.case.parameters.base import Name, Parameters
 
 
 class AnyAnswer(Parameters):

@@ -13,9 +13,9 @@ import pandas as pd
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case import CaseFile, Outputs
-from exudyn_crawler.case.base import Parameters
+from exudyn_crawler.case.parameters.base import Parameters
 from exudyn_crawler.errors import ImplausibleWarning
-from exudyn_crawler.run.record import PROGRAM
+from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import Answers
 from exudyn_crawler.sweep.design import SAMPLED, Design, Row, design_rows
 from exudyn_crawler.sweep.idle import idle

@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterable
 
 from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.size import NUMBER, stored_numbers
+from exudyn_crawler.case.parameters.size import NUMBER, stored_numbers
 from exudyn_crawler.sweep.storage import Outcome
 from exudyn_crawler.sweep.worker import DONE
 

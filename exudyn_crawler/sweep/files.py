@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from exudyn_crawler.case import Case, CaseFile, read_case
-from exudyn_crawler.case.files import case_of, faults_named, from_content, with_base
-from exudyn_crawler.case.kinds import BASE, TAG, named_values
-from exudyn_crawler.case.toml import toml_content
-from exudyn_crawler.results.fatigue_material import FatigueMaterial
+from exudyn_crawler.case.files.files import case_of, faults_named, from_content, with_base
+from exudyn_crawler.case.files.toml import toml_content
+from exudyn_crawler.case.parameters.kinds import BASE, TAG, named_values
+from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from exudyn_crawler.sweep.definition import Sweep
 from exudyn_crawler.sweep.paths import content_of
 from meshes import SHOE_SIZES

@@ -5,12 +5,12 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.base import quantity
+from exudyn_crawler.case.parameters.base import quantity
 from exudyn_crawler.case_run import CaseRun
-from exudyn_crawler.results.duty import Duty, DutyRun, Survival
-from exudyn_crawler.results.fatigue_material import FatigueMaterial
-from exudyn_crawler.results.life import life_of
-from exudyn_crawler.results.regions import Region, shoe_regions
+from exudyn_crawler.results.life.duty import Duty, DutyRun, Survival
+from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
+from exudyn_crawler.results.life.life import life_of
+from exudyn_crawler.results.stress.regions import Region, shoe_regions
 from exudyn_crawler.sweep.answer_base import AnyAnswer, check_within
 from fem.fatigue import Miner
 

@@ -8,10 +8,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.faults import faults
-from exudyn_crawler.case.fields import Entry, walk
-from exudyn_crawler.case.kinds import Place
-from exudyn_crawler.case.loads import with_equal_loads
+from exudyn_crawler.case.files.faults import faults
+from exudyn_crawler.case.parameters.fields import Entry, walk
+from exudyn_crawler.case.parameters.kinds import Place
+from exudyn_crawler.case.parameters.loads import with_equal_loads
 
 EVERY = "*"
 """In place of a number: all parts of a list."""

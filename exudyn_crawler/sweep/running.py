@@ -12,10 +12,10 @@ import xarray as xr
 from exudyn_crawler.case import write_case
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.netcdf import write_netcdf
-from exudyn_crawler.run.folder import held
-from exudyn_crawler.run.keeper import Keeper, quiet, recorded
-from exudyn_crawler.run.progress import progress_bar
-from exudyn_crawler.run.record import earlier_record
+from exudyn_crawler.run.folder.folder import held
+from exudyn_crawler.run.folder.keeper import Keeper, quiet, recorded
+from exudyn_crawler.run.folder.progress import progress_bar
+from exudyn_crawler.run.folder.record import earlier_record
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.estimate import estimate

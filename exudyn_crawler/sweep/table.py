@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case.text import value_text
+from exudyn_crawler.case.files.text import value_text
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.storage import Outcome

@@ -8,11 +8,11 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.base import Name, Parameters
-from exudyn_crawler.case.faults import shown
-from exudyn_crawler.case.fields import Entry, is_table
-from exudyn_crawler.case.kinds import TAG
-from exudyn_crawler.case.units import likely_cause, plausible_range
+from exudyn_crawler.case.files.faults import shown
+from exudyn_crawler.case.parameters.base import Name, Parameters
+from exudyn_crawler.case.parameters.fields import Entry, is_table
+from exudyn_crawler.case.parameters.kinds import TAG
+from exudyn_crawler.case.parameters.units import likely_cause, plausible_range
 from exudyn_crawler.sweep.paths import (
     Content,
     change_at,

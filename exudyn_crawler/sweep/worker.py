@@ -16,8 +16,8 @@ from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.errors import CrawlerError, ImplausibleWarning
 from exudyn_crawler.model.reductions import program_digest
-from exudyn_crawler.run.folder import note_file
-from exudyn_crawler.run.record import timestamp
+from exudyn_crawler.run.folder.folder import note_file
+from exudyn_crawler.run.folder.record import timestamp
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.storage import OUTCOME, Outcome, read_outcome, working_folder, write_outcome
 

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler.files import whole_file
-from exudyn_crawler.results.history import History
-from exudyn_crawler.results.phases import Phase, common_phases
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.phases import Phase, common_phases
 from exudyn_crawler.views.phase_bands import draw_phases
 
 SHOES = (1, 4, 7, 10, 13)

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
-from exudyn_crawler.results.history import History
-from exudyn_crawler.results.phases import common_phases
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.phases import common_phases
 from exudyn_crawler.views.curves import JOINTS, SHOES, panel_figure
 from exudyn_crawler.views.series import (
     CONTACT_SCALARS,

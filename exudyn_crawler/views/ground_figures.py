@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from exudyn_crawler.results.contacts import contacts_by_shoe
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.contacts import contacts_by_shoe
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.colours import SHOE
 from exudyn_crawler.views.placement import instant
 from exudyn_crawler.views.side_view import SideView

@@ -11,10 +11,10 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 from plotly.offline import get_plotlyjs
 
-from exudyn_crawler.case.text import case_rows
+from exudyn_crawler.case.files.text import case_rows
 from exudyn_crawler.files import whole_file
-from exudyn_crawler.results.life import LifeResults
-from exudyn_crawler.results.life_table import BEYOND, LIFE, in_words, life_hours, life_words
+from exudyn_crawler.results.life.life import LifeResults
+from exudyn_crawler.results.life.life_table import BEYOND, LIFE, in_words, life_hours, life_words
 from exudyn_crawler.views.report.plots import page_colours
 from exudyn_crawler.views.report.tables import html_table
 from exudyn_crawler.views.report.templating import rendered_page

@@ -1,4 +1,4 @@
-"""Table and figure of the modes of a sliding track, as `run.track_modes` gives them."""
+"""Table and figure of the modes of a sliding track, as `run.solve.track_modes` gives them."""
 
 import matplotlib as mpl
 import numpy as np

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import refuse_existing, whole_file, writable_folder
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.placement import Pose, instant, touching
 from exudyn_crawler.views.undercarriage import beam_corners, frame_pose, pressing, rollers_surface, rolls
 from fem import Mesh, write_vtu

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.text import Text
 
-from exudyn_crawler.results.phases import Phase
+from exudyn_crawler.results.history.phases import Phase
 from exudyn_crawler.views.colours import PHASE_BANDS, PHASE_NAME
 
 NAME_SIZE, NAME_INSET = 6.5, 2.0

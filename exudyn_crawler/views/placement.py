@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.history import History
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba
 
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.colours import GROUND_EDGE, HEAVE_MAP
 from exudyn_crawler.views.placement import shoe_poses
 from exudyn_crawler.views.rolling_views import PlanRollers

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.placement import greatest_shoe_force, instant, unloaded_level
 from exudyn_crawler.views.undercarriage import acting
 

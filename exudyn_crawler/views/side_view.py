@@ -12,7 +12,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
 
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.colours import CONTACT_FORCE, FLEXIBLE_SHOE, GROUND, GROUND_EDGE, SHOE, SHOE_EDGE
 from exudyn_crawler.views.force_arrows import force_arrows
 from exudyn_crawler.views.placement import shoe_forces, shoe_poses, unloaded_level

@@ -17,7 +17,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.colours import STRESS_MAP
 from exudyn_crawler.views.curves import STYLE, save_figure
 from exudyn_crawler.views.placement import Pose, instant

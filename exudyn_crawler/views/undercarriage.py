@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.placement import Pose, touching
 
 BEAM = (0.05, 0.85)

@@ -1,8 +1,8 @@
 """The walk over a case: order, places, units and meanings, and the classes that a field may hold."""
 
 from exudyn_crawler import Case, CaseFile, PairContact, SphereContact, Terrain
-from exudyn_crawler.case.fields import is_table, walk
-from exudyn_crawler.case.kinds import key_paths, models_of
+from exudyn_crawler.case.parameters.fields import is_table, walk
+from exudyn_crawler.case.parameters.kinds import key_paths, models_of
 
 WHOLE = CaseFile(case=Case.stress("coarse"))
 

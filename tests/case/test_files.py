@@ -20,8 +20,8 @@ from exudyn_crawler import (
     read_case,
     write_case,
 )
-from exudyn_crawler.case.kinds import key_paths, named_values
-from exudyn_crawler.case.text import case_rows, case_text, number_text
+from exudyn_crawler.case.files.text import case_rows, case_text, number_text
+from exudyn_crawler.case.parameters.kinds import key_paths, named_values
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed

@@ -18,9 +18,9 @@ from exudyn_crawler import (
     simulate,
     write_case,
 )
-from exudyn_crawler.case.files import saved_case
+from exudyn_crawler.case.files.files import saved_case
 from exudyn_crawler.errors import CaseFileError
-from exudyn_crawler.run.checkpoints import Checkpoints
+from exudyn_crawler.run.folder.checkpoints import Checkpoints
 
 SPHERES = SphereContact.oil_sand()
 CASES = {

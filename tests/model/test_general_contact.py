@@ -6,16 +6,16 @@ import pytest
 
 from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case import Terrain
-from exudyn_crawler.case.contact import SphereContact as Spheres
+from exudyn_crawler.case.parameters.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
 from exudyn_crawler.ground.triplets import Weights
 from exudyn_crawler.model.system import build
-from exudyn_crawler.results.balance import powers, shoe_imbalance, track_imbalance
-from exudyn_crawler.results.contacts import contacts_by_shoe
-from exudyn_crawler.run.equilibrium import static_equilibrium
-from exudyn_crawler.run.integration import integrate
+from exudyn_crawler.results.history.contacts import contacts_by_shoe
+from exudyn_crawler.results.loads.balance import powers, shoe_imbalance, track_imbalance
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.integration import integrate
 from studies.comparison import compare_kinematics
 from studies.force_comparison import compare_forces
 from studies.forces import study as forces_study

@@ -6,10 +6,10 @@ import pytest
 from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Phase, shoe_imbalance, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import floating_shoe, side_weights
-from exudyn_crawler.results.actions import actions, shoe_mass
-from exudyn_crawler.results.balance import energy_balance
-from exudyn_crawler.results.modal_coordinates import modal_loads, stress_basis
-from exudyn_crawler.run.equilibrium import static_equilibrium
+from exudyn_crawler.results.loads.actions import actions, shoe_mass
+from exudyn_crawler.results.loads.balance import energy_balance
+from exudyn_crawler.results.loads.modal_coordinates import modal_loads, stress_basis
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 
 pytestmark = pytest.mark.simulation
 

@@ -5,7 +5,8 @@ import pytest
 
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import pulled_node
-from exudyn_crawler.results.actions import (
+from exudyn_crawler.results.history.contacts import contacts_by_shoe
+from exudyn_crawler.results.loads.actions import (
     AtDrivePoint,
     AtInterface,
     OnFrame,
@@ -14,9 +15,14 @@ from exudyn_crawler.results.actions import (
     OverSurface,
     actions,
 )
-from exudyn_crawler.results.balance import energies, powers, shoe_actions, shoe_imbalance, track_imbalance
-from exudyn_crawler.results.contacts import contacts_by_shoe
-from exudyn_crawler.results.modal_coordinates import modal_loads, stress_basis
+from exudyn_crawler.results.loads.balance import (
+    energies,
+    powers,
+    shoe_actions,
+    shoe_imbalance,
+    track_imbalance,
+)
+from exudyn_crawler.results.loads.modal_coordinates import modal_loads, stress_basis
 
 WEIGHT = 13 * 432.3e3  # N, of the loaded track
 

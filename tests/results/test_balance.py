@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.results.balance import energies, energy_balance, powers
+from exudyn_crawler.results.loads.balance import energies, energy_balance, powers
 
 
 def test_the_work_of_the_drive_is_accounted_for(longer):

@@ -8,8 +8,8 @@ import xarray as xr
 
 from exudyn_crawler import History
 from exudyn_crawler.netcdf import write_netcdf_along
-from exudyn_crawler.results.case_in_file import with_case
-from exudyn_crawler.results.compact import (
+from exudyn_crawler.results.history.case_in_file import with_case
+from exudyn_crawler.results.history.compact import (
     CONTACT_TYPE,
     SHAPES,
     TERRAIN_COORDINATES,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, simulate
-from exudyn_crawler.results.balance import track_imbalance
-from exudyn_crawler.results.contacts import contact_force, contacts_by_shoe, pair, terrain_deformation
+from exudyn_crawler.results.history.contacts import contact_force, contacts_by_shoe, pair, terrain_deformation
+from exudyn_crawler.results.loads.balance import track_imbalance
 from studies.comparison import time_mean
 
 WEIGHT = 13 * (386.4e3 + 4681.67 * 9.81)

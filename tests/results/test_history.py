@@ -8,7 +8,7 @@ import xarray as xr
 
 from exudyn_crawler import History
 from exudyn_crawler.model.state import VERSION
-from exudyn_crawler.results.case_in_file import LAYOUT_VERSION, UNSIGNED
+from exudyn_crawler.results.history.case_in_file import LAYOUT_VERSION, UNSIGNED
 
 
 def test_a_history_comes_back_as_it_was_saved(turning, tmp_path):
@@ -80,7 +80,7 @@ def test_modes_of_an_unknown_sign_are_refused(translation, tmp_path):
 
 def test_every_third_state_of_a_history_in_its_file_is_read_into_memory(translation, tmp_path, monkeypatch):
     path = translation.save(tmp_path / "long.nc")
-    monkeypatch.setattr("exudyn_crawler.results.history.MOST_IN_MEMORY", 0)
+    monkeypatch.setattr("exudyn_crawler.results.history.history.MOST_IN_MEMORY", 0)
     found = History.load(path).every(3)
     assert found.time.equals(translation.time[::3])
     for name in ("position", "unit_heave", "normal_force"):
@@ -124,7 +124,9 @@ def test_an_interrupt_waits_until_a_history_is_read(translation, tmp_path, monke
         return open_dataset(*arguments, **options)
 
     monkeypatch.setattr(xr, "open_dataset", interrupted)
-    monkeypatch.setattr("exudyn_crawler.results.history._check", lambda _, dataset: read.append(dataset))
+    monkeypatch.setattr(
+        "exudyn_crawler.results.history.history._check", lambda _, dataset: read.append(dataset)
+    )
     with pytest.raises(KeyboardInterrupt):
         History.load(path)
     assert len(read) == 1

@@ -9,8 +9,8 @@ import pytest
 
 from exudyn_crawler import History, node_stress
 from exudyn_crawler.model.reductions import reductions_in
-from exudyn_crawler.results.kept_loads import SUFFIX
-from exudyn_crawler.results.node_look import look, look_into
+from exudyn_crawler.results.loads.kept_loads import SUFFIX
+from exudyn_crawler.results.stress.node_look import look, look_into
 
 LOOK = """
 import sys
@@ -98,7 +98,7 @@ def test_what_was_kept_and_is_broken_or_gone_is_made_anew(saved, folder, caplog)
 
 
 def test_loads_that_are_too_large_are_not_kept(saved, folder, monkeypatch):
-    monkeypatch.setattr("exudyn_crawler.results.kept_loads.MOST_KEPT", 1000)
+    monkeypatch.setattr("exudyn_crawler.results.loads.kept_loads.MOST_KEPT", 1000)
     look_into(saved, 13, node=200)
     assert not list(folder.glob(f"*{SUFFIX}.h5"))
 

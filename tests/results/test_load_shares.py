@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import History
-from exudyn_crawler.results.load_shares import load_shares, shares
-from exudyn_crawler.results.modal_coordinates import modal_loads, stress_basis
-from exudyn_crawler.results.stress_columns import stress_columns
+from exudyn_crawler.results.loads.load_shares import load_shares, shares
+from exudyn_crawler.results.loads.modal_coordinates import modal_loads, stress_basis
+from exudyn_crawler.results.stress.stress_columns import stress_columns
 
 SHOE = 7
 NODES = np.arange(0, 3000, 500)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import node_stress
-from exudyn_crawler.results.node_look import look
-from exudyn_crawler.results.stress_columns import TOLERANCE
+from exudyn_crawler.results.stress.node_look import look
+from exudyn_crawler.results.stress.stress_columns import TOLERANCE
 
 
 def test_the_highest_node_has_the_stress_that_the_recovery_found(flexible_run):

@@ -5,10 +5,10 @@ import pytest
 
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled.system import compiled_system
-from exudyn_crawler.results.actions import OverRectangle, actions
-from exudyn_crawler.results.modal_coordinates import in_body, stress_basis
-from exudyn_crawler.results.patches import patches
-from exudyn_crawler.run.run_stages import system_history
+from exudyn_crawler.results.loads.actions import OverRectangle, actions
+from exudyn_crawler.results.loads.modal_coordinates import in_body, stress_basis
+from exudyn_crawler.results.loads.patches import patches
+from exudyn_crawler.run.solve.run_stages import system_history
 from fem.patches import rectangle_loads
 from tests.rolled import small_flexible_case
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import History
-from exudyn_crawler.results.pieces import Piece, joined, save_joined
+from exudyn_crawler.results.history.pieces import Piece, joined, save_joined
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def test_writing_takes_no_more_memory_for_more_pieces(translation, tmp_path):
 
 def test_a_large_history_is_read_when_it_is_asked_for(translation, tmp_path, monkeypatch):
     path = translation.save(tmp_path / "history.nc")
-    monkeypatch.setattr("exudyn_crawler.results.history.MOST_IN_MEMORY", 0)
+    monkeypatch.setattr("exudyn_crawler.results.history.history.MOST_IN_MEMORY", 0)
     large = History.load(path)
     assert not isinstance(large.dataset.variables["position"]._data, np.ndarray)
     assert large.dataset.identical(translation.dataset)

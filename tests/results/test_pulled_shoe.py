@@ -6,9 +6,9 @@ import pytest
 from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, simulate
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import shoe_model
-from exudyn_crawler.results.history import History
-from exudyn_crawler.results.modal_coordinates import modal_loads, stress_basis, whole_coordinates
-from exudyn_crawler.results.stresses import recover_stresses
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.loads.modal_coordinates import modal_loads, stress_basis, whole_coordinates
+from exudyn_crawler.results.stress.stresses import recover_stresses
 from fem import Partition
 from fem.stress import von_mises
 

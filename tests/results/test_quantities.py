@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import exudyn_crawler.results
-from exudyn_crawler.results.contacts import contact_force, terrain_deformation
-from exudyn_crawler.results.quantities import QUANTITIES
+from exudyn_crawler.results.history.contacts import contact_force, terrain_deformation
+from exudyn_crawler.results.history.quantities import QUANTITIES
 
 
 def test_every_variable_of_a_history_is_in_the_catalogue(flexible_run):

@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler import History, action_table, peak_time, shoe_loads, stress_basis, whole_coordinates
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.balance import shoe_momentum_rates
+from exudyn_crawler.results.loads.balance import shoe_momentum_rates
 from fem import Partition
 from fem.stress import von_mises
 

@@ -9,13 +9,13 @@ from exudyn_crawler import History
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.model.load_places import RAILS, ground_grid, rail_loads, rail_stations, shoe_fields
-from exudyn_crawler.results.actions import OverRectangle, actions
-from exudyn_crawler.results.field_loads import field_loads, loads_by_kind
-from exudyn_crawler.results.modal_coordinates import coordinates_and_momentum, modal_loads, stress_basis
-from exudyn_crawler.results.node_stress import node_stress
-from exudyn_crawler.results.shoe_loads import at_instant, patch_weights, shoe_loads
-from exudyn_crawler.results.stress_columns import SHARE, StressColumns, columns_by_load, stress_columns
-from exudyn_crawler.results.stresses import recover_stresses
+from exudyn_crawler.results.loads.actions import OverRectangle, actions
+from exudyn_crawler.results.loads.field_loads import field_loads, loads_by_kind
+from exudyn_crawler.results.loads.modal_coordinates import coordinates_and_momentum, modal_loads, stress_basis
+from exudyn_crawler.results.loads.shoe_loads import at_instant, patch_weights, shoe_loads
+from exudyn_crawler.results.stress.node_stress import node_stress
+from exudyn_crawler.results.stress.stress_columns import SHARE, StressColumns, columns_by_load, stress_columns
+from exudyn_crawler.results.stress.stresses import recover_stresses
 from fem import Partition, field_columns
 from fem.stress import von_mises
 

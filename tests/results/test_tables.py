@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, History, LoadCycle, Phase
-from exudyn_crawler.results.phases import phase_ends, phases
-from exudyn_crawler.results.tables import highest_by_phase, hot_spot_table, load_table
+from exudyn_crawler.results.history.phases import phase_ends, phases
+from exudyn_crawler.results.history.tables import highest_by_phase, hot_spot_table, load_table
 from exudyn_crawler.views.tables import write_table
 
 OWN = LoadCycle(

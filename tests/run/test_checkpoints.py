@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from exudyn_crawler import Case, Drive, SphereContact, simulate
 from exudyn_crawler.model.state import VERSION
-from exudyn_crawler.run.checkpoints import Checkpoints
-from exudyn_crawler.run.stages import stage_times
+from exudyn_crawler.run.folder.checkpoints import Checkpoints
+from exudyn_crawler.run.solve.stages import stage_times
 
 pytestmark = pytest.mark.simulation
 
@@ -24,7 +24,7 @@ INTERVAL = 0.05
 SCRIPT = """
 import sys
 from exudyn_crawler import Case, simulate
-from exudyn_crawler.run.checkpoints import Checkpoints
+from exudyn_crawler.run.folder.checkpoints import Checkpoints
 
 case = Case.model_validate_json(sys.argv[1])
 simulate(case, 60.0, checkpoints=Checkpoints(sys.argv[2]))

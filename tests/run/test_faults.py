@@ -12,9 +12,9 @@ from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.system import build
-from exudyn_crawler.run.equilibrium import static_equilibrium
-from exudyn_crawler.run.faults import at_fault
-from exudyn_crawler.run.integration import integrate
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.faults import at_fault
+from exudyn_crawler.run.solve.integration import integrate
 
 pytestmark = pytest.mark.simulation
 

@@ -19,7 +19,7 @@ from exudyn_crawler import (
     read_case,
     run_case,
 )
-from exudyn_crawler.run.folder import kept_run
+from exudyn_crawler.run.folder.folder import kept_run
 from studies.forces import study as forces_study
 from studies.kinematics import study as kinematics_study
 
@@ -30,7 +30,7 @@ SHORT = CaseFile(case=Case.turning(), duration=0.05, outputs=QUIET)
 HOLD = """
 import sys, time
 from pathlib import Path
-from exudyn_crawler.run.folder import kept_run
+from exudyn_crawler.run.folder.folder import kept_run
 with kept_run(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(60)

@@ -4,8 +4,8 @@ import time as clock
 
 import pytest
 
-from exudyn_crawler.run import progress
-from exudyn_crawler.run.progress import heartbeat, progress_bar
+from exudyn_crawler.run.folder import progress
+from exudyn_crawler.run.folder.progress import heartbeat, progress_bar
 
 
 def run(duration=1.0, start=0.0, steps=5, **options):

@@ -12,8 +12,9 @@ import pytest
 from exudyn_crawler import Case, CaseFile, History, Outputs, SimulationStopped, run_case
 from exudyn_crawler.case import write_case
 from exudyn_crawler.errors import INTERRUPTED
-from exudyn_crawler.run import integration, into_folder
-from exudyn_crawler.run.folder import note_file
+from exudyn_crawler.run.folder import into_folder
+from exudyn_crawler.run.folder.folder import note_file
+from exudyn_crawler.run.solve import integration
 from studies.kinematics import study as kinematics_study
 from tests.run.test_folder import record, visible
 
@@ -70,11 +71,11 @@ def not_again(monkeypatch):
 @pytest.mark.parametrize(
     ("place", "stop"),
     [
-        ("run.checkpoints._write", interrupt),
-        ("run.checkpoints.save_joined", no_room),
-        ("run.into_folder.move_file", interrupt),
-        ("run.checkpoints.Checkpoints.settle", interrupt),
-        ("run.checkpoints.Checkpoints.remove", interrupt),
+        ("run.folder.checkpoints._write", interrupt),
+        ("run.folder.checkpoints.save_joined", no_room),
+        ("run.folder.into_folder.move_file", interrupt),
+        ("run.folder.checkpoints.Checkpoints.settle", interrupt),
+        ("run.folder.checkpoints.Checkpoints.remove", interrupt),
         ("case_run.write_table", no_room),
     ],
 )
@@ -116,7 +117,7 @@ def test_an_interrupted_simulation_keeps_what_it_had_until_it_has_ended(staged, 
     assert_same(tmp_path, staged)
 
 
-@pytest.mark.parametrize("stopped_within", [None, "exudyn_crawler.run.checkpoints.save_joined"])
+@pytest.mark.parametrize("stopped_within", [None, "exudyn_crawler.run.folder.checkpoints.save_joined"])
 def test_a_finished_run_is_made_longer_and_gives_what_the_longer_one_gives(
     staged, tmp_path, monkeypatch, stopped_within
 ):
@@ -137,7 +138,7 @@ def test_overwriting_that_was_stopped_goes_on_and_leaves_nothing_of_the_earlier_
     staged, tmp_path, monkeypatch
 ):
     run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path)
-    for place in ("exudyn_crawler.run.checkpoints.save_joined", "exudyn_crawler.case_run.write_table"):
+    for place in ("exudyn_crawler.run.folder.checkpoints.save_joined", "exudyn_crawler.case_run.write_table"):
         stopped_at(place, monkeypatch, lambda: run_case(STAGED, tmp_path, overwrite=True))
         assert (tmp_path / "velocity.png").exists()
     not_again(monkeypatch)
@@ -208,7 +209,7 @@ def test_a_study_that_was_stopped_while_overwriting_runs_all_its_cases_anew(
 
 
 def test_a_history_too_large_for_memory_gives_the_same_files(staged, tmp_path, monkeypatch):
-    monkeypatch.setattr("exudyn_crawler.results.history.MOST_IN_MEMORY", 0)
+    monkeypatch.setattr("exudyn_crawler.results.history.history.MOST_IN_MEMORY", 0)
     monkeypatch.setattr(into_folder, "MOST_IN_MEMORY", 0)
     run_case(STAGED, tmp_path)
     assert_same(tmp_path, staged)

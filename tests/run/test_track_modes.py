@@ -5,9 +5,9 @@ import pytest
 
 from benchmarks.track_modes import SPEED, even_ground, with_friction, with_shoes
 from exudyn_crawler import Case, SphereContact
-from exudyn_crawler.run.integration import integrate_from
-from exudyn_crawler.run.steady_sliding import steady_sliding
-from exudyn_crawler.run.track_modes import eigenmodes, linearized_track, track_modes
+from exudyn_crawler.run.solve.integration import integrate_from
+from exudyn_crawler.run.solve.steady_sliding import steady_sliding
+from exudyn_crawler.run.solve.track_modes import eigenmodes, linearized_track, track_modes
 from tests.run.planar_track import PlanarTrack
 
 pytestmark = pytest.mark.simulation

@@ -6,8 +6,8 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Case, CaseFile
-from exudyn_crawler.results.contacts import contacts_by_shoe
-from exudyn_crawler.run.histories import matching_history
+from exudyn_crawler.results.history.contacts import contacts_by_shoe
+from exudyn_crawler.run.folder.histories import matching_history
 from studies.force_comparison import (
     compare_forces,
     force_quantity,
@@ -137,7 +137,7 @@ def test_unasked_a_history_of_other_parameters_is_run_anew(translation, tmp_path
 
 
 def test_results_are_refused_before_anything_runs(tmp_path, monkeypatch):
-    monkeypatch.setattr("exudyn_crawler.run.into_folder.simulate", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("exudyn_crawler.run.folder.into_folder.simulate", lambda *_: pytest.fail("it ran"))
     (tmp_path / "turning").mkdir()
     (tmp_path / "turning" / "history.nc").write_text("kept")
     with pytest.raises(FileExistsError, match=r"holds results already \(turning/history\.nc, "):

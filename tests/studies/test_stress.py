@@ -7,13 +7,13 @@ import pytest
 
 from exudyn_crawler import Case, StepProfile
 from exudyn_crawler.case import Drive
-from exudyn_crawler.case.outputs import Outputs
+from exudyn_crawler.case.parameters.outputs import Outputs
 from exudyn_crawler.case_run import STRESS_WRITERS
-from exudyn_crawler.results.history import History
-from exudyn_crawler.results.modal_coordinates import stress_basis
-from exudyn_crawler.results.propel import highest_in_propel_and_loading, in_phase
-from exudyn_crawler.results.stress_columns import stress_columns
-from exudyn_crawler.results.stresses import recover_stresses
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.propel import highest_in_propel_and_loading, in_phase
+from exudyn_crawler.results.loads.modal_coordinates import stress_basis
+from exudyn_crawler.results.stress.stress_columns import stress_columns
+from exudyn_crawler.results.stress.stresses import recover_stresses
 from fem import write_mesh
 from meshes import shoe_mesh
 from studies.stress import PICTURE_TIMES

@@ -9,11 +9,11 @@ import pytest
 
 from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case import Terrain
-from exudyn_crawler.case.contact import SphereContact as Spheres
+from exudyn_crawler.case.parameters.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError, ParameterError
 from exudyn_crawler.model.system import build
-from exudyn_crawler.results.balance import shoe_imbalance
-from exudyn_crawler.run.equilibrium import static_equilibrium
+from exudyn_crawler.results.loads.balance import shoe_imbalance
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies.comparison import time_mean
 from studies.grounds import (
     RAMP_END,

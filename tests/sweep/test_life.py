@@ -3,8 +3,8 @@
 import pytest
 
 from exudyn_crawler import Case, CaseFile, CaseRun, Duty, DutyRun, FatigueMaterial, Life, read_sweep
-from exudyn_crawler.results.life import life_of
-from exudyn_crawler.results.regions import shoe_regions
+from exudyn_crawler.results.life.life import life_of
+from exudyn_crawler.results.stress.regions import shoe_regions
 from tests.sweep.cases import STIFFNESS, small_case
 
 WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import History
-from exudyn_crawler.results.stresses import recover_stresses
-from exudyn_crawler.results.tables import hot_spot_table
+from exudyn_crawler.results.history.tables import hot_spot_table
+from exudyn_crawler.results.stress.stresses import recover_stresses
 from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table

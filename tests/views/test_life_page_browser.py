@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Duty, DutyRun, FatigueMaterial
-from exudyn_crawler.results.life import life_of
+from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.views.life_page import write_life_page
 from tests.views.browser import Reader
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.run.track_modes import track_modes
+from exudyn_crawler.run.solve.track_modes import track_modes
 from exudyn_crawler.views.mode_shapes import mode_figure, mode_table
 
 pytestmark = pytest.mark.simulation

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.track import SIDES
+from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.coordinates import ReducedCoordinates
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.model.compiled.bodies import Body, rigid_body

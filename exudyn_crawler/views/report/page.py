@@ -11,10 +11,10 @@ import xarray as xr
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
-from exudyn_crawler.case.text import case_rows
+from exudyn_crawler.case.files.text import case_rows
 from exudyn_crawler.files import refuse_existing, whole_file
-from exudyn_crawler.results.contacts import terrain_deformation
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.contacts import terrain_deformation
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.report.heading import bouncing_lines, key_rows, provenance
 from exudyn_crawler.views.report.left_out import LeftOut
 from exudyn_crawler.views.report.pictures import embedded_picture, first_picture

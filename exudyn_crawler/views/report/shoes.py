@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.colours import ROLLER
 from exudyn_crawler.views.placement import Pose, instant
 from exudyn_crawler.views.report.frames import first_frame, frame_titles

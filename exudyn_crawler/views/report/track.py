@@ -8,7 +8,7 @@ import xarray as xr
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.history import History
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.colours import FLEXIBLE_SHOE, GROUND, ROLLER, ROLLER_FORCE, SHOE, SIDE_FRAME
 from exudyn_crawler.views.placement import shoe_forces_over_time
 from exudyn_crawler.views.report.packing import packed

@@ -8,7 +8,7 @@ from exudyn_crawler.model.compiled.equations import evaluate
 from exudyn_crawler.model.compiled.matrix import assemble
 from exudyn_crawler.model.compiled.records import Memory
 from exudyn_crawler.model.compiled.system import HELD, compiled_system
-from exudyn_crawler.run.steady_sliding import equations_of
+from exudyn_crawler.run.solve.steady_sliding import equations_of
 
 
 class Equations(NamedTuple):

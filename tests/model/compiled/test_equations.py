@@ -8,7 +8,7 @@ from exudyn_crawler import Case, FlexibleShoes, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled.records import Memory
 from exudyn_crawler.model.compiled.system import compiled_system
-from exudyn_crawler.run.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.compiled.both import by_engine, compiled, compiled_matrix, evaluated, random_state
 
 pytestmark = pytest.mark.simulation

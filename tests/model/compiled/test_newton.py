@@ -8,8 +8,8 @@ from exudyn_crawler.model.compiled import integrator
 from exudyn_crawler.model.compiled import system as compiled
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.engine import exu, items
-from exudyn_crawler.run.equilibrium import static_equilibrium
-from exudyn_crawler.run.settings import set_times, solver_settings
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.settings import set_times, solver_settings
 
 pytestmark = pytest.mark.simulation
 

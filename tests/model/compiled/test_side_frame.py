@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.compiled.undercarriage import side_frame_of
-from exudyn_crawler.run.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.compiled.both import compiled_matrix, evaluated
 from tests.rolled import small_case, small_flexible_case
 

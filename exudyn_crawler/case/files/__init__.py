@@ -1,0 +1,1 @@
+"""Case files: reading, writing, changing and comparing cases."""

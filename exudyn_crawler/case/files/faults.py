@@ -1,0 +1,151 @@
+"""Faults of parameters in words: the key's path, what is wrong there and what is allowed."""
+
+import difflib
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from exudyn_crawler.case.parameters.kinds import (
+    TAG,
+    Place,
+    is_beside,
+    key_path,
+    key_paths,
+    models_of,
+    named_values,
+    tag_of,
+)
+from exudyn_crawler.case.parameters.units import likely_cause
+
+SHOWN = 60
+"""Characters of a refused value that an error shows."""
+
+
+def faults(error: ValidationError, model: type[BaseModel], in_file: bool = True) -> Iterator[str]:
+    """Every fault that a validation found, a line each: the key's path, what is wrong and what is allowed.
+
+    Parameters
+    ----------
+    model : type of BaseModel
+        Parameter class that was to be made.
+    in_file : bool
+        Whether the values were a file's; else they were arguments.
+    """
+    found = error.errors(include_url=False)
+    for one in found:
+        loc = tuple(one["loc"])
+        within = [other for other in found if other["loc"][: len(loc)] == loc and other is not one]
+        if one["type"] == "too_short" and within:
+            continue  # what is in the list is at fault, not how much
+        yield " ".join(_told(one, _spot(loc, model, in_file), model, in_file).split())
+
+
+class _Spot(NamedTuple):
+    """Where a fault is.
+
+    `place` is as a file has it, `table` the class of the table there, `others` are those that it might be of
+    instead, `held` those of the field; `around` is the class whose file has the table's keys beside its own.
+    """
+
+    place: Place
+    table: type[BaseModel]
+    others: tuple[type[BaseModel], ...]
+    held: tuple[type[BaseModel], ...]
+    around: type[BaseModel] | None = None
+
+
+def _spot(loc: Place, model: type[BaseModel], in_file: bool) -> _Spot:
+    """Where pydantic's place is, which names the tag of a part that may be of several classes, too."""
+    spot = _Spot((), model, (), (model,))
+    instead: tuple[type[BaseModel], ...] = ()
+    for part in loc:
+        if isinstance(part, int):
+            spot = spot._replace(place=(*spot.place, part))
+            continue
+        tagged = [kind for kind in spot.held if len(spot.held) > 1 and tag_of(kind) == part]
+        if tagged:
+            instead = tuple(kind for kind in spot.held if kind not in tagged)
+            spot = spot._replace(held=tuple(tagged))
+            continue
+        table = spot.held[0] if spot.held else spot.table
+        field = table.model_fields.get(part)
+        held = models_of(field.annotation) if field else ()
+        if in_file and field and is_beside(field):
+            spot = _Spot(spot.place, table, instead, held, around=table)
+        else:
+            around = spot.around if spot.held and spot.around is spot.table else None
+            spot = _Spot((*spot.place, part), table, instead, held, around)
+        instead = ()
+    return spot
+
+
+def _told(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
+    path, given = key_path(spot.place), one["input"]
+    head = f"{path}: " if path else ""
+    message = one["msg"].removeprefix("Value error, ")
+    if one["type"].endswith("_parsing"):
+        message = message.partition(", unable to ")[0]
+    if one["type"] == "extra_forbidden":
+        return f"{path}: {_unknown(spot, model)}"
+    if one["type"] == "missing":
+        return f"{path}: {_missing(one, spot, in_file)}"
+    if one["type"] == "value_error":
+        return f"{head}{message}"
+    if one["type"] in ("union_tag_invalid", "union_tag_not_found"):
+        tag = given.get(TAG) if isinstance(given, dict) else given
+        allowed = " or ".join(repr(tag_of(kind)) for kind in spot.held)
+        return f"{path}.{TAG}: Input should be {allowed}, got {shown(tag)}"
+    if in_file:
+        message = message.replace("be an object", "be a table")
+    elif one["type"] in ("model_type", "model_attributes_type"):
+        message = f"Input should be {' or '.join(kind.__name__ for kind in spot.held)}"
+    return f"{head}{message}, got {shown(given)}{_cause(one, spot)}"
+
+
+def _missing(one: ErrorDetails, spot: _Spot, in_file: bool) -> str:
+    """What to do about a value that is not there."""
+    if isinstance(spot.place[-1], int):
+        return f"missing, got {shown(one['input'])}"
+    if in_file:
+        in_list = any(isinstance(part, int) for part in spot.place)
+        return "missing" if in_list else "missing; give it, or a base for what is left out"
+    named = " or ".join(f"{spot.table.__name__}.{name}()" for name in named_values(spot.table))
+    return f"missing; give it, or change a copy of {named}" if named else "missing"
+
+
+def _cause(one: ErrorDetails, spot: _Spot) -> str:
+    """Unit that a number beyond its bounds is likely in; empty for other faults."""
+    name = next((part for part in reversed(spot.place) if isinstance(part, str)), "")
+    field, given = spot.table.model_fields.get(name), one["input"]
+    beyond = one["type"].startswith(("less_than", "greater_than"))
+    if not beyond or field is None or not isinstance(given, int | float):
+        return ""
+    return likely_cause(float(given), field)
+
+
+def _unknown(spot: _Spot, model: type[BaseModel]) -> str:
+    """Hint at the name that was meant: of the same table if one is near, else of another."""
+    wrong, start = str(spot.place[-1]), spot.place[:-1]
+    for other in spot.others:
+        if wrong in other.model_fields:
+            return f"unknown key with {TAG} = {tag_of(spot.table)!r}; {TAG} = {tag_of(other)!r} has it"
+    names = list(spot.table.model_fields)
+    if spot.around is not None:
+        names += [name for name, field in spot.around.model_fields.items() if not is_beside(field)]
+    near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.7)
+    if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
+        return f"unknown key; did you mean {key_path((*start, near[0]))}?"
+    # of several the first
+    elsewhere = {path.rpartition(".")[2]: path for path in reversed([*key_paths(model)])}
+    if near := difflib.get_close_matches(wrong, elsewhere, n=1, cutoff=0.7):
+        return f"unknown key; did you mean {elsewhere[near[0]]}?"
+    near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.0) or names[:1]
+    return f"unknown key; the nearest is {near[0]}, allowed are {', '.join(names)}"
+
+
+def shown(value: object) -> str:
+    """Value as an error shows it, on one line and cut where it is long."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= SHOWN else text[: SHOWN - 4] + " ..."

@@ -1,0 +1,241 @@
+"""Case files: everything that a run depends on, as TOML.
+
+A file gives the fields of `Case` and, beside them, `duration` and `[outputs]`. It may say only what differs
+from a `base`: a named case such as "translation" at the top of the file, a named constructor such as "stress"
+in the table of a part. Names, units and bounds are those of the parameter classes, here and in the errors.
+"""
+
+import difflib
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.files.case_file import CaseFile
+from exudyn_crawler.case.files.changes import Change, change_item, changed, parsed
+from exudyn_crawler.case.files.faults import faults
+from exudyn_crawler.case.files.old_keys import migrated
+from exudyn_crawler.case.files.text import case_text
+from exudyn_crawler.case.files.toml import toml_content
+from exudyn_crawler.case.parameters.kinds import (
+    BASE,
+    NONE,
+    TAG,
+    Place,
+    allows_none,
+    key_path,
+    models_of,
+    named_values,
+    tag_of,
+)
+from exudyn_crawler.case.parameters.loads import LoadCycle, cycle_content, with_equal_loads
+from exudyn_crawler.case.parameters.track import MOST_SHOES
+from exudyn_crawler.errors import CaseFileError, ParameterError
+from exudyn_crawler.files import whole_file
+from meshes import SHOE_SIZES
+
+Model = TypeVar("Model", bound=BaseModel)
+
+CYCLE = "file"
+"""Key of the loads that names a file with their cycle."""
+
+__all__ = ["CaseFile", "case_of", "read_case", "saved_case", "write_case"]
+
+
+def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
+    """Read a case file; paths of a mesh and of a load cycle count from the file's folder.
+
+    Parameters
+    ----------
+    changes : iterable of str
+        Values in place of the file's, each as ``terrain.spring_stiffness=1e7`` or, of an item of a list that
+        the file or a base has, ``loads.phases[0].end=15``.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    CaseFileError
+        Naming every key at fault by its path, and what is allowed there.
+    """
+    path = Path(path)
+    with faults_named(path, CaseFile):
+        asked = parsed(changes)
+        of_items = [change for change in asked if change.is_of_item]
+        content = changed(toml_content(path, "case file"), [one for one in asked if not one.is_of_item])
+        return from_content(CaseFile, _resolved(migrated(content, path), path.parent, of_items))
+
+
+def case_of(content: dict[str, Any], path: Path) -> CaseFile:
+    """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
+    with faults_named(path, CaseFile):
+        return from_content(CaseFile, _resolved(migrated(content, path), path.parent))
+
+
+@contextmanager
+def faults_named(path: Path, kind: type[BaseModel]) -> Iterator[None]:
+    """Make what is wrong with the content of a file, of a parameter class, a `CaseFileError`."""
+    try:
+        yield
+    except ValidationError as error:
+        raise CaseFileError(path, list(faults(error, kind))) from None
+    except CaseFileError:  # of another file that this one names
+        raise
+    except (ValueError, RecursionError) as error:
+        raise CaseFileError(path, [str(error)]) from error
+
+
+def from_content(kind: type[Model], content: dict[str, Any]) -> Model:
+    """Parameter object of the values of a file.
+
+    Raises
+    ------
+    ValidationError
+        For what is not allowed, a text for a number, say.
+    """
+    # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
+    return kind.model_validate_json(json.dumps(content, default=_untyped), strict=True)
+
+
+def write_case(case_file: CaseFile, path: str | Path, overwrite: bool = False) -> Path:
+    """Write all values with units and meanings; read back, the file gives an equal object.
+
+    Raises
+    ------
+    FileExistsError
+        If the file exists and `overwrite` is false.
+    """
+    path = Path(path)
+    with whole_file(path, overwrite) as temporary:
+        temporary.write_text(case_text(case_file), encoding="utf-8")
+    return path
+
+
+def saved_case(text: str, where: object) -> Case:
+    """Case from the JSON that a history or a checkpoint keeps; `where` goes into the warning of old keys.
+
+    Raises
+    ------
+    ValueError
+        If it is no JSON.
+    ParameterError
+        If it is no case.
+    """
+    values = json.loads(text)
+    try:
+        return Case.model_validate(migrated(values, where) if isinstance(values, dict) else values)
+    except ValidationError as error:
+        raise ParameterError("\n".join(faults(error, Case))) from None
+
+
+def _resolved(content: dict[str, Any], folder: Path, of_items: Iterable[Change] = ()) -> dict[str, Any]:
+    """Values of a file as `CaseFile` takes them: bases filled in, "none" replaced, items of lists changed."""
+    own = {name: content.pop(name) for name in CaseFile.model_fields if name in content and name != "case"}
+    cycle = _cycle_file(content.get("loads"), folder)
+    if cycle is not None:
+        content["loads"] = _content_of_cycle(cycle)
+    case = with_base(content, (Case,), {}, ())
+    if _spread_equal_loads(case) and cycle is not None:
+        with faults_named(cycle, LoadCycle):
+            from_content(LoadCycle, case["loads"])
+    for change in of_items:
+        of_file = change.place[0] in CaseFile.model_fields and change.place[0] != "case"
+        change_item(own if of_file else case, change)
+        _spread_equal_loads(case)
+    for name, field in CaseFile.model_fields.items():
+        kinds = models_of(field.annotation)
+        if kinds and isinstance(own.get(name), dict):
+            own[name] = with_base(own[name], kinds, {}, (name,))
+    flexible = case.get("flexible")
+    if isinstance(flexible, dict) and isinstance(flexible.get("mesh"), str):
+        flexible["mesh"] = _mesh(flexible["mesh"], folder)
+    return {**own, "case": case}
+
+
+def _cycle_file(loads: object, folder: Path) -> Path | None:
+    """File of the cycle that a table of the loads names."""
+    if not isinstance(loads, dict) or CYCLE not in loads:
+        return None
+    if len(loads) > 1 or not isinstance(loads[CYCLE], str):
+        raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {loads!r}")
+    return folder / loads[CYCLE]
+
+
+def _content_of_cycle(path: Path) -> dict[str, Any]:
+    try:
+        return cycle_content(path)
+    except OSError as error:
+        raise ValueError(f"loads.{CYCLE}: {error}") from error
+
+
+def _spread_equal_loads(case: dict[str, Any]) -> bool:
+    """Put the one number that a phase, or all of the loads, gives for all shoes on each of them.
+
+    Returns whether the case says how many shoes there are.
+    """
+    track = case.get("track")
+    count = track.get("shoe_count") if isinstance(track, dict) else None
+    if "loads" not in case or not isinstance(count, int) or not 0 < count <= MOST_SHOES:
+        return False
+    case["loads"] = with_equal_loads(case["loads"], count)
+    return True
+
+
+def _mesh(name: str, folder: Path) -> str:
+    if name in SHOE_SIZES:
+        return name
+    try:
+        path = (folder / name).resolve()
+        there = path.is_file()
+    except (OSError, ValueError):
+        there = False
+    if not there:
+        raise ValueError(f"flexible.mesh: neither one of {', '.join(SHOE_SIZES)} nor a file: {name!r}")
+    return str(path)
+
+
+def with_base(
+    given: dict[str, Any], kinds: tuple[type[BaseModel], ...], below: Mapping[str, Any], place: Place
+) -> dict[str, Any]:
+    """What a table of one of the classes gives over its base, or over the values `below` it."""
+    given = dict(given)
+    tag = given.get(TAG, below.get(TAG))
+    kind = next((one for one in kinds if len(kinds) > 1 and tag_of(one) == tag), kinds[0])
+    # values of another class say nothing of this one
+    values = dict(below) if len(kinds) == 1 or below.get(TAG) == tag_of(kind) else {}
+    name = given.pop(BASE, None)
+    if name is not None:
+        values = _named(name, kind, place)
+    for key, value in given.items():
+        field = kind.model_fields.get(key)
+        parts = models_of(field.annotation) if field else ()
+        if field and value == NONE and allows_none(field.annotation):
+            values[key] = None
+        elif parts and isinstance(value, dict):
+            under = values.get(key)
+            under = under if isinstance(under, dict) else {}  # none, or the list of a table given by mistake
+            values[key] = with_base(value, parts, under, (*place, key))
+        else:
+            values[key] = value
+    return values
+
+
+def _named(name: object, kind: type[BaseModel], place: Place) -> dict[str, Any]:
+    """Values of a named constructor."""
+    constructors = named_values(kind)
+    if not isinstance(name, str) or name not in constructors:
+        names = list(constructors)
+        near = difflib.get_close_matches(str(name), names, n=1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        allowed = ", ".join(map(repr, names)) or "no names at all"
+        raise ValueError(f"{key_path((*place, BASE))}: no {name!r}; {hint}There is {allowed}")
+    return constructors[name]().model_dump(mode="json")
+
+
+def _untyped(value: object) -> object:
+    """Stand-in for what JSON has no type for: TOML's dates and times, which no field takes."""
+    return {"date or time": str(value)}

@@ -1,0 +1,1 @@
+"""Parameters of a case, with units and bounds."""

@@ -1,0 +1,159 @@
+"""Contact of a shoe with a terrain unit: by the pair law, or by spheres under the shoes."""
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, model_validator
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.parameters.base import Parameters, quantity
+
+
+class PairContact(Parameters):
+    """One contact a pair of shoe and unit: ADAMS IMPACT law with Coulomb friction.
+
+    Formulas in `exudyn_crawler.ground.laws`.
+    """
+
+    model: Literal["pair"] = Field(
+        default="pair", description="pair: one contact a pair of shoe and unit; spheres: for uneven ground"
+    )
+    stiffness: float = quantity("N/m^exponent", "contact stiffness k", ge=1.0, le=1e18)
+    exponent: float = quantity("1", "exponent e of the penetration", plausible=(1.0, 3.0), ge=1, le=10)
+    damping: float = quantity(
+        "N s/m", "greatest damping coefficient c_max", plausible=(0.0, 1e8), ge=0, le=1e12
+    )
+    damping_depth: float = quantity(
+        "m", "penetration d at which the damping is full", plausible=(1e-6, 0.02), ge=1e-9, le=10
+    )
+    static_friction: float = quantity(
+        "1", "coefficient mu_s at the stiction speed", plausible=(0.0, 1.5), ge=0, le=10
+    )
+    dynamic_friction: float = quantity(
+        "1", "coefficient mu_d beyond the friction speed", plausible=(0.0, 1.5), ge=0, le=10
+    )
+    stiction_speed: float = quantity("m/s", "V_st", plausible=(1e-5, 0.2), ge=1e-9, le=100)
+    friction_speed: float = quantity("m/s", "V_d", plausible=(1e-4, 2.0), ge=1e-9, le=1000)
+    sharing: Literal["pair", "area"] = Field(
+        description="what of the law a pair of shoe and unit has: all of it, however little they overlap, or "
+        "the part of the shoe's underside that is on the unit",
+    )
+    edge_width: float = quantity(
+        "m",
+        "overlap width at which a pair has all of the law; with sharing 'pair' the force grows with STEP "
+        "from zero, since that law knows no area and would jump when a shoe reaches a unit's edge",
+        plausible=(1e-4, 0.5),
+        ge=1e-9,
+        le=100,
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.dynamic_friction > self.static_friction:
+            raise ValueError(
+                f"dynamic_friction must not exceed static_friction = {self.static_friction}, "
+                f"got {self.dynamic_friction}"
+            )
+        if self.friction_speed <= self.stiction_speed:
+            raise ValueError(
+                f"friction_speed must exceed stiction_speed = {self.stiction_speed}, "
+                f"got {self.friction_speed}"
+            )
+        return self
+
+    @classmethod
+    def oil_sand(cls, sharing: Literal["pair", "area"] = "pair") -> Self:
+        """Steel shoe on oil sand (all papers, contact table); sharing and edge width are chosen here."""
+        return cls(**ph4100c.PAIR_CONTACT, sharing=sharing)
+
+    def settled_depth(self, load: ArrayLike) -> NDArray:
+        """Penetration (m) of an evenly carried shoe under each load (N); none where a load lifts."""
+        return _impact_depth(load, self.stiffness, self.exponent)
+
+    def as_array(self, underside_area: float) -> NDArray:
+        """Values in the order that `exudyn_crawler.ground.pairs` takes them: array (10,).
+
+        Parameters
+        ----------
+        underside_area : float
+            m2; the last value where pairs share by area, else the last value is zero.
+        """
+        return np.array(
+            [
+                self.stiffness,
+                self.exponent,
+                self.damping,
+                self.damping_depth,
+                self.static_friction,
+                self.dynamic_friction,
+                self.stiction_speed,
+                self.friction_speed,
+                self.edge_width,
+                underside_area if self.sharing == "area" else 0.0,
+            ]
+        )
+
+
+class SphereContact(Parameters):
+    """Spheres under each shoe in Exudyn's `GeneralContact`, at the middle of equal parts of the underside.
+
+    They touch the underside from within. Their stiffness is no parameter: `Case.sphere_stiffness` makes a
+    shoe under its mean load settle as deep, with the same force, as by the IMPACT law of the reference
+    values. The force is linear in the depth, so that about this state the stiffness against bouncing is that
+    law's over its exponent; friction has one coefficient, without the hump of static friction.
+    """
+
+    model: Literal["spheres"] = Field(
+        default="spheres", description="spheres: for uneven ground; pair: one contact a pair of shoe and unit"
+    )
+    spheres_x: int = quantity("1", "spheres along a shoe; two are needed to balance it", ge=2, le=100)
+    spheres_y: int = quantity("1", "spheres across a shoe; two are needed to balance it", ge=2, le=100)
+    radius: float = quantity("m", "radius of the spheres", plausible=(0.02, 2.0), ge=1e-3, le=100)
+    reference_stiffness: float = quantity(
+        "N/m^exponent",
+        "k of the IMPACT law by which a shoe settles as deep under the mean load",
+        ge=1.0,
+        le=1e18,
+    )
+    reference_exponent: float = quantity("1", "exponent e of that law", plausible=(1.0, 3.0), ge=1, le=10)
+    damping: float = quantity(
+        "N s/m", "normal damping of all spheres of a shoe together", plausible=(0.0, 1e8), ge=0, le=1e12
+    )
+    friction: float = quantity("1", "coefficient of friction", plausible=(0.0, 1.5), ge=0, le=10)
+    friction_speed: float = quantity(
+        "m/s", "slip speed at which friction is full", plausible=(1e-5, 0.2), ge=1e-9, le=100
+    )
+    faces: Literal["whole", "drawn_back"] = quantity(
+        "",
+        "whole: as large as the units, each of which pushes a sphere over their seam by its own law, as in "
+        "the pair law; drawn_back: short of the seams, so that both push it about as hard as one would",
+        default="whole",
+    )
+
+    @classmethod
+    def oil_sand(cls) -> Self:
+        """Shoe on oil sand.
+
+        Damping and the slip speed of full friction are the papers' c_max and V_st. The papers' friction
+        falls from mu_s = 0.4 at 0.01 m/s to mu_d = 0.3 at 0.1 m/s; a track at full propel slips at 0.1 m/s,
+        hence mu_d. Number and radius of the spheres are chosen here.
+        """
+        return cls(**ph4100c.SPHERE_CONTACT)
+
+    @property
+    def count(self) -> int:
+        """Spheres under one shoe."""
+        return self.spheres_x * self.spheres_y
+
+    def settled_depth(self, load: ArrayLike) -> NDArray:
+        """Penetration (m) of an evenly carried shoe by the reference law under each load (N)."""
+        return _impact_depth(load, self.reference_stiffness, self.reference_exponent)
+
+
+Contact = Annotated[PairContact | SphereContact, Field(discriminator="model")]
+"""How shoes and terrain touch."""
+
+
+def _impact_depth(load: ArrayLike, stiffness: float, exponent: float) -> NDArray:
+    return (np.maximum(load, 0.0) / stiffness) ** (1.0 / exponent)

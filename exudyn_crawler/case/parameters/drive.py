@@ -1,0 +1,121 @@
+"""Prescribed motion of the front shoe."""
+
+from typing import Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.parameters.base import Parameters, quantity
+from exudyn_crawler.case.parameters.profile import StepProfile
+
+SAME_TIME = 1e-9
+"""Relative difference below which two times are the same."""
+
+FASTEST = 100.0
+"""m/s and rad/s: no track is as fast, and nothing of it could be integrated."""
+
+
+class Drive(Parameters):
+    """Velocity of a point of the front shoe along x, in a turn the rate about its z axis, and when."""
+
+    speed: StepProfile = quantity("m/s", "velocity along global x", plausible=(-1.5, 1.5))
+    turn_rate: StepProfile | None = quantity(
+        "rad/s",
+        "angular velocity about the shoe's z axis; None leaves it free",
+        plausible=(-0.2, 0.2),
+        default=None,
+    )
+    on: tuple[tuple[float, float], ...] | None = quantity(
+        "s",
+        "times from and to which the drive moves the front shoe, free otherwise; None: always",
+        default=None,
+    )
+    point: Literal["com node", "front pins", "frame"] = Field(
+        default="com node",
+        description="what of the front shoe has the speed. com node: the mesh node nearest to "
+        "`flexible.com_node`, or the COM of a rigid shoe; front pins: the middle of its two front joint "
+        "centres; frame: the shoe as a whole, which spreads the force over a flexible shoe like a weight",
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.speed.times[0] != 0.0 or self.speed.values[0] != 0.0:
+            raise ValueError(
+                f"speed must start from rest at t = 0, got {self.speed.values[0]} at {self.speed.times[0]} s"
+            )
+        if self.turn_rate is not None and (self.turn_rate.times[0] != 0.0 or self.turn_rate.values[0] != 0.0):
+            raise ValueError(
+                f"turn_rate must start from zero at t = 0, got {self.turn_rate.values[0]} at "
+                f"{self.turn_rate.times[0]} s"
+            )
+        for name, rate in (("speed", self.speed), ("turn_rate", self.turn_rate)):
+            if rate is not None and max(map(abs, rate.values)) > FASTEST:
+                raise ValueError(f"{name} must not exceed {FASTEST:g} in size, got {list(rate.values)}")
+        times = [time for window in self.on or () for time in window]
+        if times and (times[0] < 0.0 or np.any(np.diff(times) <= 0.0)):
+            raise ValueError(f"on must be times from 0 s that increase, got {self.on}")
+        for start, _ in self.on or ():
+            if abs(float(self.speed.value(start))) > 1e-9:
+                raise ValueError(
+                    f"speed must be zero where the drive goes on, at {start:g} s, "
+                    f"got {float(self.speed.value(start)):g} m/s: the front shoe is at rest there"
+                )
+        return self
+
+    @classmethod
+    def translation(cls) -> Self:
+        """Straight propel (K-chapter eq. 27 to 29): 0.012 t2 - 0.0016 t3 up to 0.1 m/s at 5 s."""
+        return cls(speed=_risen(ph4100c.PROPEL_SPEED))
+
+    @classmethod
+    def turning(cls) -> Self:
+        """Propel and turn (K-chapter): the rate rises as 0.12 t2 - 0.016 t3 deg/s to 1 deg/s at 5 s."""
+        return cls(speed=_risen(ph4100c.PROPEL_SPEED), turn_rate=_risen(ph4100c.TURN_RATE))
+
+    @classmethod
+    def to_rest(cls) -> Self:
+        """Propel of the S-paper: as in translation up to 10 s, then to rest at 15 s, and off."""
+        speed, rest = ph4100c.PROPEL_SPEED, ph4100c.REST_START
+        return cls(
+            speed=StepProfile(
+                times=(0.0, ph4100c.PROPEL_RISE, ph4100c.BRAKE_START, rest), values=(0.0, speed, speed, 0.0)
+            ),
+            on=((0.0, rest),),
+        )
+
+    @property
+    def switch_times(self) -> tuple[float, ...]:
+        """Times after 0 at which the drive goes on or off, s."""
+        return tuple(time for window in self.on or () for time in window if time > 0.0)
+
+    def off_since(self, time: float) -> float:
+        """How long the drive has been off just after a time, s; zero while it is on."""
+        if self.drives_after(time):
+            return 0.0
+        return time - max((end for _, end in self.on or () if end <= time * (1.0 + SAME_TIME)), default=0.0)
+
+    def drives_after(self, time: float) -> bool:
+        """Whether the drive is on just after a time (s)."""
+        if self.on is None:
+            return True
+        return any(start <= time * (1.0 + SAME_TIME) < end for start, end in self.on)
+
+    def travel(self, time: float) -> float:
+        """Way that the drive has moved the front shoe by a time (s), m."""
+        return self._driven(self.speed, time)
+
+    def turn(self, time: float) -> float:
+        """Angle that the drive has turned the front shoe by a time (s), rad."""
+        return 0.0 if self.turn_rate is None else self._driven(self.turn_rate, time)
+
+    def _driven(self, rate: StepProfile, time: float) -> float:
+        """Integral of a rate over the times up to `time` at which the drive is on."""
+        if self.on is None:
+            return float(rate.integral(time))
+        parts = [(start, min(end, time)) for start, end in self.on if start < time]
+        return sum(float(rate.integral(end) - rate.integral(start)) for start, end in parts)
+
+
+def _risen(value: float) -> StepProfile:
+    return StepProfile(times=(0.0, ph4100c.PROPEL_RISE), values=(0.0, value))

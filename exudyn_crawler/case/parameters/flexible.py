@@ -1,0 +1,135 @@
+"""Flexible shoes of a track."""
+
+import re
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
+from exudyn_crawler.case.parameters.profile import StepProfile
+
+PAPER_DAMPING = StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph4100c.DAMPING_RATIOS)
+"""Modal damping ratio over frequency of the S-paper: 0.005 up to 1000 Hz, a STEP to 1 at 10 kHz."""
+ADAMS_DAMPING = StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.1, 0.1, 1.0))
+"""ADAMS' own default: 1 % below 100 Hz, 10 % up to 1000 Hz, critical above; its jumps are 2 % wide here."""
+
+CONSTRAINT_MODES = 24
+"""Six of each of the four joint centres."""
+RIGID_MODES = 6
+SHOWN_DIGITS = 20
+
+
+class FlexibleShoes(Parameters):
+    """Which shoes are flexible, and the finite-element model that all of them share."""
+
+    shoes: Annotated[tuple[int, ...], Field(min_length=1, description="numbers of the flexible shoes")]
+    mesh: str = Field(description="coarse, study or fine, or the path of a mesh with the same surfaces")
+    youngs_modulus: float = quantity("Pa", "E", plausible=(5e10, 5e11), ge=1.0, le=1e15)
+    poissons_ratio: float = quantity("1", "nu", plausible=(0.0, 0.45), gt=-1, lt=0.5)
+    density: float = quantity("kg/m3", "density", plausible=(1000.0, 2e4), ge=1e-3, le=1e6)
+    fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0, le=10_000)
+    recovered_modes: int = quantity(
+        "1", "fixed-interface modes of the basis that stress is made of", ge=0, le=10_000
+    )
+    load_surface: str = Field(
+        default="whole top",
+        description="surface of the mesh that the machine load is spread over: whole top, plateau (without "
+        "the wings), rails, or another that the mesh names",
+    )
+    com_node: tuple[Place, Place, Place] = quantity(
+        "m",
+        "the drive may move the mesh node nearest to this place, in the shoe's frame",
+        default=(0.0, 0.0, 0.0),
+    )
+    load_mode: bool = Field(
+        default=False,
+        description="whether the static answer to the machine load joins both bases, which else lose what "
+        "the load bends between the lowest modes",
+    )
+    static_fields: bool = Field(
+        default=True,
+        description="whether stress has, beside the modes, what the static answers to all loads have beyond "
+        "theirs: no error of truncation but the inertia of left-out modes",
+    )
+    highest_frequency: float | None = quantity(
+        "Hz",
+        "modes of the integrated basis above this are left out",
+        plausible=(50.0, 1e6),
+        gt=0,
+        le=1e12,
+        default=None,
+    )
+    modes: tuple[int, ...] | None = Field(
+        default=None, description="numbers (from 1) of the modes of the integrated basis that are kept"
+    )
+    damping: StepProfile = quantity(
+        "1", "modal damping ratio over frequency (Hz, in place of times)", plausible=(0.0, 2.0)
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if len(set(self.shoes)) != len(self.shoes) or list(self.shoes) != sorted(self.shoes):
+            raise ValueError(f"shoes must be different numbers in rising order, got {self.shoes}")
+        if min(self.damping.values) < 0.0:
+            raise ValueError(f"damping ratios must not be negative, got {self.damping.values}")
+        if self.fixed_modes > self.recovered_modes:
+            raise ValueError(
+                f"fixed_modes must not exceed recovered_modes = {self.recovered_modes}, "
+                f"got {self.fixed_modes}"
+            )
+        if self.modes is not None:
+            if self.highest_frequency is not None:
+                raise ValueError("choose modes by number or by highest_frequency, not by both")
+            numbers = list(self.modes)
+            if not numbers or numbers != sorted(set(numbers)):
+                raise ValueError(f"modes must be different numbers in rising order, got {self.modes}")
+            if numbers[0] < 1 or numbers[-1] > self.mode_count:
+                raise ValueError(f"modes must be in 1..{self.mode_count}, got {self.modes}")
+        return self
+
+    @property
+    def mode_count(self) -> int:
+        """Modes of the integrated basis: 24 constraint modes and the fixed-interface ones, less 6 rigid."""
+        return CONSTRAINT_MODES - RIGID_MODES + self.fixed_modes + int(self.load_mode)
+
+    def with_modes(self, choice: str) -> Self:
+        """Choose the modes that are integrated; the others follow their loads without inertia.
+
+        Parameters
+        ----------
+        choice : str
+            "all": the whole basis that stress is made of; "1200Hz": its modes up to a frequency;
+            "1-20,25": its modes with these numbers, in order of frequency; "10 fixed": the constraint modes
+            and the 10 lowest fixed-interface modes.
+
+        Raises
+        ------
+        ValueError
+            If the choice is none of these or names modes that do not exist.
+        """
+        text = choice.strip().lower()
+        whole = {"fixed_modes": self.recovered_modes, "highest_frequency": None, "modes": None}
+        if text == "all":
+            return self.with_(**whole)
+        if match := re.fullmatch(r"(\d+) *fixed", text):
+            return self.with_(**whole | {"fixed_modes": int(match[1])})
+        if match := re.fullmatch(r"(\d+(?:\.\d+)?) *hz", text):
+            return self.with_(**whole | {"highest_frequency": float(match[1])})
+        if re.fullmatch(r"\d+(-\d+)?(, *\d+(-\d+)?)*", text):
+            numbers: set[int] = set()
+            # a range is as long as it says: none is made of more numbers than there are modes
+            most = self.with_(**whole).mode_count
+            for part in text.split(","):
+                first, _, last = part.strip().partition("-")
+                greatest = last or first
+                if len(greatest.lstrip("0")) > len(str(most)) or int(greatest) > most:
+                    raise ValueError(f"modes must be in 1..{most}, got {greatest[:SHOWN_DIGITS]}")
+                numbers |= set(range(int(first), int(greatest) + 1))
+            return self.with_(**whole | {"modes": tuple(sorted(numbers))})
+        raise ValueError(f'modes must be like "all", "1200Hz", "1-20,25" or "10 fixed", got {choice!r}')
+
+    @classmethod
+    def ph4100c(cls, mesh: str = "study") -> Self:
+        """Middle and front shoes of the S-paper: steel, with its modal damping."""
+        return cls(**ph4100c.FLEXIBLE_SHOES, mesh=mesh, damping=PAPER_DAMPING)

@@ -1,0 +1,217 @@
+"""Machine and dipper loads on the shoes over time."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Self
+
+import numpy as np
+from annotated_types import Ge, Le
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, ValidationError, model_validator
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.files.faults import faults
+from exudyn_crawler.case.files.toml import toml_content
+from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
+from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.errors import CaseFileError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Load = Annotated[float, Ge(-1e10), Le(1e10)]
+"""Load on a shoe, N."""
+
+
+class Phase(Parameters):
+    """Part of a load cycle: the load on every shoe at its end, and where across the shoes it acts."""
+
+    name: Name = Field(description="name of the phase")
+    end: float = quantity("s", "time at which the phase ends", ge=0, le=1e9)
+    loads: tuple[Load, ...] = quantity(
+        "N", "downward load on shoes 1..n at the end of the phase", min_length=1
+    )
+    side_shift: float = quantity(
+        "m",
+        "how far to the left (+y) loads act at its end",
+        plausible=(-1.0, 1.0),
+        ge=-10,
+        le=10,
+        default=0.0,
+    )
+
+
+class LoadCycle(Parameters):
+    """Downward loads on the shoes, in phases whose ends are joined by cubic STEPs.
+
+    Before the end of the first phase the loads are constant at its values, after the last one at the last.
+    """
+
+    phases: Annotated[tuple[Phase, ...], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        ends = [phase.end for phase in self.phases]
+        if np.any(np.diff(ends) <= 0.0):
+            raise ValueError(f"the phases' ends must increase, got {ends}")
+        counts = {phase.name: len(phase.loads) for phase in self.phases}
+        if len(counts) != len(self.phases):
+            raise ValueError(f"the phases' names must differ, got {[p.name for p in self.phases]}")
+        if len(set(counts.values())) != 1:
+            raise ValueError(f"every phase needs a load for every shoe, got counts {counts}")
+        return self
+
+    @classmethod
+    def constant(cls, loads: Sequence[float]) -> Self:
+        """Same loads (N, shoes 1..n) at all times."""
+        return cls(phases=(Phase(name="constant", end=0.0, loads=tuple(loads)),))
+
+    @classmethod
+    def propel(cls, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
+        """Machine weight spread evenly (F-paper): 386.4 kN on each shoe."""
+        return cls.constant([ph4100c.PROPEL_LOAD] * shoe_count)
+
+    @classmethod
+    def shovel_cycle(cls) -> Self:
+        """Propel, dig, hoist and swing, dump and return of the P&H 4100C (S-paper).
+
+        Only the loads on shoe 7 are printed. The others follow from what is stated of them, with every
+        sum kept (machine 13 x 386.4 kN, dipper 445 kN):
+
+        - dig: the dipper on shoes 7 to 13, rising evenly from shoe to shoe; the machine's load grows with
+          the square of the distance from shoe 7, where it is what the printed 384 kN leave it;
+        - swing: both symmetric about shoe 7 and falling evenly from there, the machine's from 541 kN, the
+          dipper's from the rest of the printed 732 kN until nothing is left;
+        - dump: the machine's share of the swing alone;
+        - return: even again.
+        """
+        count, middle = ph4100c.SHOE_COUNT, ph4100c.MIDDLE_SHOE
+        from_middle = np.abs(np.arange(1, count + 1) - middle)
+        machine = count * ph4100c.PROPEL_LOAD
+
+        dipper = np.clip(np.arange(1, count + 1) - (middle - 1), 0, None)
+        dipper = ph4100c.DIPPER_LOAD * dipper / dipper.sum()
+        least = ph4100c.DIG_LOAD - dipper[middle - 1]
+        bowl = (machine - count * least) / np.sum(from_middle**2)
+        dig = least + bowl * from_middle**2 + dipper
+
+        slope = (count * ph4100c.DUMP_LOAD - machine) / from_middle.sum()
+        dump = ph4100c.DUMP_LOAD - slope * from_middle
+        swing = dump + _falling(ph4100c.SWING_LOAD - ph4100c.DUMP_LOAD, ph4100c.DIPPER_LOAD, from_middle)
+
+        even = np.full(count, ph4100c.PROPEL_LOAD)
+        ends = {
+            "propel": (ph4100c.PROPEL_END, even),
+            "dig": (ph4100c.DIG_END, dig),
+            "hoist and swing": (ph4100c.SWING_END, swing),
+            "dump": (ph4100c.DUMP_END, dump),
+            "return": (ph4100c.RETURN_END, even),
+        }
+        return cls(
+            phases=tuple(
+                Phase(name=name, end=end, loads=tuple(loads.tolist())) for name, (end, loads) in ends.items()
+            )
+        )
+
+    @classmethod
+    def from_toml(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
+        """Read a cycle from a TOML file.
+
+        It holds a list of tables ``[[phases]]`` with name, end and loads.
+
+        Parameters
+        ----------
+        shoe_count : int
+            Shoes that a phase loads which gives one number for all of them.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If it is not TOML or not a load cycle, naming what is wrong.
+        """
+        try:
+            return cls.model_validate(with_equal_loads(cycle_content(path), shoe_count))
+        except ValidationError as error:
+            raise CaseFileError(Path(path), list(faults(error, cls))) from None
+
+    def table(self) -> "pd.DataFrame":
+        """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""
+        # a third of the time that a case takes to be shown
+        import pandas as pd
+
+        columns = {
+            f"{phase.name} ({phase.end:g} s)": [*phase.loads, sum(phase.loads)] for phase in self.phases
+        }
+        shoes = [*map(str, range(1, self.shoe_count + 1)), "sum"]
+        return pd.DataFrame({"shoe": shoes, **{n: np.array(v) / 1e3 for n, v in columns.items()}})
+
+    @property
+    def shoe_count(self) -> int:
+        """Number of shoes that the cycle loads."""
+        return len(self.phases[0].loads)
+
+    def profile(self, shoe: int) -> StepProfile:
+        """Load on a shoe (1..n) over time, N."""
+        if not 1 <= shoe <= self.shoe_count:
+            raise ValueError(f"shoe must be in 1..{self.shoe_count}, got {shoe}")
+        return StepProfile(
+            times=tuple(phase.end for phase in self.phases),
+            values=tuple(phase.loads[shoe - 1] for phase in self.phases),
+        )
+
+    @property
+    def side_shift(self) -> StepProfile:
+        """How far beside the load points the loads act over time, m, positive to the left."""
+        return StepProfile(
+            times=tuple(phase.end for phase in self.phases),
+            values=tuple(phase.side_shift for phase in self.phases),
+        )
+
+    def loads(self, time: ArrayLike) -> NDArray:
+        """Loads at each time: array (times, shoes), N downward."""
+        t = np.atleast_1d(np.asarray(time, dtype=float))
+        return np.column_stack([self.profile(s).value(t) for s in range(1, self.shoe_count + 1)])
+
+
+def cycle_content(path: str | Path) -> dict[str, Any]:
+    """Content of a file with a load cycle; errors are those of `LoadCycle.from_toml`."""
+    try:
+        content = toml_content(path, "load cycle")
+    except ValueError as error:
+        raise ValueError(f"{path} is {error}") from error
+    if "drive_on" in content:
+        raise ValueError(
+            f"{path}: drive_on must not be in a load cycle, since the drive says when it is on: "
+            f"Drive.on, or on = {content['drive_on']} in [drive] of a case file"
+        )
+    return content
+
+
+def with_equal_loads(content: Any, shoe_count: int) -> Any:
+    """Content of a load cycle in which one number for all shoes, or in its place, stands for each of them."""
+    if _is_load(content):
+        content = {"phases": [{"name": "constant", "end": 0.0, "loads": content}]}
+    phases = content.get("phases") if isinstance(content, dict) else None
+    if not isinstance(phases, list):
+        return content
+    return content | {"phases": [_spread(phase, shoe_count) for phase in phases]}
+
+
+def _spread(phase: Any, shoe_count: int) -> Any:
+    load = phase.get("loads") if isinstance(phase, dict) else None
+    return phase | {"loads": [load] * shoe_count} if _is_load(load) else phase
+
+
+def _is_load(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _falling(greatest: float, total: float, distance: NDArray) -> NDArray:
+    """Loads that fall evenly with the distance from `greatest` to nothing, with a given sum."""
+    reach = np.cumsum(np.sort(distance))
+    count = np.arange(1, len(reach) + 1)
+    # with the n nearest ones alone loaded the sum is a line in the slope; the highest of these lines holds
+    slope = np.max((count * greatest - total)[reach > 0.0] / reach[reach > 0.0])
+    return np.clip(greatest - slope * distance, 0.0, None)

@@ -1,0 +1,195 @@
+"""What of a case no machine and no ground is known to have, with the likely cause.
+
+Single values are measured against what their fields call plausible; what only several together tell, such as
+how deep shoes sink, has a check of its own here.
+"""
+
+import logging
+import warnings
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from pydantic.fields import FieldInfo
+
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.parameters.fields import walk
+from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.case.parameters.units import likely_cause, plausible_range, unit_of
+from exudyn_crawler.errors import ImplausibleWarning
+
+logger = logging.getLogger("exudyn_crawler")
+
+LEAST_LOAD, GREATEST_LOAD = 1e3, 1e7
+"""N, mean load of the machine on a shoe."""
+KILO = 1e3
+CLEARLY_LESS = 200.0
+"""Times that a load is less than the greatest of its phase to be a likely mistake."""
+LIKE = 2.0
+"""Ratio of loads that are alike."""
+MOST_SHOWN = 5
+"""Shoes that a line lists."""
+LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0
+"""m, radii of gyration of a shoe."""
+DEEPEST = 0.5
+"""Of the way from a shoe's underside to its load point: how far it plausibly sinks into a unit."""
+GREATEST_SAG = 0.5
+"""Of a unit's height: how far its weight and its share of the track plausibly press it down."""
+
+
+def _loads(case: Case) -> Iterator[str]:
+    """Phases whose loads are next to nothing, or beyond any machine, or lift shoes."""
+    for number, phase in enumerate(case.loads.phases):
+        whole, count = sum(phase.loads), len(phase.loads)
+        if min(phase.loads) < 0.0:
+            up = [shoe for shoe, load in enumerate(phase.loads, 1) if load < 0.0]
+            yield (
+                f"loads.phases[{number}].loads: {_newtons(min(phase.loads))} at the end of {phase.name!r} "
+                f"lifts {_shoes(up)}; loads press down and are positive"
+            )
+            continue
+        if LEAST_LOAD <= whole / count <= GREATEST_LOAD or case.propel == "rolled":
+            continue
+        if whole == 0.0:
+            cause = "nothing, so that the ground carries the shoes alone"
+        else:
+            cause = f"{_newtons(whole)} in all; loads are in N"
+        yield f"loads.phases[{number}].loads: {count} shoes carry {cause}"
+
+
+def _single_loads(case: Case) -> Iterator[str]:
+    """Phases with loads on some shoes that would be like those on the others if they were in kN."""
+    for number, phase in enumerate(case.loads.phases):
+        loads = np.array(phase.loads)
+        small = loads * CLEARLY_LESS < loads.max()
+        small &= loads > 0.0
+        if not small.any():
+            continue
+        like = loads[~small & (loads > 0.0)]
+        least, greatest = loads[small].min() * KILO, loads[small].max() * KILO
+        if like.min() / LIKE <= greatest and least <= like.max() * LIKE:
+            shoes = _shoes([*(np.flatnonzero(small) + 1)])
+            yield (
+                f"loads.phases[{number}].loads: {_newtons(loads[small].min())} at the end of {phase.name!r} "
+                f"on {shoes}, up to {_newtons(loads.max())} on others; is it in kN? It has to be in N"
+            )
+
+
+def _side_shift(case: Case) -> Iterator[str]:
+    """Phases whose loads act so far beside the middle that their spread over a shoe pulls at its edge."""
+    core = case.shoe.width / 6.0
+    for number, phase in enumerate(case.loads.phases):
+        if abs(phase.side_shift) > core and any(phase.loads):
+            yield (
+                f"loads.phases[{number}].side_shift: {phase.side_shift:g} m at the end of {phase.name!r} is "
+                f"beyond a sixth of the shoe's width, {core:.3g} m: the load pulls at the other edge, which "
+                f"no machine does"
+            )
+
+
+def _shoes(numbers: list[int]) -> str:
+    """Numbers of shoes for reading: "shoe 3", "shoes 1..13", "shoes 1, 2, 5"."""
+    if len(numbers) > 2 and numbers[-1] - numbers[0] + 1 == len(numbers):
+        return f"shoes {numbers[0]}..{numbers[-1]}"
+    more = ", ..." if len(numbers) > MOST_SHOWN else ""
+    return f"shoe{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers[:MOST_SHOWN]))}{more}"
+
+
+def _inertia(case: Case) -> Iterator[str]:
+    radii = np.sqrt(np.linalg.eigvalsh(case.shoe.inertia_tensor) / case.shoe.mass)
+    if radii[0] < LEAST_GYRATION or radii[-1] > GREATEST_GYRATION:
+        yield (
+            f"shoe.inertia: with a mass of {case.shoe.mass:g} kg it gives radii of gyration of "
+            f"{radii[0]:.3g} to {radii[-1]:.3g} m, outside of {LEAST_GYRATION} to {GREATEST_GYRATION} m; "
+            f"it is in kg m2"
+        )
+
+
+def _sinking(case: Case) -> Iterator[str]:
+    depth, height = case.settled_penetration, case.shoe.com_height + case.shoe.load_point[2]
+    if depth > DEEPEST * height:
+        yield (
+            f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(case.mean_load)}, more "
+            f"than half its height of {height:.3g} m; the stiffness is in N/m^exponent, loads are in N"
+        )
+
+
+def _sag(case: Case) -> Iterator[str]:
+    terrain = case.terrain
+    sag = (case.mean_load - terrain.unit_mass * case.gravity_vector()[2]) / terrain.heave_stiffness
+    if sag > GREATEST_SAG * terrain.unit_height:
+        yield (
+            f"terrain.spring_stiffness: a unit sinks by {sag:.3g} m under itself and one shoe, more than "
+            f"half its height of {terrain.unit_height:g} m; the stiffness is in N/m"
+        )
+
+
+def _newtons(force: float) -> str:
+    """Force for reading."""
+    for size, unit in ((1e9, "GN"), (1e6, "MN"), (1e3, "kN")):
+        if abs(force) >= size:
+            return f"{force / size:.4g} {unit}"
+    return f"{force:.4g} N"
+
+
+CHECKS: tuple[Callable[[Case], Iterator[str]], ...] = (
+    _loads,
+    _single_loads,
+    _side_shift,
+    _inertia,
+    _sinking,
+    _sag,
+)
+"""What only several values together tell."""
+
+
+def warn_implausible(case: Case, duration: float | None = None) -> None:
+    """Warn of everything in a case that no machine and no ground is known to have.
+
+    Parameters
+    ----------
+    duration : float, optional
+        s, of the run that is to come.
+
+    Warns
+    -----
+    ImplausibleWarning
+        For each such thing, with the likely cause.
+    """
+    for line in implausible(case, duration):
+        logger.info("warning: %s", line)
+        warnings.warn(line, ImplausibleWarning, stacklevel=3)
+
+
+def implausible(case: Case, duration: float | None = None) -> Iterator[str]:
+    """Everything in a case that no machine and no ground is known to have, a line each."""
+    for entry in walk(case):
+        told = _out_of_range(entry.value, entry.field)
+        if told:
+            yield f"{entry.path}: {told}"
+    for check in CHECKS:
+        yield from check(case)
+    step = case.solver.step
+    if duration is not None and duration < step:
+        yield f"solver.step: {step:g} s is longer than the run of {duration:g} s"
+
+
+def _out_of_range(value: object, field: FieldInfo) -> str:
+    """What is to be said of a value outside of its plausible range; empty within it."""
+    plausible = plausible_range(field)
+    numbers = _numbers(value)
+    if plausible is None or not numbers:
+        return ""
+    least, greatest = plausible
+    worst = max(numbers, key=lambda one: max(least - one, one - greatest))
+    if least <= worst <= greatest:
+        return ""
+    unit = unit_of(field)
+    return f"{worst:g}{unit} is outside of {least:g} to {greatest:g}{unit}{likely_cause(worst, field)}"
+
+
+def _numbers(value: object) -> list[float]:
+    if isinstance(value, StepProfile):
+        return list(value.values)
+    if isinstance(value, tuple):
+        return [number for one in value for number in _numbers(one)]
+    return [float(value)] if isinstance(value, int | float) and not isinstance(value, bool) else []

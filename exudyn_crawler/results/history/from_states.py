@@ -1,0 +1,258 @@
+"""From the states of the multibody system to a history's named variables; nothing here solves anything."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Protocol
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.ground.coordinates import TerrainCoordinates
+from exudyn_crawler.ground.pairs import RESULT
+from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
+from exudyn_crawler.model.drive_point import DrivePoint
+from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
+from exudyn_crawler.results.history.case_in_file import LAYOUT_VERSION
+from exudyn_crawler.results.history.compact import CONTACT_TYPE, TERRAIN_COORDINATES, motion_variables
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.quantities import Variable, variable
+from exudyn_crawler.results.history.rolled_states import Treads, rolled_coordinates, rolled_variables
+
+AXES = ["x", "y", "z"]
+
+CONTACTS = (
+    "penetration",
+    "penetration_rate",
+    "area",
+    "point",
+    "normal_force",
+    "friction_force",
+    "slip_velocity",
+    "friction_torque",
+)
+"""Variables of every contact."""
+
+
+class Contact(Protocol):
+    """What reads contacts and units off a state."""
+
+    @property
+    def coordinates(self) -> TerrainCoordinates:
+        """How the terrain's coordinates carry the units."""
+        ...
+
+    @property
+    def results(self) -> Callable[..., NDArray]:
+        """Contacts (contacts, RESULTS) at coordinates, their rates and, where kept, the engine's forces."""
+        ...
+
+    def unit_motion(self, q: NDArray) -> NDArray:
+        """Displacement (m) and tilt (rad) of the units, or their rates: array (units, 4)."""
+        ...
+
+
+@dataclass(frozen=True)
+class _States:
+    """Stored states (times, layout.size) and what reads them."""
+
+    case: Case
+    layout: StateLayout
+    rows: NDArray
+
+    def part(self, name: str) -> NDArray:
+        return self.layout.part(self.rows, name)
+
+
+def history_of(
+    case: Case,
+    layout: StateLayout,
+    contact: Contact,
+    rows: NDArray,
+    point: DrivePoint,
+    frequencies: NDArray | None = None,
+    treads: Treads | None = None,
+) -> History:
+    """Turn the stored states of a run into its history.
+
+    Parameters
+    ----------
+    case : Case
+        What was run.
+    layout : StateLayout
+        What the numbers of a row are.
+    contact : Contact
+        The case's contact as a function of its coordinates.
+    rows : array (times, layout.size)
+        Stored states.
+    point : DrivePoint
+        Of the front shoe, where the drive acts.
+    frequencies : array (modes,), optional
+        Of the flexible shoes' modes, Hz.
+    treads : Treads, optional
+        Reads the treads of a side frame, where the case has one.
+    """
+    states = _States(case, layout, rows)
+    time = states.part("time")
+    variables = _shoes(states) | _reactions(states, point) | _terrain(states, contact)
+    variables["shoe_load"] = variable("shoe_load", case.loads.loads(time))
+    variables |= _flexible(states)
+    if treads is not None:
+        variables |= rolled_variables(case, layout, rows, treads)
+    contacts, pairs = _contacts(states, contact)
+    motion = {name: variables.pop(name) for name in TERRAIN_COORDINATES if name in variables}
+    dataset = xr.Dataset(
+        variables | contacts,
+        coords={
+            "time": ("time", time, {"units": "s"}),
+            "shoe": case.track.shoes,
+            "joint": ("joint", case.track.joints, {"long_name": "link of shoes i and i + 1"}),
+            "unit": case.terrain.units,
+            "axis": AXES,
+            **motion,
+            **_flexible_coordinates(layout, frequencies),
+            **rolled_coordinates(case),
+            "contact_shoe": ("contact", pairs[:, 0]),
+            "contact_unit": ("contact", pairs[:, 1]),
+        },
+        attrs={
+            "title": case.name,
+            "exudyn_version": version("exudyn"),
+            "exudyn_crawler_version": version("exudyn-crawler"),
+            LAYOUT_VERSION: VERSION,
+        },
+    )
+    return History(case=case, dataset=dataset)
+
+
+def _shoes(states: _States) -> dict[str, Variable]:
+    u, v, a = (states.part(f"shoes{rate}") for rate in RATES)
+    angles, rates, accelerations = u[..., 3:], v[..., 3:], a[..., 3:]
+    case = states.case
+    named = {
+        "position": u[..., :3] + case.track.com_positions(case.shoe.com_height),
+        "velocity": v[..., :3],
+        "acceleration": a[..., :3],
+        "angles": angles,
+        "angular_velocity": angular_velocity(angles, rates),
+        "angular_acceleration": angular_acceleration(angles, rates, accelerations),
+    }
+    return {name: variable(name, values) for name, values in named.items()}
+
+
+def _pins(states: _States) -> Iterator[tuple[int, int, NDArray, NDArray]]:
+    """Joints of all links: link and side (from 0), force and torque on the rear shoe (times, 3).
+
+    A joint's equations are ``p_front - p_rear = 0`` and, with the axes of the rear shoe marked 0 and of
+    the front one 1, ``y0 . x1 = 0`` and ``y0 . z1 = 0``: the multipliers of the first are the force on
+    the rear shoe, those of the others turn it by ``x1 x y0`` and ``z1 x y0``.
+    """
+    frames = rotation_matrices(states.part("shoes")[..., 3:])
+    y0, x1, z1 = frames[:, :-1, :, 1], frames[:, 1:, :, 0], frames[:, 1:, :, 2]
+    for link, number in enumerate(states.case.track.joints):
+        for side, name in enumerate(SIDES):
+            if states.layout.has(pin_name(name, number)):
+                reaction = states.part(pin_name(name, number))
+                about_x, about_z = np.cross(x1[:, link], y0[:, link]), np.cross(z1[:, link], y0[:, link])
+                torque = reaction[:, 3, None] * about_x + reaction[:, 5, None] * about_z
+                yield link, side, reaction[:, :3], torque
+
+
+def _reactions(states: _States, point: DrivePoint) -> dict[str, Variable]:
+    """Forces and torques of links and drive."""
+    force = np.zeros((len(states.rows), len(states.case.track.joints), 3))
+    torque = np.zeros_like(force)
+    for link, _, pin_force, pin_torque in _pins(states):
+        force[:, link] += pin_force
+        torque[:, link] += pin_torque
+    turn = -states.part("turn")[:, 0] if states.layout.has("turn") else np.zeros(len(states.rows))
+    named = {
+        "joint_force": force,
+        "joint_torque": torque,
+        "drive_force": -states.part("drive")[:, 0] * (states.case.propel == "dragged"),
+        "drive_point": _drive_point(states, point),
+        "drive_torque": turn,
+    }
+    return {name: variable(name, values) for name, values in named.items()}
+
+
+def _drive_point(states: _States, point: DrivePoint) -> NDArray:
+    """Where the drive acts: array (times, 3)."""
+    case, front = states.case, states.part("shoes")[:, -1]
+    # the front shoe is the last of the flexible ones, if it is one of them
+    modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(front), 0))
+    start = case.track.com_positions(case.shoe.com_height)[-1]
+    return front[:, :3] + start + point.arm(front[:, 3:], modal)
+
+
+def _flexible_coordinates(layout: StateLayout, frequencies: NDArray | None) -> dict[str, object]:
+    if frequencies is None:
+        return {}
+    return {
+        "flexible_shoe": list(layout.flexible_shoes),
+        "mode": np.arange(1, layout.modes + 1),
+        "frequency": ("mode", frequencies, {"units": "Hz"}),
+        "pin": list(SIDES),
+    }
+
+
+def _flexible(states: _States) -> dict[str, Variable]:
+    """Modal coordinates of the flexible shoes and the forces at each pin of their links."""
+    if not states.layout.flexible_shoes:
+        return {}
+    force = np.full((len(states.rows), len(states.case.track.joints), len(SIDES), 3), np.nan)
+    torque = np.full_like(force, np.nan)
+    for link, side, pin_force, pin_torque in _pins(states):
+        # a rigid link has one joint, whose reaction is no pin's
+        if states.layout.has(pin_name(SIDES[-1], int(states.case.track.joints[link]))):
+            force[:, link, side] = pin_force
+            torque[:, link, side] = pin_torque
+    named = {
+        "modal_coordinate": states.part("modes"),
+        "modal_velocity": states.part("modes rate"),
+        "pin_force": force,
+        "pin_torque": torque,
+    }
+    return {name: variable(name, values) for name, values in named.items()}
+
+
+def _terrain(states: _States, contact: Contact) -> dict[str, Variable]:
+    shapes = contact.coordinates.shapes
+    if shapes is not None:
+        first = 6 * len(states.case.track.shoes)
+        own = slice(first, first + contact.coordinates.size)
+        motion = {rate.replace(" ", "_"): states.part(f"coordinates{rate}")[:, own].copy() for rate in RATES}
+        return motion_variables(shapes.heave, shapes.tilt, motion)
+    named: dict[str, Variable] = {}
+    for rate in RATES:
+        units = np.stack([contact.unit_motion(row) for row in states.part(f"coordinates{rate}")])
+        for name, column in (("heave", 2), ("tilt", 3)):
+            name = f"unit_{name}{rate.replace(' ', '_')}"
+            named[name] = variable(name, units[..., column])
+    return named
+
+
+def _contacts(states: _States, contact: Contact) -> tuple[dict[str, Variable], NDArray]:
+    """Contacts over time, one column a pair that ever met; zero while the pair is apart."""
+    parts = [states.part("coordinates"), states.part("coordinates rate")]
+    if states.layout.contact_forces:
+        parts.append(states.part("contact forces"))
+    found = [contact.results(*state) for state in zip(*parts, strict=True)]
+    rows = np.concatenate(found)
+    keys = [
+        rows[:, RESULT["shoe"]].astype(int) + 1,
+        rows[:, RESULT["unit"]].astype(int) + 1,
+    ]
+    pairs, column = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
+    when = np.repeat(np.arange(len(found)), [len(one) for one in found])
+    variables: dict[str, Variable] = {}
+    for name in CONTACTS:
+        values = rows[..., RESULT[name]]
+        table = np.zeros((len(found), len(pairs), *values.shape[1:]))
+        # a history in memory has the numbers of its file
+        table[when, column.ravel()] = values.astype(CONTACT_TYPE)
+        variables[name] = variable(name, table)
+    return variables, pairs

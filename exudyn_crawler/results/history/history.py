@@ -1,0 +1,121 @@
+"""Results of a run: named arrays over time that know their units and where they come from."""
+
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import xarray as xr
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.netcdf import write_netcdf_along
+from exudyn_crawler.results.history.case_in_file import case_in_file, reading_history, with_case, without_case
+from exudyn_crawler.results.history.compact import packed, unpacked
+from exudyn_crawler.results.history.pieces import blocks
+from exudyn_crawler.results.history.quantities import check_dimensions
+from fem.interrupts import interrupts_wait
+
+MOST_IN_MEMORY = 10**9
+"""Bytes of a history that are read at once: 280 s of 13 rigid shoes, stored every 2 ms."""
+NEEDED = ("position", "velocity", "angles", "joint_force", "penetration", "normal_force", "unit_heave")
+"""Some of the variables that every history has."""
+
+
+@dataclass(frozen=True)
+class History:
+    """Results of a run.
+
+    Every variable of the dataset is an attribute too: ``history.position.sel(shoe=13, axis="x")``.
+    `exudyn_crawler.results.history.quantities` lists the variables; each has unit and meaning as attributes.
+
+    Attributes
+    ----------
+    case : Case
+        What was run.
+    dataset : xarray.Dataset
+        Dimensions time (s), shoe, joint, unit, contact and axis (x, y, z of the global frame).
+    """
+
+    case: Case
+    dataset: xr.Dataset
+
+    def __getattr__(self, name: str) -> xr.DataArray:
+        """Variable or coordinate of the dataset."""
+        # what copies a history or sends it to another process asks before there is a dataset
+        variables = self.dataset.variables if "dataset" in vars(self) else {}
+        if name.startswith("_") or name not in variables:
+            raise AttributeError(f"a history has no {name!r}; it has {sorted(map(str, variables))}")
+        return self.dataset[name]
+
+    def __dir__(self) -> list[str]:
+        """Attributes, for completion: those of every object and the variables."""
+        return [*super().__dir__(), *map(str, self.dataset.variables)]
+
+    def _repr_html_(self) -> str:
+        """Case in a line and the dataset, for notebooks."""
+        shown = f"<p>History of the case {escape(repr(self.case.name))} over {self.duration:g} s</p>"
+        return shown + self.dataset._repr_html_()
+
+    @property
+    def duration(self) -> float:
+        """Time of the last state, s."""
+        return float(self.dataset.time[-1])
+
+    def save(self, path: str | Path, overwrite: bool = False) -> Path:
+        """Write everything to one NetCDF file, as of `results.history.compact`: contacts in single precision.
+
+        Raises
+        ------
+        FileExistsError
+            If the file exists and `overwrite` is false.
+        """
+        whole = with_case(packed(self.dataset), self.case)
+        return write_netcdf_along("time", whole.sizes["time"], blocks(whole), Path(path), overwrite)
+
+    def every(self, step: int) -> Self:
+        """Every so many-th of the stored times, from the first on, in memory; itself for 1."""
+        if step == 1:
+            return self
+        return type(self)(self.case, self.dataset.isel(time=slice(None, None, step)).load())
+
+    @classmethod
+    @interrupts_wait()
+    def load(cls, path: str | Path) -> Self:
+        """Read a file that `save` wrote.
+
+        Of one too large for memory (`MOST_IN_MEMORY`) a variable is read each time that it is asked for.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If the file does not hold a history, or one of states laid out in another version.
+        """
+        path = Path(path)
+        # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
+        case = case_in_file(path)
+        with reading_history(path):
+            file_dataset = xr.open_dataset(path, engine="h5netcdf", cache=False)
+            dataset = without_case(unpacked(file_dataset))
+            if dataset.nbytes <= MOST_IN_MEMORY:
+                dataset = without_case(unpacked(file_dataset.load(), widened=True))
+                file_dataset.close()
+            _check(case, dataset)
+        return cls(case=case, dataset=dataset)
+
+
+def _check(case: Case, dataset: xr.Dataset) -> None:
+    """Refuse a dataset whose variables are not those of a history of the case."""
+    check_dimensions(dataset)
+    missing = [name for name in NEEDED if name not in dataset.variables]
+    if missing:
+        raise ValueError(f"it has no {missing[0]}")
+    numbers = {"shoe": case.track.shoes, "joint": case.track.joints, "unit": case.terrain.units}
+    for name, own in numbers.items():
+        if not np.array_equal(dataset[name], own):
+            raise ValueError(f"its {name}s are not those of its case")
+    time = dataset.time.values
+    if not (len(time) and np.isfinite(time).all() and (np.diff(time) > 0.0).all()):
+        raise ValueError("its times do not increase")

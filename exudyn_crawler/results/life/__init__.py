@@ -1,0 +1,1 @@
+"""Life of shoes in machine hours."""

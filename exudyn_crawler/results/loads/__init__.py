@@ -1,0 +1,1 @@
+"""What acts on a shoe, and what that loads."""

@@ -1,0 +1,295 @@
+"""What acts on the shoes of a history, as data: one record for each action, over all stored times.
+
+Balances of momentum and the modal loads of a flexible shoe sum over these records; a new kind of load is one
+builder in `model` and one record here. All vectors are global, all units SI.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.case import Case, Undercarriage
+from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.loads.patches import patches
+from fem import ReducedBody
+
+
+@dataclass(frozen=True)
+class AtInterface:
+    """Enters a flexible shoe at the centre of one of its interfaces, through the rigid spider there."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class OverSurface:
+    """Enters a flexible shoe spread over one of its named surfaces.
+
+    Attributes
+    ----------
+    name : str
+    shift : array (times,), optional
+        m by which the load acts beside the surface's middle, to the left: its pressure changes evenly across
+        the shoe; None where it is even.
+    """
+
+    name: str
+    shift: NDArray | None = None
+
+
+@dataclass(frozen=True)
+class OverRectangle:
+    """Enters a flexible shoe spread evenly over a rectangle of its underside.
+
+    Attributes
+    ----------
+    low, high : array (times, 2)
+        Least and greatest x and y, m, in the shoe's frame.
+    pressed : array of bool (times,)
+        When there is a rectangle at all.
+    """
+
+    low: NDArray
+    high: NDArray
+    pressed: NDArray
+
+
+@dataclass(frozen=True)
+class OnFrame:
+    """Enters a flexible shoe through the coordinates of its floating frame: no mode is loaded."""
+
+
+@dataclass(frozen=True)
+class AtDrivePoint:
+    """Enters a flexible shoe at the point that the drive moves."""
+
+
+@dataclass(frozen=True)
+class OverMass:
+    """Enters a flexible shoe spread as its mass, to which every elastic mode is orthogonal."""
+
+
+@dataclass(frozen=True)
+class OnRail:
+    """Enters a flexible shoe at a place on one of its rails.
+
+    Attributes
+    ----------
+    line : int
+        Strip of the treads, counted from 0 over both rails.
+    x : array (times,)
+        Place along the rail, m, in the shoe's frame.
+    """
+
+    line: int
+    x: NDArray
+
+
+Entry = AtInterface | OverSurface | OverRectangle | AtDrivePoint | OnFrame | OverMass | OnRail
+
+
+@dataclass(frozen=True)
+class Action:
+    """One thing that acts on one shoe.
+
+    Attributes
+    ----------
+    kind : str
+        "joint", "weight", "load", "contact", "drive"; under a side frame "roller" and "chain" (pull of the
+        drive and tension of the ends).
+    shoe : int
+        Number of the shoe.
+    where : str
+        Place in words, such as "front right" (a pin) or "unit 12" (what the shoe stands on).
+    point : array (times, 3)
+        Where the force acts, m. On a flexible shoe, points of the body are those of the unbent one.
+    force, moment : array (times, 3)
+        Force (N) and moment beside that of the force (N m), on the shoe.
+    entry : Entry
+        How it enters the shoe if that is flexible.
+    """
+
+    kind: str
+    shoe: int
+    where: str
+    point: NDArray
+    force: NDArray
+    moment: NDArray
+    entry: Entry
+
+    def moment_about(self, place: NDArray) -> NDArray:
+        """Moment about a place (times, 3) or (3,), m: array (times, 3), N m."""
+        return np.cross(self.point - place, self.force) + self.moment
+
+
+@dataclass(frozen=True)
+class ShoeMass:
+    """Mass (kg) of a shoe and, in its frame, its centre and the point under the machine's load (3,), m.
+
+    `beside` (3,) is how far that point moves for each metre of a load's shift to the left.
+    """
+
+    mass: float
+    center: NDArray
+    load_point: NDArray
+    beside: NDArray
+
+
+def shoe_mass(case: Case, shoe: int) -> ShoeMass:
+    """Mass of a shoe of a case; a flexible one has that of its mesh."""
+    if case.flexible is not None and shoe in case.flexible.shoes:
+        return _mesh_mass(whole_reduction(case).body, case.flexible.load_surface)
+    return ShoeMass(case.shoe.mass, np.zeros(3), np.array(case.shoe.load_point), np.array([0.0, 1.0, 0.0]))
+
+
+def _mesh_mass(body: ReducedBody, loaded: str) -> ShoeMass:
+    weights = body.weights(loaded)
+    right, left = (one @ body.nodes / one.sum() for one in side_weights(weights, body.nodes))
+    beside = (left - right) / (left[1] - right[1])
+    return ShoeMass(body.mass, body.center_of_mass, weights @ body.nodes, beside)
+
+
+def actions(history: History, shoe: int | None = None) -> list[Action]:
+    """All that acts on the shoes of a history, or on one of them, as of `Action.kind`."""
+    shoes = history.case.track.shoes.tolist() if shoe is None else [shoe]
+    return [action for number in shoes for action in _on_shoe(history, number)]
+
+
+def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
+    position = history.position.sel(shoe=shoe).values
+    frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+    yield from _joints(history, shoe, position, frames)
+    yield from _weight_and_load(history, shoe, position, frames)
+    yield from _contacts(history, shoe)
+    if shoe == history.case.track.shoe_count:
+        yield from _drive(history, shoe, position, frames)
+    if history.case.undercarriage is not None:
+        yield from _rollers(history, shoe, position, frames)
+        yield from _chain(history, history.case.undercarriage, shoe, position, frames)
+
+
+def link_reactions(history: History, joint: int) -> list[tuple[str, NDArray, NDArray]]:
+    """Side, force and torque (times, 3) on the rear shoe of each joint of a link, global, N and N m.
+
+    A link of two rigid shoes has one joint, at its right pin.
+    """
+    chosen = history.dataset.sel(joint=joint)
+    if "pin_force" in chosen and bool(chosen.pin_force.notnull().all()):
+        sides = [str(side) for side in chosen.pin.values]
+        return [
+            (side, chosen.pin_force.sel(pin=side).values, chosen.pin_torque.sel(pin=side).values)
+            for side in sides
+        ]
+    return [(SIDES[0], chosen.joint_force.values, chosen.joint_torque.values)]
+
+
+def _joints(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+    """Joints of both links; a link of two rigid shoes has one, at its right pin."""
+    track = history.case.track
+    # the link ahead acts on its rear shoe as stored, the link behind with the opposite
+    for end, joint, sign in (("front", shoe, 1.0), ("rear", shoe - 1, -1.0)):
+        if not 1 <= joint < track.shoe_count:
+            continue
+        for side, force, torque in link_reactions(history, joint):
+            where = f"{end} {side}"
+            point = position + frames @ track.joint_centers[where]
+            yield Action("joint", shoe, where, point, sign * force, sign * torque, AtInterface(where))
+
+
+def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+    own = shoe_mass(history.case, shoe)
+    zero = np.zeros_like(position)
+    weight = zero + own.mass * history.case.gravity_vector()
+    load = history.shoe_load.sel(shoe=shoe).values[:, None] * history.case.terrain.down
+    yield Action("weight", shoe, "COM", position + frames @ own.center, weight, zero, OverMass())
+    flexible = history.case.flexible
+    loaded = "top" if flexible is None else flexible.load_surface
+    shift = history.case.loads.side_shift.value(history.time.values)
+    place = own.load_point + shift[:, None] * own.beside
+    point = position + (frames @ place[..., None])[..., 0]
+    entry = OverSurface(loaded, shift if np.any(shift) else None)
+    yield Action("load", shoe, "top", point, load, zero, entry)
+
+
+def _contacts(history: History, shoe: int) -> Iterator[Action]:
+    """Contact with every unit that the shoe ever met."""
+    flexible = history.case.flexible
+    bends = flexible is not None and shoe in flexible.shoes
+    own = np.flatnonzero(history.contact_shoe.values == shoe)
+    # read once, for histories larger than memory
+    area, point, normal, friction, torque = (
+        history.dataset[name].isel(contact=own).values
+        for name in ("area", "point", "normal_force", "friction_force", "friction_torque")
+    )
+    pressed_on = patches(history, shoe) if bends else {}
+    for column, index in enumerate(own.tolist()):
+        entry = OverRectangle(*pressed_on[index], area[:, column] > 0.0) if bends else OnFrame()
+        yield Action(
+            "contact",
+            shoe,
+            f"unit {int(history.contact_unit[index])}",
+            point[:, column],
+            normal[:, column] + friction[:, column],
+            torque[:, column],
+            entry,
+        )
+
+
+def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+    """Drive along x at its point, and the turn about the shoe's own z axis, on its frame."""
+    zero, force = np.zeros_like(position), np.zeros_like(position)
+    force[:, 0] = history.drive_force.values
+    moment = history.drive_torque.values[:, None] * frames[:, :, 2]
+    at = history.case.drive.point
+    yield Action("drive", shoe, at, history.drive_point.values, force, zero, AtDrivePoint())
+    yield Action("drive", shoe, "frame", position, zero, moment, OnFrame())
+
+
+def _rollers(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+    """Every strip of a roller that was ever on the shoe."""
+    behind, zero = history.roller_shoe.values, np.zeros_like(position)
+    # read once: a history larger than memory reads a variable from its file whenever it is asked for
+    tread_force, tread_foot = history.tread_force.values, history.tread_foot.values
+    _, rollers, rails, strips, neighbours, _ = tread_force.shape
+    for roller, rail, strip in np.ndindex(rollers, rails, strips):
+        force, foot = zero.copy(), position.copy()
+        for neighbour in range(neighbours):
+            here = behind[:, roller] + neighbour == shoe
+            at = (slice(None), roller, rail, strip, neighbour)
+            pressed = here & tread_force[at].any(axis=1)
+            force[pressed] = tread_force[at][pressed]
+            foot[pressed] = tread_foot[at][pressed]
+        if force.any():
+            x = np.einsum("ti,ti->t", foot - position, frames[:, :, 0])
+            where = f"roller {roller + 1} {SIDES[rail]}"
+            yield Action("roller", shoe, where, foot, force, zero, OnRail(rail * strips + strip, x))
+
+
+def _chain(
+    history: History, frame: Undercarriage, shoe: int, position: NDArray, frames: NDArray
+) -> Iterator[Action]:
+    """Pull of the drive at the shoe's front pins, and the tension of the chain at the outermost ones."""
+    track, zero = history.case.track, np.zeros_like(position)
+    pull = -history.drive_pull.values * pulled_shares(history, frame)[:, shoe - 1]
+    pulls = {"front": pull + frame.end_tension * (shoe == track.shoe_count), "rear": zero[:, 0]}
+    if shoe == 1:
+        pulls["rear"] = pulls["rear"] - frame.end_tension
+    for where, center in track.joint_centers.items():
+        force = zero.copy()
+        force[:, 0] = 0.5 * pulls[where.split()[0]]
+        if force.any():
+            yield Action("chain", shoe, where, position + frames @ center, force, zero, AtInterface(where))
+
+
+def pulled_shares(history: History, frame: Undercarriage) -> NDArray:
+    """Share of each shoe's front pins in the pull of the drive: array (times, shoes)."""
+    track = history.case.track
+    first = history.position.sel(shoe=1, axis="x").values + track.pin_ahead
+    tumbler = history.side_frame_position.sel(axis="x").values + frame.tumbler
+    shares = frame.shares_of_links(tumbler - first, track.shoe_count - 1, track.pitch)
+    return np.column_stack((shares, np.zeros(len(shares))))

@@ -1,0 +1,1 @@
+"""Stresses of flexible shoes of a history."""

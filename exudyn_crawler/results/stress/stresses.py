@@ -1,0 +1,242 @@
+"""Stresses of the flexible shoes over a run: histories, fields and chosen instants as one dataset."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from exudyn_crawler.model.drive_point import pulled_node
+from exudyn_crawler.netcdf import write_netcdf
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.phases import phases
+from exudyn_crawler.results.history.quantities import Variable, variable
+from exudyn_crawler.results.loads.load_shares import load_shares
+from exudyn_crawler.results.stress.regions import BORES, shoe_regions
+from exudyn_crawler.results.stress.stress_columns import StressColumns, stress_columns
+from exudyn_crawler.results.stress.surface_stress import flat_triangles
+from fem import Extremes, OneOfEach, Shapes, hot_spots, judged, mesh_error, recover_extremes
+from fem.trust import resolution_over, verdict_numbers
+
+HOT_SPOTS = 5
+"""Rows of the S-paper's hot-spot tables."""
+
+
+@dataclass(frozen=True)
+class StressResults:
+    """Recovered stresses of a run.
+
+    Attributes
+    ----------
+    dataset : xarray.Dataset
+        Dimensions shoe (the flexible ones), time, node, frame (chosen stored instants, s), axis, and face and
+        corner of the surface's triangles. Variables, stresses in Pa:
+
+        - highest_von_mises (time, shoe) and highest_node (time, shoe), away from a pulled node
+        - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
+        - peak_mesh_error and peak_jump (shoe, node), over the stress and in the mean square of the run, as of
+          `fem.resolution_over`, peak_verdict (shoe, node), a number of `fem.trust.VERDICTS`, and truncation,
+          what left-out static fields may do, not a number where modes alone were used
+        - frame_von_mises (frame, shoe, node), and frame_name (frame): "begin", "end of dig" or "peak", each
+          as far as it is one
+        - frame_mesh_error (frame, shoe, node), what the mesh leaves open of it, as of `fem.mesh_error`
+        - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
+        - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices of flat
+          triangles through all nodes of the surface, four a face
+        - in_spider (node), whether a node is held by a joint's rigid spider
+        - at_load (shoe, node), whether it belongs to an element about the node that the drive pulls: the
+          stress that a force on one node makes there grows without limit as the mesh is refined
+    hot_spots : mapping
+        Table of every flexible shoe, as of `fem.hot_spots` and `fem.judged`, of nodes that are not at_load;
+        places global, those of the track at t = 0; region as of `regions.shoe_regions`, and the share of each
+        load as of `load_shares.load_shares`.
+    by_region : mapping
+        Same of the highest node of every region; of bores, whose stress is none to use, there is none.
+    whole : Shapes
+        Modes, and static fields, that the stresses are made of.
+    """
+
+    dataset: xr.Dataset
+    hot_spots: Mapping[int, pd.DataFrame]
+    by_region: Mapping[int, pd.DataFrame]
+    whole: Shapes
+
+    def _repr_html_(self) -> str:
+        """Hot spots of every shoe and the dataset, for notebooks."""
+        tables = [
+            f"<p>Shoe {shoe}: highest von Mises stresses (Pa; places in m at t = 0)</p>"
+            + table.to_html(index=False)
+            for shoe, table in self.hot_spots.items()
+        ]
+        return "".join([*tables, self.dataset._repr_html_()])
+
+    def save(self, path: Path, overwrite: bool = False) -> Path:
+        """Write the dataset to a NetCDF file, whole or not at all.
+
+        Raises
+        ------
+        FileExistsError
+            If the file exists and `overwrite` is false.
+        """
+        return write_netcdf(self.dataset, path, overwrite)
+
+
+def recover_stresses(
+    history: History, times: Sequence[float] | None = None, peak: bool = True
+) -> StressResults:
+    """Recover the stresses of all flexible shoes from a run.
+
+    Parameters
+    ----------
+    times : sequence of float, optional
+        s, instants of which whole fields are kept: the stored ones nearest to them, as far as the run goes;
+        begin and ends of the load cycle's phases, if not given.
+    peak : bool
+        Keep that of the highest stress of all shoes, too.
+
+    Raises
+    ------
+    ValueError
+        If the run has no flexible shoes, or none of the times lies within it.
+    """
+    named = _named_times(history, times)
+    columns = stress_columns(history)
+    whole, coordinates = columns.shapes, columns.coordinates
+    reached, found, tables, by_region = {}, [], {}, {}
+    regions = shoe_regions(whole, history.case.track)
+    pulled = {shoe: near_pull(history, whole, shoe) for shoe in coordinates}
+    for shoe, q in coordinates.items():
+        reached[shoe] = recover_extremes(whole.stress_modes, q, ranked=np.flatnonzero(~pulled[shoe]))
+    if peak:
+        highest = np.max([one.highest for one in reached.values()], axis=0)
+        named.append((float(history.time[int(highest.argmax())]), "peak"))
+    frames, names = _frames(history, named)
+    for shoe, q in coordinates.items():
+        extremes, at_load = reached[shoe], pulled[shoe]
+        away = np.flatnonzero(~at_load)
+        trust = _trust(whole, q, extremes, np.where(at_load, np.nan, columns.bound or 0.0))
+        marked = {"at_load": variable("at_load", at_load, without=("shoe",))}
+        found.append(_of_shoe(history, whole, q, extremes, frames).assign(trust | marked))
+        tables[shoe] = _hot_spots(history, columns, shoe, extremes, regions, away)
+        usable = away[regions[away] != BORES]
+        by_region[shoe] = _hot_spots(history, columns, shoe, extremes, regions, usable, OneOfEach(regions))
+    shoes = xr.Variable("shoe", list(coordinates))
+    dataset = xr.concat(found, dim=shoes).transpose("time", "frame", "shoe", ...)
+    spider = np.zeros(len(whole.nodes), dtype=bool)
+    spider[whole.spider_nodes] = True
+    dataset = dataset.assign(
+        node_position=variable("node_position", whole.nodes),
+        triangle=variable("triangle", flat_triangles(whole.mesh.boundary)),
+        in_spider=variable("in_spider", spider),
+        truncation=variable("truncation", np.array(np.nan if columns.bound is None else columns.bound)),
+        frame_name=variable("frame_name", np.array(names, dtype=object)),
+    ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
+    return StressResults(dataset, tables, by_region, whole)
+
+
+def _named_times(history: History, times: Sequence[float] | None) -> list[tuple[float, str]]:
+    """Times (s) with their names: those that are given, as far as the run goes, or those of its phases."""
+    duration = history.duration
+    parts = phases(history.case.loads, duration)
+    ends = [(0.0, "begin"), *((part.end, f"end of {part.name}") for part in parts)]
+    if times is None:
+        return ends
+    within = [time for time in times if time <= duration * (1.0 + 1e-9)]
+    if not within:
+        raise ValueError(f"none of the times {list(times)} s lies within the run of {duration:g} s")
+    known = {round(time, 9): name for time, name in ends}
+    return [(time, known.get(round(time, 9), "")) for time in within]
+
+
+def _frames(history: History, named: Sequence[tuple[float, str]]) -> tuple[NDArray, list[str]]:
+    """Indices of the stored instants nearest to named times, rising, and the names of each."""
+    stored = history.time.values
+    names: dict[int, list[str]] = {}
+    for time, name in named:
+        names.setdefault(int(np.argmin(np.abs(stored - time))), []).append(name)
+    rows = sorted(names)
+    return np.array(rows), [", ".join(filter(None, names[row])) for row in rows]
+
+
+def near_pull(history: History, whole: Shapes, shoe: int) -> NDArray:
+    """Whether each node belongs to an element about the node that the drive pulls: array (nodes,)."""
+    marked = np.zeros(len(whole.nodes), dtype=bool)
+    node = pulled_node(history.case, whole.mesh)
+    if node is not None and shoe == history.case.track.shoe_count:
+        elements = whole.mesh.elements
+        marked[elements[(elements == node).any(axis=1)]] = True
+    return marked
+
+
+def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frames: NDArray) -> xr.Dataset:
+    """Stress of one shoe with coordinates q (times, columns)."""
+    time = history.time.values
+    displacements = whole.displacement(q[frames])
+    errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
+    named = {
+        "highest_von_mises": found.highest,
+        "highest_node": found.highest_nodes,
+        "peak_von_mises": found.greatest,
+        "peak_time": time[found.greatest_at],
+        "least_von_mises": found.least,
+        "frame_von_mises": whole.von_mises(q[frames]).astype(np.float32),
+        "frame_mesh_error": np.array(errors, dtype=np.float32),
+        "frame_displacement": displacements.astype(np.float32),
+    }
+    return xr.Dataset(
+        {name: variable(name, values, without=("shoe",)) for name, values in named.items()},
+        coords={
+            "time": ("time", time, {"units": "s"}),
+            "frame": ("frame", time[frames], {"units": "s", "long_name": "chosen instants"}),
+        },
+    )
+
+
+def _hot_spots(
+    history: History,
+    columns: StressColumns,
+    shoe: int,
+    extremes: Extremes,
+    regions: NDArray,
+    nodes: NDArray,
+    separation: OneOfEach | None = None,
+) -> pd.DataFrame:
+    """Hot spots among some nodes with verdicts, regions and shares of loads.
+
+    Their places are those in the track at t = 0, as the S-paper gives them.
+    """
+    whole, q, track = columns.shapes, columns.coordinates[shoe], history.case.track
+    table = hot_spots(
+        whole,
+        history.time.values,
+        q,
+        HOT_SPOTS,
+        separation=separation,
+        nodes=nodes,
+        peaks=extremes.peaks,
+    )
+    at, times = table["node"].to_numpy(), table["time"].to_numpy()
+    at_start = track.com_positions(history.case.shoe.com_height)[shoe - 1]
+    table = judged(table, columns.bound).assign(
+        **{axis: table[axis] + at_start[k] for k, axis in enumerate("xyz")},
+        region=regions[at],
+    )
+    return pd.concat((table, load_shares(history, columns, shoe, at, times)), axis=1)
+
+
+def _trust(whole: Shapes, q: NDArray, found: Extremes, bound: NDArray) -> dict[str, Variable]:
+    """What is open of the greatest stress of each node of a shoe with coordinates q (times, columns).
+
+    The bound (nodes,) in Pa of what fields leave out is not a number where no stress is known.
+    """
+    mesh, held = resolution_over(whole, q), np.isin(np.arange(len(whole.nodes)), whole.spider_nodes)
+    left_out = bound / np.maximum(found.greatest, np.finfo(float).tiny)
+    named: dict[str, NDArray] = {
+        "peak_mesh_error": mesh.error.astype(np.float32),
+        "peak_jump": mesh.relative_jump.astype(np.float32),
+        "peak_verdict": verdict_numbers(mesh.error + left_out, mesh.error, mesh.relative_jump, held),
+    }
+    return {name: variable(name, values, without=("shoe",)) for name, values in named.items()}

@@ -1,0 +1,1 @@
+"""Folder of a run: checkpoints, history, record, log."""

@@ -1,0 +1,245 @@
+"""Static equilibrium of track and terrain before t = 0."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.model.compiled.rest import crept, rest
+from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.failure import NewtonError
+from exudyn_crawler.model.formulation import TrackSystem
+from exudyn_crawler.model.system import System, build
+from exudyn_crawler.run.solve.faults import at_fault
+from fem.interrupts import interrupts_wait
+
+RESIDUAL = 1e-3
+"""N, root mean square of the residual that ends the iteration: 1e-9 of a shoe's load."""
+
+ITERATIONS = 50
+
+PORTIONS = 8
+"""Steps in which a profile rises where Newton's method finds no rest on all of it at once."""
+FIRST_DEPTH = 1e-5
+"""m, of all rollers in their rails to start from: enough to be felt."""
+OIL_SPEEDS = (0.02, 0.1, 0.5)
+"""m/s, tried in this order: up to which friction holds creeping shoes in proportion to their slip. With more
+oil shoes creep further and Newton's method fails less."""
+
+RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
+"""s, s and number: duration, step and most repetitions of the damped motion on uneven ground."""
+
+SLOW = 1e-6
+"""m/s and rad/s, greatest speed at rest: its dashpots take less than 1e-4 m/s2 of a shoe's mass."""
+
+
+def static_equilibrium(case: Case) -> NDArray:
+    """Coordinates of track and terrain at rest under their weights and the loads at t = 0.
+
+    Returns
+    -------
+    array (coordinates,)
+        Laid out as `model.state` says: m and rad, from the places at t = 0 before settling.
+
+    Raises
+    ------
+    EquilibriumError
+        Where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
+        shoes that the ground carries least.
+    """
+    if case.is_compiled:
+        return _compiled_rest(case)
+    system = build(case, static=True)
+    spheres = system.contact.spheres
+    if case.terrain.heights is not None:
+        q = _on_uneven_ground(system)
+    else:
+        try:
+            q = _rest(system, _first_guess(system))
+        except EquilibriumError as error:
+            if spheres is None:
+                raise
+            raise EquilibriumError(
+                f"{error}. The spheres' radius of {spheres.radius} m may "
+                f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
+            ) from error
+    if spheres is not None and (sunken := system.contact.sunken(q)):
+        raise EquilibriumError(
+            f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
+            f"the ground; they need a greater general_contact.radius than "
+            f"{spheres.radius} m, or flatter ground"
+        )
+    return q
+
+
+def _compiled_rest(case: Case) -> NDArray:
+    system = compiled_system(case)
+    guess = _first_guess(system)
+    try:
+        if case.undercarriage is not None:
+            return _crept(case, guess)
+        return rest(system, guess, RESIDUAL, ITERATIONS)
+    except NewtonError as failed:
+        if case.terrain.profile is None or case.undercarriage is not None:
+            raise _no_rest(system, failed) from failed
+    return _on_rising_ground(case)
+
+
+def _on_rising_ground(case: Case) -> NDArray:
+    """Rest on a profile that rises from even ground in steps, each from the rest on the one before."""
+    profile = np.array(case.terrain.profile)
+    found = guess = np.zeros(0)
+    for share in np.linspace(0.0, 1.0, PORTIONS + 1):
+        terrain = case.terrain.with_(profile=tuple((share * profile).tolist()))
+        system = compiled_system(case.with_(terrain=terrain))
+        before, guess = guess, _first_guess(system)
+        start = found + guess - before if found.size else guess
+        try:
+            found = rest(system, start, RESIDUAL, ITERATIONS)
+        except NewtonError as failed:
+            raise _no_rest(system, failed) from failed
+    return found
+
+
+def _crept(case: Case, guess: NDArray) -> NDArray:
+    """Where a track under a side frame creeps to, with as little oil as lets it."""
+    for speed in OIL_SPEEDS[:-1]:
+        try:
+            return crept(compiled_system(_oiled(case, speed)), guess)
+        except NewtonError:
+            continue
+    return crept(compiled_system(_oiled(case, OIL_SPEEDS[-1])), guess)
+
+
+def _oiled(case: Case, speed: float) -> Case:
+    """Same case with friction nearly in proportion to the slip up to a speed (m/s), and even beyond."""
+    contact = case.pair_contact()
+    oil = {"stiction_speed": speed, "friction_speed": 2.0 * speed}
+    return case.with_(contact=contact.with_(dynamic_friction=contact.static_friction, **oil))
+
+
+def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
+    return EquilibriumError(
+        f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, "
+        f"{at_fault(system.layout, failed)}"
+    )
+
+
+def _rest(system: System, guess: NDArray) -> NDArray:
+    """Rest of a system built for statics, by Newton's method from a guess."""
+    system.set_initial(guess)
+    settings = exu.SimulationSettings()
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    settings.solution.file.write = False
+    settings.staticSolver.useLoadFactor = False
+    settings.staticSolver.verboseMode = 0
+    newton = settings.staticSolver.newton
+    newton.absoluteTolerance = RESIDUAL
+    newton.relativeTolerance = 1e-16
+    newton.weightTolerancePerCoordinate = True
+    newton.maxIterations = ITERATIONS
+    try:
+        # Exudyn takes an interrupt within its calls for an error of its own
+        with interrupts_wait():
+            return system.rest(settings)
+    except NewtonError as failed:
+        raise _no_rest(system, failed) from failed
+
+
+def _on_uneven_ground(system: System) -> NDArray:
+    """Rest on uneven ground: by Newton's method from even ground, or else by damped motion.
+
+    Exudyn's derivatives leave out how the links' forces turn with the shoes, so that Newton's method alone
+    creeps away from some states where shoes stand on edges.
+    """
+    case = system.case
+    even = build(case.with_(terrain=case.terrain.with_(heights=None)), static=True)
+    q = _rest(even, _first_guess(even))
+    ground = system.contact.ground_below(q, case.terrain.top_heights)
+    guess = q.copy()
+    guess[2 : 6 * len(ground) : 6] += ground
+    try:
+        return _rest(system, guess)
+    except EquilibriumError:
+        pass
+    return _relaxed(system, guess)
+
+
+def _relaxed(system: System, q: NDArray) -> NDArray:
+    """Rest by damped motion until it is slow or Newton's method takes over."""
+    name = system.case.name
+    settings = exu.SimulationSettings()
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    settings.solution.file.write = False
+    time = settings.timeIntegration
+    time.verboseMode = 0
+    time.endTime = RELAXATION
+    time.numberOfSteps = round(RELAXATION / RELAXATION_STEP)
+    time.generalizedAlpha.spectralRadius = 0.0
+    time.newton.useModifiedNewton = False
+    time.newton.absoluteTolerance = 1.0
+    time.newton.relativeTolerance = 1e-16
+    time.newton.weightTolerancePerCoordinate = True
+    time.newton.maxIterations = 40
+    for _ in range(RELAXATIONS):
+        system.set_initial(q)
+        try:
+            _damped_motion(system, settings)
+        except NewtonError as failed:
+            raise EquilibriumError(
+                f"no static equilibrium of case {name!r} was found on its uneven ground: damped motion "
+                f"failed, {at_fault(system.layout, failed)}. {_unsupported(system)}"
+            ) from failed
+        q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
+        speed = np.abs(system.mbs.systemData.GetODE2Coordinates_t()).max()
+        if speed < SLOW:
+            return q
+        try:
+            return _rest(system, q)
+        except EquilibriumError:
+            pass
+    raise EquilibriumError(
+        f"no static equilibrium of case {name!r} was found on its uneven ground: it still moves at "
+        f"{speed:.2g} m/s after {RELAXATIONS * RELAXATION:g} s of damped motion. {_unsupported(system)}"
+    )
+
+
+def _damped_motion(system: System, settings: "exu.SimulationSettings") -> None:
+    """One motion, which an interrupt ends after its step."""
+    with interrupts_wait() as waiting:
+        system.after_step(lambda _time: not waiting)
+        system.solve(settings)
+
+
+def _unsupported(system: System) -> str:
+    """Which shoes the ground carries least in the last state of a search."""
+    q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
+    force = system.contact.forces(q, np.zeros_like(q))[2 : 6 * system.case.track.shoe_count : 6]
+    lifted = np.flatnonzero(force < 0.1 * system.case.mean_load) + 1
+    if len(lifted):
+        return f"Last, hardly any ground carried shoes {lifted.tolist()}."
+    return f"Last, the ground carried shoe {force.argmin() + 1} least, with {force.min():.3g} N."
+
+
+def _first_guess(system: TrackSystem) -> NDArray:
+    """Every unit sunk by its own weight and every shoe by its load into the ground there.
+
+    Close enough for Newton's method, which does the rest.
+    """
+    case = system.case
+    q = np.zeros(system.layout.coordinate_count)
+    shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
+    # rails of neighbours at one height: rollers may be on either
+    loads = case.pressed(case.first_loads if case.undercarriage is None else case.loads.loads(0.0)[0])
+    sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
+    shoes[:, 2] = -sag - system.contact.settled_depth(loads)
+    x, half = system.contact.shoe_reference[:, 0], 0.5 * case.shoe.length
+    rear, front = case.terrain.profile_along(x - half), case.terrain.profile_along(x + half)
+    shoes[:, 2] += 0.5 * (rear + front)
+    shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
+    terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
+    terrain[:] = system.contact.coordinates.sunk_evenly(-sag)
+    if case.undercarriage is not None:
+        q[-system.layout.frame] = shoes[0, 2] - FIRST_DEPTH
+    return q

@@ -1,0 +1,145 @@
+"""Time integration of a built system, stage by stage."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
+from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.failure import NewtonError
+from exudyn_crawler.model.formulation import TrackSystem, track_system
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.run.folder.checkpoints import Checkpoints
+from exudyn_crawler.run.folder.progress import progress_bar
+from exudyn_crawler.run.solve.faults import at_fault
+from exudyn_crawler.run.solve.recorder import Recorder
+from exudyn_crawler.run.solve.run_stages import RunStages, system_history
+from exudyn_crawler.run.solve.settings import set_times, solver_settings
+from exudyn_crawler.run.solve.stages import is_quiet, stage_times
+from fem.interrupts import interrupts_wait
+
+
+def integrate(
+    system: TrackSystem,
+    duration: float,
+    progress: bool | None = None,
+    settings: "exu.SimulationSettings | None" = None,
+    checkpoints: Checkpoints | None = None,
+) -> History:
+    """Integrate a built system from its initial state; see `simulate`.
+
+    `settings` take the place of those that `solver_settings` makes of the case, their times apart.
+    """
+    case = system.case
+    if settings is None:
+        settings = solver_settings(case.solver)
+    recorder = Recorder(system, duration)
+    ends = stage_times(case, duration)
+    stages = RunStages(system, recorder, ends, checkpoints)
+    reason = None
+    with progress_bar(case.name, duration, progress) as tell, _watched(system, recorder, tell) as watch:
+        for number, (start, end) in enumerate(pairwise(ends)):
+            if number < stages.first:
+                continue
+            system.switch_drive(case.drive.drives_after(start))
+            set_times(settings, case.solver, start, end, is_quiet(case, start))
+            settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
+            reason = _solve(system, settings, watch)
+            if reason is not None:
+                break
+            stages.end(number)
+    if watch.waiting:
+        reason = INTERRUPTED
+    if reason is not None:
+        raise SimulationStopped(recorder.time, reason, None if stages.nothing else stages.history())
+    return stages.history()
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")
+def integrate_from(case: Case, state: NDArray, duration: float) -> History:
+    """Integrate a case for some time from a state such as checkpoints keep.
+
+    Parameters
+    ----------
+    state : array (layout.size,)
+        Row as of `System.state`; its multipliers do not matter.
+    duration : float
+        s, beyond the state's time.
+
+    Raises
+    ------
+    SimulationStopped
+        If a step fails at its least size.
+    """
+    system = track_system(case)
+    start, end = float(state[0]), float(state[0]) + duration
+    recorder = Recorder(system, end, start)
+    system.set_state(state)
+    system.switch_drive(case.drive.drives_after(start))
+    settings = solver_settings(case.solver)
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    set_times(settings, case.solver, start, end)
+    with _watched(system, recorder) as watch:
+        reason = _solve(system, settings, watch)
+    if watch.waiting:
+        reason = INTERRUPTED
+    history = system_history(system, recorder.taken())
+    if reason is not None:
+        raise SimulationStopped(recorder.time, reason, history)
+    return history
+
+
+@dataclass
+class _Watch:
+    """What ends a run early: signals that interrupt it, and numbers of shoes that sank through the ground."""
+
+    waiting: list[int]
+    sunken: list[int] = field(default_factory=list)
+
+
+@contextmanager
+def _watched(
+    system: TrackSystem, recorder: Recorder, tell: Callable[[float], None] = lambda _time: None
+) -> Iterator[_Watch]:
+    """Store the states after each step within the block, and end the run after one where there is a reason.
+
+    An interrupt waits for the end of its step: Exudyn does not hand on all of those that meet its own calls.
+    """
+    watch = _Watch([])
+
+    def after_step(time: float) -> bool:
+        recorder.store(time)
+        tell(time)
+        watch.sunken[:] = system.sunken()
+        return not (watch.sunken or watch.waiting)
+
+    system.after_step(after_step)
+    try:
+        with interrupts_wait() as watch.waiting:
+            yield watch
+    except KeyboardInterrupt:
+        if not watch.waiting:
+            raise
+
+
+def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watch) -> str | None:
+    """Integrate one stage; gives why it stopped early, or None."""
+    reason = None
+    try:
+        system.solve(settings)
+    except NewtonError as failed:
+        least, fault = system.case.solver.minimum_step, at_fault(system.layout, failed)
+        reason = f"Newton's method failed at the least step {least:g} s; {fault}"
+    if watch.waiting:
+        return INTERRUPTED
+    if watch.sunken:
+        return (
+            f"spheres of shoes {watch.sunken} sank through the ground; they need a greater "
+            f"contact.radius than {system.case.sphere_contact().radius} m, or flatter ground"
+        )
+    return reason

@@ -1,0 +1,96 @@
+"""Stages of a run as they end: kept in files or in memory, and the history that they make."""
+
+from collections.abc import Sequence
+
+from numpy.typing import NDArray
+
+from exudyn_crawler.model.formulation import TrackSystem
+from exudyn_crawler.results.history.from_states import history_of
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.pieces import Piece, joined
+from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints, KeptStage
+from exudyn_crawler.run.solve.recorder import Recorder
+from exudyn_crawler.run.solve.stages import TIME_TOLERANCE
+
+
+class RunStages:
+    """Stages of a run; what a recorder stored leaves its memory with each.
+
+    The system is brought to the end of the last stage that the checkpoints hold.
+
+    Parameters
+    ----------
+    ends : sequence of float
+        Of the stages, s, from 0 to the run's duration.
+    checkpoints : Checkpoints, optional
+        Take every stage but the last, and the history; without them both are in memory.
+
+    Attributes
+    ----------
+    first : int
+        Number of the first stage that is to be integrated.
+    """
+
+    def __init__(
+        self, system: TrackSystem, recorder: Recorder, ends: Sequence[float], checkpoints: Checkpoints | None
+    ) -> None:
+        self._system, self._recorder, self._checkpoints = system, recorder, checkpoints
+        self._last = len(ends) - 2
+        self._kept: list[KeptStage] = []
+        self._in_memory: list[Piece] = []
+        self.first = 0
+        if checkpoints is not None:
+            self._go_on(checkpoints, ends)
+
+    def _go_on(self, checkpoints: Checkpoints, ends: Sequence[float]) -> None:
+        tolerance = TIME_TOLERANCE * ends[-1]
+        for stage in checkpoints.load(self._system.case, self._system.layout.to_json()):
+            # a shorter run ends within a stage of a longer one
+            if stage.number >= self._last or abs(stage.time - ends[stage.number + 1]) > tolerance:
+                break
+            self._kept.append(stage)
+        if self._kept:
+            last = self._kept[-1]
+            self.first = last.number + 1
+            self._system.set_state(last.state)
+            self._recorder.go_on(last.time)
+            checkpoints.tell(f"{self._system.case.name}: going on from the checkpoint at t = {last.time:g} s")
+
+    def end(self, number: int) -> None:
+        """End a stage that was integrated, and start the next one from its state."""
+        self._recorder.end_stage()
+        state = self._system.state()
+        self._system.set_state(state)
+        history = system_history(self._system, self._recorder.taken()).dataset
+        if self._checkpoints is None or number == self._last:
+            self._in_memory.append(Piece.of(history))
+            return
+        layout = self._system.layout.to_json()
+        checkpoint = Checkpoint(number, self._recorder.time, layout, state, history)
+        self._kept.append(self._checkpoints.save(self._system.case, checkpoint))
+
+    @property
+    def nothing(self) -> bool:
+        """Whether no state was stored yet."""
+        return not (self._kept or self._in_memory or self._recorder.count)
+
+    def history(self) -> History:
+        """History of all stages, and of as much of one that stopped early as was stored.
+
+        With checkpoints it is written into their folder, which takes no more memory for a longer run, and
+        read from there.
+        """
+        rows = self._recorder.taken()
+        unfinished = [Piece.of(system_history(self._system, rows).dataset)] if len(rows) else []
+        pieces = self._in_memory + unfinished
+        if self._checkpoints is None:
+            return History(self._system.case, joined(pieces))
+        whole = self._checkpoints.pieces(self._kept) + pieces
+        return History.load(self._checkpoints.save_history(self._system.case, whole))
+
+
+def system_history(system: TrackSystem, rows: NDArray) -> History:
+    """History of states (times, layout.size) of a system."""
+    return history_of(
+        system.case, system.layout, system.contact, rows, system.point, system.frequencies, system.treads
+    )
