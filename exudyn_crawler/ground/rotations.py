@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, dot, turned
+from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, cross, dot, turned
 
 FloatArray = NDArray[np.float64]
 
@@ -53,10 +53,30 @@ def tilted(angle: float, axis: int) -> Attitude:
 
 
 @compiled
+def spin(at: Attitude, rates: Vector) -> Vector:
+    """Angular velocity (rad/s, global) of the rates of the angles."""
+    nothing = (0.0, 0.0, 0.0)
+    return along(along(along(nothing, rates[0], at.axes[0]), rates[1], at.axes[1]), rates[2], at.axes[2])
+
+
+@compiled
+def spin_rate(at: Attitude, rates: Vector, accelerations: Vector) -> Vector:
+    """Angular acceleration (rad/s2, global) of the angles' first and second derivatives.
+
+    The axis of an angle turns with the angles that come before it.
+    """
+    nothing = (0.0, 0.0, 0.0)
+    first = along(nothing, rates[0], at.axes[0])
+    both = along(first, rates[1], at.axes[1])
+    change = along(spin(at, accelerations), rates[1], cross(first, at.axes[1]))
+    return along(change, rates[2], cross(both, at.axes[2]))
+
+
+@compiled
 def shoe_frame(q: FloatArray, q_t: FloatArray, at: Attitude) -> Frame:
     """Frame of a shoe at its six coordinates (position first) and their rates."""
-    spin = along((q_t[3], 0.0, 0.0), q_t[4], at.axes[1])
-    return Frame((q[0], q[1], q[2]), at.R, (q_t[0], q_t[1], q_t[2]), along(spin, q_t[5], at.axes[2]))
+    omega = spin(at, (q_t[3], q_t[4], q_t[5]))
+    return Frame((q[0], q[1], q[2]), at.R, (q_t[0], q_t[1], q_t[2]), omega)
 
 
 @compiled
@@ -112,30 +132,32 @@ def to_angles(block: FloatArray, moment: Vector, factor: float, at: Attitude) ->
 
 
 def angular_velocity(angles: FloatArray, rates: FloatArray) -> FloatArray:
-    """Angular velocities in global components: array (..., 3), rad/s."""
-    sa, ca = np.sin(angles[..., 0]), np.cos(angles[..., 0])
-    sb, cb = np.sin(angles[..., 1]), np.cos(angles[..., 1])
-    a, b, c = rates[..., 0], rates[..., 1], rates[..., 2]
-    return np.stack((a + sb * c, ca * b - sa * cb * c, sa * b + ca * cb * c), axis=-1)
+    """Angular velocities (rad/s, global) of angles and their rates: array (..., 3)."""
+    return np.asarray(np.einsum("...kj,...k->...j", _axes(angles), rates), dtype=np.float64)
 
 
 def angular_acceleration(angles: FloatArray, rates: FloatArray, accelerations: FloatArray) -> FloatArray:
-    """Angular accelerations in global components: array (..., 3), rad/s2.
+    """Angular accelerations (rad/s2, global) of angles and their two derivatives: array (..., 3)."""
+    return angular_velocity(angles, accelerations) + _turning_of_axes(angles, rates)
 
-    `rates` and `accelerations` are the first and second derivatives of the angles.
-    """
-    sa, ca = np.sin(angles[..., 0]), np.cos(angles[..., 0])
-    sb, cb = np.sin(angles[..., 1]), np.cos(angles[..., 1])
-    a, b, c = rates[..., 0], rates[..., 1], rates[..., 2]
-    convective = np.stack(
-        (
-            cb * b * c,
-            -sa * a * b - ca * cb * a * c + sa * sb * b * c,
-            ca * a * b - sa * cb * a * c - ca * sb * b * c,
-        ),
-        axis=-1,
-    )
-    return angular_velocity(angles, accelerations) + convective
+
+def angles_of(axes: FloatArray) -> FloatArray:
+    """Angles (rad) of rotation matrices (..., 3, 3): array (..., 3)."""
+    about_x = np.arctan2(-axes[..., 1, 2], axes[..., 2, 2])
+    about_y = np.arcsin(np.clip(axes[..., 0, 2], -1.0, 1.0))
+    about_z = np.arctan2(-axes[..., 0, 1], axes[..., 0, 0])
+    return np.stack((about_x, about_y, about_z), axis=-1)
+
+
+def angle_rates(angles: FloatArray, omega: FloatArray) -> FloatArray:
+    """Rates of angles (rad/s) that make an angular velocity (rad/s, global): array (..., 3)."""
+    turned = np.swapaxes(_axes(angles), -1, -2)
+    return np.asarray(np.linalg.solve(turned, omega[..., None])[..., 0], dtype=np.float64)
+
+
+def angle_accelerations(angles: FloatArray, rates: FloatArray, alpha: FloatArray) -> FloatArray:
+    """Second derivatives of angles (rad/s2) that make an angular acceleration (rad/s2, global)."""
+    return angle_rates(angles, alpha - _turning_of_axes(angles, rates))
 
 
 def moments_of(angles: FloatArray, generalized: FloatArray) -> FloatArray:
@@ -150,8 +172,18 @@ def moments_on_angles(angles: FloatArray, moments: FloatArray) -> FloatArray:
 
 def _axes(angles: FloatArray) -> FloatArray:
     """Global axes that angles (..., 3) turn about: array (..., 3, 3), an axis a row."""
-    unit_rates = np.broadcast_to(np.eye(3)[:, None], (3, *angles.shape))
-    return np.stack([angular_velocity(angles, rates) for rates in unit_rates], axis=-2)
+    flat = np.ascontiguousarray(angles).reshape(-1, 3)
+    out = np.empty((len(flat), 3, 3))
+    _all_axes(flat, out)
+    return out.reshape(*angles.shape[:-1], 3, 3)
+
+
+def _turning_of_axes(angles: FloatArray, rates: FloatArray) -> FloatArray:
+    """Part of the angular acceleration (rad/s2, global) that the rates make alone: array (..., 3)."""
+    flat = np.ascontiguousarray(angles).reshape(-1, 3)
+    out = np.empty_like(flat)
+    _all_turning(flat, np.ascontiguousarray(rates).reshape(-1, 3), out)
+    return out.reshape(angles.shape)
 
 
 def rotation_matrices(angles: FloatArray) -> FloatArray:
@@ -169,3 +201,22 @@ def _rotation_matrices(angles, out):
         for r in range(3):
             for c in range(3):
                 out[n, r, c] = R[r][c]
+
+
+@compiled
+def _all_axes(angles, out):
+    for n in range(angles.shape[0]):
+        axes = attitude(angles[n, 0], angles[n, 1], angles[n, 2]).axes
+        for r in range(3):
+            for c in range(3):
+                out[n, r, c] = axes[r][c]
+
+
+@compiled
+def _all_turning(angles, rates, out):
+    still = (0.0, 0.0, 0.0)
+    for n in range(angles.shape[0]):
+        at = attitude(angles[n, 0], angles[n, 1], angles[n, 2])
+        change = spin_rate(at, (rates[n, 0], rates[n, 1], rates[n, 2]), still)
+        for r in range(3):
+            out[n, r] = change[r]

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.frames import Matrix, Vector, along, cross, dot, turned, turned_back
-from exudyn_crawler.ground.rotations import Attitude, FloatArray
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, spin, spin_rate
 from exudyn_crawler.model.compiled.elimination import solving_within
 
 
@@ -121,23 +121,6 @@ def _moment_of(tensor: FloatArray) -> Vector:
     return tensor[1, 2] - tensor[2, 1], tensor[2, 0] - tensor[0, 2], tensor[0, 1] - tensor[1, 0]
 
 
-@solving_within
-def _angular(at: Attitude, rates: Vector) -> Vector:
-    """Angular velocity (rad/s) in the shoe's frame of the rates of its angles."""
-    turning = along((rates[0], 0.0, 0.0), rates[1], at.axes[1])
-    return turned_back(at.R, along(turning, rates[2], at.axes[2]))
-
-
-@solving_within
-def _angular_acceleration(at: Attitude, rates: Vector, accelerations: Vector) -> Vector:
-    """Angular acceleration (rad/s2) in the shoe's frame; the axes of the angles turn along."""
-    first = (rates[0], 0.0, 0.0)
-    both = along(first, rates[1], at.axes[1])
-    change = along((0.0, 0.0, 0.0), rates[1], cross(first, at.axes[1]))
-    change = along(change, rates[2], cross(both, at.axes[2]))
-    return along(turned_back(at.R, change), 1.0, _angular(at, accelerations))
-
-
 class Motion(NamedTuple):
     """Motion of a shoe's frame in its own axes.
 
@@ -153,7 +136,8 @@ class Motion(NamedTuple):
 def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
     """Motion of the frame of a shoe at its coordinates, rates and accelerations (3, 6 + m)."""
     rates = (state[1, 3], state[1, 4], state[1, 5])
-    w, al = _angular(at, rates), _angular_acceleration(at, rates, (state[2, 3], state[2, 4], state[2, 5]))
+    w = turned_back(at.R, spin(at, rates))
+    al = turned_back(at.R, spin_rate(at, rates, (state[2, 3], state[2, 4], state[2, 5])))
     w2 = dot(w, w)
     turning = (
         (w[0] * w[0] - w2, w[0] * w[1] - al[2], w[0] * w[2] + al[1]),
