@@ -391,7 +391,7 @@ def test_a_run_takes_a_history_that_fits_and_no_other(call, short, tmp_path):
     short.write_text(short.read_text() + "[contact]\nstiffness = 2e8\n")
     code, _, err = call("run", short, "--out", "third", "--reuse", "first")
     assert code == 2
-    assert_one_line(err, "contact.stiffness is 100000000.0, not 200000000.0")
+    assert_one_line(err, "contact.stiffness is 100e6, not 200e6")
     assert not (tmp_path / "third").exists()
 
 

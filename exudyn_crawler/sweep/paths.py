@@ -9,8 +9,8 @@ from pydantic import ValidationError
 
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.files.faults import faults
+from exudyn_crawler.case.files.paths import KeyPath as Place
 from exudyn_crawler.case.parameters.fields import Entry, walk
-from exudyn_crawler.case.parameters.kinds import Place
 from exudyn_crawler.case.parameters.loads import with_equal_loads
 
 EVERY = "*"

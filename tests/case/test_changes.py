@@ -36,6 +36,7 @@ def test_items_of_lists_are_changed_by_the_names_that_faults_have(path):
     assert found.loads.phases[2] == cycle.phases[2].with_(loads=(4e5,) * 13)
     assert found.loads.phases[3:] == cycle.phases[3:]
     assert found.terrain.origin == (0.0, -1.0)
+    assert read_case(path, ["phases[*].side_shift=0.1"]).case.loads.phases[0].side_shift == 0.1
 
 
 def test_items_of_a_list_of_the_file_are_changed(tmp_path):

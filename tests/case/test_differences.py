@@ -3,7 +3,7 @@
 import pytest
 
 from exudyn_crawler import Case, CaseFile
-from exudyn_crawler.case.files.differences import parameter_differences, rows_beside_base
+from exudyn_crawler.case.files.differences import differences, parameter_differences, rows_beside_base
 
 
 @pytest.mark.parametrize("name", ["translation", "turning", "stress"])
@@ -39,3 +39,11 @@ def test_two_cases_differ_in_what_was_changed_and_not_in_their_names():
     assert parameter_differences(case, case) == []
     lost = parameter_differences(Case.stress("coarse"), Case.stress("coarse").with_(flexible=None))
     assert next(row for row in lost if row.key == "flexible.mesh").second == "-"
+
+
+def test_values_that_differ_in_their_last_digits_alone_are_shown_in_full():
+    case = Case.translation()
+    (one,) = differences(case, case.with_(gravity=9.81 + 1e-12))
+    assert str(one) == "gravity is 9.81, not 9.810000000001"
+    (name,) = differences(case, case.with_(name="other"))
+    assert str(name) == "name is translation, not other"

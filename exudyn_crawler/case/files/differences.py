@@ -1,14 +1,29 @@
-"""What cases have otherwise than others: than the papers' case that is nearest, or than any."""
+"""In what cases differ: from the papers' case that is nearest, or from any."""
 
 from typing import NamedTuple
 
+from pydantic import BaseModel
+
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.files.case_file import CaseFile
-from exudyn_crawler.case.files.text import Row, case_rows
+from exudyn_crawler.case.files.text import case_rows, value_text
+from exudyn_crawler.case.parameters.fields import Entry, is_table, walk
 from exudyn_crawler.case.parameters.kinds import named_values
 
 ABSENT = "-"
-"""In place of a value that the base has not."""
+"""In place of a value that a case does not have."""
+
+
+class Difference(NamedTuple):
+    """A value in which two cases differ."""
+
+    key: str
+    first: str
+    second: str
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.key} is {self.first}, not {self.second}"
 
 
 class Beside(NamedTuple):
@@ -21,13 +36,30 @@ class Beside(NamedTuple):
     meaning: str
 
 
-class Difference(NamedTuple):
-    """A value in which two cases differ."""
+def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
+    """Values in which two cases or case files differ."""
+    a, b = (
+        {entry.path: entry for entry in walk(one) if not is_table(entry.value)} for one in (first, second)
+    )
+    found = []
+    for key in dict.fromkeys([*a, *b]):
+        one, other = a.get(key), b.get(key)
+        if one is None or other is None or one.value != other.value:
+            found.append(Difference(key, *_texts(one, other), (a.get(key) or b[key]).unit))
+    return found
 
-    key: str
-    first: str
-    second: str
-    unit: str
+
+def _texts(*entries: Entry | None) -> tuple[str, str]:
+    """Two values that differ for reading, with all digits where fewer would hide it."""
+    one, other = (ABSENT if entry is None else value_text(entry.value) for entry in entries)
+    if one == other:
+        one, other = (ABSENT if entry is None else repr(entry.value) for entry in entries)
+    return one, other
+
+
+def parameter_differences(first: BaseModel, second: BaseModel) -> list[Difference]:
+    """Values in which two cases differ but for their names."""
+    return [one for one in differences(first, second) if one.key != "name"]
 
 
 def rows_beside_base(case_file: CaseFile) -> tuple[str, list[Beside]]:
@@ -41,33 +73,11 @@ def rows_beside_base(case_file: CaseFile) -> tuple[str, list[Beside]]:
         Name of that case, as `base` in a case file.
     rows : list of Beside
     """
-    own = case_rows(case_file)
-    compared = {row.key for row in case_rows(case_file.case)} - {"name"}
-    found: dict[str, tuple[int, dict[str, str]]] = {}
-    for name, make in named_values(Case).items():
-        values = {row.key: row.value for row in case_rows(make())}
-        differing = {
-            row.key: there
-            for row in own
-            if row.key in compared and (there := values.get(row.key, ABSENT)) != row.value
-        }
-        lost = len(values.keys() - {row.key for row in own})
-        found[name] = len(differing) + lost, differing
-    base = min(found, key=lambda name: found[name][0])
-    return base, [Beside(*row[:2], found[base][1].get(row.key, ""), *row[2:]) for row in own]
-
-
-def parameter_differences(first: Case, second: Case) -> list[Difference]:
-    """Values in which two cases differ; their names are not compared."""
-    a, b = ({row.key: row for row in case_rows(case)} for case in (first, second))
-    rows = []
-    for key in dict.fromkeys([*a, *b]):
-        row = a.get(key) or b[key]
-        one, other = (_value(rows_of, key) for rows_of in (a, b))
-        if key != "name" and one != other:
-            rows.append(Difference(key, one, other, row.unit))
-    return rows
-
-
-def _value(rows: dict[str, Row], key: str) -> str:
-    return rows[key].value if key in rows else ABSENT
+    from_bases = {
+        name: {one.key: one.first for one in parameter_differences(make(), case_file.case)}
+        for name, make in named_values(Case).items()
+    }
+    base = min(from_bases, key=lambda name: len(from_bases[name]))
+    return base, [
+        Beside(*row[:2], from_bases[base].get(row.key, ""), *row[2:]) for row in case_rows(case_file)
+    ]

@@ -7,11 +7,10 @@ from typing import NamedTuple
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from exudyn_crawler.case.files.paths import KeyPath, path_text
 from exudyn_crawler.case.parameters.kinds import (
     TAG,
-    Place,
     is_beside,
-    key_path,
     key_paths,
     models_of,
     named_values,
@@ -49,14 +48,14 @@ class _Spot(NamedTuple):
     instead, `held` those of the field; `around` is the class whose file has the table's keys beside its own.
     """
 
-    place: Place
+    place: KeyPath
     table: type[BaseModel]
     others: tuple[type[BaseModel], ...]
     held: tuple[type[BaseModel], ...]
     around: type[BaseModel] | None = None
 
 
-def _spot(loc: Place, model: type[BaseModel], in_file: bool) -> _Spot:
+def _spot(loc: KeyPath, model: type[BaseModel], in_file: bool) -> _Spot:
     """Where pydantic's place is, which names the tag of a part that may be of several classes, too."""
     spot = _Spot((), model, (), (model,))
     instead: tuple[type[BaseModel], ...] = ()
@@ -82,7 +81,7 @@ def _spot(loc: Place, model: type[BaseModel], in_file: bool) -> _Spot:
 
 
 def _told(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
-    path, given = key_path(spot.place), one["input"]
+    path, given = path_text(spot.place), one["input"]
     head = f"{path}: " if path else ""
     message = one["msg"].removeprefix("Value error, ")
     if one["type"].endswith("_parsing"):
@@ -136,7 +135,7 @@ def _unknown(spot: _Spot, model: type[BaseModel]) -> str:
         names += [name for name, field in spot.around.model_fields.items() if not is_beside(field)]
     near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.7)
     if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
-        return f"unknown key; did you mean {key_path((*start, near[0]))}?"
+        return f"unknown key; did you mean {path_text((*start, near[0]))}?"
     # of several the first
     elsewhere = {path.rpartition(".")[2]: path for path in reversed([*key_paths(model)])}
     if near := difflib.get_close_matches(wrong, elsewhere, n=1, cutoff=0.7):

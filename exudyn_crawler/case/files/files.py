@@ -16,18 +16,17 @@ from pydantic import BaseModel, ValidationError
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.files.case_file import CaseFile
-from exudyn_crawler.case.files.changes import Change, change_item, changed, parsed
+from exudyn_crawler.case.files.changes import Change, parsed
 from exudyn_crawler.case.files.faults import faults
 from exudyn_crawler.case.files.old_keys import migrated
+from exudyn_crawler.case.files.paths import KeyPath, path_text
 from exudyn_crawler.case.files.text import case_text
 from exudyn_crawler.case.files.toml import toml_content
 from exudyn_crawler.case.parameters.kinds import (
     BASE,
     NONE,
     TAG,
-    Place,
     allows_none,
-    key_path,
     models_of,
     named_values,
     tag_of,
@@ -65,8 +64,10 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     path = Path(path)
     with faults_named(path, CaseFile):
         asked = parsed(changes)
+        content = toml_content(path, "case file")
+        for change in asked:
+            content = content if change.is_of_item else change.made_in(content)
         of_items = [change for change in asked if change.is_of_item]
-        content = changed(toml_content(path, "case file"), [one for one in asked if not one.is_of_item])
         return from_content(CaseFile, _resolved(migrated(content, path), path.parent, of_items))
 
 
@@ -142,18 +143,18 @@ def _resolved(content: dict[str, Any], folder: Path, of_items: Iterable[Change] 
     if _spread_equal_loads(case) and cycle is not None:
         with faults_named(cycle, LoadCycle):
             from_content(LoadCycle, case["loads"])
-    for change in of_items:
-        of_file = change.place[0] in CaseFile.model_fields and change.place[0] != "case"
-        change_item(own if of_file else case, change)
-        _spread_equal_loads(case)
     for name, field in CaseFile.model_fields.items():
         kinds = models_of(field.annotation)
         if kinds and isinstance(own.get(name), dict):
             own[name] = with_base(own[name], kinds, {}, (name,))
-    flexible = case.get("flexible")
+    content = {**own, "case": case}
+    for change in of_items:
+        content = change.made_in(content, CaseFile)
+        _spread_equal_loads(content["case"])
+    flexible = content["case"].get("flexible")
     if isinstance(flexible, dict) and isinstance(flexible.get("mesh"), str):
         flexible["mesh"] = _mesh(flexible["mesh"], folder)
-    return {**own, "case": case}
+    return content
 
 
 def _cycle_file(loads: object, folder: Path) -> Path | None:
@@ -199,7 +200,7 @@ def _mesh(name: str, folder: Path) -> str:
 
 
 def with_base(
-    given: dict[str, Any], kinds: tuple[type[BaseModel], ...], below: Mapping[str, Any], place: Place
+    given: dict[str, Any], kinds: tuple[type[BaseModel], ...], below: Mapping[str, Any], path: KeyPath
 ) -> dict[str, Any]:
     """What a table of one of the classes gives over its base, or over the values `below` it."""
     given = dict(given)
@@ -209,7 +210,7 @@ def with_base(
     values = dict(below) if len(kinds) == 1 or below.get(TAG) == tag_of(kind) else {}
     name = given.pop(BASE, None)
     if name is not None:
-        values = _named(name, kind, place)
+        values = _named(name, kind, path)
     for key, value in given.items():
         field = kind.model_fields.get(key)
         parts = models_of(field.annotation) if field else ()
@@ -218,13 +219,13 @@ def with_base(
         elif parts and isinstance(value, dict):
             under = values.get(key)
             under = under if isinstance(under, dict) else {}  # none, or the list of a table given by mistake
-            values[key] = with_base(value, parts, under, (*place, key))
+            values[key] = with_base(value, parts, under, (*path, key))
         else:
             values[key] = value
     return values
 
 
-def _named(name: object, kind: type[BaseModel], place: Place) -> dict[str, Any]:
+def _named(name: object, kind: type[BaseModel], path: KeyPath) -> dict[str, Any]:
     """Values of a named constructor."""
     constructors = named_values(kind)
     if not isinstance(name, str) or name not in constructors:
@@ -232,7 +233,7 @@ def _named(name: object, kind: type[BaseModel], place: Place) -> dict[str, Any]:
         near = difflib.get_close_matches(str(name), names, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         allowed = ", ".join(map(repr, names)) or "no names at all"
-        raise ValueError(f"{key_path((*place, BASE))}: no {name!r}; {hint}There is {allowed}")
+        raise ValueError(f"{path_text((*path, BASE))}: no {name!r}; {hint}There is {allowed}")
     return constructors[name]().model_dump(mode="json")
 
 

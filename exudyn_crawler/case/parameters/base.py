@@ -1,5 +1,6 @@
 """Base of the parameter classes: frozen, closed to unknown names, finite numbers only."""
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
 from annotated_types import Ge, Le, MaxLen, MinLen
@@ -7,6 +8,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from exudyn_crawler.case.files.faults import faults, shown
 from exudyn_crawler.case.files.html import parameter_html
+from exudyn_crawler.case.files.paths import fields_of, parse_path
+from exudyn_crawler.case.parameters.kinds import with_value_in
 from exudyn_crawler.errors import ParameterError
 
 FAR = 1e6
@@ -44,10 +47,28 @@ class Parameters(BaseModel):
                 f"{name}: parameters do not change, got {shown(value)}; with_({name}=...) gives a copy"
             ) from None
 
-    def with_(self, **changes: Any) -> Self:
-        """Copy with some fields changed, validated anew."""
-        values = {name: getattr(self, name) for name in type(self).model_fields}
-        return type(self)(**(values | changes))
+    def with_(self, changes: Mapping[str, Any] | None = None, /, **fields: Any) -> Self:
+        """Copy with some values changed, validated again.
+
+        Parameters
+        ----------
+        changes : mapping, optional
+            Values by their paths: ``{"terrain.spring_stiffness": 1e7, "loads.phases[*].side_shift": 0.1}``.
+        **fields
+            Values of fields.
+
+        Raises
+        ------
+        ParameterError
+            Naming each field at fault, its value and what is allowed.
+        """
+        values = fields_of(self) | fields
+        for path, value in (changes or {}).items():
+            try:
+                values = with_value_in(type(self), values, parse_path(path), value)
+            except ValueError as error:
+                raise ParameterError(f"{path}: {error}") from None
+        return type(self)(**values)
 
     def _repr_html_(self) -> str:
         """Table of every value with unit and meaning, for notebooks."""

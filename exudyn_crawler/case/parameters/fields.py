@@ -7,21 +7,22 @@ from typing import NamedTuple
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from exudyn_crawler.case.parameters.kinds import Place, is_beside, key_path, models_of
+from exudyn_crawler.case.files.paths import EVERY, KeyPath, path_text
+from exudyn_crawler.case.parameters.kinds import is_beside, models_of
 from exudyn_crawler.case.parameters.profile import StepProfile
 
 
 class Entry(NamedTuple):
     """A table or a value of a case: its place, its field and what stands there."""
 
-    place: Place
+    place: KeyPath
     field: FieldInfo
     value: object
 
     @property
     def path(self) -> str:
-        """Place as it is written: ``loads.phases[2].end``."""
-        return key_path(self.place)
+        """KeyPath as it is written: ``loads.phases[2].end``."""
+        return path_text(self.place)
 
     @property
     def unit(self) -> str:
@@ -37,7 +38,7 @@ class Entry(NamedTuple):
         return self.field.description or (first_line(kinds[0]) if kinds else "")
 
 
-def walk(model: BaseModel, place: Place = ()) -> Iterator[Entry]:
+def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
     """Every table and value of a parameter object, in order.
 
     A table comes before what it holds, its values before its tables. A quantity over time is a value. The
@@ -62,6 +63,16 @@ def _fields(model: BaseModel) -> Iterator[tuple[str, FieldInfo, object]]:
             yield from _fields(value)
         else:
             yield name, field, value
+
+
+def entry_at(model: BaseModel, path: KeyPath) -> Entry | None:
+    """Table or value at a path, or that holds the list which the path leads into; None if there is none."""
+    wanted = tuple(0 if part == EVERY else part for part in path)
+    within = [entry for entry in walk(model) if wanted[: len(entry.place)] == entry.place]
+    if not within:
+        return None
+    deepest = max(within, key=lambda entry: len(entry.place))
+    return deepest if all(isinstance(part, int) for part in wanted[len(deepest.place) :]) else None
 
 
 def is_table(value: object) -> bool:

@@ -1,8 +1,6 @@
-"""Parameter classes and the paths of their values, as files write them."""
+"""Parameter classes and what files write of them."""
 
 import inspect
-import json
-import re
 import typing
 from collections.abc import Callable, Iterator
 from types import UnionType
@@ -10,6 +8,8 @@ from typing import Any
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
+
+from exudyn_crawler.case.files.paths import KeyPath, fields_of, with_change_at
 
 BASE = "base"
 """Key of a file: the named value that gives what its table leaves out."""
@@ -21,25 +21,34 @@ TAG = "model"
 BESIDE = object()
 """Marks, in the annotation of a field, that a file has its fields beside those of the class that holds it."""
 
-Place = tuple[int | str, ...]
-"""Names and numbers on the way to a value: ("loads", "phases", 2, "end")."""
-
 
 def is_beside(field: FieldInfo) -> bool:
     """Whether a file has the fields of a part beside those of the class that holds it."""
     return BESIDE in field.metadata
 
 
-def key_path(place: Place) -> str:
-    """Place of a value as it is written: ``loads.phases[2].end``."""
-    text = ""
-    for part in place:
-        if isinstance(part, int):
-            text += f"[{part}]"
-        else:
-            # keys that need quotes in TOML have them here, and cannot break the line
-            text += "." + (part if re.fullmatch(r"[\w-]+", part, re.ASCII) else json.dumps(part))
-    return text.lstrip(".")
+def with_change_in(
+    kind: type[BaseModel], values: Any, path: KeyPath, change: Callable[[Any], Any]
+) -> dict[str, Any]:
+    """Values of a parameter class, one of them changed at a path as a file has it; see `with_change_at`.
+
+    Parameters
+    ----------
+    kind : type of BaseModel
+        Class that the values are of; a file may have the fields of a part beside its own.
+    values : dict or BaseModel
+    """
+    table = fields_of(values) if isinstance(values, BaseModel) else values
+    for name, field in kind.model_fields.items():
+        if is_beside(field) and (path[0] == name or path[0] not in kind.model_fields):
+            return {**table, name: with_change_at(table[name], path, change)}
+    changed: dict[str, Any] = with_change_at(table, path, change)
+    return changed
+
+
+def with_value_in(kind: type[BaseModel], values: Any, path: KeyPath, value: Any) -> dict[str, Any]:
+    """Values of a parameter class with another one at a path; see `with_change_in`."""
+    return with_change_in(kind, values, path, lambda _before: value)
 
 
 def key_paths(kind: type[BaseModel], start: str = "") -> Iterator[str]:

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from exudyn_crawler.case import CaseFile
+from exudyn_crawler.case.files.differences import differences
 
 if TYPE_CHECKING:
     from exudyn_crawler.results.history.history import History
@@ -36,23 +37,9 @@ def matching_history(folder: Path, case_file: CaseFile) -> "History":
     if path is None:
         raise FileNotFoundError(f"no history at {places[0]} or {places[1]}")
     history = History.load(path)
-    differences = _differences(history.case.model_dump(), case.model_dump())
+    found = [str(one) for one in differences(history.case, case)]
     if abs(history.duration - case_file.duration) > SAME_TIME:
-        differences.append(f"duration is {history.duration:g} s, not {case_file.duration:g} s")
-    if differences:
-        raise ValueError(f"{path} comes from other parameters: {'; '.join(differences[:5])}")
+        found.append(f"duration is {history.duration:g} s, not {case_file.duration:g} s")
+    if found:
+        raise ValueError(f"{path} comes from other parameters: {'; '.join(found[:5])}")
     return history
-
-
-def _differences(found: object, wanted: object, name: str = "") -> list[str]:
-    """Names of the parameters in which two dumped cases differ, with both values."""
-    if isinstance(found, dict) and isinstance(wanted, dict):
-        if found.get("model") != wanted.get("model"):
-            # another model has other parameters: nothing else is comparable
-            found, wanted = ({"model": one.get("model")} for one in (found, wanted))
-        return [
-            difference
-            for key in sorted(found.keys() | wanted.keys())
-            for difference in _differences(found.get(key), wanted.get(key), f"{name}.{key}".lstrip("."))
-        ]
-    return [] if found == wanted else [f"{name} is {found}, not {wanted}"]
