@@ -18,8 +18,8 @@ from exudyn_crawler import Case, Drive, LoadCycle, simulate
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.state import RATES
 from exudyn_crawler.model.system import build
-from exudyn_crawler.results.history.from_states import history_of
 from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.states import history_of
 from exudyn_crawler.results.loads.modal_coordinates import stress_basis, whole_coordinates
 from exudyn_crawler.results.stress.stress_columns import stress_columns
 from exudyn_crawler.results.stress.stresses import recover_stresses

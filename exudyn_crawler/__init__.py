@@ -43,9 +43,8 @@ if TYPE_CHECKING:
         SimulationStopped,
     )
     from exudyn_crawler.life_run import life
-    from exudyn_crawler.results.history.contacts import contacts_by_shoe, terrain_deformation
+    from exudyn_crawler.results.history.derived import contacts_by_shoe, terrain_deformation
     from exudyn_crawler.results.history.history import History
-    from exudyn_crawler.results.history.rollers import frame_imbalance, roller_loads
     from exudyn_crawler.results.life.duty import Duty, DutyRun, read_duty
     from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
     from exudyn_crawler.results.life.life import LifeResults
@@ -53,6 +52,7 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.loads.balance import shoe_imbalance
     from exudyn_crawler.results.loads.modal_coordinates import stress_basis, whole_coordinates
     from exudyn_crawler.results.loads.pins import pin_forces
+    from exudyn_crawler.results.loads.rollers import frame_imbalance, roller_loads
     from exudyn_crawler.results.loads.shoe_loads import ShoeLoads, action_table, peak_time, shoe_loads
     from exudyn_crawler.results.stress.node_stress import node_stress
     from exudyn_crawler.results.stress.spread import Spread
@@ -112,8 +112,8 @@ _HOMES = {
     "Vary": "sweep.vary",
     "action_table": "results.loads.shoe_loads",
     "actions": "results.loads.actions",
-    "contacts_by_shoe": "results.history.contacts",
-    "frame_imbalance": "results.history.rollers",
+    "contacts_by_shoe": "results.history.derived",
+    "frame_imbalance": "results.loads.rollers",
     "history_series": "views.series",
     "life": "life_run",
     "mode_figure": "views.mode_shapes",
@@ -125,7 +125,7 @@ _HOMES = {
     "read_duty": "results.life.duty",
     "read_sweep": "sweep.files",
     "recover_stresses": "results.stress.stresses",
-    "roller_loads": "results.history.rollers",
+    "roller_loads": "results.loads.rollers",
     "run_case": "case_run",
     "run_sweep": "sweep.running",
     "shoe_imbalance": "results.loads.balance",
@@ -133,7 +133,7 @@ _HOMES = {
     "simulate": "run.solve.simulation",
     "spread": "spread_run",
     "stress_basis": "results.loads.modal_coordinates",
-    "terrain_deformation": "results.history.contacts",
+    "terrain_deformation": "results.history.derived",
     "track_modes": "run.solve.track_modes",
     "whole_coordinates": "results.loads.modal_coordinates",
     "write_animation": "views.animation",

@@ -16,11 +16,10 @@ from exudyn_crawler.files import whole_file
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.model.reductions import reductions_in
 from exudyn_crawler.netcdf import write_netcdf_along
-from exudyn_crawler.results.history.compact import CONTACT_TYPE
-from exudyn_crawler.results.history.contacts import contact_force, terrain_deformation
-from exudyn_crawler.results.history.extremes import extremes
+from exudyn_crawler.results.history.derived import contact_force, terrain_deformation
+from exudyn_crawler.results.history.files import CONTACT_TYPE, blocks
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.pieces import blocks
+from exudyn_crawler.results.history.summary import extremes
 from exudyn_crawler.results.history.tables import highest_by_phase, hot_spot_table, load_table, region_table
 from exudyn_crawler.results.stress.stresses import StressResults, recover_stresses
 from exudyn_crawler.run.folder.folder import kept_run

@@ -136,9 +136,9 @@ def stress(
     Example: exudyn-crawler stress --duration 8 --mesh coarse --out results/short
     """
     from exudyn_crawler import Case, LoadCycle
-    from exudyn_crawler.results.history.propel import highest_in_propel_and_loading
     from exudyn_crawler.views.tables import print_table
     from studies.stress import open_choices, study
+    from studies.stress_comparison import highest_in_propel_and_loading
 
     if choices:
         print_table(open_choices(min(duration, 8.0), mesh), "Paper, and computed for some choices")

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.results.history.contacts import contacts_by_shoe, terrain_deformation
+from exudyn_crawler.results.history.derived import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.curves import JOINTS, SHOES
 from studies.comparison import comparison_table, ends, statistic_of, time_mean

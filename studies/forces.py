@@ -16,8 +16,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from exudyn_crawler import Case, CaseFile, History, simulate
-from exudyn_crawler.results.history.contacts import contact_force
-from exudyn_crawler.results.history.phases import common_phases
+from exudyn_crawler.results.history.derived import contact_force
+from exudyn_crawler.results.history.history import common_phases
 from exudyn_crawler.run.folder.histories import matching_history
 from exudyn_crawler.run.folder.keeper import quiet
 from exudyn_crawler.views.curves import Panel, panel_figure, save_figure

@@ -12,9 +12,8 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.results.history.contacts import contacts_by_shoe, terrain_deformation
+from exudyn_crawler.results.history.derived import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.propel import in_phase
 from exudyn_crawler.results.stress.stresses import StressResults
 from studies.comparison import KINEMATIC, comparison_table, statistic_of
 from studies.reported import reported_values
@@ -90,3 +89,36 @@ def compare_stresses(history: History, results: StressResults) -> pd.DataFrame:
             computed.append(stress_value(history, results, row.case, row.quantity, row.statistic))
     end = float(history.time[-1])
     return comparison_table(reported, computed, dict.fromkeys(reported["case"], end))
+
+
+def in_phase(values: xr.DataArray, history: History, phase: str) -> xr.DataArray:
+    """Part of a series in the propel or in the loading; empty where the run does not reach it.
+
+    Raises
+    ------
+    ValueError
+        For any other phase.
+    """
+    end = min(history.case.drive.switch_times, default=math.inf)
+    if phase == "propel":
+        return values.where(values.time <= end, drop=True)
+    if phase == "loading":
+        return values.where(values.time > end, drop=True)
+    raise ValueError(f"phase must be 'propel' or 'loading', got {phase!r}")
+
+
+def highest_in_propel_and_loading(history: History, stresses: StressResults) -> pd.DataFrame:
+    """Highest von Mises stress of every flexible shoe in propel and loading.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns shoe, propel and loading (MPa), ratio of loading to propel; NaN for a phase not reached.
+    """
+    highest = stresses.dataset.highest_von_mises / MEGA
+    rows = []
+    for shoe in highest.shoe.values:
+        phases = {phase: in_phase(highest.sel(shoe=shoe), history, phase) for phase in ("propel", "loading")}
+        peaks = {p: float(v.max()) if v.size else math.nan for p, v in phases.items()}
+        rows.append({"shoe": int(shoe)} | peaks | {"ratio": peaks["loading"] / peaks["propel"]})
+    return pd.DataFrame(rows)

@@ -14,8 +14,8 @@ from pydantic import Field, TypeAdapter, model_validator
 from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.parameters.base import quantity as measured
 from exudyn_crawler.case_run import CaseRun
-from exudyn_crawler.results.history.contacts import contacts_of, terrain_deformation
-from exudyn_crawler.results.history.quantities import QUANTITIES
+from exudyn_crawler.results.history.catalogue import QUANTITIES
+from exudyn_crawler.results.history.derived import contacts_of, terrain_deformation
 from exudyn_crawler.results.stress.stresses import HOT_SPOTS
 from exudyn_crawler.run.folder.histories import SAME_TIME
 from exudyn_crawler.sweep.answer_base import AnyAnswer, check_within

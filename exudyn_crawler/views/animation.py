@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.phases import common_phases
+from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.views.curves import STYLE
 from exudyn_crawler.views.film import GIF, check_film, drawn_image, film_times, write_film
 from exudyn_crawler.views.phase_bands import draw_phases

@@ -12,9 +12,8 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.case.files.differences import parameter_differences
 from exudyn_crawler.files import whole_file
-from exudyn_crawler.results.history.comparing import compared, difference_table
-from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.phases import common_phases
+from exudyn_crawler.results.history.history import History, common_phases
+from exudyn_crawler.results.history.tables import compared, difference_table
 from exudyn_crawler.views.curves import Panel, panel_figure
 from exudyn_crawler.views.report.templating import rendered_page
 from exudyn_crawler.views.series import HIGHEST_STRESS, Series, history_series

@@ -12,8 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler.files import whole_file
-from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.phases import Phase, common_phases
+from exudyn_crawler.results.history.history import History, RunPhase, common_phases
 from exudyn_crawler.views.phase_bands import draw_phases
 
 SHOES = (1, 4, 7, 10, 13)
@@ -84,7 +83,7 @@ def draw_panel(ax: Axes, panel: Panel) -> Axes:
     return ax
 
 
-def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[Phase] = ()) -> Figure:
+def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase] = ()) -> Figure:
     """Panels one below the other, with one legend; phases of the run stand behind the curves."""
     # places that are searched for would take half of the time of a figure
     with mpl.rc_context(STYLE | {"figure.constrained_layout.use": False}):

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from exudyn_crawler.results.history.contacts import contacts_by_shoe
+from exudyn_crawler.results.history.derived import contacts_by_shoe
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.colours import SHOE
 from exudyn_crawler.views.placement import instant

@@ -5,19 +5,19 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.text import Text
 
-from exudyn_crawler.results.history.phases import Phase
+from exudyn_crawler.results.history.history import RunPhase
 from exudyn_crawler.views.colours import PHASE_BANDS, PHASE_NAME
 
 NAME_SIZE, NAME_INSET = 6.5, 2.0
 """Points: size of a name, and how far it stands to the right of its band's begin and above it."""
 
 
-def banded(phases: Sequence[Phase]) -> list[Phase]:
+def banded(phases: Sequence[RunPhase]) -> list[RunPhase]:
     """Phases that get a band: none where there is but one."""
     return list(phases) if len(phases) > 1 else []
 
 
-def draw_phases(axes: Sequence[Axes], phases: Sequence[Phase]) -> None:
+def draw_phases(axes: Sequence[Axes], phases: Sequence[RunPhase]) -> None:
     """Draw a band a phase behind the curves of some panels of a figure over the same time (s).
 
     Colours alternate. Names stand above the first panel alone; one that is wider than its band is left out.
@@ -26,7 +26,7 @@ def draw_phases(axes: Sequence[Axes], phases: Sequence[Phase]) -> None:
     ----------
     axes : sequence of Axes
         Panels that have their curves, their place in the figure and their limits.
-    phases : sequence of Phase
+    phases : sequence of RunPhase
         Of the run; what of them is beyond the limits is not drawn.
     """
     for panel, ax in enumerate(axes):

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 from matplotlib.figure import Figure
 
-from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.phases import common_phases
+from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.views.curves import Panel, panel_figure
 from exudyn_crawler.views.series import (
     FRAME_ANGLE,

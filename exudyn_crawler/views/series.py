@@ -6,10 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.results.history.contacts import contacts_of, terrain_deformation
+from exudyn_crawler.results.history.catalogue import QUANTITIES
+from exudyn_crawler.results.history.derived import contacts_of, rail_force, terrain_deformation
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.quantities import QUANTITIES
-from exudyn_crawler.results.history.rail_forces import rail_force
 from exudyn_crawler.views.curves import KINEMATICS, Panel, kinematic_series
 from exudyn_crawler.views.scales import MEGA
 

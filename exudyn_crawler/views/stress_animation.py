@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.phases import common_phases
-from exudyn_crawler.results.history.rail_forces import rail_force
+from exudyn_crawler.results.history.derived import rail_force
+from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.stress.surface_stress import surface_stress
 from exudyn_crawler.views.colours import ROLLER, ROLLER_FORCE, STRESS_MAP
 from exudyn_crawler.views.curves import STYLE

@@ -12,7 +12,7 @@ from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
 from exudyn_crawler.ground.triplets import Weights
 from exudyn_crawler.model.system import build
-from exudyn_crawler.results.history.contacts import contacts_by_shoe
+from exudyn_crawler.results.history.derived import contacts_by_shoe
 from exudyn_crawler.results.loads.balance import powers, shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.integration import integrate

@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import pulled_node
-from exudyn_crawler.results.history.contacts import contacts_by_shoe
+from exudyn_crawler.results.history.derived import contacts_by_shoe
 from exudyn_crawler.results.loads.actions import (
     AtDrivePoint,
     AtInterface,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import History
-from exudyn_crawler.results.history.bouncing import bouncing
+from exudyn_crawler.results.history.summary import bouncing
 
 
 def shaken(history, forces):

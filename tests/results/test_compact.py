@@ -9,7 +9,7 @@ import xarray as xr
 from exudyn_crawler import History
 from exudyn_crawler.netcdf import write_netcdf_along
 from exudyn_crawler.results.history.case_in_file import with_case
-from exudyn_crawler.results.history.compact import (
+from exudyn_crawler.results.history.files import (
     CONTACT_TYPE,
     SHAPES,
     TERRAIN_COORDINATES,

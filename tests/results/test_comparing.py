@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import History
-from exudyn_crawler.results.history.comparing import compared, difference_table
+from exudyn_crawler.results.history.tables import compared, difference_table
 
 
 def test_a_run_does_not_differ_from_itself(translation):

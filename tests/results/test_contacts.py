@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, simulate
-from exudyn_crawler.results.history.contacts import contact_force, contacts_by_shoe, pair, terrain_deformation
+from exudyn_crawler.results.history.derived import contact_force, contacts_by_shoe, pair, terrain_deformation
 from exudyn_crawler.results.loads.balance import track_imbalance
 from studies.comparison import time_mean
 

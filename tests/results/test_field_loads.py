@@ -7,10 +7,10 @@ import pytest
 
 from exudyn_crawler import simulate
 from exudyn_crawler.model.load_places import RAILS, shoe_fields
-from exudyn_crawler.results.history.rollers import roller_loads
 from exudyn_crawler.results.loads.actions import OverRectangle, actions
 from exudyn_crawler.results.loads.field_loads import field_loads, loads_by_kind
 from exudyn_crawler.results.loads.modal_coordinates import coordinates_and_momentum, stress_basis
+from exudyn_crawler.results.loads.rollers import roller_loads
 from tests.rolled import small_flexible_case
 
 

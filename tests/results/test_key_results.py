@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.results.history.key_results import key_results
+from exudyn_crawler.results.history.summary import key_results
 
 
 def test_they_are_those_of_the_history(translation):

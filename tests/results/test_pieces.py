@@ -1,4 +1,4 @@
-"""Histories in pieces along time: joined in memory or in a file, they are the whole."""
+"""Histories in chunks along time: joined in memory or in a file, they are the whole."""
 
 import tracemalloc
 
@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import History
-from exudyn_crawler.results.history.pieces import Piece, joined, save_joined
+from exudyn_crawler.results.history.files import Chunk, joined, save_joined
 
 
 @pytest.fixture(scope="module")
@@ -22,42 +22,42 @@ def parted(translation):
     return dataset, [first, dataset.isel(time=slice(middle, None))]
 
 
-def test_a_contact_that_a_piece_lacks_is_zero_in_its_time(parted):
+def test_a_contact_that_a_chunk_lacks_is_zero_in_its_time(parted):
     whole, parts = parted
-    assert joined([Piece.of(part) for part in parts]).identical(whole)
+    assert joined([Chunk.of(part) for part in parts]).identical(whole)
 
 
-def test_pieces_in_a_file_are_those_in_memory(translation, parted, tmp_path):
+def test_chunks_in_a_file_are_those_in_memory(translation, parted, tmp_path):
     whole, parts = parted
-    path = save_joined(translation.case, [Piece.of(part) for part in parts], tmp_path / "history.nc")
+    path = save_joined(translation.case, [Chunk.of(part) for part in parts], tmp_path / "history.nc")
     assert History.load(path).dataset.identical(whole)
-    before = Piece.of_file(path, float(parts[0].time[-1]))
-    again = save_joined(translation.case, [before, Piece.of(parts[1])], tmp_path / "again.nc")
+    before = Chunk.of_file(path, float(parts[0].time[-1]))
+    again = save_joined(translation.case, [before, Chunk.of(parts[1])], tmp_path / "again.nc")
     assert History.load(again).dataset.identical(whole)
 
 
-def test_pieces_of_nothing_count_for_nothing(parted):
+def test_chunks_of_nothing_count_for_nothing(parted):
     whole, parts = parted
-    nothing = Piece.of(parts[0].isel(time=slice(0)))
+    nothing = Chunk.of(parts[0].isel(time=slice(0)))
     assert nothing.times == 0
-    assert joined([nothing, *map(Piece.of, parts)]).identical(whole)
+    assert joined([nothing, *map(Chunk.of, parts)]).identical(whole)
 
 
 @pytest.mark.slow
-def test_writing_takes_no_more_memory_for_more_pieces(translation, tmp_path):
+def test_writing_takes_no_more_memory_for_more_chunks(translation, tmp_path):
     part = translation.dataset.isel(time=slice(100))
 
-    def pieces(count):
+    def chunks(count):
         def later(number):
             time = part.time.values + number
             return lambda: [part.copy(deep=True).assign_coords(time=time)]
 
-        return [Piece(100, Piece.of(part).pairs, later(number)) for number in range(count)]
+        return [Chunk(100, Chunk.of(part).pairs, later(number)) for number in range(count)]
 
     peaks = []
     for count in (4, 4, 16):
         tracemalloc.start()
-        save_joined(translation.case, pieces(count), tmp_path / "history.nc", overwrite=True)
+        save_joined(translation.case, chunks(count), tmp_path / "history.nc", overwrite=True)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] > part.nbytes

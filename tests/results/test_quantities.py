@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import exudyn_crawler.results
-from exudyn_crawler.results.history.contacts import contact_force, terrain_deformation
-from exudyn_crawler.results.history.quantities import QUANTITIES
+from exudyn_crawler.results.history.catalogue import QUANTITIES
+from exudyn_crawler.results.history.derived import contact_force, terrain_deformation
 
 
 def test_every_variable_of_a_history_is_in_the_catalogue(flexible_run):
@@ -35,9 +35,10 @@ def test_every_quantity_has_a_name_of_its_own_and_a_label():
 
 @pytest.mark.simulation
 def test_results_are_read_without_the_engine():
-    modules = sorted(path.stem for path in Path(exudyn_crawler.results.__file__).parent.glob("[a-z]*.py"))
-    assert "from_states" in modules
-    imports = "".join(f"import exudyn_crawler.results.{name}\n" for name in modules)
+    room = Path(exudyn_crawler.results.__file__).parent
+    modules = [".".join(path.relative_to(room).with_suffix("").parts) for path in room.glob("*/[a-z]*.py")]
+    assert "history.states" in modules
+    imports = "".join(f"import exudyn_crawler.results.{name}\n" for name in sorted(modules))
     script = (
         f"import sys\n{imports}assert not [name for name in sys.modules if name.split('.')[0] == 'exudyn']"
     )

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from exudyn_crawler.results.history.rail_forces import rail_force
-from exudyn_crawler.results.history.rollers import roller_loads
+from exudyn_crawler.results.history.derived import rail_force
+from exudyn_crawler.results.loads.rollers import roller_loads
 
 
 def test_shoes_together_carry_what_the_rollers_press(rolled):

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, History, LoadCycle, Phase
-from exudyn_crawler.results.history.phases import phase_ends, phases
+from exudyn_crawler.results.history.history import phases
 from exudyn_crawler.results.history.tables import highest_by_phase, hot_spot_table, load_table
 from exudyn_crawler.views.tables import write_table
 
@@ -25,7 +25,6 @@ def test_phases_end_where_the_run_ends():
     # loads stay after the last phase
     assert phases(OWN, 1.0)[-1] == ("nor this", 0.2, 1.0)
     assert phases(LoadCycle.propel(), 2.0) == [("constant", 0.0, 2.0)]
-    assert phase_ends(OWN, 0.06) == [0.0, 0.02, 0.05, 0.06]
 
 
 @pytest.mark.parametrize("duration", [0.05, 0.06, 1.0])

@@ -8,10 +8,10 @@ from exudyn_crawler.case import MachineCycle
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled.system import compiled_system
 from exudyn_crawler.model.rail_rows import rows_along
-from exudyn_crawler.results.history.rollers import frame_imbalance, roller_loads
 from exudyn_crawler.results.loads.actions import OnRail, actions
 from exudyn_crawler.results.loads.balance import energy_balance, shoe_imbalance, track_imbalance
 from exudyn_crawler.results.loads.modal_coordinates import stress_basis
+from exudyn_crawler.results.loads.rollers import frame_imbalance, roller_loads
 from exudyn_crawler.results.loads.shoe_loads import shoe_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.run_stages import system_history

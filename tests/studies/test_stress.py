@@ -10,7 +10,6 @@ from exudyn_crawler.case import Drive
 from exudyn_crawler.case.parameters.outputs import Outputs
 from exudyn_crawler.case_run import STRESS_WRITERS
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.propel import highest_in_propel_and_loading, in_phase
 from exudyn_crawler.results.loads.modal_coordinates import stress_basis
 from exudyn_crawler.results.stress.stress_columns import stress_columns
 from exudyn_crawler.results.stress.stresses import recover_stresses
@@ -18,7 +17,12 @@ from fem import write_mesh
 from meshes import shoe_mesh
 from studies.stress import PICTURE_TIMES
 from studies.stress import study as stress_study
-from studies.stress_comparison import compare_stresses, flexible_quantity
+from studies.stress_comparison import (
+    compare_stresses,
+    flexible_quantity,
+    highest_in_propel_and_loading,
+    in_phase,
+)
 
 pytestmark = pytest.mark.simulation
 

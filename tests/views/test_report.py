@@ -15,7 +15,7 @@ from hypothesis.extra.numpy import arrays
 
 from exudyn_crawler import History, recover_stresses
 from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
-from exudyn_crawler.results.history.contacts import contacts_of
+from exudyn_crawler.results.history.derived import contacts_of
 from exudyn_crawler.run.folder.folder import note_file
 from exudyn_crawler.views.report.frames import first_frame, frame_titles
 from exudyn_crawler.views.report.heading import bouncing_lines, provenance

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.results.history.rail_forces import rail_force
+from exudyn_crawler.results.history.derived import rail_force
 from exudyn_crawler.views.roller_figures import roller_figures
 from exudyn_crawler.views.series import history_series
 from tests.views.drawn import curves

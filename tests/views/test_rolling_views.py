@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.history.rail_forces import rail_force
+from exudyn_crawler.results.history.derived import rail_force
 from exudyn_crawler.views.animation import TrackPicture
 from exudyn_crawler.views.paraview import write_paraview
 from exudyn_crawler.views.placement import instant

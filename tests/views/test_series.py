@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.results.history.contacts import contacts_by_shoe, terrain_deformation
+from exudyn_crawler.results.history.derived import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.stress.stresses import StressResults
 from exudyn_crawler.views.force_figures import force_figures
 from exudyn_crawler.views.series import Series, history_series, link_names, shoe_names

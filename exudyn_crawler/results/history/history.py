@@ -1,19 +1,19 @@
-"""Results of a run: named arrays over time that know their units and where they come from."""
+"""Results of a run: named arrays over time that know their units and where they come from, and its phases."""
 
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, LoadCycle, MachineCycle
 from exudyn_crawler.netcdf import write_netcdf_along
 from exudyn_crawler.results.history.case_in_file import case_in_file, reading_history, with_case, without_case
-from exudyn_crawler.results.history.compact import packed, unpacked
-from exudyn_crawler.results.history.pieces import blocks
-from exudyn_crawler.results.history.quantities import check_dimensions
+from exudyn_crawler.results.history.catalogue import check_dimensions
+from exudyn_crawler.results.history.files import blocks, packed, unpacked
 from fem.interrupts import interrupts_wait
 
 MOST_IN_MEMORY = 10**9
@@ -27,7 +27,7 @@ class History:
     """Results of a run.
 
     Every variable of the dataset is an attribute too: ``history.position.sel(shoe=13, axis="x")``.
-    `exudyn_crawler.results.history.quantities` lists the variables; each has unit and meaning as attributes.
+    `exudyn_crawler.results.history.catalogue` lists the variables; each has unit and meaning as attributes.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class History:
         return float(self.dataset.time[-1])
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
-        """Write everything to one NetCDF file, as of `results.history.compact`: contacts in single precision.
+        """Write everything to one NetCDF file, as of `results.history.files`: contacts in single precision.
 
         Raises
         ------
@@ -119,3 +119,44 @@ def _check(case: Case, dataset: xr.Dataset) -> None:
     time = dataset.time.values
     if not (len(time) and np.isfinite(time).all() and (np.diff(time) > 0.0).all()):
         raise ValueError("its times do not increase")
+
+
+class RunPhase(NamedTuple):
+    """Part of a run: name, and begin and end in s."""
+
+    name: str
+    begin: float
+    end: float
+
+    def rows(self, time: NDArray) -> NDArray:
+        """Whether each time (s) belongs to it: array of bool (times,); its begin is the one before's."""
+        after = time >= 0.0 if self.begin == 0.0 else time > self.begin * (1.0 + 1e-9)
+        return after & (time <= self.end * (1.0 + 1e-9))
+
+
+def phases(cycle: LoadCycle | MachineCycle, duration: float) -> list[RunPhase]:
+    """Phases that a run of some duration (s) reaches.
+
+    The first begins with the run; the last of the cycle, whose loads stay, ends with it. A phase that ends
+    as the run begins is no part of it, unless it is the only one.
+    """
+    names = [phase.name for phase in cycle.phases]
+    ends = [phase.end for phase in cycle.phases]
+    ends[-1] = max(ends[-1], duration)
+    begins = [0.0, *ends[:-1]]
+    return [
+        RunPhase(name, begin, min(end, duration))
+        for name, begin, end in zip(names, begins, ends, strict=True)
+        if begin < duration and end > begin
+    ]
+
+
+def common_phases(*histories: History) -> list[RunPhase]:
+    """Phases that runs go through together, to the end of the longest; none where those of two differ.
+
+    They are those of the machine where it acts on a side frame, and else of the loads on the shoes.
+    """
+    duration = max(one.duration for one in histories)
+    cycles = (one.case.machine or one.case.loads for one in histories)
+    first, *others = (phases(cycle, duration) for cycle in cycles)
+    return first if all(one == first for one in others) else []

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import shoe_model
-from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.phases import phases
+from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.life.duty import Duty, DutyRun
 from exudyn_crawler.results.stress.stress_columns import StressColumns, stress_columns
 from exudyn_crawler.results.stress.stresses import near_pull

@@ -13,8 +13,8 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.quantities import variable
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.results.life.duty_runs import UsedRun, places_of, pulled_nodes, used_runs
 from exudyn_crawler.results.life.life_causes import NodeLife, node_lives

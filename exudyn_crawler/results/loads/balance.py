@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.rollers import frame_energies, frame_powers
 from exudyn_crawler.results.loads.actions import actions, shoe_mass
+from exudyn_crawler.results.loads.rollers import frame_energies, frame_powers
 
 FORCE = {"units": "N"}
 MOMENT = {"units": "N m"}

@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.results.history.quantities import Variable, variable
+from exudyn_crawler.results.history.catalogue import Variable, variable
 from exudyn_crawler.results.history.tables import MEGA, hot_spot_table
 from exudyn_crawler.results.stress.stresses import StressResults
 from fem import judged

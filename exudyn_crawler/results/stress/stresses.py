@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.netcdf import write_netcdf
-from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.phases import phases
-from exudyn_crawler.results.history.quantities import Variable, variable
+from exudyn_crawler.results.history.catalogue import Variable, variable
+from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.loads.load_shares import load_shares
 from exudyn_crawler.results.stress.regions import BORES, shoe_regions
 from exudyn_crawler.results.stress.stress_columns import StressColumns, stress_columns

@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from exudyn_crawler.results.history.catalogue import QUANTITIES, variable
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.quantities import QUANTITIES, variable
 from exudyn_crawler.results.stress.stress_columns import stress_columns
 
 AT_ONCE = 50

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.files.files import saved_case
 from exudyn_crawler.files import whole_file, writable_folder
-from exudyn_crawler.results.history.pieces import Piece, save_joined
+from exudyn_crawler.results.history.files import Chunk, save_joined
 
 VARIABLE = "history "
 """What the names of the history's arrays begin with in a file."""
@@ -61,7 +61,7 @@ class KeptStage:
     number, time, layout
         As of `Checkpoint`.
     path : Path
-    piece : Piece
+    piece : Chunk
         Its history, read from the file when it is needed.
     """
 
@@ -69,7 +69,7 @@ class KeptStage:
     time: float
     layout: str
     path: Path
-    piece: Piece
+    piece: Chunk
 
     @property
     def state(self) -> NDArray:
@@ -153,13 +153,13 @@ class Checkpoints:
             found.append(stage)
         return found
 
-    def pieces(self, stages: Iterable[KeptStage]) -> list[Piece]:
+    def pieces(self, stages: Iterable[KeptStage]) -> list[Chunk]:
         """Pieces of the history that stages of `load` gave, the earlier run's among them."""
         kept = list(stages)
-        before = [Piece.of_file(self._earlier, kept[0].time)] if kept and kept[0].number else []
+        before = [Chunk.of_file(self._earlier, kept[0].time)] if kept and kept[0].number else []
         return before + [stage.piece for stage in kept]
 
-    def save_history(self, case: Case, pieces: list[Piece]) -> Path:
+    def save_history(self, case: Case, pieces: list[Chunk]) -> Path:
         """Write the history that pieces make into the folder."""
         writable_folder(self.folder)
         return save_joined(case, pieces, self.history, overwrite=True)
@@ -286,8 +286,8 @@ def _dataset(arrays: Mapping[str, NDArray]) -> xr.Dataset:
 
 def _kept(path: Path, checkpoint: Checkpoint) -> KeptStage:
     """Stage in a file without what is read from there, and checked, when it is needed."""
-    whole = Piece.of(checkpoint.history)
-    piece = Piece(whole.times, whole.pairs, lambda: Piece.of(_dataset(_arrays(path))).parts())
+    whole = Chunk.of(checkpoint.history)
+    piece = Chunk(whole.times, whole.pairs, lambda: Chunk.of(_dataset(_arrays(path))).parts())
     return KeptStage(checkpoint.number, checkpoint.time, intern(checkpoint.layout), path, piece)
 
 

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from numpy.typing import NDArray
 
 from exudyn_crawler.model.formulation import TrackSystem
-from exudyn_crawler.results.history.from_states import history_of
+from exudyn_crawler.results.history.files import Chunk, joined
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.pieces import Piece, joined
+from exudyn_crawler.results.history.states import history_of
 from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints, KeptStage
 from exudyn_crawler.run.solve.recorder import Recorder
 from exudyn_crawler.run.solve.stages import TIME_TOLERANCE
@@ -37,7 +37,7 @@ class RunStages:
         self._system, self._recorder, self._checkpoints = system, recorder, checkpoints
         self._last = len(ends) - 2
         self._kept: list[KeptStage] = []
-        self._in_memory: list[Piece] = []
+        self._in_memory: list[Chunk] = []
         self.first = 0
         if checkpoints is not None:
             self._go_on(checkpoints, ends)
@@ -63,7 +63,7 @@ class RunStages:
         self._system.set_state(state)
         history = system_history(self._system, self._recorder.taken()).dataset
         if self._checkpoints is None or number == self._last:
-            self._in_memory.append(Piece.of(history))
+            self._in_memory.append(Chunk.of(history))
             return
         layout = self._system.layout.to_json()
         checkpoint = Checkpoint(number, self._recorder.time, layout, state, history)
@@ -81,7 +81,7 @@ class RunStages:
         read from there.
         """
         rows = self._recorder.taken()
-        unfinished = [Piece.of(system_history(self._system, rows).dataset)] if len(rows) else []
+        unfinished = [Chunk.of(system_history(self._system, rows).dataset)] if len(rows) else []
         pieces = self._in_memory + unfinished
         if self._checkpoints is None:
             return History(self._system.case, joined(pieces))

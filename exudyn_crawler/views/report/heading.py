@@ -9,9 +9,8 @@ from typing import Any
 
 import xarray as xr
 
-from exudyn_crawler.results.history.bouncing import BAND, bouncing
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.key_results import key_results
+from exudyn_crawler.results.history.summary import BAND, bouncing, key_results
 
 RECORD = "run.json"
 

@@ -13,7 +13,7 @@ from plotly.offline import get_plotlyjs
 
 from exudyn_crawler.case.files.text import case_rows
 from exudyn_crawler.files import refuse_existing, whole_file
-from exudyn_crawler.results.history.contacts import terrain_deformation
+from exudyn_crawler.results.history.derived import terrain_deformation
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.report.heading import bouncing_lines, key_rows, provenance
 from exudyn_crawler.views.report.left_out import LeftOut

@@ -12,8 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.phases import common_phases
+from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.views.colours import CONTACT_FORCE, PHASE_BANDS, PHASE_NAME, STRESS_MAP
 from exudyn_crawler.views.curves import JOINTS, NEGLIGIBLE, NEGLIGIBLE_MOTION, SHOES
 from exudyn_crawler.views.phase_bands import banded

@@ -6,8 +6,8 @@ import h5py
 import xarray as xr
 
 from exudyn_crawler.netcdf import check_seal
+from exudyn_crawler.results.history.catalogue import check_dimensions
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.quantities import check_dimensions
 from exudyn_crawler.views.report.left_out import LeftOut
 from fem.interrupts import interrupts_wait
 

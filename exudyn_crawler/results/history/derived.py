@@ -1,11 +1,11 @@
-"""Contact results by pair and by shoe, and the terrain's deformation, from a history."""
+"""Quantities that derive from a history's variables."""
 
 import numpy as np
 import xarray as xr
 
+from exudyn_crawler.results.history.catalogue import QUANTITIES, variable
+from exudyn_crawler.results.history.files import blocks
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.pieces import blocks
-from exudyn_crawler.results.history.quantities import QUANTITIES
 
 PER_CONTACT = ("normal_force", "friction_force", "friction_torque")
 LEADING = ("penetration", "penetration_rate", "slip_velocity")
@@ -85,3 +85,28 @@ def terrain_deformation(history: History) -> xr.DataArray:
     total = springs * xr.concat(parts, "time")
     change = total - total.isel(time=0)
     return change.assign_attrs(QUANTITIES["terrain_deformation"].attributes)
+
+
+def rail_force(dataset: xr.Dataset) -> xr.DataArray:
+    """Sum of the rollers' forces on both rails of every shoe.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a history of a rolled track, or a part of it.
+
+    Returns
+    -------
+    xarray.DataArray
+        Dimensions (time, shoe, axis), N, global.
+    """
+    summed = dataset.tread_force.sum(("rail", "strip"))
+    force = summed.transpose("time", "roller", "neighbour", "axis").values
+    # a tread presses on the shoe behind its roller's axis and on the one ahead of that
+    place = dataset.roller_shoe.transpose("time", "roller").values[..., None] - 1 + np.arange(force.shape[2])
+    total = np.zeros((len(force), dataset.sizes["shoe"], 3))
+    row = np.arange(len(force))[:, None, None]
+    # ahead of the last shoe is none, and no force
+    np.add.at(total, (row, np.minimum(place, total.shape[1] - 1)), force)
+    dims, values, attributes = variable("rail_force", total)
+    return xr.DataArray(values, {name: dataset[name] for name in dims}, dims, attrs=attributes)

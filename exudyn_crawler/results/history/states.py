@@ -17,10 +17,9 @@ from exudyn_crawler.ground.rotations import angular_acceleration, angular_veloci
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
 from exudyn_crawler.results.history.case_in_file import LAYOUT_VERSION
-from exudyn_crawler.results.history.compact import CONTACT_TYPE, TERRAIN_COORDINATES, motion_variables
+from exudyn_crawler.results.history.catalogue import Variable, variable
+from exudyn_crawler.results.history.files import CONTACT_TYPE, TERRAIN_COORDINATES, motion_variables
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.quantities import Variable, variable
-from exudyn_crawler.results.history.rolled_states import Treads, rolled_coordinates, rolled_variables
 
 AXES = ["x", "y", "z"]
 
@@ -36,8 +35,15 @@ CONTACTS = (
 )
 """Variables of every contact."""
 
+NEIGHBOURS = ("behind", "ahead")
+"""Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
 
-class Contact(Protocol):
+Treads = Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
+"""Gives at a time (s), coordinates and rates: forces on the shoes and their places, both (rollers, strips of
+both rails, 2, 3), global, N and m; and the index of the shoe behind every roller's axis, (rollers,)."""
+
+
+class ContactResults(Protocol):
     """What reads contacts and units off a state."""
 
     @property
@@ -70,7 +76,7 @@ class _States:
 def history_of(
     case: Case,
     layout: StateLayout,
-    contact: Contact,
+    contact: ContactResults,
     rows: NDArray,
     point: DrivePoint,
     frequencies: NDArray | None = None,
@@ -84,7 +90,7 @@ def history_of(
         What was run.
     layout : StateLayout
         What the numbers of a row are.
-    contact : Contact
+    contact : ContactResults
         The case's contact as a function of its coordinates.
     rows : array (times, layout.size)
         Stored states.
@@ -219,7 +225,7 @@ def _flexible(states: _States) -> dict[str, Variable]:
     return {name: variable(name, values) for name, values in named.items()}
 
 
-def _terrain(states: _States, contact: Contact) -> dict[str, Variable]:
+def _terrain(states: _States, contact: ContactResults) -> dict[str, Variable]:
     shapes = contact.coordinates.shapes
     if shapes is not None:
         first = 6 * len(states.case.track.shoes)
@@ -235,7 +241,7 @@ def _terrain(states: _States, contact: Contact) -> dict[str, Variable]:
     return named
 
 
-def _contacts(states: _States, contact: Contact) -> tuple[dict[str, Variable], NDArray]:
+def _contacts(states: _States, contact: ContactResults) -> tuple[dict[str, Variable], NDArray]:
     """Contacts over time, one column a pair that ever met; zero while the pair is apart."""
     parts = [states.part("coordinates"), states.part("coordinates rate")]
     if states.layout.contact_forces:
@@ -256,3 +262,74 @@ def _contacts(states: _States, contact: Contact) -> tuple[dict[str, Variable], N
         table[when, column.ravel()] = values.astype(CONTACT_TYPE)
         variables[name] = variable(name, table)
     return variables, pairs
+
+
+def frame_motion(case: Case, layout: StateLayout, rows: NDArray) -> dict[str, NDArray]:
+    """Motion of the side frame's origin and axes, each (times, 3), by the names of their variables.
+
+    Parameters
+    ----------
+    rows : array (times, layout.size)
+        Stored states.
+    """
+    frame, rails = case.undercarriage, case.shoe.rails
+    if frame is None or rails is None:
+        raise ValueError("the case has no undercarriage")
+    time = layout.part(rows, "time")
+    speed = case.drive.speed
+    travels = (speed.integral(time), speed.value(time), speed.rate(time))
+    start = (frame.start, case.track.first_com[1], case.shoe.com_height + rails.height + frame.radius)
+    places, angles = [], []
+    for rate, travel in zip(RATES, travels, strict=True):
+        own = layout.part(rows, f"frame{rate}")
+        places.append(np.column_stack((travel, np.zeros_like(time), own[:, 0])))
+        angles.append(np.column_stack((own[:, 1], own[:, 2], np.zeros_like(time))))
+    return {
+        "side_frame_position": places[0] + start,
+        "side_frame_velocity": places[1],
+        "side_frame_acceleration": places[2],
+        "side_frame_angles": angles[0],
+        "side_frame_angular_velocity": angular_velocity(angles[0], angles[1]),
+        "side_frame_angular_acceleration": angular_acceleration(*angles),
+    }
+
+
+def rolled_variables(case: Case, layout: StateLayout, rows: NDArray, treads: Treads) -> dict[str, Variable]:
+    """Variables of side frame, rollers and pull.
+
+    Parameters
+    ----------
+    rows : array (times, layout.size)
+        Stored states.
+    """
+    frame = case.undercarriage
+    strips = 1 if frame is None else frame.strips
+    parts = (layout.part(rows, name) for name in ("time", "coordinates", "coordinates rate"))
+    found = [treads(*state) for state in zip(*parts, strict=True)]
+    force, foot, behind = (np.array(one) for one in zip(*found, strict=True))
+    split = (len(rows), force.shape[1], len(SIDES), strips, len(NEIGHBOURS), 3)
+    named = frame_motion(case, layout, rows) | {
+        "drive_pull": layout.part(rows, "drive")[:, 0],
+        "roller_shoe": behind + 1,
+        "roller_force": force.reshape(split).sum(axis=(3, 4)),
+        "tread_force": force.reshape(split),
+        "tread_foot": foot.reshape(split),
+    }
+    return {name: variable(name, values) for name, values in named.items()}
+
+
+def rolled_coordinates(case: Case) -> dict[str, object]:
+    """Coordinates of the dimensions of these variables."""
+    frame = case.undercarriage
+    if frame is None:
+        return {}
+    return {
+        "roller": ("roller", np.arange(1, len(frame.rollers) + 1), {"long_name": "from rear to front"}),
+        "rail": list(SIDES),
+        "strip": ("strip", np.arange(1, frame.strips + 1), {"long_name": "of a tread, from right to left"}),
+        "neighbour": (
+            "neighbour",
+            list(NEIGHBOURS),
+            {"long_name": "shoe under a roller's axis, or the next"},
+        ),
+    }

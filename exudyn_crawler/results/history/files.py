@@ -1,0 +1,234 @@
+"""Histories as files hold them, whole or in chunks along time.
+
+The units of a terrain in independent coordinates, hundreds of them, move by a few coordinates; a file holds
+these and their shapes, and what reads it has the units' motion with the same bits as the run. Contacts are in
+single precision, rounded to 6e-8 of their values, far below what the solver leaves out of balance. A run
+leaves a chunk a stage; chunks are joined in memory or in one file.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from xarray.backends import BackendArray
+from xarray.core import indexing
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.netcdf import open_netcdf, write_netcdf_along
+from exudyn_crawler.results.history.case_in_file import with_case, without_case
+from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, variable
+from fem.interrupts import interrupts_wait
+
+CONTACT_TYPE = np.dtype("f4")
+"""Of the contacts in files; in memory their values are these in double precision."""
+RATES = ("", "_rate", "_acceleration")
+TERRAIN = "terrain_motion"
+SHAPES = {"unit_heave": "heave_shape", "unit_tilt": "tilt_shape"}
+"""Shapes of the terrain's coordinates, by what they give."""
+TERRAIN_COORDINATES = (*SHAPES.values(), *(f"{TERRAIN}{rate}" for rate in RATES))
+"""Coordinates of a history's dataset: what the units' motion is made of."""
+TIMES_AT_ONCE = 1000
+"""Stored times of a file that are held in memory together."""
+
+
+def unit_motion(shape: NDArray, coordinates: NDArray) -> NDArray:
+    """Motion (times, units) by a shape (units, modes) and coordinates (times, modes).
+
+    Each number is the same whatever else is asked for, which a product of matrices does not promise.
+    """
+    return np.einsum("uk,tk->tu", shape, coordinates)
+
+
+def motion_variables(heave: NDArray, tilt: NDArray, coordinates: dict[str, NDArray]) -> dict[str, Variable]:
+    """Motion of the units of a terrain in independent coordinates.
+
+    Parameters
+    ----------
+    heave, tilt : array (units, modes)
+        m and rad for a unit of each coordinate.
+    coordinates : dict
+        Coordinates (times, modes) by rate, as of `RATES`.
+
+    Returns
+    -------
+    dict
+        Variables of a history by name, `TERRAIN_COORDINATES` among them.
+    """
+    shapes = dict(zip(SHAPES.values(), (heave, tilt), strict=True))
+    motion = shapes | {f"{TERRAIN}{rate}": values for rate, values in coordinates.items()}
+    for rate, values in coordinates.items():
+        motion |= {f"{name}{rate}": unit_motion(shapes[shape], values) for name, shape in SHAPES.items()}
+    return {name: variable(name, values) for name, values in motion.items()}
+
+
+def packed(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset of a history as a file holds it."""
+    if TERRAIN in dataset.variables:
+        dataset = dataset.drop_vars([f"{name}{rate}" for name in SHAPES for rate in RATES])
+    return dataset.assign({name: dataset[name].astype(CONTACT_TYPE) for name in _of_contacts(dataset)})
+
+
+def unpacked(dataset: xr.Dataset, widened: bool = False) -> xr.Dataset:
+    """Dataset of a history from that of a file; what a file does not hold is computed when it is asked for.
+
+    Contacts may be `widened` at once. Units are hundreds, of which few are looked at: their motion never is.
+    Files of earlier versions hold all of it.
+    """
+    computed: dict[str, xr.Variable] = {}
+    for name in _of_contacts(dataset):
+        stored = dataset.variables[name]
+        if stored.dtype != np.float64:
+            wide = _lazy(QUANTITIES[name].dimensions, stored.shape, partial(_doubled, stored), stored.attrs)
+            computed[name] = wide.load() if widened else wide
+    if TERRAIN in dataset.variables:
+        dataset = dataset.set_coords(list(TERRAIN_COORDINATES))
+        for rate in RATES:
+            for name, shape in SHAPES.items():
+                computed[f"{name}{rate}"] = _units(dataset, f"{name}{rate}", shape, f"{TERRAIN}{rate}")
+    return dataset.assign(computed)
+
+
+def _of_contacts(dataset: xr.Dataset) -> list[str]:
+    return [str(name) for name, one in dataset.data_vars.items() if "contact" in one.dims]
+
+
+def _units(dataset: xr.Dataset, name: str, shape: str, coordinates: str) -> xr.Variable:
+    shapes, motion = dataset.variables[shape].values, dataset.variables[coordinates]
+    sizes = (motion.shape[0], len(shapes))
+    part = partial(_part_of_motion, shapes, motion)
+    return _lazy(QUANTITIES[name].dimensions, sizes, part, QUANTITIES[name].attributes)
+
+
+def _part_of_motion(shapes: NDArray, motion: xr.Variable, key: tuple) -> NDArray:
+    times, units = key
+    return unit_motion(shapes[units], motion[times].values)
+
+
+def _doubled(stored: xr.Variable, key: tuple) -> NDArray:
+    return stored[key].values.astype(float)
+
+
+def _lazy(
+    dimensions: tuple[str, ...], shape: tuple[int, ...], part: Callable[[tuple], NDArray], attributes: dict
+) -> xr.Variable:
+    array = indexing.LazilyIndexedArray(_Computed(shape, part))
+    return xr.Variable(dimensions, array, attributes)
+
+
+class _Computed(BackendArray):
+    """Array whose parts are computed: `part` takes a slice or numbers (n,) for each dimension."""
+
+    def __init__(self, shape: tuple[int, ...], part: Callable[[tuple], NDArray]) -> None:
+        self.shape, self.dtype, self._part = shape, np.dtype(float), part
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> NDArray:
+        outer = indexing.IndexingSupport.OUTER
+        return indexing.explicit_indexing_adapter(key, self.shape, outer, self._outer)
+
+    def _outer(self, key: tuple) -> NDArray:
+        """Part at a key whose single numbers drop their dimensions."""
+        single = tuple(k for k, one in enumerate(key) if isinstance(one, int | np.integer))
+        wide = tuple(slice(int(one), int(one) + 1) if k in single else one for k, one in enumerate(key))
+        return self._part(wide).squeeze(single)
+
+
+def blocks(dataset: xr.Dataset) -> Iterator[xr.Dataset]:
+    """Consecutive parts of a dataset with a time, each of which fits into memory."""
+    for start in range(0, max(1, dataset.sizes["time"]), TIMES_AT_ONCE):
+        yield dataset.isel(time=slice(start, start + TIMES_AT_ONCE))
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Part of a history along time, read when it is needed.
+
+    Attributes
+    ----------
+    times : int
+        Number of its stored times.
+    pairs : array (contacts, 2)
+        Shoe and unit of each of its contacts.
+    parts : callable
+        Gives its datasets, one after the other.
+    """
+
+    times: int
+    pairs: NDArray
+    parts: Callable[[], Iterable[xr.Dataset]]
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> Self:
+        """A whole dataset of a history."""
+        return cls(dataset.sizes["time"], _pairs(dataset), lambda: blocks(dataset))
+
+    @classmethod
+    def of_file(cls, path: Path, end: float) -> Self:
+        """What a saved history holds up to a time, s."""
+        with interrupts_wait(), open_netcdf(path) as dataset:
+            times = int(np.count_nonzero(dataset.time.values <= end + 1e-9 * max(1.0, end)))
+            pairs = _pairs(dataset)
+
+        def parts() -> Iterator[xr.Dataset]:
+            with xr.open_dataset(path, engine="h5netcdf", cache=False) as dataset:
+                yield from blocks(without_case(unpacked(dataset)).isel(time=slice(times)))
+
+        return cls(times, pairs, parts)
+
+
+def _pairs(dataset: xr.Dataset) -> NDArray:
+    return np.column_stack((dataset.contact_shoe.values, dataset.contact_unit.values))
+
+
+def joined(chunks: Sequence[Chunk]) -> xr.Dataset:
+    """Dataset of all chunks together; a contact that a chunk lacks is zero in its time."""
+    parts = list(_parts(chunks))
+    if len(parts) == 1:
+        return parts[0]
+    return xr.concat(
+        parts, dim="time", data_vars="minimal", coords="minimal", compat="override", join="override"
+    )
+
+
+def save_joined(case: Case, chunks: Sequence[Chunk], path: Path, overwrite: bool = False) -> Path:
+    """Write the history of a case that the chunks make, holding a part of it at a time.
+
+    Raises
+    ------
+    FileExistsError, OSError
+        As of `files.whole_file`.
+    """
+    whole = (with_case(packed(part), case) for part in _parts(chunks))
+    times = sum(chunk.times for chunk in chunks)
+    return write_netcdf_along("time", times, whole, path, overwrite)
+
+
+def _parts(chunks: Sequence[Chunk]) -> Iterator[xr.Dataset]:
+    """Datasets of all chunks that have a time, with the contacts of all of them."""
+    filled = [chunk for chunk in chunks if chunk.times]
+    pairs = np.unique(np.concatenate([chunk.pairs for chunk in filled]), axis=0)
+    for chunk in filled:
+        for part in chunk.parts():
+            yield _with_contacts(part, pairs)
+
+
+def _with_contacts(dataset: xr.Dataset, pairs: NDArray) -> xr.Dataset:
+    """Dataset with a contact for each of the sorted pairs (contacts, 2), among them those that it has."""
+    met = _pairs(dataset)
+    if np.array_equal(met, pairs):
+        return dataset
+    column = {tuple(pair): k for k, pair in enumerate(pairs.tolist())}
+    columns = [column[tuple(pair)] for pair in met.tolist()]
+    wider = {}
+    for name, one in dataset.data_vars.items():
+        if "contact" in one.dims:
+            axis = one.get_axis_num("contact")
+            values = np.zeros((*one.shape[:axis], len(pairs), *one.shape[axis + 1 :]))
+            values[(slice(None),) * axis + (columns,)] = one.values
+            wider[name] = (one.dims, values, one.attrs)
+    coordinates = {"contact_shoe": ("contact", pairs[:, 0]), "contact_unit": ("contact", pairs[:, 1])}
+    return dataset.drop_dims("contact").assign(wider).assign_coords(coordinates)

@@ -1,0 +1,210 @@
+"""What a run comes to: the numbers that are asked for first, its extremes, and whether its shoes bounce."""
+
+import operator
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from scipy.signal import welch
+
+from exudyn_crawler.results.history.derived import contacts_of
+from exudyn_crawler.results.history.files import blocks
+from exudyn_crawler.results.history.history import History
+
+MEGA, KILO, MILLI = 1e6, 1e3, 1e-3
+
+
+def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFrame:
+    """Greatest stress, forces, sinkage and speed of a run, and how far it went.
+
+    Parameters
+    ----------
+    stress : xarray.Dataset, optional
+        Of `StressResults`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns result, value, unit, of (shoe or link, if it is of one) and at (s).
+    """
+    contacts = contacts_of(history.dataset)
+    found = [
+        ("greatest contact force on a shoe", _length(contacts.contact_force) / KILO, "kN"),
+        ("greatest force of a link", _length(history.joint_force) / KILO, "kN"),
+        *_drive(history),
+        ("deepest penetration", contacts.penetration / MILLI, "mm"),
+        ("greatest speed", _length(history.velocity), "m/s"),
+    ]
+    if stress is not None:
+        found.insert(0, ("highest von Mises stress", stress.highest_von_mises / MEGA, "MPa"))
+    rows = [{"result": name, **_greatest(values), "unit": unit} for name, values, unit in found]
+    rows.append({"result": "way", **_way(history), "at": history.duration, "unit": "m"})
+    return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
+
+
+def _drive(history: History) -> list[tuple[str, xr.DataArray, str]]:
+    """Force of a dragged track's drive; of a rolled one its pull and the force of the rollers."""
+    if history.case.propel == "dragged":
+        return [("greatest force of the drive", abs(history.drive_force) / KILO, "kN")]
+    return [
+        ("greatest force of a roller on the rails of a side", _length(history.roller_force) / KILO, "kN"),
+        ("greatest pull of the drive", history.drive_pull / KILO, "kN"),
+    ]
+
+
+def _way(history: History) -> dict[str, object]:
+    """How far the front shoe, or the side frame that rolls over the shoes, has moved."""
+    if history.case.propel == "dragged":
+        of, place = f"shoe {int(history.shoe[-1])}", history.position.isel(shoe=-1)
+    else:
+        of, place = "side frame", history.side_frame_position
+    return {"value": float(_length(place.isel(time=-1) - place.isel(time=0))), "of": of}
+
+
+def _length(vectors: xr.DataArray) -> xr.DataArray:
+    return ((vectors**2).sum("axis")) ** 0.5
+
+
+def _greatest(values: xr.DataArray) -> dict[str, object]:
+    """Greatest of a series, what it is of and when."""
+    at = {str(dim): int(index) for dim, index in values.argmax(...).items()}
+    named = {"shoe": "shoe {0}", "joint": "link {0}-{1}", "roller": "roller {0}"}
+    of = [
+        named[dim].format(number := int(values[dim][index]), number + 1)
+        for dim, index in at.items()
+        if dim in named
+    ]
+    return {
+        "value": float(values.isel(at)),
+        "of": ", ".join(of),
+        "at": float(values.time[at["time"]]),
+    }
+
+
+COLUMNS = (
+    "variable",
+    "axis",
+    "unit",
+    "least",
+    "least_of",
+    "least_at in s",
+    "greatest",
+    "greatest_of",
+    "greatest_at in s",
+)
+
+
+def extremes(history: History) -> pd.DataFrame:
+    """Least and greatest value of every variable over time, axis by axis.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns variable, axis, unit; least and greatest, each with the shoe, joint, unit or contact that it
+        is of and the time (s) that it is at. Variables without any number have no row.
+    """
+    rows: dict[tuple[str, str], dict[str, Any]] = {}
+    # part by part, since a variable of a long run may be larger than memory
+    for part in blocks(history.dataset):
+        for name, axis, values in _series(part):
+            new = {"variable": name, "axis": axis, "unit": values.attrs.get("units", "")}
+            row = rows.setdefault((name, axis), new)
+            for which, better in (("least", operator.lt), ("greatest", operator.gt)):
+                found = _extreme(history, values, which)
+                if which not in row or better(found[which], row[which]):
+                    row |= found
+    return pd.DataFrame(list(rows.values()), columns=list(COLUMNS))
+
+
+def _series(part: xr.Dataset) -> Iterator[tuple[str, str, xr.DataArray]]:
+    """Every variable over time, axis by axis, with some number: its name, axis and values."""
+    for name, values in part.data_vars.items():
+        if "time" not in values.dims or not np.issubdtype(values.dtype, np.number):
+            continue
+        loaded = values.load()
+        for axis in loaded.axis.values if "axis" in loaded.dims else ("",):
+            one = loaded.sel(axis=axis) if "axis" in loaded.dims else loaded
+            if bool(one.notnull().any()):
+                yield str(name), str(axis), one
+
+
+def _extreme(history: History, values: xr.DataArray, which: str) -> dict[str, Any]:
+    """Extreme value, what it is of and when; the first where there are several."""
+    flat = values.argmin(...) if which == "least" else values.argmax(...)
+    place = {dim: int(index) for dim, index in flat.items()}
+    of = ", ".join(_item(history, str(dim), index) for dim, index in place.items() if dim != "time")
+    return {
+        which: float(values.isel(place)),
+        f"{which}_of": of,
+        f"{which}_at in s": float(values.time[place["time"]]),
+    }
+
+
+def _item(history: History, dim: str, index: int) -> str:
+    """Name of one of the things along a dimension; a contact is named after its shoe and unit."""
+    if dim == "contact":
+        shoe, unit = (int(history.dataset[f"contact_{name}"][index]) for name in ("shoe", "unit"))
+        return f"shoe {shoe} on unit {unit}"
+    return f"{dim} {history.dataset[dim].values[index]}"
+
+
+BAND = (3.0, 30.0)
+"""Hz, between what loads and drive do and what the elastic shoes do."""
+WINDOW = 2.0
+"""s, length of the pieces whose spectra are averaged: it resolves 0.5 Hz."""
+WIDTH = 0.25
+"""Of the peak's frequency: how far to either side counts as the same oscillation."""
+LEAST_SHARE = 0.3
+"""Of the variance above the band's begin that the peak has to hold; noise spreads over all frequencies."""
+LEAST_SIZE = 0.01
+"""Of the mean force: what varies by less is not worth a line."""
+
+
+class Bouncing(NamedTuple):
+    """Oscillation of the contact forces.
+
+    Attributes
+    ----------
+    frequency : float
+        Hz, of the highest peak of the mean spectrum over the shoes.
+    size : float
+        Root mean square of the vertical force on a shoe about the peak, over the mean force.
+    share : float
+        Part of the variance above `BAND`'s begin that it holds.
+    """
+
+    frequency: float
+    size: float
+    share: float
+
+
+def bouncing(history: History) -> Bouncing | None:
+    """Bouncing of the shoes over a run; None where none stands out of the contact forces' spectrum.
+
+    The vertical contact force of every shoe is taken at equal times; spectra by Welch's method. Runs shorter
+    than `WINDOW` tell nothing.
+    """
+    force = contacts_of(history.dataset).contact_force.sel(axis="z").transpose("shoe", "time").values
+    time = history.time.values
+    if time[-1] - time[0] < WINDOW:
+        return None
+    step = float(np.median(np.diff(time)))
+    even = np.arange(time[0], time[-1], step)
+    sampled = np.stack([np.interp(even, time, one) for one in force])
+    pieces = min(len(even), round(WINDOW / step))
+    frequency, density = welch(sampled, 1.0 / step, nperseg=pieces, detrend="linear")
+    spectrum = density.mean(axis=0)
+    inside = (frequency >= BAND[0]) & (frequency <= BAND[1])
+    if not inside.any():
+        return None
+    peak = float(frequency[inside][spectrum[inside].argmax()])
+    about = np.abs(frequency - peak) <= WIDTH * peak
+    variance = float(spectrum[about].sum() * frequency[1])
+    above = float(spectrum[frequency >= BAND[0]].sum() * frequency[1])
+    mean = abs(float(force.mean()))
+    if not (above > 0.0 and mean > 0.0):
+        return None
+    found = Bouncing(peak, float(np.sqrt(variance)) / mean, variance / above)
+    return found if found.size >= LEAST_SIZE and found.share >= LEAST_SHARE else None
