@@ -120,6 +120,15 @@ class Case(Parameters):
         return isinstance(self.contact, PairContact) and self.terrain_formulation == "reduced"
 
     @property
+    def frame_start(self) -> NDArray:
+        """Origin of the side frame at t = 0, on rails that have not settled: array (3,), m."""
+        frame, rails = self.undercarriage, self.shoe.rails
+        if frame is None or rails is None:
+            raise ValueError("the case has no undercarriage")
+        height = self.shoe.com_height + rails.height + frame.radius
+        return np.array([frame.start, self.track.first_com[1], height])
+
+    @property
     def is_compiled(self) -> bool:
         """Whether a run takes the compiled equations of motion."""
         return self.formulation != "engine" and self._can_be_compiled

@@ -14,11 +14,16 @@ from exudyn_crawler.ground.laws.coulomb import Coulomb
 from exudyn_crawler.ground.laws.impact import Impact
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_derivatives import PAIR_COORDINATES, pair_derivatives
+from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.pair_sums import Sums, pair_forces
 from exudyn_crawler.ground.pair_track import Bodies, Flexible, Track
-from exudyn_crawler.ground.pairs import RESULTS, Footprint, PairLaw
+from exudyn_crawler.ground.pairs import Footprint, PairLaw
+from exudyn_crawler.ground.rows import Weights as RowWeights
 from exudyn_crawler.ground.triplets import PairBlocks, Weights, modal_triplets
 from fem.patches import Underside
+
+NO_DERIVATIVES = RowWeights(0.0, 0.0, 0.0, False, 1.0)
+"""Of forces alone."""
 
 
 def pair_law(law: PairContact, underside_area: float) -> PairLaw:
@@ -110,8 +115,8 @@ class PairGroundContact:
             np.zeros((shoes, 6)),
             np.zeros((units, 6)),
             np.zeros((len(flexible_shoes), modes)),
-            np.zeros((contacts, RESULTS)),
         )
+        self._contacts = UnitContacts.allocate(contacts, modes)
         self._blocks = PairBlocks(
             np.zeros((contacts, 2), dtype=np.int64),
             np.zeros((contacts, PAIR_COORDINATES, PAIR_COORDINATES)),
@@ -133,7 +138,7 @@ class PairGroundContact:
     @property
     def greatest_count(self) -> int:
         """Number of contacts that there can be at once."""
-        return len(self._sums.results)
+        return len(self._contacts.results)
 
     @property
     def size(self) -> int:
@@ -184,8 +189,9 @@ class PairGroundContact:
 
         `shoe_forces` are not needed: the forces in motion are these.
         """
-        count = pair_forces(tuple(self._bodies(q, q_t)), self._track, tuple(self._sums), self._work)
-        return self._sums.results[:count].copy()
+        bodies = tuple(self._bodies(q, q_t))
+        count = touching_pairs(bodies, self._track, tuple(NO_DERIVATIVES), tuple(self._contacts), self._work)
+        return self._contacts.results[:count].copy()
 
     def unit_motion(self, q: NDArray) -> NDArray:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""

@@ -15,6 +15,7 @@ from exudyn_crawler.ground.pair_track import (
     forces_of,
     gather,
     named,
+    patch_rectangle,
     patch_rows,
 )
 from exudyn_crawler.ground.pairs import FROM_CURVE, pair_overlap
@@ -120,7 +121,7 @@ def pair_derivatives(places: tuple, model: tuple, factors: tuple, out: tuple, wo
                 continue
             gather(bodies, s, u, state)
             if shoe.row >= 0:
-                patch_rows(part, shoe.frame, unit, track, blocks.rows[count])
+                patch_rows(patch_rectangle(part, shoe.frame, unit, track), track, blocks.rows[count])
                 bend(bodies, shoe.row, blocks.rows[count], state)
             _block(part, state, coordinates, track, weights, blocks.values[count], work)
             blocks.pairs[count, 0], blocks.pairs[count, 1] = s, u

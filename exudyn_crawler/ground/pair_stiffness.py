@@ -1,15 +1,12 @@
-"""Forces of all pairs of shoe and unit together with their derivatives, in one pass.
+"""Contacts of all pairs of shoe and unit as rows of force elements, with their tangents, in one pass.
 
-A pair sees its two bodies through four numbers, the motion of the shoe's side of the contact against the
-unit's: three displacements and the rotation about the contact's normal. Force and torque are conjugate to
-them, so that one matrix, `TouchingPairs.motion`, makes generalized forces of these and generalized
-derivatives of theirs.
+The motions of a contact are three displacements of the shoe's side against the unit's and the rotation about
+the contact's normal.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.ground.frames import (
     Frame,
@@ -27,78 +24,84 @@ from exudyn_crawler.ground.frames import (
 from exudyn_crawler.ground.laws import drag_ratio, normal_force, spin_torque
 from exudyn_crawler.ground.overlap import Overlap
 from exudyn_crawler.ground.pair_overlaps import below, standing
-from exudyn_crawler.ground.pair_track import Bodies, Track, named, patch_rows
-from exudyn_crawler.ground.pairs import FROM_CURVE, RIGID, Contact, Patch, pair_contact, share_of
+from exudyn_crawler.ground.pair_track import Bodies, Track, named, patch_rectangle, patch_rows
+from exudyn_crawler.ground.pairs import (
+    FROM_CURVE,
+    RESULTS,
+    RIGID,
+    Contact,
+    Patch,
+    keep,
+    keep_patch,
+    pair_contact,
+    share_of,
+)
 from exudyn_crawler.ground.rotations import Attitude, FloatArray
-from exudyn_crawler.ground.triplets import Weights
+from exudyn_crawler.ground.rows import ForceRows, Weights
 
 MOTIONS = 4
 """Displacement of the shoe's side of a contact against the unit's along x, y, z (m) and rotation about the
 normal (rad)."""
 
-COORDINATES = 11
-"""Six of the shoe, heave and tilt of the unit, displacement of a flexible shoe's patch in its own axes."""
-
 DEPTH_STEP, RATE_STEP = 1e-8, 1e-7
 """m, and m/s or rad/s: of the differences that give a law's slopes."""
 
 
-class TouchingPairs(NamedTuple):
-    """Pairs that touch.
+class UnitContacts(NamedTuple):
+    """Contacts of shoes with units of the terrain, in the order of the shoes; workspace.
 
     Attributes
     ----------
-    pairs : array (contacts, 2)
-        Shoe and unit.
-    wrench : array (contacts, MOTIONS)
-        Force on the shoe (N, global) and torque about the normal (N m).
-    stiffness : array (contacts, MOTIONS, MOTIONS)
-        Weighted derivative of the wrench by the motions and their rates.
-    motion : array (contacts, MOTIONS, COORDINATES)
-        The motions by the coordinates.
-    rows : array (contacts, 3, modes)
-        Mean displacement rows of flexible shoes' patches.
+    rows : tuple
+        `ForceRows` as a plain tuple: force on the shoe (N, global) and torque about the normal (N m).
+    results : array (contacts, RESULTS)
+        Columns as in `pairs.RESULT`.
+    modes : array (contacts, 3, modes)
+        Mean displacement of the patches of flexible shoes by their modes.
     """
 
-    pairs: NDArray[np.int64]
-    wrench: FloatArray
-    stiffness: FloatArray
-    motion: FloatArray
-    rows: FloatArray
+    rows: tuple
+    results: FloatArray
+    modes: FloatArray
 
     @classmethod
-    def room(cls, contacts: int, modes: int) -> "TouchingPairs":
-        """Memory for so many contacts."""
+    def allocate(cls, contacts: int, modes: int) -> "UnitContacts":
+        """Workspace for so many contacts."""
         return cls(
-            np.zeros((contacts, 2), dtype=np.int64),
-            np.zeros((contacts, MOTIONS)),
-            np.zeros((contacts, MOTIONS, MOTIONS)),
-            np.zeros((contacts, MOTIONS, COORDINATES)),
+            tuple(ForceRows.allocate(contacts, MOTIONS, modes)),
+            np.zeros((contacts, RESULTS)),
             np.zeros((contacts, 3, modes)),
         )
 
 
 @within
-def _write_motion(
-    contact: Contact, shoe: Frame, unit: Frame, at: Attitude, tilt_axis: int, motion: FloatArray
+def _write_jacobian(
+    contact: Contact, shoe: Frame, unit: Frame, at: Attitude, tilt_axis: int, rows: ForceRows, p: int
 ) -> None:
-    """Write the motions of a contact by its coordinates (MOTIONS, COORDINATES)."""
+    """Write how shoe and unit move contact p."""
     normal = upward(unit.R)
     arm, unit_arm = along(contact.point, -1.0, shoe.r), along(contact.point, -1.0, unit.r)
-    motion.fill(0.0)
+    jacobian, by_unit = rows.jacobian[p, 0], rows.unit_jacobian[p]
     for c in range(3):
-        motion[c, c] = 1.0
         by_angle = cross(at.axes[c], arm)
-        local = turned(shoe.R, basis(c))
         for r in range(3):
-            motion[r, 3 + c] = by_angle[r]
-            motion[r, 8 + c] = local[r]
-        motion[3, 3 + c] = dot(at.axes[c], normal)
-    motion[2, 6] = -1.0
+            jacobian[r, c] = 1.0 if r == c else 0.0
+            jacobian[r, 3 + c] = by_angle[r]
+        jacobian[3, c], jacobian[3, 3 + c] = 0.0, dot(at.axes[c], normal)
+        by_unit[c, 0] = -1.0 if c == 2 else 0.0
     by_tilt = cross(unit_arm, basis(tilt_axis))
     for r in range(3):
-        motion[r, 7] = by_tilt[r]
-    motion[3, 7] = -normal[tilt_axis]
+        by_unit[r, 1] = by_tilt[r]
+    by_unit[3, 0], by_unit[3, 1] = 0.0, -normal[tilt_axis]
+
+
+@within
+def _write_modal_jacobian(shoe: Frame, modes: FloatArray, jacobian: FloatArray) -> None:
+    """Write how modes, whose displacements in the shoe's axes are given (3, m), move a contact."""
+    for k in range(modes.shape[1]):
+        move = turned(shoe.R, (modes[0, k], modes[1, k], modes[2, k]))
+        for r in range(3):
+            jacobian[r, 6 + k] = move[r]
 
 
 @within
@@ -177,13 +180,13 @@ def _patch(bodies: Bodies, f: int, rows: FloatArray) -> Patch:
 
 @compiled
 def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work: FloatArray) -> int:
-    """Wrenches of all contacts, their derivatives and how the coordinates move them.
+    """Wrenches of all contacts, their tangents and how the coordinates move them.
 
     Parameters
     ----------
     places, model, factors, out : tuple
-        `Bodies`, `Track`, `Weights` and `TouchingPairs` as plain tuples; without weights, both zero, the
-        derivatives are left as they are.
+        `Bodies`, `Track`, `Weights` and `UnitContacts` as plain tuples; without weights of position and
+        velocity the tangents are left as they are.
     work : array (2, VERTICES, 3)
         Scratch memory as of `overlap_workspace`.
 
@@ -193,26 +196,33 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
         Number of contacts, in the order of the shoes.
     """
     bodies, track = named(places, model)
-    weights, found = Weights(*factors), TouchingPairs(*out)
+    weights, contacts = Weights(*factors), UnitContacts(*out)
+    rows = ForceRows(*contacts.rows)
     derive = weights.position != 0.0 or weights.velocity != 0.0
-    room, count = found.pairs.shape[0], 0
+    top, axis = 0.5 * track.grid.height, track.grid.tilt_axis
+    greatest, count = rows.unit.shape[0], 0
     for s in range(bodies.shoes.shape[0]):
         shoe = standing(bodies, track, s)
         for k in range(shoe.cells.columns * shoe.cells.rows):
             u, unit, part = below(bodies, track, shoe, k, work)
-            if part.area > 0.0 and count < room:
-                found.pairs[count, 0], found.pairs[count, 1] = s, u
+            if part.area > 0.0 and count < greatest:
+                rows.bodies[count, 0], rows.unit[count] = s, u
                 patch = RIGID
                 if shoe.row >= 0:
-                    patch_rows(part, shoe.frame, unit, track, found.rows[count])
-                    patch = _patch(bodies, shoe.row, found.rows[count])
-                top = 0.5 * track.grid.height
+                    modes, result = contacts.modes[count], contacts.results[count]
+                    rectangle = patch_rectangle(part, shoe.frame, unit, track)
+                    keep_patch(rectangle, result)
+                    patch_rows(rectangle, track, modes)
+                    patch = _patch(bodies, shoe.row, modes)
+                    _write_modal_jacobian(shoe.frame, modes, rows.jacobian[count, 0])
+                else:
+                    keep_patch((0.0, 0.0, 0.0, 0.0), contacts.results[count])
                 contact = pair_contact(part, shoe.frame, unit, patch, top, track.law, FROM_CURVE)
-                _write_wrench(contact, upward(unit.R), found.wrench[count])
-                axis = track.grid.tilt_axis
-                _write_motion(contact, shoe.frame, unit, shoe.at, axis, found.motion[count])
+                keep(contact, s, u, contacts.results[count])
+                _write_wrench(contact, upward(unit.R), rows.wrench[count])
+                _write_jacobian(contact, shoe.frame, unit, shoe.at, axis, rows, count)
                 if derive:
                     turning = (upward(unit.R), _spin(shoe.frame, unit))
-                    _write_stiffness(part, contact, turning, track, weights, found.stiffness[count])
+                    _write_stiffness(part, contact, turning, track, weights, rows.tangent[count])
                 count += 1
     return count

@@ -6,8 +6,17 @@ import numpy as np
 
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.pair_overlaps import below, standing
-from exudyn_crawler.ground.pair_track import STATE, bend, contact_at, forces_of, gather, named, patch_rows
-from exudyn_crawler.ground.pairs import FROM_CURVE, keep
+from exudyn_crawler.ground.pair_track import (
+    STATE,
+    bend,
+    contact_at,
+    forces_of,
+    gather,
+    named,
+    patch_rectangle,
+    patch_rows,
+)
+from exudyn_crawler.ground.pairs import FROM_CURVE
 from exudyn_crawler.ground.rotations import FloatArray
 
 
@@ -22,14 +31,11 @@ class Sums(NamedTuple):
         Force (N) and moment about the centre (N m) on each unit, global.
     modal : array (flexible shoes, modes)
         Modal forces.
-    results : array (contacts, RESULTS)
-        One row a contact, columns as in `pairs.RESULT`.
     """
 
     shoes: FloatArray
     units: FloatArray
     modal: FloatArray
-    results: FloatArray
 
 
 @compiled
@@ -46,7 +52,7 @@ def pair_forces(places: tuple, model: tuple, out: tuple, work: FloatArray) -> in
     Returns
     -------
     int
-        Number of contacts; more than ``Sums.results`` has rows where some did not fit in.
+        Number of contacts.
     """
     bodies, track = named(places, model)
     sums = Sums(*out)
@@ -65,12 +71,10 @@ def pair_forces(places: tuple, model: tuple, out: tuple, work: FloatArray) -> in
                 continue
             gather(bodies, s, u, state)
             if f >= 0:
-                patch_rows(part, shoe.frame, unit, track, rows)
+                patch_rows(patch_rectangle(part, shoe.frame, unit, track), track, rows)
                 bend(bodies, f, rows, state)
             contact = contact_at(part, shoe.frame, unit, state, track, FROM_CURVE)
             forces = forces_of(contact, shoe.frame, unit, shoe.at)
-            if count < sums.results.shape[0]:
-                keep(contact, s, u, sums.results[count])
             count += 1
             for c in range(3):
                 sums.shoes[s, c] += forces.shoe.force[c]

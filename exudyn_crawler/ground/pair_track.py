@@ -95,8 +95,10 @@ def gather(bodies: Bodies, s: int, u: int, state: FloatArray) -> None:
 
 
 @compiled
-def patch_rows(part: Overlap, shoe: Frame, unit: Frame, track: Track, rows: FloatArray) -> None:
-    """Write mean displacement rows (3, modes) of the rectangle in the shoe's axes about an overlap.
+def patch_rectangle(
+    part: Overlap, shoe: Frame, unit: Frame, track: Track
+) -> tuple[float, float, float, float]:
+    """Rectangle in the shoe's axes about an overlap: least and greatest x, least and greatest y, m.
 
     Seen from above: what the unit's tilt moves the overlap by is far less than a cell of the underside.
     """
@@ -108,7 +110,12 @@ def patch_rows(part: Overlap, shoe: Frame, unit: Frame, track: Track, rows: Floa
     along_x, along_y = shoe.R[0], shoe.R[1]
     hx = abs(along_x[0]) * half_xi + abs(along_y[0]) * half_eta
     hy = abs(along_x[1]) * half_xi + abs(along_y[1]) * half_eta
-    rectangle = (middle[0] - hx, middle[0] + hx, middle[1] - hy, middle[1] + hy)
+    return middle[0] - hx, middle[0] + hx, middle[1] - hy, middle[1] + hy
+
+
+@compiled
+def patch_rows(rectangle: tuple[float, float, float, float], track: Track, rows: FloatArray) -> None:
+    """Write the mean displacement (3, modes) of a rectangle of the underside by the modes."""
     flexible = track.flexible
     mean_rows(flexible.corner, flexible.cell, flexible.integral, rectangle, rows)
 

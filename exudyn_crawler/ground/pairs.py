@@ -82,6 +82,8 @@ class Contact(NamedTuple):
 RESULT, RESULTS = columns_of(Contact, "shoe", "unit")
 """Columns of a contact's results, and how many they are. Vectors are global; forces and torque act on the
 shoe; the slip velocity is the shoe's relative to the unit."""
+RESULT["patch"] = slice(RESULTS, RESULTS + 4)
+RESULTS += 4
 
 
 @compiled
@@ -171,3 +173,10 @@ def keep(contact: Contact, shoe: int, unit: int, row: FloatArray) -> None:
         row[11 + k] = contact.friction_force[k]
         row[14 + k] = contact.slip_velocity[k]
         row[17 + k] = contact.friction_torque[k]
+
+
+@compiled
+def keep_patch(rectangle: tuple[float, float, float, float], row: FloatArray) -> None:
+    """Write the patch of a contact, as of `pair_track.patch_rectangle`, into a row of results."""
+    for k in range(4):
+        row[RESULTS - 4 + k] = rectangle[k]

@@ -9,14 +9,14 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.ground.contact import GroundContact
 from exudyn_crawler.ground.pair_derivatives import pair_derivatives
 from exudyn_crawler.ground.sphere_derivatives import sphere_derivatives
-from exudyn_crawler.model.compiled.equations import evaluate
-from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.equations import residual
 from exudyn_crawler.model.state import StateLayout
 from exudyn_crawler.model.system import build
 
-EQUATIONS = (evaluate, pair_derivatives, sphere_derivatives)
+EQUATIONS = (residual, pair_derivatives, sphere_derivatives)
 """Compiled functions of which every run needs one; each is made of many others."""
 
 

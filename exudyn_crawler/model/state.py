@@ -1,9 +1,9 @@
 """Layout of a state: which numbers of a row are what.
 
-A row holds the time; the coordinates, their first and their second rates; the Lagrange multipliers, item by
-item; and, where the engine's own contact makes the forces, those on the shoes. Coordinates are six a shoe
-(COM displacement from t = 0, then the angles about x, y, z), then the terrain's, then the flexible shoes'
-modes, last the heave of a side frame that rolls over the track and its angles about x and y.
+A row holds the time; the coordinates, their first and their second rates; the Lagrange multipliers, joint by
+joint; and, where the engine's own contact makes the forces, those on the shoes. Coordinates are six a body
+(displacement of its origin from t = 0, then the angles about x, y, z): those of the shoes first, then the
+terrain's, the flexible shoes' modes and other bodies.
 """
 
 import json
@@ -16,7 +16,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-VERSION = 3
+VERSION = 4
 """Of the layout's own form; another one is refused."""
 
 RATES = ("", " rate", " acceleration")
@@ -24,8 +24,8 @@ RATES = ("", " rate", " acceleration")
 
 BODY_COORDINATES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
-FRAME_COORDINATES = BODY_COORDINATES[2:5]
-"""Of a side frame, whose x the drive prescribes."""
+SIDE_FRAME = "side frame"
+"""Body that rolls over the track."""
 
 
 def pin_name(side: str, link: int) -> str:
@@ -38,9 +38,9 @@ class StateLayout:
     """Parts of a state by name.
 
     The parts are "time"; "shoes" (shoes, 6), "terrain" (coordinates,), "modes" (flexible shoes, modes) and
-    "frame" (3 or none), together "coordinates", each also followed by " rate" and " acceleration"; every item
-    with multipliers, such as "right pin of link 1", "drive" and "turn", together "multipliers"; "contact
-    forces" (shoes, 6).
+    other bodies by their names (6,), together "coordinates", each also followed by " rate" and
+    " acceleration"; every joint with multipliers, such as "right pin of link 1", "drive" and "turn", together
+    "multipliers"; "contact forces" (shoes, 6).
 
     Attributes
     ----------
@@ -58,8 +58,8 @@ class StateLayout:
         Items with Lagrange multipliers and how many each has.
     contact_forces : bool
         Whether the engine's contact forces on the shoes are kept.
-    frame : int
-        Number of coordinates of a side frame.
+    bodies : tuple of str
+        Names of the bodies beside the shoes.
     """
 
     shoes: int
@@ -69,7 +69,7 @@ class StateLayout:
     modes: int = 0
     multipliers: tuple[tuple[str, int], ...] = ()
     contact_forces: bool = False
-    frame: int = 0
+    bodies: tuple[str, ...] = ()
 
     @cached_property
     def _coordinate_shapes(self) -> dict[str, tuple[int, ...]]:
@@ -77,7 +77,7 @@ class StateLayout:
             "shoes": (self.shoes, 6),
             "terrain": (self.terrain,),
             "modes": (len(self.flexible_shoes), self.modes),
-            "frame": (self.frame,),
+            **dict.fromkeys(self.bodies, (6,)),
         }
 
     @cached_property
@@ -177,21 +177,20 @@ class StateLayout:
         if row >= self.coordinate_count:
             ends = np.cumsum([size for _, size in self.multipliers])
             return self.multipliers[int(np.searchsorted(ends, row - self.coordinate_count, side="right"))][0]
+        first, modal = 6 * self.shoes, 6 * self.shoes + self.terrain
+        others = self.coordinate_count - 6 * len(self.bodies)
+        if row >= others:
+            body, own = divmod(row - others, 6)
+            return f"{self.bodies[body]} ({BODY_COORDINATES[own]})"
+        if row >= modal:
+            shoe, mode = divmod(row - modal, self.modes)
+            return f"modes of shoe {self.flexible_shoes[shoe]} (mode {mode + 1})"
+        if row >= first and not self.terrain_bodies:
+            return f"terrain (coordinate {row - first + 1})"
         body, own = divmod(row, 6)
-        if body < self.shoes:
-            return f"shoe {body + 1} ({BODY_COORDINATES[own]})"
-        if row < 6 * self.shoes + self.terrain:
-            if self.terrain_bodies:
-                return f"unit {body - self.shoes + 1} ({BODY_COORDINATES[own]})"
-            return f"terrain (coordinate {row - 6 * self.shoes + 1})"
-        if row >= self.coordinate_count - self.frame:
-            return f"side frame ({FRAME_COORDINATES[row - self.coordinate_count + self.frame]})"
-        shoe, mode = divmod(row - 6 * self.shoes - self.terrain, self.modes)
-        return f"modes of shoe {self.flexible_shoes[shoe]} (mode {mode + 1})"
+        name = f"shoe {body + 1}" if row < first else f"unit {body - self.shoes + 1}"
+        return f"{name} ({BODY_COORDINATES[own]})"
 
     def to_json(self) -> str:
-        """Layout as text, with its version; that of a track without a side frame does not speak of one."""
-        values = asdict(self)
-        if not self.frame:
-            del values["frame"]
-        return json.dumps({"version": VERSION} | values)
+        """Layout as text, with its version."""
+        return json.dumps({"version": VERSION} | asdict(self))

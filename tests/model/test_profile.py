@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler import Case, LoadCycle, SphereContact, Terrain, shoe_imbalance, simulate
 from exudyn_crawler.errors import ParameterError
-from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.steady_sliding import check_sliding
 from exudyn_crawler.views.side_view import SideView

@@ -15,7 +15,7 @@ from exudyn_crawler.ground.coordinates import TerrainCoordinates
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.model.drive_point import DrivePoint
-from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
+from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, StateLayout, pin_name
 from exudyn_crawler.results.history.case_in_file import LAYOUT_VERSION
 from exudyn_crawler.results.history.catalogue import Variable, variable
 from exudyn_crawler.results.history.files import CONTACT_TYPE, TERRAIN_COORDINATES, motion_variables
@@ -163,7 +163,7 @@ def _pins(states: _States) -> Iterator[tuple[int, int, NDArray, NDArray]]:
             if states.layout.has(pin_name(name, number)):
                 reaction = states.part(pin_name(name, number))
                 about_x, about_z = np.cross(x1[:, link], y0[:, link]), np.cross(z1[:, link], y0[:, link])
-                torque = reaction[:, 3, None] * about_x + reaction[:, 5, None] * about_z
+                torque = reaction[:, 3, None] * about_x + reaction[:, -1, None] * about_z
                 yield link, side, reaction[:, :3], torque
 
 
@@ -255,7 +255,7 @@ def _contacts(states: _States, contact: ContactResults) -> tuple[dict[str, Varia
     pairs, column = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
     when = np.repeat(np.arange(len(found)), [len(one) for one in found])
     variables: dict[str, Variable] = {}
-    for name in CONTACTS:
+    for name in (*CONTACTS, *(("patch",) if states.layout.flexible_shoes else ())):
         values = rows[..., RESULT[name]]
         table = np.zeros((len(found), len(pairs), *values.shape[1:]))
         # a history in memory has the numbers of its file
@@ -272,20 +272,10 @@ def frame_motion(case: Case, layout: StateLayout, rows: NDArray) -> dict[str, ND
     rows : array (times, layout.size)
         Stored states.
     """
-    frame, rails = case.undercarriage, case.shoe.rails
-    if frame is None or rails is None:
-        raise ValueError("the case has no undercarriage")
-    time = layout.part(rows, "time")
-    speed = case.drive.speed
-    travels = (speed.integral(time), speed.value(time), speed.rate(time))
-    start = (frame.start, case.track.first_com[1], case.shoe.com_height + rails.height + frame.radius)
-    places, angles = [], []
-    for rate, travel in zip(RATES, travels, strict=True):
-        own = layout.part(rows, f"frame{rate}")
-        places.append(np.column_stack((travel, np.zeros_like(time), own[:, 0])))
-        angles.append(np.column_stack((own[:, 1], own[:, 2], np.zeros_like(time))))
+    own = [layout.part(rows, f"{SIDE_FRAME}{rate}") for rate in RATES]
+    places, angles = [one[:, :3] for one in own], [one[:, 3:] for one in own]
     return {
-        "side_frame_position": places[0] + start,
+        "side_frame_position": places[0] + case.frame_start,
         "side_frame_velocity": places[1],
         "side_frame_acceleration": places[2],
         "side_frame_angles": angles[0],
@@ -309,7 +299,7 @@ def rolled_variables(case: Case, layout: StateLayout, rows: NDArray, treads: Tre
     force, foot, behind = (np.array(one) for one in zip(*found, strict=True))
     split = (len(rows), force.shape[1], len(SIDES), strips, len(NEIGHBOURS), 3)
     named = frame_motion(case, layout, rows) | {
-        "drive_pull": layout.part(rows, "drive")[:, 0],
+        "drive_pull": -layout.part(rows, "drive")[:, 0],
         "roller_shoe": behind + 1,
         "roller_force": force.reshape(split).sum(axis=(3, 4)),
         "tread_force": force.reshape(split),

@@ -5,11 +5,12 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.model.compiled.rest import crept, rest
-from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.formulation import TrackSystem
+from exudyn_crawler.model.rest import crept, rest
+from exudyn_crawler.model.state import SIDE_FRAME
 from exudyn_crawler.model.system import System, build
 from exudyn_crawler.run.solve.faults import at_fault
 from fem.interrupts import interrupts_wait
@@ -240,6 +241,6 @@ def _first_guess(system: TrackSystem) -> NDArray:
     shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
     terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
     terrain[:] = system.contact.coordinates.sunk_evenly(-sag)
-    if case.undercarriage is not None:
-        q[-system.layout.frame] = shoes[0, 2] - FIRST_DEPTH
+    if system.layout.has(SIDE_FRAME):
+        q[-4] = shoes[0, 2] - FIRST_DEPTH
     return q

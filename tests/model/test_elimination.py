@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.model.compiled.elimination import eliminate, fronts_of, solve
+from exudyn_crawler.model.elimination import eliminate, fronts_of, solve
 
 
 def chain(links, closed):

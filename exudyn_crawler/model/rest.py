@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.model.compiled.equations import STIFFNESS
-from exudyn_crawler.model.compiled.system import CompiledSystem
+from exudyn_crawler.model.compiled_system import CompiledSystem
+from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.model.failure import NewtonError
 
 STEPS = (1e-7, 1e3)
@@ -97,15 +97,15 @@ def rest(system: CompiledSystem, guess: NDArray, limit: float, iterations: int) 
     x = np.concatenate((guess, np.zeros(system.pin_rows + holds)))
     steps = np.repeat(STEPS, [n, len(x) - n])
     for _ in range(iterations):
-        off = balance(x)
-        if not np.isfinite(off).all() or np.sqrt(np.mean(off**2)) < limit:
+        residual = balance(x)
+        if not np.isfinite(residual).all() or np.sqrt(np.mean(residual**2)) < limit:
             break
         try:
-            x = x - np.linalg.solve(_derivative(balance, x, steps), off)
+            x = x - np.linalg.solve(_derivative(balance, x, steps), residual)
         except np.linalg.LinAlgError as error:
-            raise NewtonError(system.in_layout(off[:-holds]), singular=True) from error
-    if not np.sqrt(np.mean(off**2)) < limit:
-        raise NewtonError(system.in_layout(off[:-holds]), singular=False)
+            raise NewtonError(system.in_units(residual[:-holds]), singular=True) from error
+    if not np.sqrt(np.mean(residual**2)) < limit:
+        raise NewtonError(system.in_units(residual[:-holds]), singular=False)
     return x[:n]
 
 

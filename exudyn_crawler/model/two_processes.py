@@ -1,6 +1,6 @@
 """Compiling the equations of a track in two processes, where no compiled ones are kept on disk.
 
-The derivative does not call the residual, so that both are compiled at the same time; a step, which calls
+The matrix does not call the residual, so that both are compiled at the same time; a step, which calls
 both, finds them kept. That takes three quarters of the time.
 """
 
@@ -13,28 +13,28 @@ import numpy as np
 from numba import typeof
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.model.compiled.equations import evaluate
-from exudyn_crawler.model.compiled.system import CompiledSystem, compiled_system
+from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
+from exudyn_crawler.model.equations import residual
 from fem.compiling import told_of_compiling
 
 
 @cache
 def compile_equations(framed: bool) -> None:
-    """Compile residual and derivative, with or without a side frame, unless they are kept; once a process.
+    """Compile residual and matrix, with or without a side frame, unless they are kept; once a process.
 
     What fails beside this process, such as a disk that keeps nothing, is compiled when it is called.
     """
     begun: list[subprocess.Popen] = []
-    with told_of_compiling([evaluate], lambda: begun.append(_beside(framed))):
+    with told_of_compiling([residual], lambda: begun.append(_beside(framed))):
         _compile(_any_system(framed), "residual")
     for process in begun:
         process.wait()
 
 
-def compile_derivative(framed: bool) -> None:
-    """Compile the derivative, its elimination and the contacts that a history keeps."""
+def compile_matrix(framed: bool) -> None:
+    """Compile the matrix, its elimination and the contacts that a history keeps."""
     system = _any_system(framed)
-    _compile(system, "derivative")
+    _compile(system, "matrix")
     none = np.zeros(system.layout.coordinate_count)
     system.contact.results(none, none)
 
@@ -50,9 +50,9 @@ def _compile(system: CompiledSystem, part: str) -> None:
 
 
 def _beside(framed: bool) -> subprocess.Popen:
-    """Process that compiles the derivative; no fork, which threads do not survive, and no script run anew."""
+    """Process that compiles the matrix; no fork, which threads do not survive, and no script run anew."""
     return subprocess.Popen(
-        [sys.executable, "-c", f"from {__name__} import compile_derivative; compile_derivative({framed})"],
+        [sys.executable, "-c", f"from {__name__} import compile_matrix; compile_matrix({framed})"],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

@@ -3,10 +3,10 @@
 import numpy as np
 
 from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.model.compiled.elimination import eliminate, solve, solving, solving_within
-from exudyn_crawler.model.compiled.equations import evaluate
-from exudyn_crawler.model.compiled.matrix import assemble
-from exudyn_crawler.model.compiled.records import Weights
+from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.model.elimination import eliminate, solve, solving, solving_within
+from exudyn_crawler.model.equations import matrix, residual
+from exudyn_crawler.model.tables import Tables
 
 CONTRACTION = 0.5
 """Residual over the last one above which the matrix is made anew."""
@@ -14,6 +14,8 @@ OLD_STEPS = 8
 """Iterations with one matrix."""
 TANGENTS = 2
 """Matrices of one step with the tangent of the friction curve; later ones take the secant."""
+
+FRONTS = Tables._fields.index("fronts")
 
 
 @solving_within
@@ -24,21 +26,21 @@ def _norm(residual: FloatArray) -> float:
 
 @solving
 def step(
-    model: tuple,
+    tables: tuple,
     state: FloatArray,
     multipliers: FloatArray,
     inputs: tuple,
     factors: tuple,
     limits: tuple[float, int],
-    memory: tuple,
+    workspace: tuple,
     scratch: tuple[FloatArray, FloatArray],
 ) -> tuple[bool, int, int, float]:
     """Solve the equations of a step from its prediction, in place.
 
     Parameters
     ----------
-    model, inputs, factors, memory : tuple
-        `Model`, `Inputs`, `Weights` and `Memory` as plain tuples.
+    tables, inputs, factors, workspace : tuple
+        `Tables`, `Inputs`, `Weights` and `Workspace` as plain tuples.
     state : array (3, coordinates)
         Predicted coordinates, rates and accelerations; the latter two follow a change of the coordinates
         ``weights.velocity`` and ``weights.acceleration`` times.
@@ -55,8 +57,8 @@ def step(
         Whether it converged, iterations, matrices and the last residual, N.
     """
     n = state.shape[1]
-    residual, values = scratch
-    weights, fronts = Weights(*factors), model[9]
+    out, values = scratch
+    weights, fronts = Weights(*factors), tables[FRONTS]
     by_place, by_rate, by_acceleration, level = (
         weights.position,
         weights.velocity,
@@ -67,20 +69,20 @@ def step(
     tangent = (by_place, by_rate, by_acceleration, weights.secant, level)
     none = (0.0, 0.0, 0.0, weights.secant, level)
     iterations = matrices = 0
-    contacts = evaluate(model, state, multipliers, inputs, tangent, memory, residual)
+    residual(tables, state, multipliers, inputs, tangent, workspace, out)
     derived, needed, old = True, True, 0
-    last = _norm(residual)
-    change = np.empty_like(residual)
+    last = _norm(out)
+    change = np.empty_like(out)
     while iterations < limits[1]:
         if needed:
             secant = matrices >= TANGENTS
             if secant or not derived:
                 by = (by_place, by_rate, by_acceleration, secant, level)
-                contacts = evaluate(model, state, multipliers, inputs, by, memory, residual)
-            assemble(model, state, inputs, tangent, contacts, memory, values)
+                residual(tables, state, multipliers, inputs, by, workspace, out)
+            matrix(tables, state, inputs, tangent, workspace, values)
             eliminate(fronts, values)
             matrices, needed, old = matrices + 1, False, 0
-        change[:] = residual
+        change[:] = out
         solve(fronts, values, change)
         for k in range(n):
             state[0, k] -= change[k]
@@ -89,9 +91,9 @@ def step(
         for k in range(multipliers.shape[0]):
             multipliers[k] -= change[n + k]
         iterations, old = iterations + 1, old + 1
-        evaluate(model, state, multipliers, inputs, none, memory, residual)
+        residual(tables, state, multipliers, inputs, none, workspace, out)
         derived = False
-        norm = _norm(residual)
+        norm = _norm(out)
         if norm <= limits[0]:
             return True, iterations, matrices, norm
         if not norm < 1e30:

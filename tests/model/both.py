@@ -4,20 +4,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.model.compiled.equations import evaluate
-from exudyn_crawler.model.compiled.matrix import assemble
-from exudyn_crawler.model.compiled.records import Memory
-from exudyn_crawler.model.compiled.system import HELD, compiled_system
+from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.model.compiled_system import AT_REST, compiled_system
+from exudyn_crawler.model.equations import matrix
+from exudyn_crawler.model.tables import Workspace
 from exudyn_crawler.run.solve.steady_sliding import equations_of
+
+HELD = [0, 1, 2, 3, 5]
+"""Rows of the engine's joint at a pin that constrain."""
 
 
 class Equations(NamedTuple):
-    """Forces (n,), mass matrix (n, n), directions of constraints (n, rows), what these are off (rows,)."""
+    """Forces (n,), mass matrix (n, n), directions of constraints (n, rows) and their gaps (rows,)."""
 
     forces: np.ndarray
     mass: np.ndarray
     directions: np.ndarray
-    off: np.ndarray
+    gaps: np.ndarray
 
 
 def random_state(case, rest, seed):
@@ -40,43 +43,40 @@ def by_engine(case, q, q_t):
         return Equations(residual[:n], equations.mass(), directions[:, rows], residual[n:][rows])
 
 
-def evaluated(system, q, q_t, q_tt=None, multipliers=None, weights=(0.0, 0.0, 0.0, False, 1.0)):
+def residual_of(system, q, q_t, q_tt=None, multipliers=None, weights=AT_REST):
     """Residual of the compiled equations, at zero accelerations and multipliers unless they are given."""
-    state = np.zeros((3, len(q)))
-    state[0], state[1] = q, q_t
-    if q_tt is not None:
-        state[2] = q_tt
-    own = np.zeros(system.pin_rows + 2) if multipliers is None else multipliers
-    residual = np.empty(len(q) + len(own))
-    count = evaluate(system._model, state, own, system._inputs(0.0), weights, system._memory, residual)
-    return residual, count
+    state = np.stack((q, q_t, np.zeros_like(q) if q_tt is None else q_tt))
+    return system.residual(state, system._inputs(0.0), multipliers, weights)
+
+
+def gaps_of(system):
+    """Gaps of all constraints at the state of the last residual."""
+    return Workspace(*system._workspace).gap.copy()
 
 
 def compiled(case, q, q_t):
     """Compiled equations."""
     system = compiled_system(case)
     n = len(q)
-    base = evaluated(system, q, q_t)[0][:n]
-    off = Memory(*system._memory).off.copy()
-    mass = np.column_stack([evaluated(system, q, q_t, e)[0][:n] - base for e in np.eye(n)])
+    base = residual_of(system, q, q_t)[:n]
+    gaps = gaps_of(system)
+    mass = np.column_stack([residual_of(system, q, q_t, e)[:n] - base for e in np.eye(n)])
     # forces are linear in multipliers
-    units = 1e6 * np.eye(system.pin_rows + 2)
-    directions = np.column_stack([evaluated(system, q, q_t, None, e)[0][:n] - base for e in units]) / 1e6
+    units = 1e6 * np.eye(len(gaps))
+    directions = np.column_stack([residual_of(system, q, q_t, None, e)[:n] - base for e in units]) / 1e6
     rows = slice(None) if case.drive.turn_rate is not None else slice(-1)
-    return Equations(-base, mass, directions[:, rows], off[rows])
+    return Equations(-base, mass, directions[:, rows], gaps[rows])
 
 
 def compiled_matrix(system, q, q_t, weights):
     """Dense derivative of the compiled residual as Newton's method has it, on all unknowns."""
-    residual, count = evaluated(system, q, q_t, weights=weights)
-    fronts, values = system._model[9], np.zeros_like(system._scratch[1])
-    state = np.zeros((3, len(q)))
-    state[0], state[1] = q, q_t
-    assemble(system._model, state, system._inputs(0.0), weights, count, system._memory, values)
-    dense = np.zeros((len(residual), len(residual)))
-    unknowns, first, own, place, _, _ = fronts
-    for k in range(len(own)):
-        rows = unknowns[first[k] : first[k + 1]]
+    size = len(residual_of(system, q, q_t, weights=Weights(*weights)))
+    fronts, values = system.tables.fronts, np.zeros_like(system._scratch[1])
+    state = np.stack((q, q_t, np.zeros_like(q)))
+    matrix(system._plain, state, tuple(system._inputs(0.0)), weights, system._workspace, values)
+    dense = np.zeros((size, size))
+    for k in range(len(fronts.own)):
+        rows = fronts.rows(k)
         n = len(rows)
-        dense[np.ix_(rows, rows)] += values[place[k] : place[k + 1]].reshape(n, n)
+        dense[np.ix_(rows, rows)] += values[fronts.place[k] : fronts.place[k + 1]].reshape(n, n)
     return dense

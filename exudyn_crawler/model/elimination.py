@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.ground.frames import SOURCES
 from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.rows import IntArray
 from fem.compiling import compiler
 
 solving = compiler(Path(__file__).parent, *SOURCES, error_model="numpy")
@@ -23,8 +23,6 @@ that compile apart from each other get other last digits."""
 
 solving_within = compiler(Path(__file__).parent, *SOURCES, error_model="numpy", no_cpython_wrapper=True)
 """The same for compiled callers alone, as `ground.frames.within`."""
-
-IntArray = NDArray[np.int64]
 
 
 class Fronts(NamedTuple):

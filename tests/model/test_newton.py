@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.model.compiled import integrator
-from exudyn_crawler.model.compiled import system as compiled
-from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model import compiled_system as compiled
+from exudyn_crawler.model import integrator
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.settings import set_times, solver_settings

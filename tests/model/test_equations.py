@@ -6,10 +6,9 @@ import scipy.linalg
 
 from exudyn_crawler import Case, FlexibleShoes, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.compiled.records import Memory
-from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from tests.model.compiled.both import by_engine, compiled, compiled_matrix, evaluated, random_state
+from tests.model.both import by_engine, compiled, compiled_matrix, gaps_of, random_state, residual_of
 
 pytestmark = pytest.mark.simulation
 
@@ -74,7 +73,7 @@ def test_mass_matrices_agree(both):
 
 def test_gaps_of_the_constraints_agree(both):
     *_, engine, own = both
-    np.testing.assert_allclose(own.off, engine.off, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(own.gaps, engine.gaps, rtol=0.0, atol=1e-12)
 
 
 def test_directions_of_the_constraints_agree(unbent):
@@ -87,8 +86,8 @@ def test_directions_are_the_gradients_of_the_gaps(both):
     system = compiled_system(case)
 
     def gaps(q):
-        evaluated(system, q, q_t)
-        return Memory(*system._memory).off[: system.pin_rows].copy()
+        residual_of(system, q, q_t)
+        return gaps_of(system)[: system.pin_rows]
 
     changes = 1e-6 * np.eye(len(q))
     gradients = np.array([(gaps(q + change) - gaps(q - change)) / 2e-6 for change in changes])
@@ -161,8 +160,8 @@ def test_newtons_matrix_is_the_derivative_of_the_residual(name):
     matrix = compiled_matrix(system, q, q_t, weights)[: len(q), : len(q)]
     found = np.empty_like(matrix)
     for k, e in enumerate(1e-8 * np.eye(len(q))):
-        above = evaluated(system, q + e, q_t + weights[1] * e, weights[2] * e)[0]
-        below = evaluated(system, q - e, q_t - weights[1] * e, -weights[2] * e)[0]
+        above = residual_of(system, q + e, q_t + weights[1] * e, weights[2] * e)
+        below = residual_of(system, q - e, q_t - weights[1] * e, -weights[2] * e)
         found[:, k] = (above - below)[: len(q)] / 2e-8
     scale = np.sqrt(np.outer(np.abs(np.diag(found)), np.abs(np.diag(found))))
     assert (np.abs(matrix - found) / scale).max() < 0.02

@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 from exudyn_crawler.ground.laws.impact import Impact, impact_force, step
-from exudyn_crawler.model.compiled.elimination import solving, solving_within
+from exudyn_crawler.model.elimination import solving, solving_within
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]

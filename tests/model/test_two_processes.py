@@ -10,20 +10,19 @@ import pytest
 SCRIPT = """
 import json
 from exudyn_crawler import Case, FlexibleShoes, simulate
-from exudyn_crawler.model.compiled.equations import evaluate
-from exudyn_crawler.model.compiled.matrix import assemble
-from exudyn_crawler.model.compiled.newton import step
+from exudyn_crawler.model.equations import matrix, residual
+from exudyn_crawler.model.newton import step
 
 few = FlexibleShoes.ph4100c("coarse").with_(shoes=(12, 13), fixed_modes=2, recovered_modes=2)
 simulate(Case.turning(), 0.002, progress=False)
 simulate(Case.stress("coarse").with_(flexible=few), 0.002, progress=False)
-stats = [one.stats for one in (evaluate, assemble, step)]
+stats = [one.stats for one in (residual, matrix, step)]
 print(json.dumps([[sum(one.cache_hits.values()), sum(one.cache_misses.values())] for one in stats]))
 """
 
 
 @pytest.mark.slow
-def test_the_derivative_is_compiled_beside_the_residual_and_once_for_all_tracks(tmp_path):
+def test_the_matrix_is_compiled_beside_the_residual_and_once_for_all_tracks(tmp_path):
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     for expected in ([[0, 1], [1, 0], [0, 1]], [[1, 0]] * 3):
         done = subprocess.run(

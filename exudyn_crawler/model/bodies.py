@@ -1,0 +1,325 @@
+"""Bodies: inertia, elasticity and weight of one, rigid or in a floating frame of reference.
+
+A point of the body is at ``r + R (x + Psi z)``: r and R place the frame, z are the modal coordinates and Psi
+the mode shapes. Its acceleration in the frame's axes is ``R^T r'' + Omega p + 2 omega x Psi z' + Psi z''``
+with ``p = x + Psi z`` and ``Omega = alpha~ + omega~ omega~``; integrated over the mass, alone, times p and
+times Psi, it gives force, moment and modal forces. The integrals do not change; nothing is left out (Shabana,
+Dynamics of Multibody Systems, chapter 5). A rigid body is one without modes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, cross, dot, turned, turned_back
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude, spin, spin_rate
+from exudyn_crawler.ground.rows import IntArray, Weights
+from exudyn_crawler.model.elimination import solving_within
+
+
+class Bodies(NamedTuple):
+    """All bodies of a system: b of them, shoes first.
+
+    Attributes
+    ----------
+    coordinate : array (b,)
+        First of the six coordinates of each: position and angles.
+    modal : array (b,)
+        First of its modal coordinates, -1 for a rigid body.
+    reference : array (b, 6)
+        Position (m, global) and angles (rad) where its coordinates are zero.
+    mass : array (b,)
+        kg.
+    first, second : array (b, 3), (b, 3, 3)
+        Integrals over the mass of the places x and of x_a x_b in the body's frame, kg m and kg m2.
+    """
+
+    coordinate: IntArray
+    modal: IntArray
+    reference: FloatArray
+    mass: FloatArray
+    first: FloatArray
+    second: FloatArray
+
+
+class Modes(NamedTuple):
+    """Modes that all flexible bodies share, m of modal mass 1, and their integrals over the mass.
+
+    Attributes
+    ----------
+    stiffness, damping : array (m,)
+        1/s2 and 1/s.
+    shapes : array (3, m)
+        Integral of the mode shapes.
+    places : array (9 m,)
+        Of x_a Psi_ck over (a, k, c).
+    products : array (m, 9 m)
+        Of Psi_aj Psi_ck over j and (a, k, c).
+    """
+
+    stiffness: FloatArray
+    damping: FloatArray
+    shapes: FloatArray
+    places: FloatArray
+    products: FloatArray
+
+    @classmethod
+    def none(cls) -> "Modes":
+        """Those of rigid bodies."""
+        return cls(np.zeros(0), np.zeros(0), np.zeros((3, 0)), np.zeros(0), np.zeros((0, 0)))
+
+
+def second_moment(mass: float, inertia: FloatArray, center: FloatArray) -> FloatArray:
+    """Integral of x_a x_b over the mass (3, 3), kg m2.
+
+    Parameters
+    ----------
+    mass : float
+        kg.
+    inertia : array (3, 3)
+        About the centre of mass, kg m2.
+    center : array (3,)
+        Centre of mass, m.
+    """
+    return 0.5 * np.trace(inertia) * np.eye(3) - inertia + mass * np.outer(center, center)
+
+
+class Inertia(NamedTuple):
+    """Integrals over the mass of a body as it is bent, in its frame; workspace.
+
+    Attributes
+    ----------
+    first : array (3,)
+        Of the places p, kg m.
+    second : array (3, 3)
+        Of p_a p_b, kg m2.
+    turning : array (3, m)
+        Of p x Psi: moment of unit modal accelerations.
+    """
+
+    first: FloatArray
+    second: FloatArray
+    turning: FloatArray
+
+
+@solving_within
+def moved(place: Vector, shapes: FloatArray, row: FloatArray) -> Vector:
+    """Place (m, the body's frame) moved by shapes (3, m) at the body's coordinates and modes (6 + m,)."""
+    x, y, z = place
+    for k in range(shapes.shape[1]):
+        x += shapes[0, k] * row[6 + k]
+        y += shapes[1, k] * row[6 + k]
+        z += shapes[2, k] * row[6 + k]
+    return x, y, z
+
+
+@solving_within
+def _moment_of(tensor: FloatArray) -> Vector:
+    """Moment of ``integral p_a f_c``."""
+    return tensor[1, 2] - tensor[2, 1], tensor[2, 0] - tensor[0, 2], tensor[0, 1] - tensor[1, 0]
+
+
+class Motion(NamedTuple):
+    """Motion of a body's frame in its own axes.
+
+    `omega` (rad/s), the rows of Omega (1/s2) and the acceleration of the origin less that of gravity (m/s2).
+    """
+
+    omega: Vector
+    turning: Matrix
+    acceleration: Vector
+
+
+@solving_within
+def _motion(at: Attitude, state: FloatArray, gravity: Vector) -> Motion:
+    """Motion of the frame of a body at its coordinates, rates and accelerations (3, 6 + m)."""
+    rates = (state[1, 3], state[1, 4], state[1, 5])
+    w = turned_back(at.R, spin(at, rates))
+    al = turned_back(at.R, spin_rate(at, rates, (state[2, 3], state[2, 4], state[2, 5])))
+    w2 = dot(w, w)
+    turning = (
+        (w[0] * w[0] - w2, w[0] * w[1] - al[2], w[0] * w[2] + al[1]),
+        (w[1] * w[0] + al[2], w[1] * w[1] - w2, w[1] * w[2] - al[0]),
+        (w[2] * w[0] - al[1], w[2] * w[1] + al[0], w[2] * w[2] - w2),
+    )
+    upward = along((state[2, 0], state[2, 1], state[2, 2]), -1.0, gravity)
+    return Motion(w, turning, turned_back(at.R, upward))
+
+
+@solving_within
+def _column(tensor: FloatArray, a: int, k: int) -> Vector:
+    return tensor[a, k, 0], tensor[a, k, 1], tensor[a, k, 2]
+
+
+@solving_within
+def _bend(
+    modes: Modes,
+    state: FloatArray,
+    motion: Motion,
+    residual: FloatArray,
+    inertia: Inertia,
+    tensor: FloatArray,
+) -> Vector:
+    """Add inertia and elastic forces of the modes, and what they add to the body's integrals.
+
+    `tensor` (3, 3) gathers ``integral p_a f_c`` of inertia forces f. Gives the force of the modes' motion, N,
+    in the body's axes.
+    """
+    m, w = modes.stiffness.shape[0], motion.omega
+    bent = np.dot(np.ascontiguousarray(state[:2, 6 : 6 + m]), modes.products)
+    shifts, speeds = bent[0].reshape((3, m, 3)), bent[1].reshape((3, m, 3))
+    places = modes.places.reshape((3, m, 3))
+    force = (0.0, 0.0, 0.0)
+    for k in range(m):
+        z, z_t, z_tt = state[0, 6 + k], state[1, 6 + k], state[2, 6 + k]
+        modal = z_tt + modes.stiffness[k] * z + modes.damping[k] * z_t
+        levers = np.empty((3, 3))
+        for a in range(3):
+            inertia.first[a] += modes.shapes[a, k] * z
+            modal += modes.shapes[a, k] * motion.acceleration[a]
+            # integral of p_a Psi_k
+            lever = along(_column(places, a, k), 1.0, _column(shifts, a, k))
+            for c in range(3):
+                levers[a, c] = lever[c]
+                modal += lever[c] * motion.turning[c][a]
+            # 2 Psi_k . (omega x Psi z'), of which this is the part of component a of Psi z'
+            modal += 2.0 * cross(_column(speeds, a, k), w)[a]
+            swirl = cross(w, lever)
+            for c in range(3):
+                inertia.second[a, c] += lever[c] * z + places[c, k, a] * z
+                tensor[a, c] += lever[c] * z_tt + 2.0 * swirl[c] * z_t
+        moment = _moment_of(levers)
+        for a in range(3):
+            inertia.turning[a, k] = moment[a]
+        shape = (modes.shapes[0, k], modes.shapes[1, k], modes.shapes[2, k])
+        force = along(along(force, z_tt, shape), 2.0 * z_t, cross(w, shape))
+        residual[6 + k] += modal
+    return force
+
+
+@solving_within
+def body_residual(
+    bodies: Bodies,
+    b: int,
+    modes: Modes,
+    at: Attitude,
+    state: FloatArray,
+    gravity: Vector,
+    residual: FloatArray,
+    inertia: Inertia,
+) -> None:
+    """Add inertia, elastic forces and weight of a body to its residual; `inertia` is kept for the matrix.
+
+    Parameters
+    ----------
+    state : array (3, 6 + m)
+        Coordinates of the body and its modes, their rates and accelerations.
+    gravity : Vector
+        Acceleration of gravity, m/s2, global.
+    residual : array (6 + m,)
+        Generalized forces, N, N m and modal.
+    """
+    motion = _motion(at, state, gravity)
+    tensor = np.empty((3, 3))
+    for a in range(3):
+        inertia.first[a] = bodies.first[b, a]
+        for c in range(3):
+            inertia.second[a, c], tensor[a, c] = bodies.second[b, a, c], 0.0
+    force = (0.0, 0.0, 0.0)
+    if bodies.modal[b] >= 0:
+        force = _bend(modes, state, motion, residual, inertia, tensor)
+    first = (inertia.first[0], inertia.first[1], inertia.first[2])
+    force = along(along(force, bodies.mass[b], motion.acceleration), 1.0, turned(motion.turning, first))
+    for a in range(3):
+        for c in range(3):
+            tensor[a, c] += first[a] * motion.acceleration[c]
+            for d in range(3):
+                tensor[a, c] += inertia.second[a, d] * motion.turning[c][d]
+    force, moment = turned(at.R, force), turned(at.axes, turned(at.R, _moment_of(tensor)))
+    for k in range(3):
+        residual[k] += force[k]
+        residual[3 + k] += moment[k]
+
+
+@solving_within
+def add_body_matrix(
+    bodies: Bodies,
+    b: int,
+    modes: Modes,
+    at: Attitude,
+    inertia: Inertia,
+    weights: Weights,
+    first_row: int,
+    matrix: FloatArray,
+) -> None:
+    """Add the weighted mass, stiffness and damping of a body to a matrix, from a row and column on."""
+    x, factor, mass = first_row, weights.acceleration, bodies.mass[b]
+    trace = inertia.second[0, 0] + inertia.second[1, 1] + inertia.second[2, 2]
+    first = turned(at.R, (inertia.first[0], inertia.first[1], inertia.first[2]))
+    for j in range(3):
+        matrix[x + j, x + j] += factor * mass
+        axis = at.axes[j]
+        lever = cross(axis, first)
+        local = turned_back(at.R, axis)
+        row = inertia.second
+        moment = (
+            trace * local[0] - row[0, 0] * local[0] - row[0, 1] * local[1] - row[0, 2] * local[2],
+            trace * local[1] - row[1, 0] * local[0] - row[1, 1] * local[1] - row[1, 2] * local[2],
+            trace * local[2] - row[2, 0] * local[0] - row[2, 1] * local[1] - row[2, 2] * local[2],
+        )
+        turning = turned(at.axes, turned(at.R, moment))
+        for i in range(3):
+            matrix[x + i, x + 3 + j] += factor * lever[i]
+            matrix[x + 3 + j, x + i] += factor * lever[i]
+            matrix[x + 3 + i, x + 3 + j] += factor * turning[i]
+    if bodies.modal[b] < 0:
+        return
+    for k in range(modes.stiffness.shape[0]):
+        shape = turned(at.R, (modes.shapes[0, k], modes.shapes[1, k], modes.shapes[2, k]))
+        moment = (inertia.turning[0, k], inertia.turning[1, k], inertia.turning[2, k])
+        turning = turned(at.axes, turned(at.R, moment))
+        for i in range(3):
+            matrix[x + i, x + 6 + k] += factor * shape[i]
+            matrix[x + 6 + k, x + i] += factor * shape[i]
+            matrix[x + 3 + i, x + 6 + k] += factor * turning[i]
+            matrix[x + 6 + k, x + 3 + i] += factor * turning[i]
+        elastic = weights.position * modes.stiffness[k] + weights.velocity * modes.damping[k]
+        matrix[x + 6 + k, x + 6 + k] += factor + elastic
+
+
+@solving_within
+def read_body(bodies: Bodies, b: int, values: FloatArray, out: FloatArray) -> None:
+    """Write the coordinates of a body and its modes, or zeros, into one row (6 + m,)."""
+    first, modal = bodies.coordinate[b], bodies.modal[b]
+    for k in range(6):
+        out[k] = values[first + k]
+    for k in range(6, out.shape[0]):
+        out[k] = values[modal + k - 6] if modal >= 0 else 0.0
+
+
+@solving_within
+def add_body(bodies: Bodies, b: int, row: FloatArray, factor: float, residual: FloatArray) -> None:
+    """Add a row (6 + m,) of a body's coordinates and modes, times a factor."""
+    first, modal = bodies.coordinate[b], bodies.modal[b]
+    for k in range(6):
+        residual[first + k] += factor * row[k]
+    if modal >= 0:
+        for k in range(6, row.shape[0]):
+            residual[modal + k - 6] += factor * row[k]
+
+
+@solving_within
+def attitude_of(bodies: Bodies, b: int, q: FloatArray) -> Attitude:
+    """Attitude of a body at all coordinates."""
+    first, reference = bodies.coordinate[b], bodies.reference[b]
+    return attitude(q[first + 3] + reference[3], q[first + 4] + reference[4], q[first + 5] + reference[5])
+
+
+@solving_within
+def frame_of(bodies: Bodies, b: int, state: FloatArray, at: Attitude) -> Frame:
+    """Place and motion of a body at all coordinates and rates (2 or more, coordinates)."""
+    k, reference = bodies.coordinate[b], bodies.reference[b]
+    q, q_t = state[0], state[1]
+    place = (q[k] + reference[0], q[k + 1] + reference[1], q[k + 2] + reference[2])
+    omega = spin(at, (q_t[k + 3], q_t[k + 4], q_t[k + 5]))
+    return Frame(place, at.R, (q_t[k], q_t[k + 1], q_t[k + 2]), omega)

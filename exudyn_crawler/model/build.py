@@ -1,0 +1,320 @@
+"""From a case to the tables of its system."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from exudyn_crawler.case import Case, Rails, Undercarriage
+from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.ground.coordinates import ReducedCoordinates
+from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
+from exudyn_crawler.model.drive_point import DrivePoint
+from exudyn_crawler.model.elimination import Fronts, fronts_of
+from exudyn_crawler.model.flexible_shoes import FloatingShoe, shoe_model
+from exudyn_crawler.model.forces.loads import Loads
+from exudyn_crawler.model.forces.treads import Rollers
+from exudyn_crawler.model.forces.units import TerrainModes
+from exudyn_crawler.model.joints import ROWS, Joints, Markers
+from exudyn_crawler.model.pull import Pull
+from exudyn_crawler.model.rail_rows import rail_rows, strip_lines
+from exudyn_crawler.model.tables import FrontRows, Tables
+
+ENDS = ("rear", "front")
+"""Pins of a shoe."""
+FRAME_HOLDS = (1, 5)
+"""Coordinates of a side frame that stay as they are: y and yaw."""
+
+
+def _flexible_modes(case: Case, floating: FloatingShoe) -> tuple[Modes, NDArray, NDArray]:
+    """Modes, and first and second moments of the body, by the mass matrix of the finite elements."""
+    body, _ = shoe_model(case.flexible_shoes(), case.track)
+    # the mass of a node is the same along x, y and z
+    mass = body.mass_matrix[0::3, 0::3]
+    places, shapes = body.mesh.nodes, floating.reduced.modes
+    count = shapes.shape[2]
+    heavy_places = mass @ places
+    heavy = np.stack([mass @ shapes[:, c] for c in range(3)], axis=1)
+    products = np.einsum("naj,nck->jakc", shapes, heavy, optimize=True)
+    omega = 2.0 * np.pi * floating.reduced.frequencies
+    ratio = case.flexible_shoes().damping.value(floating.reduced.frequencies)
+    modes = Modes(
+        stiffness=omega**2,
+        damping=2.0 * ratio * omega,
+        shapes=np.ascontiguousarray(heavy.sum(axis=0)),
+        places=np.ascontiguousarray(np.einsum("na,nck->akc", places, heavy)).ravel(),
+        products=np.ascontiguousarray(products.reshape(count, 9 * count)),
+    )
+    return modes, heavy_places.sum(axis=0), places.T @ heavy_places
+
+
+class _MarkerList:
+    """Markers as they are added."""
+
+    def __init__(self, modes: int) -> None:
+        self._modes = modes
+        self._rows: list[tuple[int, NDArray, NDArray, NDArray]] = []
+
+    def add(
+        self,
+        body: int,
+        position: ArrayLike,
+        displacement: NDArray | None = None,
+        rotation: NDArray | None = None,
+    ) -> int:
+        """Number of a marker on a body at a position (3,), m, which modes move by rows (3, modes)."""
+        none = np.zeros((3, self._modes))
+        moved, turned = (none if rows is None else rows for rows in (displacement, rotation))
+        self._rows.append((body, np.array(position, dtype=float), moved, turned))
+        return len(self._rows) - 1
+
+    def table(self) -> Markers:
+        """All of them."""
+        body, position, displacement, rotation = zip(*self._rows, strict=True)
+        return Markers(np.array(body), *(np.array(one) for one in (position, displacement, rotation)))
+
+
+class _Builder:
+    """Tables of a case as they are made, one after the other."""
+
+    def __init__(
+        self, case: Case, contact: PairGroundContact, floating: FloatingShoe | None, point: DrivePoint
+    ) -> None:
+        self.case, self.contact, self.floating, self.point = case, contact, floating, point
+        if not isinstance(contact.coordinates, ReducedCoordinates):
+            raise ValueError("terrain_formulation must be 'reduced' for the compiled equations")
+        self.terrain = contact.coordinates.modes
+        self.shoes = case.track.shoe_count
+        self.flexible = contact.flexible_rows >= 0
+        self.modes = 0 if floating is None else floating.mode_count
+        self.markers = _MarkerList(self.modes)
+        self.frame = case.undercarriage
+        self.count = self.shoes + (self.frame is not None)
+
+    @property
+    def first_terrain(self) -> int:
+        """Number of the terrain's first coordinate."""
+        return 6 * self.shoes
+
+    @property
+    def first_modal(self) -> int:
+        """Number of the first modal coordinate."""
+        return self.first_terrain + self.terrain.size
+
+    @property
+    def first_other(self) -> int:
+        """Number of the first coordinate of bodies that are no shoes."""
+        return self.first_modal + int(self.flexible.sum()) * self.modes
+
+    def bodies(self) -> tuple[Bodies, Modes]:
+        """Shoes, then the side frame."""
+        case, shoe, n = self.case, self.case.shoe, self.shoes
+        none = np.zeros(3)
+        mass, first = np.full(self.count, float(shoe.mass)), np.zeros((self.count, 3))
+        second = np.tile(second_moment(shoe.mass, shoe.inertia_tensor, none), (self.count, 1, 1))
+        modes = Modes.none()
+        if self.floating is not None:
+            body, _ = shoe_model(case.flexible_shoes(), case.track)
+            modes, own_first, own_second = _flexible_modes(case, self.floating)
+            chosen = np.flatnonzero(self.flexible)
+            mass[chosen], first[chosen], second[chosen] = body.mass, own_first, own_second
+        reference = np.zeros((self.count, 6))
+        reference[:n] = self.contact.shoe_reference
+        if self.frame is not None:
+            com = np.array(self.frame.com)
+            mass[n], first[n] = self.frame.mass, self.frame.mass * com
+            second[n] = second_moment(self.frame.mass, self.frame.inertia_tensor, com)
+            reference[n, :3] = case.frame_start
+        modal = np.full(self.count, -1)
+        rows = self.contact.flexible_rows
+        modal[:n][rows >= 0] = self.first_modal + rows[rows >= 0] * self.modes
+        others = self.first_other + 6 * np.arange(self.count - n)
+        coordinate = np.concatenate((6 * np.arange(n), others))
+        return Bodies(coordinate, modal, reference, mass, first, second), modes
+
+    def _pin(self, shoe: int, name: str) -> int:
+        """Marker of a joint centre of a shoe."""
+        if self.floating is None or not self.flexible[shoe]:
+            return self.markers.add(shoe, self.case.track.joint_centers[name])
+        joint = self.floating.joints.index(name)
+        pilot = self.floating.reduced.pilots[joint]
+        return self.markers.add(shoe, self.floating.reduced.interfaces[joint].center, pilot[:3], pilot[3:])
+
+    def _pin_middle(self, shoe: int, end: str) -> int:
+        """Marker in the middle of the rear or the front pins of a shoe."""
+        centers = self.case.track.joint_centers
+        if self.floating is None or not self.flexible[shoe]:
+            return self.markers.add(
+                shoe, np.mean([c for n, c in centers.items() if n.startswith(end)], axis=0)
+            )
+        reduced = self.floating.reduced
+        chosen = [k for k, one in enumerate(reduced.interfaces) if one.name.startswith(end)]
+        place = np.mean([reduced.interfaces[k].center for k in chosen], axis=0)
+        return self.markers.add(shoe, place, reduced.pilots[chosen, :3].mean(axis=0))
+
+    def joints(self) -> tuple[Joints, list[tuple[int, str]]]:
+        """Joints, and of each pin the link's number (from 1) and its side."""
+        pins, names = [], []
+        for rear, front in pairwise(range(self.shoes)):
+            for side in SIDES if self.flexible[rear] or self.flexible[front] else SIDES[:1]:
+                pins.append((self._pin(rear, f"front {side}"), self._pin(front, f"rear {side}")))
+                names.append((rear + 1, side))
+        last = self.shoes - 1
+        if self.frame is not None:
+            drive = self.markers.add(self.shoes, np.zeros(3))
+        else:
+            drive = self.markers.add(
+                last, self.point.place, self.point.rows if self.point.rows.size else None
+            )
+        holds = [] if self.frame is None else [(self.shoes, k) for k in FRAME_HOLDS]
+        bodies = [(link - 1, link) for link, _ in names for _ in range(ROWS)]
+        bodies += [(self.shoes if self.frame is not None else last, -1), (last, -1)]
+        bodies += [(body, -1) for body, _ in holds]
+        joints = Joints(
+            pins=np.array(pins, dtype=np.int64).reshape(-1, 2),
+            drive=drive,
+            turn=last,
+            holds=np.array(holds, dtype=np.int64).reshape(-1, 2),
+            bodies=np.array(bodies, dtype=np.int64).reshape(-1, 2),
+        )
+        return joints, names
+
+    def loads(self) -> Loads:
+        """Machine load of every shoe; with a side frame, its load and the tension of the chain's ends."""
+        markers, beside = [], []
+        for s in range(self.shoes):
+            if self.floating is not None and self.flexible[s]:
+                floating, rows = self.floating, self.floating.modes.reshape(-1, 3, self.modes)
+                right, left = floating.side_nodes
+                top, part = floating.top_node, 0.5 / floating.reach
+                markers.append(self.markers.add(s, floating.positions[top], rows[top]))
+                apart = floating.positions[left] - floating.positions[right]
+                beside.append(self.markers.add(s, part * apart, part * (rows[left] - rows[right])))
+            else:
+                markers.append(self.markers.add(s, self.case.shoe.load_point))
+                beside.append(self.markers.add(s, (0.0, 1.0, 0.0)))
+        if self.frame is not None:
+            markers += [self.markers.add(self.shoes, np.zeros(3))]
+            markers += [self._pin_middle(0, "rear"), self._pin_middle(self.shoes - 1, "front")]
+            beside += [-1] * 3
+        return Loads(np.array(markers), np.array(beside))
+
+    def pull(self) -> Pull | None:
+        """Pull of a side frame's drive."""
+        if self.frame is None:
+            return None
+        markers = np.array([self._pin_middle(s, "front") for s in range(self.shoes)])
+        ahead = self.case.track.pin_ahead
+        return Pull(
+            self.shoes, float(self.frame.tumbler), float(self.case.track.pitch), float(ahead), markers
+        )
+
+    def rollers(self) -> Rollers | None:
+        """Rollers of a side frame."""
+        frame, rails = self.frame, self.case.shoe.rails
+        if frame is None or rails is None:
+            return None
+        return _rollers(self.case, frame, rails, self.shoes, self.floating)
+
+
+def _rollers(
+    case: Case, frame: Undercarriage, rails: Rails, shoes: int, floating: FloatingShoe | None
+) -> Rollers:
+    along = rail_rows(None if floating is None else floating.reduced, case)
+    return Rollers(
+        frame=shoes,
+        shoes=shoes,
+        places=np.array([[(x, y, 0.0) for y in strip_lines(frame, rails)] for x in frame.rollers]),
+        radius=frame.radius,
+        law=(
+            frame.stiffness / frame.strips,
+            frame.exponent,
+            frame.damping / frame.strips,
+            frame.damping_depth,
+        ),
+        rail=(rails.rear, rails.front, rails.height),
+        rows=along.rows,
+        spacing=along.spacing,
+        pitch=case.track.pitch,
+    )
+
+
+def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fronts, FrontRows]:
+    """Shoes go first, then the links along the chain, last the terrain, other bodies and other multipliers.
+
+    `links` names the link of every pin.
+    """
+    bodies, joints, m = tables.bodies, tables.joints, len(tables.modes.stiffness)
+    size = tables.terrain.heave.shape[1]
+    terrain = list(range(tables.terrain.first, tables.terrain.first + size))
+    coordinates = [
+        [*range(first, first + 6), *(range(modal, modal + m) if modal >= 0 else ())]
+        for first, modal in zip(bodies.coordinate.tolist(), bodies.modal.tolist(), strict=True)
+    ]
+    start = tables.terrain.first + size + int(tables.flexible[1]) * m + 6 * (len(coordinates) - shoes)
+    multipliers = list(range(start, start + tables.multiplier_count))
+    pins = [multipliers[ROWS * p : ROWS * p + ROWS] for p in range(len(joints.pins))]
+    others = multipliers[ROWS * len(pins) :]
+    chain: dict[int, list[int]] = {}
+    for link, rows in zip(links, pins, strict=True):
+        chain.setdefault(link, []).extend(rows)
+    body = tables.markers.body
+    couplings = [[*shoe, *terrain] for shoe in coordinates[:shoes]]
+    couplings += [
+        [*coordinates[body[marker]], *rows]
+        for rows, pair in zip(pins, joints.pins, strict=True)
+        for marker in pair
+    ]
+    couplings += [[*coordinates[body[joints.drive]], others[0]], [*coordinates[joints.turn], others[1]]]
+    frames = [one for group in coordinates[shoes:] for one in group]
+    if tables.rollers is not None:
+        couplings += [[*shoe, *coordinates[tables.rollers.frame]] for shoe in coordinates[:shoes]]
+    if tables.pull is not None:
+        couplings += [[*shoe, others[0]] for shoe in coordinates[:shoes]]
+    fronts = fronts_of([*coordinates[:shoes], *chain.values(), [*terrain, *frames, *others]], couplings)
+    places = [{unknown: k for k, unknown in enumerate(fronts.rows(f))} for f in range(len(fronts.own))]
+    last = len(fronts.own) - 1
+    return fronts, FrontRows(
+        np.array([[row.get(body[0], -1) for body in coordinates] for row in places]),
+        np.array([*range(shoes), *[last] * (len(coordinates) - shoes)]),
+        np.array([row.get(terrain[0], -1) for row in places]),
+        np.array([[row.get(one, -1) for one in multipliers] for row in places]),
+    )
+
+
+def tables_of(
+    case: Case, contact: PairGroundContact, floating: FloatingShoe | None, point: DrivePoint
+) -> tuple[Tables, list[tuple[int, str]]]:
+    """Tables of a case, and of each link pin the link's number (from 1) and its side."""
+    builder = _Builder(case, contact, floating, point)
+    bodies, modes = builder.bodies()
+    joints, names = builder.joints()
+    loads, pull = builder.loads(), builder.pull()
+    terrain = builder.terrain
+    nothing = np.zeros(0, dtype=np.int64)
+    tables = Tables(
+        bodies=bodies,
+        modes=modes,
+        markers=builder.markers.table(),
+        joints=joints,
+        loads=loads,
+        terrain=TerrainModes(
+            terrain.heave,
+            terrain.tilt,
+            contact.unit_reference,
+            np.ascontiguousarray(terrain.stiffness),
+            np.ascontiguousarray(terrain.damping),
+            terrain.weight,
+            builder.first_terrain,
+        ),
+        flexible=np.array([builder.first_modal, int(builder.flexible.sum())]),
+        contact=contact.track,
+        fronts=Fronts(*[nothing] * len(Fronts._fields)),
+        rows=FrontRows(*[nothing] * len(FrontRows._fields)),
+        rollers=builder.rollers(),
+        pull=pull,
+    )
+    fronts, rows = _elimination(tables, builder.shoes, [link for link, _ in names])
+    return tables._replace(fronts=fronts, rows=rows), names

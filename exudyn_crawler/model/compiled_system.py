@@ -1,0 +1,353 @@
+"""A system whose equations are compiled: Exudyn integrates them, and each step is solved here.
+
+Exudyn's generalized-alpha method predicts a step, accepts or halves it and says what comes next; its system
+is a single object that has the coordinates and nothing else.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.ground.contact import pair_ground_contact
+from exudyn_crawler.ground.frames import plain
+from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.rotations import moments_on_angles
+from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.model.build import tables_of
+from exudyn_crawler.model.drive_point import DrivePoint, drive_point
+from exudyn_crawler.model.elimination import eliminate, solve
+from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.equations import STIFFNESS, matrix, residual
+from exudyn_crawler.model.failure import NewtonError
+from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
+from exudyn_crawler.model.forces.treads import TOUCHED, TreadWorkspace
+from exudyn_crawler.model.inputs import profiles_of, values_at
+from exudyn_crawler.model.integrated import Integrated
+from exudyn_crawler.model.integrator import coordinates_only, predict
+from exudyn_crawler.model.joints import ROWS
+from exudyn_crawler.model.loads import grips
+from exudyn_crawler.model.newton import step
+from exudyn_crawler.model.state import BODY_COORDINATES, RATES, SIDE_FRAME, StateLayout, pin_name
+from exudyn_crawler.model.tables import Inputs, Tables, Workspace
+from exudyn_crawler.model.terrain import reduced_coordinates
+
+AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
+"""Of a residual alone."""
+
+
+def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateLayout:
+    """Layout of the states of a case; `pins` name link (from 1) and side of each."""
+    others = () if case.undercarriage is None else (SIDE_FRAME,)
+    names = [f"shoe {number}" for number in case.track.shoes] + list(others)
+    return StateLayout(
+        shoes=case.track.shoe_count,
+        terrain=tables.terrain.heave.shape[1],
+        flexible_shoes=() if case.flexible is None else tuple(case.flexible.shoes),
+        modes=len(tables.modes.stiffness),
+        multipliers=(
+            *((pin_name(side, link), ROWS) for link, side in pins),
+            ("drive", 1),
+            ("turn", 1),
+            *((f"hold of {names[b]} ({BODY_COORDINATES[k]})", 1) for b, k in tables.joints.holds.tolist()),
+        ),
+        bodies=others,
+    )
+
+
+class CompiledSystem(Integrated):
+    """Multibody system of a case by compiled equations; a `formulation.TrackSystem`.
+
+    Attributes
+    ----------
+    mbs : exudyn.MainSystem
+        With the coordinates alone.
+    tables : Tables
+        What the equations are made of.
+    case, contact, floating, point, layout :
+        As of `model.system.System`.
+    """
+
+    def __init__(
+        self, case: Case, contact: PairGroundContact, floating: FloatingShoe | None, point: DrivePoint
+    ) -> None:
+        self.case, self.contact, self.floating, self.point = case, contact, floating, point
+        self.tables, pins = tables_of(case, contact, floating, point)
+        self._plain = plain(self.tables)
+        self.layout = layout_of(case, self.tables, pins)
+        size, multipliers = self.layout.coordinate_count, self.tables.multiplier_count
+        self.container = exu.SystemContainer()
+        self.mbs = coordinates_only(self.container, size)
+        self._driven = True
+        self._state = np.zeros((3, size))
+        self._multipliers = np.zeros(multipliers)
+        self._scratch = (np.zeros(size + multipliers), np.zeros(self.tables.fronts.size))
+        self._workspace = Workspace.allocate(self.tables, contact.greatest_count)
+        self._loads = plain(profiles_of([case.loads.profile(number) for number in case.track.shoes]))
+        turn = case.drive.turn_rate or StepProfile.constant(0.0)
+        self._speeds = plain(profiles_of([case.drive.speed, turn, case.loads.side_shift]))
+        self._gravity, self._down = tuple(case.gravity_vector().tolist()), case.terrain.down
+        self._limits = (0.0, 0)
+        self._singular = False
+
+    @property
+    def treads(self) -> Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]] | None:
+        """As of `formulation.TrackSystem`."""
+        return None if self.tables.rollers is None else self._treads
+
+    def _treads(self, time: float, q: NDArray, q_t: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        self.residual(np.stack((q, q_t, np.zeros_like(q))), self._inputs(time))
+        treads = TreadWorkspace(*(Workspace(*self._workspace).treads or ()))
+        shape = (len(treads.rear), -1, TOUCHED, 3)
+        touching = (treads.depth > 0.0)[:, None]
+        forces, feet = -treads.force * touching, treads.foot * touching
+        return forces.reshape(shape), feet.reshape(shape), treads.rear.copy()
+
+    def sunken(self) -> list[int]:
+        """None: the pair law pushes a shoe up from any depth."""
+        return []
+
+    def switch_drive(self, on: bool) -> None:
+        """Move the front shoe from now on, or leave it free; a side frame is always moved."""
+        self._driven = on or self.tables.pull is not None
+
+    def set_initial(self, q: NDArray) -> None:
+        """Start from rest at the coordinates `q`; a side frame has its speed."""
+        self._state[0], self._state[1:] = q, 0.0
+        if self.tables.pull is not None:
+            first = self.tables.bodies.coordinate[self.tables.pull.frame]
+            self._state[1, first] = self.case.drive.speed.value(0.0)
+        self._multipliers[:] = 0.0
+        self._hand_over(exu.ConfigurationType.Initial)
+
+    def set_state(self, row: NDArray) -> None:
+        """Start from a row as of `state`; its time goes into the solver's settings."""
+        for rate, name in enumerate(RATES):
+            self._state[rate] = self.layout.part(row, f"coordinates{name}")
+        self._multipliers[:] = self.layout.part(row, "multipliers")
+        self._hand_over(exu.ConfigurationType.Initial)
+
+    def state(self) -> NDArray:
+        """Current state in one row, laid out as `layout` says."""
+        data = self.mbs.systemData
+        parts: dict[str, ArrayLike] = {
+            "time": data.GetTime(),
+            "coordinates": data.GetODE2Coordinates(),
+            "coordinates rate": data.GetODE2Coordinates_t(),
+            "coordinates acceleration": data.GetODE2Coordinates_tt(),
+            "multipliers": self._multipliers,
+        }
+        return self.layout.pack(parts)
+
+    def solve(self, settings: "exu.SimulationSettings") -> None:
+        """Integrate between the times of the settings; errors as of `formulation.TrackSystem.solve`."""
+        newton = settings.timeIntegration.newton
+        self._limits = (newton.absoluteTolerance, newton.maxIterations)
+        if settings.timeIntegration.generalizedAlpha.computeInitialAccelerations:
+            self._accelerate(settings.timeIntegration.startTime)
+            settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+        # Exudyn's stub gives a solver's methods without self
+        solver: Any = exu.MainSolverImplicitSecondOrder()
+        solver.SetUserFunctionNewton(self.mbs, self._newton)
+        if not solver.SolveSystem(self.mbs, settings):
+            raise self.failure()
+
+    def failure(self) -> NewtonError:
+        """Error of the last step that was tried."""
+        return NewtonError(self.in_units(self._scratch[0]), self._singular)
+
+    @property
+    def multipliers(self) -> NDArray:
+        """Of pins, drive, turn and holds: N and N m."""
+        return self._multipliers
+
+    @property
+    def pin_rows(self) -> int:
+        """Number of the pins' equations."""
+        return ROWS * len(self.tables.joints.pins)
+
+    def residual(
+        self, state: NDArray, inputs: Inputs, multipliers: NDArray | None = None, weights: Weights = AT_REST
+    ) -> NDArray:
+        """Residual of all equations at coordinates, rates and accelerations (3, coordinates)."""
+        out = np.empty_like(self._scratch[0])
+        applied = np.zeros_like(self._multipliers) if multipliers is None else multipliers
+        residual(self._plain, state, applied, tuple(inputs), tuple(weights), self._workspace, out)
+        return out
+
+    def pulled_place(self, q: NDArray) -> float:
+        """Displacement along x of the point that the drive moves, m, with that of its place in the shoe."""
+        front = q[6 * self.layout.shoes - 6 : 6 * self.layout.shoes]
+        modal = q[len(q) - self.point.rows.shape[1] :]
+        return float(front[0] + self.point.arm(front[3:], modal)[0])
+
+    def at_rest(self, q: NDArray, multipliers: NDArray) -> tuple[NDArray, NDArray]:
+        """Residual (coordinates and pins) at rest at t = 0 without the drive, and the drive's direction.
+
+        Parameters
+        ----------
+        q : array (coordinates,)
+        multipliers : array (pin_rows,)
+            N and N m.
+
+        Returns
+        -------
+        residual : array (coordinates + pin_rows,)
+            As of `equations.residual`.
+        direction : array (coordinates,)
+            Generalized force of a unit force of the drive.
+        """
+        state = np.zeros_like(self._state)
+        state[0] = q
+        both = np.concatenate((multipliers, np.zeros(2)))
+        out = self.residual(state, self._inputs(0.0)._replace(active=np.zeros(2)), both)
+        if self._down[2] > -1.0:
+            shoes = out[: 6 * self.layout.shoes].reshape(-1, 6)
+            angles = q[: shoes.size].reshape(-1, 6)[:, 3:]
+            force, moment = grips(self.case, self.tables.bodies.mass[: len(shoes)])
+            shoes[:, :3] -= force
+            shoes[:, 3:] -= moments_on_angles(angles, moment)
+        along = Workspace(*self._workspace).jacobian[self.pin_rows, 0]
+        direction = np.zeros(len(q))
+        direction[6 * self.layout.shoes - 6 : 6 * self.layout.shoes] = along[:6]
+        if self.point.rows.shape[1]:
+            direction[-self.point.rows.shape[1] :] = along[6:]
+        return out[:-2], direction
+
+    def creep(
+        self, q: NDArray, multipliers: NDArray, pace: tuple[float, float], limits: tuple[float, int]
+    ) -> tuple[NDArray, NDArray, int] | None:
+        """One step without inertia from coordinates and multipliers, under the loads of t = 0.
+
+        Parameters
+        ----------
+        pace : tuple
+            Length of the step (s), and force over momentum (1/s) that slows every body.
+        limits : tuple
+            Residual (N, root mean square) that ends the search, and most iterations.
+
+        Returns
+        -------
+        tuple, optional
+            Coordinates, multipliers and iterations; None if the step is too long to be found.
+        """
+        h, drag = pace
+        self._state[0], self._state[1:] = q, 0.0
+        self._multipliers[:] = multipliers
+        inputs = self._inputs(0.0)._replace(speeds=np.zeros(2))
+        converged, iterations = self._step(inputs, Weights(1.0, 1.0 / h, drag / h, False, h), limits)
+        if not (converged and np.isfinite(self._state).all()):
+            return None
+        return self._state[0].copy(), self._multipliers.copy(), iterations
+
+    def calls(self) -> dict[str, list[tuple[Any, tuple]]]:
+        """Compiled functions with arguments as a run calls them, by what they make."""
+        out, values = self._scratch
+        inputs, weights = tuple(self._inputs(0.0)), (0.0, 0.0, 1.0, False, 1.0)
+        fronts = tuple(self.tables.fronts)
+        both = self._plain, self._state
+        return {
+            "residual": [(residual, (*both, self._multipliers, inputs, weights, self._workspace, out))],
+            "matrix": [
+                (matrix, (*both, inputs, weights, self._workspace, values)),
+                (eliminate, (fronts, values)),
+                (solve, (fronts, values, out)),
+            ],
+        }
+
+    def in_units(self, out: NDArray) -> NDArray:
+        """Residual with gaps in m and rad, of as many equations as it has, the others zero."""
+        equations = np.zeros(self.layout.equation_count)
+        equations[: len(out)] = out
+        equations[self.layout.coordinate_count :] /= STIFFNESS
+        return equations
+
+    def _step(self, inputs: Inputs, weights: Weights, limits: tuple[float, int]) -> tuple[bool, int]:
+        """Whether Newton's method finds the step that the state predicts, and its iterations."""
+        try:
+            converged, iterations, *_ = step(
+                self._plain,
+                self._state,
+                self._multipliers,
+                tuple(inputs),
+                tuple(weights),
+                limits,
+                self._workspace,
+                self._scratch,
+            )
+            self._singular = False
+        except np.linalg.LinAlgError:
+            converged, iterations, self._singular = False, 0, True
+        return converged, iterations
+
+    def _newton(self, solver: Any, _mbs: "exu.MainSystem", settings: "exu.SimulationSettings") -> bool:
+        """Predict and solve a step; Exudyn calls it anew with half the step where it fails."""
+        predict(solver, self.mbs, settings, self._state)
+        h, beta, gamma = solver.it.currentStepSize, solver.newmarkBeta, solver.newmarkGamma
+        start = self._multipliers.copy()
+        weights = Weights(
+            1.0,
+            gamma / (h * beta),
+            (1.0 - solver.alphaM) / ((1.0 - solver.alphaF) * beta * h * h),
+            False,
+            beta * h / gamma,
+        )
+        converged, _ = self._step(self._inputs(solver.it.currentTime), weights, self._limits)
+        if not converged:
+            self._multipliers[:] = start
+            return False
+        self._hand_over(exu.ConfigurationType.Current)
+        return True
+
+    def _inputs(self, time: float) -> Inputs:
+        shoes, speeds = np.zeros(self.layout.shoes), np.zeros(3)
+        values_at(self._loads, time, shoes)
+        values_at(self._speeds, time, speeds)
+        loads = np.zeros((len(self.tables.loads.marker), 6))
+        loads[: len(shoes), :3] = np.outer(shoes, self._down)
+        frame, drag = self.case.undercarriage, 0.0
+        if frame is not None:
+            loads[len(shoes)] = np.concatenate(self.case.machine_wrench(time), axis=1)[0]
+            loads[len(shoes) + 1 :, 0] = -frame.end_tension, frame.end_tension
+            drag = frame.rolling_resistance * speeds[0] / np.hypot(speeds[0], frame.resistance_speed)
+        turning = self._driven and self.case.drive.turn_rate is not None
+        active = np.array([self._driven, turning], dtype=float)
+        return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], float(drag))
+
+    def _accelerate(self, time: float) -> None:
+        """Accelerations and multipliers of a track that starts."""
+        self._state[2], self._multipliers[:] = 0.0, 0.0
+        out, values = self._scratch
+        inputs, weights = tuple(self._inputs(time)), (0.0, 0.0, 1.0, False, 1.0)
+        residual(self._plain, self._state, self._multipliers, inputs, weights, self._workspace, out)
+        matrix(self._plain, self._state, inputs, weights, self._workspace, values)
+        fronts = tuple(self.tables.fronts)
+        eliminate(fronts, values)
+        # at rest constraints have no gap, and their rates do not change by themselves
+        n = self._state.shape[1]
+        out[n:] = 0.0
+        solve(fronts, values, out)
+        self._state[2] = -out[:n]
+        self._multipliers[:] = -out[n:]
+        self._hand_over(exu.ConfigurationType.Initial)
+
+    def _hand_over(self, to: "exu.ConfigurationType") -> None:
+        data = self.mbs.systemData
+        data.SetODE2Coordinates(self._state[0], to)
+        data.SetODE2Coordinates_t(self._state[1], to)
+        data.SetODE2Coordinates_tt(self._state[2], to)
+
+
+def compiled_system(case: Case) -> CompiledSystem:
+    """Build the compiled equations of a case."""
+    floating = None if case.flexible is None else floating_shoe(case)
+    coordinates = reduced_coordinates(case)
+    chosen = [] if case.flexible is None else [number - 1 for number in case.flexible.shoes]
+    underside = None if floating is None else floating.underside
+    contact = pair_ground_contact(case, coordinates, underside, chosen)
+    is_front = case.track.shoe_count - 1 in chosen
+    point = drive_point(case, floating.reduced if floating is not None and is_front else None)
+    return CompiledSystem(case, contact, floating, point)

@@ -1,0 +1,313 @@
+"""Equations of motion of a system of tables: residual, and matrix of its weighted derivatives.
+
+The unknowns are the coordinates, in the order of `model.state`, then the multipliers of the joints. The
+residual is inertia less forces plus constraint forces for the first, and the gaps of the constraints for the
+second. Both are sums over bodies, joints and force elements.
+
+The matrix is exact but for three things, which change over seconds and not over a step: how the forces of
+constraints, loads and treads turn and move with the bodies, how centrifugal and gyroscopic forces change with
+the rates, and how the outline of an overlap moves. The residual has all of them, so that they cost iterations
+and not accuracy.
+"""
+
+import numpy as np
+
+from exudyn_crawler.ground.frames import Vector
+from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.rows import ForceRows, Weights
+from exudyn_crawler.model.bodies import (
+    Bodies,
+    Inertia,
+    Modes,
+    add_body,
+    add_body_matrix,
+    attitude_of,
+    body_residual,
+    read_body,
+)
+from exudyn_crawler.model.elimination import front, solving, solving_within
+from exudyn_crawler.model.forces.loads import add_loads
+from exudyn_crawler.model.forces.treads import tread_contacts
+from exudyn_crawler.model.forces.units import TerrainModes, UnitWorkspace, add_terrain, unit_contacts
+from exudyn_crawler.model.joints import ROWS, add_holds, add_pins, add_speeds
+from exudyn_crawler.model.pull import Pull, write_pull
+from exudyn_crawler.model.tables import Inputs, Tables, Workspace, named_tables
+
+STIFFNESS = 1e9
+"""N/m and N m/rad, what turns a gap of a constraint into a residual beside forces: about what closing it
+within a step of some ms takes of a shoe's mass."""
+
+
+@solving_within
+def _add_bodies(
+    bodies: Bodies, modes: Modes, state: FloatArray, gravity: Vector, work: Workspace, residual: FloatArray
+) -> None:
+    """Add inertia, elastic forces and weights of all bodies."""
+    m = work.turning.shape[2]
+    rows, forces = np.empty((3, 6 + m)), np.empty(6 + m)
+    for b in range(bodies.mass.shape[0]):
+        for rate in range(3):
+            read_body(bodies, b, state[rate], rows[rate])
+        forces.fill(0.0)
+        inertia = Inertia(work.first[b], work.second[b], work.turning[b])
+        at = attitude_of(bodies, b, state[0])
+        body_residual(bodies, b, modes, at, rows, gravity, forces, inertia)
+        add_body(bodies, b, forces, 1.0, residual)
+
+
+@solving_within
+def _add_rows(bodies: Bodies, rows: ForceRows, count: int, residual: FloatArray) -> None:
+    """Take the forces of elements on their bodies off the residual."""
+    row = np.empty(rows.jacobian.shape[3])
+    for p in range(count):
+        for side in range(2):
+            b = rows.bodies[p, side]
+            if b >= 0:
+                last = row.shape[0] if bodies.modal[b] >= 0 else 6
+                for c in range(last):
+                    force = 0.0
+                    for r in range(rows.wrench.shape[1]):
+                        force += rows.jacobian[p, side, r, c] * rows.wrench[p, r]
+                    row[c] = force
+                add_body(bodies, b, row, -1.0, residual)
+
+
+@solving_within
+def _write_joints(tables: Tables, state: FloatArray, inputs: Inputs, work: Workspace) -> None:
+    """Write gaps, Jacobians and the directions of the pull."""
+    bodies, markers, joints = tables.bodies, tables.markers, tables.joints
+    pins = ROWS * joints.pins.shape[0]
+    gap, jacobian = work.gap, work.jacobian
+    add_pins(bodies, markers, joints.pins, state, gap[:pins], jacobian[:pins])
+    add_speeds(bodies, markers, joints, state, inputs.speeds, gap[pins : pins + 2], jacobian[pins : pins + 2])
+    add_holds(bodies, joints.holds, state[0], gap[pins + 2 :], jacobian[pins + 2 :])
+    _write_pull(tables.pull, tables, state, work)
+
+
+@solving_within
+def _write_pull(pull: tuple | None, tables: Tables, state: FloatArray, work: Workspace) -> None:
+    if pull is None:
+        return
+    write_pull(Pull(*pull), tables.bodies, tables.markers, state, work.pulled, work.pull)
+
+
+@solving_within
+def _add_joints(
+    tables: Tables,
+    inputs: Inputs,
+    multipliers: FloatArray,
+    work: Workspace,
+    level: float,
+    out: FloatArray,
+) -> None:
+    """Add the forces of all constraints, and write their residuals behind the coordinates'."""
+    bodies, between, pulls = tables.bodies, tables.joints.bodies, tables.pull is not None
+    n, pins = out.shape[0] - multipliers.shape[0], ROWS * tables.joints.pins.shape[0]
+    for r in range(multipliers.shape[0]):
+        is_speed = pins <= r < pins + 2
+        if is_speed and inputs.active[r - pins] <= 0.0:
+            out[n + r] = multipliers[r]
+            continue
+        out[n + r] = STIFFNESS * (level if is_speed else 1.0) * work.gap[r]
+        if pulls and r == pins:
+            for k in range(work.pulled.shape[0]):
+                add_body(bodies, work.pulled[k], work.pull[k], multipliers[r], out)
+            continue
+        for side in range(2):
+            b = between[r, side]
+            if b >= 0:
+                add_body(bodies, b, work.jacobian[r, side], multipliers[r], out)
+
+
+@solving
+def residual(
+    values: tuple,
+    state: FloatArray,
+    multipliers: FloatArray,
+    arguments: tuple,
+    factors: tuple,
+    workspace: tuple,
+    out: FloatArray,
+) -> None:
+    """Write the residual of all equations: forces, then gaps times `STIFFNESS`.
+
+    Parameters
+    ----------
+    values, arguments, factors, workspace : tuple
+        `Tables`, `Inputs`, `Weights` and `Workspace` as plain tuples.
+    state : array (3, coordinates)
+        Coordinates, rates and accelerations.
+    multipliers : array (multipliers,)
+        N and N m.
+    out : array (coordinates + multipliers,)
+        Overwritten.
+    """
+    tables, inputs = named_tables(values), Inputs(*arguments)
+    weights, work = Weights(*factors), Workspace(*workspace)
+    units, bodies = UnitWorkspace(*work.units), tables.bodies
+    out.fill(0.0)
+    work.counts[0] = unit_contacts(
+        bodies, tables.flexible, tables.terrain, tables.contact, state, weights, units
+    )
+    work.counts[1] = tread_contacts(tables.rollers, bodies, state, inputs.drag, weights, work.treads)
+    contacts = ForceRows(*units.contacts[0])
+    _add_rows(bodies, contacts, work.counts[0], out)
+    _add_tread_rows(bodies, work.treads, work.counts[1], out)
+    _add_bodies(bodies, tables.modes, state, inputs.gravity, work, out)
+    add_terrain(tables.terrain, contacts, work.counts[0], state, inputs.gravity[2], units, out)
+    add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
+    _write_joints(tables, state, inputs, work)
+    _add_joints(tables, inputs, multipliers, work, weights.level, out)
+
+
+@solving_within
+def _add_tread_rows(bodies: Bodies, treads: tuple | None, count: int, residual: FloatArray) -> None:
+    if treads is None:
+        return
+    _add_rows(bodies, ForceRows(*treads[0]), count, residual)
+
+
+@solving_within
+def _block_motions(
+    terrain: TerrainModes, rows: ForceRows, first: int, last: int, sizes: tuple[int, int, int]
+) -> FloatArray:
+    """Motions of elements of the same bodies by the coordinates of these and the terrain's, row under row."""
+    kinds = rows.wrench.shape[1]
+    out = np.empty((kinds * (last - first), sizes[0] + sizes[1] + sizes[2]))
+    for p in range(first, last):
+        for r in range(kinds):
+            at = kinds * (p - first) + r
+            for c in range(sizes[0]):
+                out[at, c] = rows.jacobian[p, 0, r, c]
+            for c in range(sizes[1]):
+                out[at, sizes[0] + c] = rows.jacobian[p, 1, r, c]
+            heave, tilt, u = rows.unit_jacobian[p, r, 0], rows.unit_jacobian[p, r, 1], rows.unit[p]
+            for k in range(sizes[2]):
+                by_unit = heave * terrain.heave[u, k] + tilt * terrain.tilt[u, k]
+                out[at, sizes[0] + sizes[1] + k] = by_unit
+    return out
+
+
+@solving_within
+def _block(rows: ForceRows, first: int, last: int, motions: FloatArray) -> FloatArray:
+    """Tangents of elements by the coordinates of their motions: ``J^T K J``."""
+    kinds, forces = rows.wrench.shape[1], np.empty_like(motions)
+    for p in range(first, last):
+        at = kinds * (p - first)
+        for r in range(kinds):
+            for c in range(motions.shape[1]):
+                force = 0.0
+                for k in range(kinds):
+                    force += rows.tangent[p, r, k] * motions[at + k, c]
+                forces[at + r, c] = force
+    return np.dot(motions.T, forces)
+
+
+@solving_within
+def _add_elements(tables: Tables, rows: ForceRows, count: int, values: FloatArray) -> None:
+    """Add the tangents of elements, those of the same bodies that follow each other at once."""
+    places, modal, terrain, fronts = tables.rows, tables.bodies.modal, tables.terrain, tables.fronts
+    m, first = rows.jacobian.shape[3], np.int64(0)
+    into = np.empty(2 * m + terrain.heave.shape[1], dtype=np.int64)
+    while first < count:
+        last = first + 1
+        a, b = rows.bodies[first, 0], rows.bodies[first, 1]
+        while last < count and rows.bodies[last, 0] == a and rows.bodies[last, 1] == b:
+            last += 1
+        f = places.front[a] if b < 0 else min(places.front[a], places.front[b])
+        sizes = (
+            m if modal[a] >= 0 else 6,
+            0 if b < 0 else (m if modal[b] >= 0 else 6),
+            terrain.heave.shape[1] if rows.unit[first] >= 0 else 0,
+        )
+        for c in range(sizes[0]):
+            into[c] = places.body[f, a] + c
+        for c in range(sizes[1]):
+            into[sizes[0] + c] = places.body[f, b] + c
+        for c in range(sizes[2]):
+            into[sizes[0] + sizes[1] + c] = places.terrain[f] + c
+        block = _block(rows, first, last, _block_motions(terrain, rows, first, last, sizes))
+        matrix = front(fronts, values, f)
+        for r in range(block.shape[0]):
+            for c in range(block.shape[1]):
+                matrix[into[r], into[c]] += block[r, c]
+        first = last
+
+
+@solving_within
+def _add_tread_elements(tables: Tables, treads: tuple | None, count: int, values: FloatArray) -> None:
+    if treads is None:
+        return
+    _add_elements(tables, ForceRows(*treads[0]), count, values)
+
+
+@solving_within
+def _add_joint_rows(
+    tables: Tables, inputs: Inputs, weights: Weights, work: Workspace, values: FloatArray
+) -> None:
+    """Add the Jacobians of all constraints, and the directions of their forces, to the fronts."""
+    places, fronts, modal, m = tables.rows, tables.fronts, tables.bodies.modal, work.jacobian.shape[2]
+    between, pulls = tables.joints.bodies, tables.pull is not None
+    pins, last = ROWS * tables.joints.pins.shape[0], fronts.own.shape[0] - 1
+    # a constraint on velocity answers a change of the coordinates by its rate
+    speed = STIFFNESS * weights.level * (weights.velocity if weights.velocity != 0.0 else 1.0)
+    for side in range(2):
+        held = -1
+        matrix = front(fronts, values, last)
+        for r in range(work.gap.shape[0]):
+            is_speed, b = pins <= r < pins + 2, between[r, side]
+            if b < 0 or (is_speed and inputs.active[r - pins] <= 0.0):
+                continue
+            f = places.front[b]
+            if f != held:
+                matrix, held = front(fronts, values, f), f
+            row, base, factor = places.multiplier[f, r], places.body[f, b], speed if is_speed else STIFFNESS
+            for c in range(m if modal[b] >= 0 else 6):
+                matrix[row, base + c] += factor * work.jacobian[r, side, c]
+                if not (pulls and r == pins):
+                    matrix[base + c, row] += work.jacobian[r, side, c]
+    for k in range(2):
+        if inputs.active[k] <= 0.0:
+            row = places.multiplier[last, pins + k]
+            front(fronts, values, last)[row, row] += 1.0
+    for k in range(work.pulled.shape[0] if pulls else 0):
+        b = work.pulled[k]
+        f = places.front[b]
+        matrix, row, base = front(fronts, values, f), places.multiplier[f, pins], places.body[f, b]
+        for c in range(m if modal[b] >= 0 else 6):
+            matrix[base + c, row] += work.pull[k, c]
+
+
+@solving
+def matrix(
+    values: tuple, state: FloatArray, arguments: tuple, factors: tuple, workspace: tuple, fronts: FloatArray
+) -> None:
+    """Write the weighted derivative of the residual into the values of the fronts.
+
+    Parameters
+    ----------
+    values, arguments, factors, workspace : tuple
+        As of `residual`, which was called with the same weights just before and at the same state.
+    fronts : array (size,)
+        Overwritten.
+    """
+    tables, inputs = named_tables(values), Inputs(*arguments)
+    weights, work = Weights(*factors), Workspace(*workspace)
+    fronts.fill(0.0)
+    bodies, terrain = tables.bodies, tables.terrain
+    places, modes, order = tables.rows, tables.modes, tables.fronts
+    for b in range(bodies.mass.shape[0]):
+        f = places.front[b]
+        inertia = Inertia(work.first[b], work.second[b], work.turning[b])
+        at = attitude_of(bodies, b, state[0])
+        add_body_matrix(bodies, b, modes, at, inertia, weights, places.body[f, b], front(order, fronts, f))
+    last = tables.fronts.own.shape[0] - 1
+    whole, first = front(tables.fronts, fronts, last), tables.rows.terrain[last]
+    for i in range(terrain.heave.shape[1]):
+        whole[first + i, first + i] += weights.acceleration
+        for k in range(terrain.heave.shape[1]):
+            supports = weights.position * terrain.stiffness[i, k] + weights.velocity * terrain.damping[i, k]
+            whole[first + i, first + k] += supports
+    _add_elements(tables, ForceRows(*work.units[3][0]), work.counts[0], fronts)
+    _add_tread_elements(tables, work.treads, work.counts[1], fronts)
+    _add_joint_rows(tables, inputs, weights, work, fronts)

@@ -1,0 +1,1 @@
+"""Force elements of the compiled equations, a file a kind."""

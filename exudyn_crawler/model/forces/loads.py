@@ -1,0 +1,64 @@
+"""Loads on bodies: forces and moments at markers, by time."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.rows import IntArray
+from exudyn_crawler.model.bodies import Bodies, add_body, attitude_of, read_body
+from exudyn_crawler.model.elimination import solving_within
+from exudyn_crawler.model.joints import Markers, direction, end_of
+
+
+class Loads(NamedTuple):
+    """Where loads act; k of them.
+
+    Attributes
+    ----------
+    marker : array (k,)
+        Where they act.
+    beside : array (k,)
+        Marker whose position and modes are what those of the load's place change by per metre that it
+        shifts to the left; -1 for a load that does not shift.
+    """
+
+    marker: IntArray
+    beside: IntArray
+
+
+@solving_within
+def add_loads(
+    bodies: Bodies,
+    markers: Markers,
+    loads: Loads,
+    wrenches: FloatArray,
+    shift: float,
+    state: FloatArray,
+    residual: FloatArray,
+) -> None:
+    """Take loads off the residual.
+
+    Parameters
+    ----------
+    wrenches : array (k, 6)
+        Forces (N) and moments (N m), global.
+    shift : float
+        m to the left, of those that shift.
+    """
+    row = np.empty((2, 6 + markers.displacement.shape[2]))
+    for k in range(loads.marker.shape[0]):
+        place, beside = loads.marker[k], loads.beside[k]
+        b = markers.body[place]
+        read_body(bodies, b, state[0], row[0])
+        at = attitude_of(bodies, b, state[0])
+        force = (wrenches[k, 0], wrenches[k, 1], wrenches[k, 2])
+        moment = (wrenches[k, 3], wrenches[k, 4], wrenches[k, 5])
+        direction(markers, place, end_of(markers, place, at, row[0]), at, force, moment, 1.0, row[1])
+        add_body(bodies, b, row[1], -1.0, residual)
+        if beside >= 0 and shift != 0.0:
+            end = end_of(markers, beside, at, row[0])
+            direction(markers, beside, end, at, force, (0.0, 0.0, 0.0), 1.0, row[1])
+            for c in range(3):
+                row[1, c] = 0.0
+            add_body(bodies, b, row[1], -shift, residual)

@@ -1,0 +1,123 @@
+"""Contact of shoes with the units of the terrain, which carry their forces into the terrain's coordinates."""
+
+from typing import NamedTuple
+
+from exudyn_crawler.ground.pair_stiffness import touching_pairs
+from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.rows import ForceRows, IntArray, Weights
+from exudyn_crawler.model.bodies import Bodies
+from exudyn_crawler.model.elimination import solving_within
+
+
+class TerrainModes(NamedTuple):
+    """Terrain in its own coordinates, whose mass is 1; arrays over them.
+
+    `heave` and `tilt` (units, coordinates) carry the units, `reference` (units, 4) is where they are with
+    free springs; `stiffness` (1/s2) and `damping` (1/s) are of the supports, `weight` the load of a unit of
+    gravity; `first` is the number of the first coordinate.
+    """
+
+    heave: FloatArray
+    tilt: FloatArray
+    reference: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray
+    weight: FloatArray
+    first: int
+
+
+class UnitWorkspace(NamedTuple):
+    """Workspace of the contacts.
+
+    `units` and `rates` (units, 4) are places and rates of the units, `forces` (units, 2) what acts on their
+    heave and tilt, `contacts` a `UnitContacts` as a plain tuple, `overlap` scratch of the clipping.
+    """
+
+    units: FloatArray
+    rates: FloatArray
+    forces: FloatArray
+    contacts: tuple
+    overlap: FloatArray
+
+
+@solving_within
+def _place_units(terrain: TerrainModes, q: FloatArray, out: FloatArray) -> None:
+    """Write heave and tilt of the units by all coordinates, or their rates."""
+    for u in range(terrain.heave.shape[0]):
+        z = a = 0.0
+        for k in range(terrain.heave.shape[1]):
+            z += terrain.heave[u, k] * q[terrain.first + k]
+            a += terrain.tilt[u, k] * q[terrain.first + k]
+        out[u, 2], out[u, 3] = z, a
+
+
+@solving_within
+def unit_contacts(
+    bodies: Bodies,
+    flexible: IntArray,
+    terrain: TerrainModes,
+    contact: tuple,
+    state: FloatArray,
+    weights: Weights,
+    work: UnitWorkspace,
+) -> int:
+    """Find the contacts at a state and give their number.
+
+    Parameters
+    ----------
+    flexible : array (2,)
+        Number of the first modal coordinate, and how many flexible bodies there are.
+    contact : tuple
+        `pair_track.Track` as plain tuples; its shoes are the first bodies.
+    """
+    _place_units(terrain, state[0], work.units)
+    _place_units(terrain, state[1], work.rates)
+    for u in range(terrain.heave.shape[0]):
+        for k in range(4):
+            work.units[u, k] = terrain.reference[u, k] + (work.units[u, k] if k > 1 else 0.0)
+    n, m = contact[2][3].shape[0], contact[2][2].shape[3]
+    shoes = bodies.reference[:n] + state[0, : 6 * n].reshape((n, 6))
+    first, count = flexible[0], flexible[1]
+    last = first + count * m
+    places = (
+        shoes,
+        state[1, : 6 * n].reshape((n, 6)),
+        work.units,
+        work.rates,
+        state[0, first:last].reshape((count, m)),
+        state[1, first:last].reshape((count, m)),
+    )
+    # derivatives of what stands negative in the residual
+    factors = (-weights.position, -weights.velocity, weights.acceleration, weights.secant, weights.level)
+    return touching_pairs(places, contact, factors, work.contacts, work.overlap)
+
+
+@solving_within
+def add_terrain(
+    terrain: TerrainModes,
+    rows: ForceRows,
+    count: int,
+    state: FloatArray,
+    gravity: float,
+    work: UnitWorkspace,
+    residual: FloatArray,
+) -> None:
+    """Add inertia, supports and weight of the terrain, and the forces of its contacts."""
+    first, size = terrain.first, terrain.heave.shape[1]
+    for i in range(size):
+        force = state[2, first + i] + gravity * terrain.weight[i]
+        for k in range(size):
+            force += (
+                terrain.stiffness[i, k] * state[0, first + k] + terrain.damping[i, k] * state[1, first + k]
+            )
+        residual[first + i] += force
+    work.forces.fill(0.0)
+    for p in range(count):
+        for c in range(2):
+            for r in range(rows.wrench.shape[1]):
+                work.forces[rows.unit[p], c] += rows.unit_jacobian[p, r, c] * rows.wrench[p, r]
+    for u in range(work.forces.shape[0]):
+        heave, tilt = work.forces[u, 0], work.forces[u, 1]
+        if heave != 0.0 or tilt != 0.0:
+            for k in range(size):
+                residual[first + k] -= terrain.heave[u, k] * heave + terrain.tilt[u, k] * tilt

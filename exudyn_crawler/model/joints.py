@@ -1,0 +1,237 @@
+"""Joints: gaps of constraints and their Jacobians, a function a kind of joint.
+
+A constraint is a force and a moment on a body, or opposite ones on two. Its row of the Jacobian, over the
+coordinates of a body, turns their rates into the rate of the gap, and its multiplier into generalized forces.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned, turned_back, upward
+from exudyn_crawler.ground.rotations import Attitude, FloatArray
+from exudyn_crawler.ground.rows import IntArray
+from exudyn_crawler.model.bodies import Bodies, attitude_of, moved, read_body
+from exudyn_crawler.model.elimination import solving_within
+
+ROWS = 5
+"""Equations of a pin: its place, and its axis y across the axes x and z of the shoe in front."""
+
+SMALL = 1e-3
+"""rad, rotation below which sine and cosine are taken as series."""
+
+
+class Markers(NamedTuple):
+    """Points of bodies at which joints, loads and drives act; k of them.
+
+    Attributes
+    ----------
+    body : array (k,)
+        Number of the body.
+    position : array (k, 3)
+        In the body's frame, m.
+    displacement, rotation : array (k, 3, m)
+        Of the point by the modes of its body, in the body's frame; zero where that is rigid.
+    """
+
+    body: IntArray
+    position: FloatArray
+    displacement: FloatArray
+    rotation: FloatArray
+
+
+class Joints(NamedTuple):
+    """Constraints, whose multipliers come in this order: pins, drive, turn, holds.
+
+    Attributes
+    ----------
+    pins : array (pins, 2)
+        Markers of the rear and of the front shoe of every link pin.
+    drive : int
+        Marker whose velocity along x is prescribed.
+    turn : int
+        Body whose angular velocity about its own axis z is prescribed.
+    holds : array (holds, 2)
+        Body and coordinate that stays where it is.
+    bodies : array (multipliers, 2)
+        Bodies that each constraint is between; -1 for none.
+    """
+
+    pins: IntArray
+    drive: int
+    turn: int
+    holds: IntArray
+    bodies: IntArray
+
+
+class End(NamedTuple):
+    """A marker as its body carries it.
+
+    `lever` (m, global) from the frame's origin; `rotation` (rad, the body's frame) is a vector to turn about.
+    """
+
+    lever: Vector
+    rotation: Vector
+
+
+@solving_within
+def end_of(markers: Markers, k: int, at: Attitude, row: FloatArray) -> End:
+    """Marker k at the coordinates of its body and its modes (6 + m,)."""
+    position = (markers.position[k, 0], markers.position[k, 1], markers.position[k, 2])
+    lever = turned(at.R, moved(position, markers.displacement[k], row))
+    return End(lever, moved((0.0, 0.0, 0.0), markers.rotation[k], row))
+
+
+@solving_within
+def _factors(angle: float) -> tuple[float, float, float]:
+    """``sin a / a``, ``(1 - cos a) / a^2`` and ``(a - sin a) / a^3``."""
+    if angle < SMALL:
+        square = angle * angle
+        return 1.0 - square / 6.0, 0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0
+    s = math.sin(angle) / angle
+    return s, (1.0 - math.cos(angle)) / angle**2, (1.0 - s) / angle**2
+
+
+@solving_within
+def axis_of(end: End, at: Attitude, k: int) -> Vector:
+    """Axis k of an end, global: ``R exp(rotation) e_k``."""
+    t = end.rotation
+    s, c, _ = _factors(math.sqrt(dot(t, t)))
+    once = cross(t, basis(k))
+    return turned(at.R, along(along(basis(k), s, once), c, cross(t, once)))
+
+
+@solving_within
+def _by_rotation(end: End, moment: Vector) -> Vector:
+    """Part of a moment (the shoe's frame) that the rates of an end's rotation vector feel.
+
+    An end turns at ``T rotation'`` with ``T = 1 + (1 - cos a)/a^2 t~ + (a - sin a)/a^3 t~ t~``; this is its
+    transpose times the moment.
+    """
+    t = end.rotation
+    _, c, d = _factors(math.sqrt(dot(t, t)))
+    once = cross(t, moment)
+    return along(along(moment, -c, once), d, cross(t, once))
+
+
+@solving_within
+def direction(
+    markers: Markers,
+    k: int,
+    end: End,
+    at: Attitude,
+    force: Vector,
+    moment: Vector,
+    sign: float,
+    out: FloatArray,
+) -> None:
+    """Write the generalized force (6 + m,) of a force and a moment (global) at marker k, times a sign."""
+    turning = turned(at.axes, along(moment, 1.0, cross(end.lever, force)))
+    for c in range(3):
+        out[c] = sign * force[c]
+        out[3 + c] = sign * turning[c]
+    push, twist = turned_back(at.R, force), _by_rotation(end, turned_back(at.R, moment))
+    displacement, rotation = markers.displacement[k], markers.rotation[k]
+    for m in range(displacement.shape[1]):
+        work = 0.0
+        for c in range(3):
+            work += push[c] * displacement[c, m] + twist[c] * rotation[c, m]
+        out[6 + m] = sign * work
+
+
+@solving_within
+def pin(
+    markers: Markers,
+    pair: tuple[int, int],
+    ends: tuple[End, End],
+    attitudes: tuple[Attitude, Attitude],
+    apart: Vector,
+    gap: FloatArray,
+    jacobian: FloatArray,
+) -> None:
+    """Write the gaps of a pin (ROWS,) and their Jacobian (ROWS, 2, 6 + m).
+
+    Parameters
+    ----------
+    pair, ends, attitudes : tuple
+        Markers of rear and front shoe, as carried by these, and the shoes' attitudes.
+    apart : Vector
+        From the rear frame's origin to the front one's, m, global.
+    """
+    rear, front = ends
+    between = along(along(apart, 1.0, front.lever), -1.0, rear.lever)
+    across = axis_of(rear, attitudes[0], 1)
+    for r in range(ROWS):
+        force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        if r < 3:
+            force = basis(r)
+            gap[r] = between[r]
+        else:
+            axis = axis_of(front, attitudes[1], 0 if r == 3 else 2)
+            gap[r] = dot(across, axis)
+            moment = cross(axis, across)
+        direction(markers, pair[0], rear, attitudes[0], force, moment, -1.0, jacobian[r, 0])
+        direction(markers, pair[1], front, attitudes[1], force, moment, 1.0, jacobian[r, 1])
+
+
+@solving_within
+def add_pins(
+    bodies: Bodies, markers: Markers, pins: IntArray, state: FloatArray, gap: FloatArray, jacobian: FloatArray
+) -> None:
+    """Write gaps and Jacobians of all pins into the first rows of both."""
+    rows = np.empty((2, jacobian.shape[2]))
+    for p in range(pins.shape[0]):
+        rear, front = pins[p, 0], pins[p, 1]
+        a, b = markers.body[rear], markers.body[front]
+        read_body(bodies, a, state[0], rows[0])
+        read_body(bodies, b, state[0], rows[1])
+        at_a, at_b = attitude_of(bodies, a, state[0]), attitude_of(bodies, b, state[0])
+        reference = bodies.reference
+        apart = (
+            reference[b, 0] + rows[1, 0] - reference[a, 0] - rows[0, 0],
+            reference[b, 1] + rows[1, 1] - reference[a, 1] - rows[0, 1],
+            reference[b, 2] + rows[1, 2] - reference[a, 2] - rows[0, 2],
+        )
+        ends = end_of(markers, rear, at_a, rows[0]), end_of(markers, front, at_b, rows[1])
+        first, last = ROWS * p, ROWS * p + ROWS
+        pin(markers, (rear, front), ends, (at_a, at_b), apart, gap[first:last], jacobian[first:last])
+
+
+@solving_within
+def add_speeds(
+    bodies: Bodies,
+    markers: Markers,
+    joints: Joints,
+    state: FloatArray,
+    speeds: FloatArray,
+    gap: FloatArray,
+    jacobian: FloatArray,
+) -> None:
+    """Write gaps (m/s, rad/s) and Jacobians of drive and turn, whose `speeds` are (2,)."""
+    row, nothing = np.empty((2, jacobian.shape[2])), (0.0, 0.0, 0.0)
+    for k in range(2):
+        b = markers.body[joints.drive] if k == 0 else joints.turn
+        read_body(bodies, b, state[0], row[0])
+        read_body(bodies, b, state[1], row[1])
+        at = attitude_of(bodies, b, state[0])
+        if k == 0:
+            end = end_of(markers, joints.drive, at, row[0])
+            direction(markers, joints.drive, end, at, (1.0, 0.0, 0.0), nothing, 1.0, jacobian[k, 0])
+        else:
+            about = turned(at.axes, upward(at.R))
+            for c in range(jacobian.shape[2]):
+                jacobian[k, 0, c] = about[c - 3] if 3 <= c < 6 else 0.0
+        speed = -speeds[k]
+        for c in range(row.shape[1]):
+            speed += jacobian[k, 0, c] * row[1, c]
+        gap[k] = speed
+
+
+@solving_within
+def add_holds(bodies: Bodies, holds: IntArray, q: FloatArray, gap: FloatArray, jacobian: FloatArray) -> None:
+    """Write gaps and Jacobians of coordinates that stay where they are."""
+    for k in range(holds.shape[0]):
+        gap[k] = q[bodies.coordinate[holds[k, 0]] + holds[k, 1]]
+        jacobian[k, 0].fill(0.0)
+        jacobian[k, 0, holds[k, 1]] = 1.0

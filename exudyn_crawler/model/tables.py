@@ -1,0 +1,186 @@
+"""A system as tables: bodies, markers, joints and force elements, and the workspace of its equations.
+
+Compiled code takes them as plain tuples (`ground.frames.plain`) and names them again. What a case has none of
+is None: compiled code of it is left out.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.frames import Vector, inlined, plain
+from exudyn_crawler.ground.overlap import overlap_workspace
+from exudyn_crawler.ground.pair_stiffness import UnitContacts
+from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.rows import IntArray
+from exudyn_crawler.model.bodies import Bodies, Modes
+from exudyn_crawler.model.elimination import Fronts
+from exudyn_crawler.model.forces.loads import Loads
+from exudyn_crawler.model.forces.treads import Rollers, TreadWorkspace
+from exudyn_crawler.model.forces.units import TerrainModes, UnitWorkspace
+from exudyn_crawler.model.joints import ROWS, Joints, Markers
+from exudyn_crawler.model.pull import PULLED, Pull
+
+
+class FrontRows(NamedTuple):
+    """Where in the fronts of the elimination the terms of the equations go.
+
+    Attributes
+    ----------
+    body : array (fronts, bodies)
+        Row of a body's first coordinate in a front, -1 where the front has none; its modes follow the six.
+    front : array (bodies,)
+        Front in which a body is eliminated.
+    terrain : array (fronts,)
+        Row of the terrain's first coordinate.
+    multiplier : array (fronts, multipliers)
+        Row of a multiplier.
+    """
+
+    body: IntArray
+    front: IntArray
+    terrain: IntArray
+    multiplier: IntArray
+
+
+class Tables(NamedTuple):
+    """All of a system that does not change.
+
+    Attributes
+    ----------
+    bodies, modes, markers, joints, loads, terrain :
+        Tables of these.
+    flexible : array (2,)
+        First modal coordinate of all, and the number of flexible bodies.
+    contact : tuple
+        `pair_track.Track`.
+    fronts, rows :
+        Order of the elimination, and where terms go.
+    rollers : Rollers, optional
+        Those of a side frame.
+    pull : Pull, optional
+        What the drive pulls; without it the drive's force acts at its marker alone.
+    """
+
+    bodies: Bodies
+    modes: Modes
+    markers: Markers
+    joints: Joints
+    loads: Loads
+    terrain: TerrainModes
+    flexible: IntArray
+    contact: tuple
+    fronts: Fronts
+    rows: FrontRows
+    rollers: Rollers | None
+    pull: Pull | None
+
+    @property
+    def multiplier_count(self) -> int:
+        """Number of multipliers: of pins, drive, turn and holds."""
+        return ROWS * len(self.joints.pins) + 2 + len(self.joints.holds)
+
+
+class Inputs(NamedTuple):
+    """What time makes of loads and drive.
+
+    Attributes
+    ----------
+    gravity : Vector
+        m/s2, global.
+    loads : array (loads, 6)
+        Forces (N) and moments (N m), global.
+    shift : float
+        How far those that shift act to the left of their places, m.
+    active : array (2,)
+        Whether drive and turn act: 1 or 0.
+    speeds : array (2,)
+        Of drive and turn, m/s and rad/s.
+    drag : float
+        Rolling resistance over normal force, with the sign of the speed.
+    """
+
+    gravity: Vector
+    loads: FloatArray
+    shift: float
+    active: FloatArray
+    speeds: FloatArray
+    drag: float
+
+
+class Workspace(NamedTuple):
+    """What a residual leaves for the matrix and for the next one.
+
+    Attributes
+    ----------
+    first, second, turning : array (bodies, ...)
+        `Inertia` of every body.
+    gap : array (multipliers,)
+        Of the constraints, m, rad and their rates.
+    jacobian : array (multipliers, 2, 6 + modes)
+        Of the gaps, by the coordinates of their bodies.
+    pulled, pull : array (PULLED,), (PULLED, 6 + modes)
+        Bodies and directions of the pull.
+    counts : array (2,)
+        Number of contacts with units and of treads on rails.
+    units, treads : tuple
+        Workspaces of both.
+    """
+
+    first: FloatArray
+    second: FloatArray
+    turning: FloatArray
+    gap: FloatArray
+    jacobian: FloatArray
+    pulled: IntArray
+    pull: FloatArray
+    counts: IntArray
+    units: tuple
+    treads: tuple | None
+
+    @classmethod
+    def allocate(cls, tables: Tables, contacts: int) -> tuple:
+        """Workspace of a system with at most so many contacts, as plain tuples."""
+        count, m = len(tables.bodies.mass), len(tables.modes.stiffness)
+        reference, rollers = tables.terrain.reference, tables.rollers
+        treads = rollers and TreadWorkspace.allocate(len(rollers.places), rollers.places.shape[1], m)
+        return plain(
+            cls(
+                np.zeros((count, 3)),
+                np.zeros((count, 3, 3)),
+                np.zeros((count, 3, m)),
+                np.zeros(tables.multiplier_count),
+                np.zeros((tables.multiplier_count, 2, 6 + m)),
+                np.zeros(PULLED, dtype=np.int64),
+                np.zeros((PULLED, 6 + m)),
+                np.zeros(2, dtype=np.int64),
+                UnitWorkspace(
+                    reference.copy(),
+                    np.zeros_like(reference),
+                    np.zeros((len(reference), 2)),
+                    UnitContacts.allocate(contacts, m),
+                    overlap_workspace(),
+                ),
+                treads,
+            )
+        )
+
+
+@inlined
+def named_tables(values: tuple) -> Tables:
+    """Tables of their values as plain tuples, which Python hands over in less time."""
+    bodies, modes, markers, joints, loads, terrain, flexible, contact, fronts, rows, rollers, pull = values
+    return Tables(
+        Bodies(*bodies),
+        Modes(*modes),
+        Markers(*markers),
+        Joints(*joints),
+        Loads(*loads),
+        TerrainModes(*terrain),
+        flexible,
+        contact,
+        Fronts(*fronts),
+        FrontRows(*rows),
+        rollers,
+        pull,
+    )
