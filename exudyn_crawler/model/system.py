@@ -1,7 +1,7 @@
 """Multibody system of a case of Exudyn's own bodies, joints and contacts: the reference formulation.
 
-Its coordinates are those of `state.StateLayout`. It carries every case; `model.compiled` carries most of them
-in less time.
+Its coordinates are those of `state.StateLayout`. It carries every case;
+`model.compiled_system` carries most of them in less time.
 """
 
 from collections.abc import Sequence

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.results.loads.actions import OverRectangle, actions
 from exudyn_crawler.results.loads.modal_coordinates import in_body, stress_basis
 from exudyn_crawler.results.loads.patches import patches

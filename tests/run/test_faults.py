@@ -7,8 +7,8 @@ import pytest
 
 from exudyn_crawler import Case, EquilibriumError, LoadCycle, SimulationStopped, simulate
 from exudyn_crawler.ground.pair_contact import PairGroundContact
-from exudyn_crawler.model.compiled import system as compiled
-from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model import compiled_system as compiled
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.system import build

@@ -6,7 +6,7 @@ import pytest
 from exudyn_crawler import simulate
 from exudyn_crawler.case import MachineCycle
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.rail_rows import rows_along
 from exudyn_crawler.results.loads.actions import OnRail, actions
 from exudyn_crawler.results.loads.balance import energy_balance, shoe_imbalance, track_imbalance
@@ -15,7 +15,7 @@ from exudyn_crawler.results.loads.rollers import frame_imbalance, roller_loads
 from exudyn_crawler.results.loads.shoe_loads import shoe_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.run_stages import system_history
-from tests.model.compiled.both import evaluated
+from tests.model.both import residual_of
 from tests.rolled import ROLLERS, small_case, small_flexible_case
 
 pytestmark = pytest.mark.simulation
@@ -111,9 +111,9 @@ def test_modes_feel_in_the_stresses_what_they_feel_in_the_run():
     none = np.zeros(sum(size for _, size in layout.multipliers))
     history = system_history(system, layout.pack(parts | {"multipliers": none})[None])
     lifted = q.copy()
-    lifted[-3] += 0.1
-    residual = evaluated(system, q, still)[0] - evaluated(system, lifted, still)[0]
-    modal = residual[: len(q)][-3 - len(layout.flexible_shoes) * layout.modes : -3]
+    lifted[-4] += 0.1
+    residual = residual_of(system, q, still) - residual_of(system, lifted, still)
+    modal = residual[: len(q)][-6 - len(layout.flexible_shoes) * layout.modes : -6]
     basis, pressed = stress_basis(history), []
     for shoe, found in zip(layout.flexible_shoes, modal.reshape(-1, layout.modes), strict=True):
         frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
@@ -171,7 +171,7 @@ def test_rest_is_that_of_hinged_beams_on_springs():
     terrain = case.terrain.with_(spring_stiffness=1e14)
     case = case.with_(contact=contact, terrain=terrain, shoe=case.shoe.of_mass(shoe_mass))
     q = static_equilibrium(case)
-    shoes, frame = q[: 6 * case.track.shoe_count].reshape(-1, 6), q[-3:]
+    shoes, frame = q[: 6 * case.track.shoe_count].reshape(-1, 6), q[-4:]
     found, pins = beams(case, k, shoe_mass * case.gravity)
     share = (case.track.com_positions(0.0)[:, 0] - pins[:-1]) / case.track.pitch
     depth = found[:-3] * (1.0 - share) + found[1:-2] * share

@@ -166,8 +166,8 @@ def calls_then_signal(monkeypatch, place, number):
 @pytest.mark.parametrize(
     ("formulation", "place"),
     [
-        ("compiled", "exudyn_crawler.model.compiled.system:predict"),
-        ("compiled", "exudyn_crawler.model.compiled.system:step"),
+        ("compiled", "exudyn_crawler.model.compiled_system:predict"),
+        ("compiled", "exudyn_crawler.model.compiled_system:step"),
         ("compiled", "exudyn_crawler.run.solve.recorder:Recorder.store"),
         ("engine", "exudyn_crawler.run.solve.recorder:Recorder.store"),
     ],
