@@ -43,7 +43,6 @@ if TYPE_CHECKING:
         SimulationStopped,
     )
     from exudyn_crawler.life_run import life
-    from exudyn_crawler.results.history.derived import contacts_by_shoe, terrain_deformation
     from exudyn_crawler.results.history.history import History
     from exudyn_crawler.results.life.duty import Duty, DutyRun, read_duty
     from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
@@ -60,10 +59,9 @@ if TYPE_CHECKING:
     from exudyn_crawler.run.solve.simulation import simulate
     from exudyn_crawler.run.solve.track_modes import track_modes
     from exudyn_crawler.spread_run import spread
-    from exudyn_crawler.sweep.answers import Answer, HotSpot
+    from exudyn_crawler.sweep.answers import Answer, HotSpot, Life
     from exudyn_crawler.sweep.definition import Sweep
     from exudyn_crawler.sweep.files import read_sweep
-    from exudyn_crawler.sweep.life import Life
     from exudyn_crawler.sweep.running import SweepRun, run_sweep
     from exudyn_crawler.sweep.vary import Vary
     from exudyn_crawler.views.animation import write_animation
@@ -106,13 +104,12 @@ _HOMES = {
     "ShoeLoads": "results.loads.shoe_loads",
     "Spread": "results.stress.spread",
     "StressResults": "results.stress.stresses",
-    "Life": "sweep.life",
+    "Life": "sweep.answers",
     "Sweep": "sweep.definition",
     "SweepRun": "sweep.running",
     "Vary": "sweep.vary",
     "action_table": "results.loads.shoe_loads",
     "actions": "results.loads.actions",
-    "contacts_by_shoe": "results.history.derived",
     "frame_imbalance": "results.loads.rollers",
     "history_series": "views.series",
     "life": "life_run",
@@ -133,7 +130,6 @@ _HOMES = {
     "simulate": "run.solve.simulation",
     "spread": "spread_run",
     "stress_basis": "results.loads.modal_coordinates",
-    "terrain_deformation": "results.history.derived",
     "track_modes": "run.solve.track_modes",
     "whole_coordinates": "results.loads.modal_coordinates",
     "write_animation": "views.animation",
@@ -183,7 +179,6 @@ __all__ = [
     "Vary",
     "action_table",
     "actions",
-    "contacts_by_shoe",
     "frame_imbalance",
     "history_series",
     "life",
@@ -205,7 +200,6 @@ __all__ = [
     "simulate",
     "spread",
     "stress_basis",
-    "terrain_deformation",
     "track_modes",
     "whole_coordinates",
     "write_animation",

@@ -16,8 +16,8 @@ from exudyn_crawler.files import whole_file
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.model.reductions import reductions_in
 from exudyn_crawler.netcdf import write_netcdf_along
-from exudyn_crawler.results.history.derived import contact_force, terrain_deformation
-from exudyn_crawler.results.history.files import CONTACT_TYPE, blocks
+from exudyn_crawler.results.history.catalogue import select
+from exudyn_crawler.results.history.files import blocks
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import extremes
 from exudyn_crawler.results.history.tables import highest_by_phase, hot_spot_table, load_table, region_table
@@ -193,21 +193,21 @@ def _simulated(case_file: CaseFile, folder: Path | None, progress: bool | None, 
 
 def write_forces(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:
     """What derives from the forces of the history, which has them themselves."""
-    if outputs.forces:
-        deformation = terrain_deformation(history)
-        parts = (
-            xr.Dataset(
-                {
-                    "contact_force": contact_force(History(history.case, part)).astype(
-                        CONTACT_TYPE, keep_attrs=True
-                    ),
-                    "terrain_deformation": deformation.sel(time=part.time),
-                },
-                attrs=part.attrs,
-            )
-            for part in blocks(history.dataset)
-        )
-        write_netcdf_along("time", history.time.size, parts, folder / "forces.nc", overwrite)
+    if not outputs.forces:
+        return
+    names = select(files="forces")
+    # those of pairs may be larger than memory, and change nothing from one time to another
+    whole = {name: history.quantity(name) for name, one in names.items() if one.per != "pair"}
+
+    def chunk(part: xr.Dataset) -> xr.Dataset:
+        own = History(history.case, part)
+        values = {name: own.quantity(name) for name in names if name not in whole}
+        values |= {name: one.sel(time=part.time) for name, one in whole.items()}
+        stored = {name: values[name].astype(one.dtype, keep_attrs=True) for name, one in names.items()}
+        return xr.Dataset(stored, attrs=part.attrs)
+
+    chunks = (chunk(part) for part in blocks(history.dataset))
+    write_netcdf_along("time", history.time.size, chunks, folder / "forces.nc", overwrite)
 
 
 def write_extremes(history: History, folder: Path, outputs: Outputs, overwrite: bool) -> None:

@@ -13,7 +13,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.results.history.derived import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.curves import JOINTS, SHOES
 from studies.comparison import comparison_table, ends, statistic_of, time_mean
@@ -39,7 +38,7 @@ def force_quantity(history: History, contacts: xr.Dataset, quantity: str) -> xr.
     Parameters
     ----------
     contacts : xarray.Dataset
-        As of `contacts_by_shoe(history)`.
+        As of `history.contacts_by_shoe()`.
 
     Returns
     -------
@@ -52,7 +51,7 @@ def force_quantity(history: History, contacts: xr.Dataset, quantity: str) -> xr.
         For words that name no such quantity.
     """
     if quantity == "total terrain deformation from equilibrium":
-        return terrain_deformation(history)
+        return history.terrain_deformation
     words = re.sub(r" \(crossing two units\)| of a shoe", "", quantity)
     shoe = re.search(r"shoe (\d+)", words)
     words = re.sub(r"(of )?shoe \d+", "", words).strip()
@@ -84,7 +83,7 @@ def force_statistic(values: xr.DataArray, statistic: str) -> float:
 
 def compare_forces(histories: Mapping[str, History]) -> pd.DataFrame:
     """Every row of the F-paper against the runs; columns as of `comparison.comparison_table`."""
-    contacts = {case: contacts_by_shoe(history) for case, history in histories.items()}
+    contacts = {case: history.contacts_by_shoe() for case, history in histories.items()}
     reported = reported_values("forces")
     computed = []
     for row in reported.itertuples():
@@ -122,7 +121,7 @@ def turning_ratios(translation: History, turning: History, shoe: int = 10, joint
 
 
 def _components(history: History, shoe: int, joint: int) -> dict[tuple[str, str], xr.DataArray]:
-    contacts = contacts_by_shoe(history).sel(shoe=shoe)
+    contacts = history.contacts_by_shoe().sel(shoe=shoe)
     named = {f"shoe {shoe} {name}": contacts[variable] for name, variable in CONTACT.items()}
     named |= {
         f"joint {joint}-{joint + 1} {name}": history.dataset[variable].sel(joint=joint)

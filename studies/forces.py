@@ -16,7 +16,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from exudyn_crawler import Case, CaseFile, History, simulate
-from exudyn_crawler.results.history.derived import contact_force
 from exudyn_crawler.results.history.history import common_phases
 from exudyn_crawler.run.folder.histories import matching_history
 from exudyn_crawler.run.folder.keeper import quiet
@@ -113,7 +112,7 @@ def write_results(histories: Mapping[str, History], out: Path, overwrite: bool =
 
 def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
     """Contacts of one shoe drawn apart, a curve for every unit it meets."""
-    forces = contact_force(history)
+    forces = history.contact_force
     curves: dict[str, dict[str, xr.DataArray]] = {"penetration": {}, "normal": {}, "contact": {}}
     for index in np.flatnonzero(history.contact_shoe.values == shoe):
         unit = f"unit {int(history.contact_unit[index])}"

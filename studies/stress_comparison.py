@@ -12,7 +12,6 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.results.history.derived import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress.stresses import StressResults
 from studies.comparison import KINEMATIC, comparison_table, statistic_of
@@ -41,13 +40,13 @@ def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
     """
     shoes = list(history.case.flexible_shoes().shoes)
     if quantity == "total terrain deformation from equilibrium":
-        return terrain_deformation(history)
+        return history.terrain_deformation
     if quantity == "revolute joint torque x and z":
         return _revolute(history.pin_torque).sel(axis=["x", "z"])
     if match := REACTION.fullmatch(quantity):
         return _revolute(history.pin_force).sel(axis=match["axis"])
     if match := CONTACT.fullmatch(quantity):
-        return contacts_by_shoe(history).contact_force.sel(shoe=shoes, axis=match["axis"])
+        return history.contacts_by_shoe().contact_force.sel(shoe=shoes, axis=match["axis"])
     if (match := MOTION.fullmatch(quantity)) and match["kind"] in KINEMATIC:
         name, factor = KINEMATIC[match["kind"]]
         values = history.dataset[name].sel(shoe=shoes, axis=match["axis"])

@@ -12,39 +12,46 @@ import xarray as xr
 from pydantic import Field, TypeAdapter, model_validator
 
 from exudyn_crawler.case import Case, CaseFile
+from exudyn_crawler.case.parameters.base import Name, Parameters
 from exudyn_crawler.case.parameters.base import quantity as measured
 from exudyn_crawler.case_run import CaseRun
-from exudyn_crawler.results.history.catalogue import QUANTITIES
-from exudyn_crawler.results.history.derived import contacts_of, terrain_deformation
+from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
+from exudyn_crawler.results.life.duty import Duty, DutyRun, Survival
+from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
+from exudyn_crawler.results.life.life import life_of
+from exudyn_crawler.results.stress.regions import Region, shoe_regions
 from exudyn_crawler.results.stress.stresses import HOT_SPOTS
 from exudyn_crawler.run.folder.histories import SAME_TIME
-from exudyn_crawler.sweep.answer_base import AnyAnswer, check_within
-from exudyn_crawler.sweep.life import Life
+from fem.fatigue import Miner
 
-BY_SHOE = (
-    "normal_force",
-    "friction_force",
-    "contact_force",
-    "friction_torque",
-    "penetration",
-    "penetration_rate",
-    "slip_velocity",
-)
-"""Quantities of contacts, which are told by shoe: two runs need not have the same pairs."""
-FLEXIBLE = ("modal_coordinate", "modal_velocity", "pin_force", "pin_torque", "highest_von_mises")
-"""Quantities that only runs with flexible shoes have."""
-ROLLED = ("side_frame_", "drive_pull", "roller_", "tread_")
-"""How those begin that only runs with an undercarriage have."""
-NO_ANSWERS = ("area", "point", "displacement", "highest_node", "roller_shoe", "tread_foot")
-"""Quantities over time that are no answers: of pairs, of figures, numbers and places of parts."""
-QUANTITIES_OVER_TIME = tuple(
-    name
-    for name, one in QUANTITIES.items()
-    if "time" in one.dimensions and "terrain_mode" not in one.dimensions and name not in NO_ANSWERS
-)
-ITEMS = ("shoe", "joint", "unit", "flexible_shoe", "roller")
+COUNTED = {
+    "shoe": "shoes",
+    "flexible shoe": "flexible shoes",
+    "link": "links",
+    "pin": "links",
+    "unit": "units",
+    "roller": "rollers",
+    "side frame": "",
+    "track": "",
+}
+"""What an answer can be of, and how several are called; nothing where there is one of it."""
+DIMENSIONS = ("shoe", "joint", "unit", "flexible_shoe", "roller")
+"""Of what an answer is of."""
 
 Statistic = Literal["greatest", "least", "largest", "mean", "rms", "range", "end"]
+
+
+class AnyAnswer(Parameters):
+    """What all answers have.
+
+    A kind of answer adds a field `model` with its name, `label`, `unit` and `meaning` of its column,
+    ``check(case_file)``, which refuses what runs of a case cannot give, and ``of_run(run)``, its number.
+    """
+
+    name: Name | None = Field(default=None, description="column of the table; made of the rest, if not given")
+    better: Literal["less", "more"] = Field(
+        default="less", description="which runs are the best ones: those with less or with more of it"
+    )
 
 
 class Answer(AnyAnswer):
@@ -71,10 +78,16 @@ class Answer(AnyAnswer):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.quantity not in QUANTITIES_OVER_TIME:
-            near = difflib.get_close_matches(self.quantity, QUANTITIES_OVER_TIME, n=1, cutoff=0.0)
+        over_time = select(dimensions="time")
+        if self.quantity not in over_time:
+            near = difflib.get_close_matches(self.quantity, over_time, n=1, cutoff=0.0)
             raise ValueError(
                 f"quantity must be one over time, got {self.quantity!r}; the nearest is {near[0]!r}"
+            )
+        if not _is_answer(over_time[self.quantity]):
+            raise ValueError(
+                "quantity must be a number or a vector of a shoe, link, unit, roller or the whole track, "
+                f"got {self.quantity!r}: {over_time[self.quantity].meaning}"
             )
         if self.axis is not None and "axis" not in QUANTITIES[self.quantity].dimensions:
             raise ValueError(f"axis must be left out with {self.quantity}, which is no vector")
@@ -97,7 +110,7 @@ class Answer(AnyAnswer):
     def meaning(self) -> str:
         """What it is, for reading."""
         axis = f", {self.axis}" if self.axis else ""
-        return f"{self.statistic} of {QUANTITIES[self.quantity].long_name}{axis}"
+        return f"{self.statistic} of {QUANTITIES[self.quantity].meaning}{axis}"
 
     def check(self, case_file: CaseFile) -> None:
         """Refuse what runs of a case cannot give.
@@ -107,17 +120,17 @@ class Answer(AnyAnswer):
         ValueError
             Naming the answer.
         """
-        case = case_file.case
-        if self.quantity.startswith(ROLLED) and case.undercarriage is None:
-            raise ValueError(f"{self.label}: {self.quantity} needs an undercarriage, the case has none")
-        if self.quantity in FLEXIBLE and case.flexible is None:
+        case, quantity = case_file.case, QUANTITIES[self.quantity]
+        if lacking := quantity.lacking(case):
             near = " (joint_force is that of whole links)" if self.quantity == "pin_force" else ""
-            raise ValueError(f"{self.label}: {self.quantity} needs flexible shoes, the case has none{near}")
-        check_within(self.label, case_file, start=self.start, end=self.end)
-        what, numbers = _items(self.quantity, case)
+            raise ValueError(f"{self.label}: {self.quantity} needs {lacking}{near}")
+        _check_within(self.label, case_file, start=self.start, end=self.end)
+        what, numbers = COUNTED[_per(quantity)], _numbers(quantity, case)
         wrong = [one for one in self.of or () if one not in numbers]
         if wrong and not what:
-            raise ValueError(f"{self.label}: of must be left out, {self.quantity} is of the whole track")
+            raise ValueError(
+                f"{self.label}: of must be left out, {self.quantity} is of the whole {quantity.per}"
+            )
         if wrong:
             raise ValueError(f"{self.label}: of must be {what} of {_span(numbers)}, got {wrong}")
 
@@ -127,10 +140,11 @@ class Answer(AnyAnswer):
 
     def of_run(self, run: CaseRun) -> float:
         """Number of a run; NaN where it is of nothing."""
-        values = _over_time(run, self.quantity).sel(time=self._window)
+        stress = run.recovered().dataset if "stress" in QUANTITIES[self.quantity].files else None
+        values = run.history.over_time([self.quantity], stress)[self.quantity].sel(time=self._window)
         if "axis" in values.dims:
             values = ((values**2).sum("axis") ** 0.5) if self.axis is None else values.sel(axis=self.axis)
-        item = next((dim for dim in ITEMS if dim in values.dims), None)
+        item = next((dim for dim in DIMENSIONS if dim in values.dims), None)
         if item is not None and self.of is not None:
             values = values.sel({item: list(self.of)})
         return _reduced(values, self.statistic)
@@ -169,6 +183,84 @@ class HotSpot(AnyAnswer):
         return float(found.iloc[0]) if len(found) else float("nan")
 
 
+class Life(AnyAnswer):
+    """Shortest life of the flexible shoes where all machine hours are like the run, or as a share of them."""
+
+    model: Literal["life"] = "life"
+    better: Literal["less", "more"] = Field(
+        default="more", description="which runs are the best ones: those with less or with more of it"
+    )
+    material: FatigueMaterial = Field(description="of the shoes against cyclic stress")
+    region: Region | None = Field(
+        default=None, description="part of the shoe whose shortest life counts; all, if not given"
+    )
+    survival: Survival = Field(default=0.975, description="part of the shoes that survive it")
+    begin: float = measured("s", "time at which the repeated part of the run begins", ge=0, default=0.0)
+    end: float | None = measured("s", "time at which it ends; the run's end, if not given", default=None)
+    an_hour: float | None = measured(
+        "1/h", "times a machine hour that it happens; or its share", gt=0, le=1e6, default=None
+    )
+    share: float | None = measured(
+        "1", "part of the machine hours that it takes; all, if neither is given", gt=0, le=1, default=None
+    )
+    criterion: Literal["signed von mises", "signed principal"] = Field(
+        default="signed von mises", description="stress whose cycles are counted"
+    )
+    miner: Miner = Field(default="elementary", description="what cycles below the knee do")
+
+    unit: ClassVar[str] = "h"
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        self.duty()
+        return self
+
+    @property
+    def label(self) -> str:
+        """Name of the column."""
+        return self.name or "_".join(filter(None, ("life", self.region and self.region.replace(" ", "_"))))
+
+    @property
+    def meaning(self) -> str:
+        """What it is, for reading."""
+        where = f" of {self.region}" if self.region else ""
+        return f"machine hours to a crack{where}, {100 * self.survival:g} % survive"
+
+    def duty(self) -> Duty:
+        """Duty that is made of the run alone; raises `ParameterError` as that does."""
+        often = {"an_hour": self.an_hour, "share": self.share}
+        if often == {"an_hour": None, "share": None}:
+            often["share"] = 1.0
+        return Duty(
+            runs=(DutyRun(name="run", folder=".", begin=self.begin, end=self.end, **often),),
+            material=self.material,
+            criterion=self.criterion,
+            miner=self.miner,
+            survivals=(self.survival,),
+            plane_nodes=0,
+        )
+
+    def check(self, case_file: CaseFile) -> None:
+        """Refuse what runs of a case cannot give.
+
+        Raises
+        ------
+        ValueError
+            Naming the answer.
+        """
+        if case_file.case.flexible is None:
+            raise ValueError(f"{self.label}: life needs flexible shoes, the case has none")
+        _check_within(self.label, case_file, begin=self.begin, end=self.end)
+
+    def of_run(self, run: CaseRun) -> float:
+        """Shortest life of a run, h; 1e9 stands for all beyond."""
+        found = life_of(self.duty(), [run.history])
+        lives = found.dataset.life.isel(survival=0)
+        if self.region is not None:
+            lives = lives[shoe_regions(found.whole, run.history.case.track) == self.region]
+        return float(lives.min())
+
+
 Answers = Annotated[Answer | HotSpot | Life, Field(discriminator="model")]
 """Every kind of answer; another one is a class like these, and stands here."""
 
@@ -176,23 +268,47 @@ ANSWERS: TypeAdapter[tuple[Answers, ...]] = TypeAdapter(tuple[Answers, ...])
 """Reads and writes answers as JSON."""
 
 
-def _items(name: str, case: Case) -> tuple[str, tuple[int, ...]]:
-    """What a quantity is of, and the numbers that there are: shoes, links or units."""
-    shoes = tuple(case.track.shoes.tolist())
+def _check_within(label: str, case_file: CaseFile, **times: float | None) -> None:
+    """Refuse times that lie beyond a run.
+
+    Raises
+    ------
+    ValueError
+        Naming the answer and the time.
+    """
+    for name, time in times.items():
+        if time is not None and time > case_file.duration:
+            raise ValueError(
+                f"{label}: {name} must lie within the run of {case_file.duration:g} s, got {time:g} s"
+            )
+
+
+def _is_answer(quantity: Quantity) -> bool:
+    """Whether a quantity over time has statistics: real numbers of what is counted, no matrix."""
+    is_real = quantity.numbers in ("double", "single") and "body_axis" not in quantity.dimensions
+    return is_real and _per(quantity) in COUNTED
+
+
+def _per(quantity: Quantity) -> str:
+    """What an answer has one of: contacts count by shoe, since two runs need not have the same pairs."""
+    return "shoe" if quantity.by_shoe else quantity.per
+
+
+def _numbers(quantity: Quantity, case: Case) -> tuple[int, ...]:
+    """Numbers of the shoes, links, units or rollers of a case that a quantity is of."""
     flexible = () if case.flexible is None else case.flexible.shoes
-    if name in ("highest_von_mises", "modal_coordinate", "modal_velocity"):
-        return "flexible shoes", flexible
-    dimensions = QUANTITIES[name].dimensions
-    if name in BY_SHOE or "shoe" in dimensions:
-        return "shoes", shoes
-    if "pin" in dimensions:
+    joints = case.track.joints.tolist()
+    rollers = () if case.undercarriage is None else case.undercarriage.rollers
+    counted = {
+        "shoe": case.track.shoes.tolist(),
+        "flexible shoe": flexible,
+        "link": joints,
         # a link has two pins where one of its shoes is flexible
-        return "links", tuple(one for one in case.track.joints.tolist() if {one, one + 1} & set(flexible))
-    if "joint" in dimensions:
-        return "links", tuple(case.track.joints.tolist())
-    if "roller" in dimensions and case.undercarriage is not None:
-        return "rollers", tuple(range(1, len(case.undercarriage.rollers) + 1))
-    return ("units", tuple(case.terrain.units.tolist())) if "unit" in dimensions else ("", ())
+        "pin": [one for one in joints if {one, one + 1} & set(flexible)],
+        "unit": case.terrain.units.tolist(),
+        "roller": range(1, len(rollers) + 1),
+    }
+    return tuple(counted.get(_per(quantity), ()))
 
 
 def _span(numbers: tuple[int, ...]) -> str:
@@ -200,15 +316,6 @@ def _span(numbers: tuple[int, ...]) -> str:
     if numbers == tuple(range(1, len(numbers) + 1)):
         return f"1..{len(numbers)}"
     return ", ".join(map(str, numbers))
-
-
-def _over_time(run: CaseRun, name: str) -> xr.DataArray:
-    """Quantity of a run over time."""
-    if name == "highest_von_mises":
-        return run.recovered().dataset[name]
-    if name == "terrain_deformation":
-        return terrain_deformation(run.history)
-    return contacts_of(run.history.dataset)[name] if name in BY_SHOE else run.history.dataset[name]
 
 
 def _reduced(values: xr.DataArray, statistic: Statistic) -> float:

@@ -12,22 +12,17 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.case.files.differences import parameter_differences
 from exudyn_crawler.files import whole_file
+from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.history.tables import compared, difference_table
 from exudyn_crawler.views.curves import Panel, panel_figure
 from exudyn_crawler.views.report.templating import rendered_page
-from exudyn_crawler.views.series import HIGHEST_STRESS, Series, history_series
+from exudyn_crawler.views.series import Series, history_series
 
-MAIN = (
-    HIGHEST_STRESS,
-    "contact force",
-    "velocity",
-    "angular velocity",
-    "penetration depth",
-    "force of the drive along x",
-    "total terrain deformation from equilibrium",
+MAIN = sorted(
+    (one for one in select(compared=True).values() if one.compared != "table"), key=lambda one: one.compared
 )
-"""Labels of the series that the page draws, as far as both runs have them."""
+"""Quantities that the page draws, as far as both runs have them."""
 SAME_CASES = "Nothing differs in the cases."
 SAME_RESULTS = "Nothing that both runs have differs in the results, beyond rounding."
 """What stands in place of tables without rows."""
@@ -40,7 +35,7 @@ def comparison_figures(
 ) -> dict[str, Figure]:
     """Overlays of the main curves of two runs by name, by the label of the quantity."""
     first, second = (history_series(one, stresses.get(name)) for name, one in histories.items())
-    both = [label for label in MAIN if label in first and label in second]
+    both = [one.label for one in MAIN if one.label in first and one.label in second]
     panels = {
         label: _overlay(dict(zip(histories, (first[label], second[label]), strict=True))) for label in both
     }

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler.files import whole_file
+from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History, RunPhase, common_phases
 from exudyn_crawler.views.phase_bands import draw_phases
 
@@ -20,14 +21,16 @@ SHOES = (1, 4, 7, 10, 13)
 JOINTS = (1, 4, 7, 10, 12)
 """Links that the papers draw, by their rear shoe: those behind these shoes, and 12-13."""
 
-KINEMATICS = {
-    "displacement": ("position", "m", 1.0),
-    "velocity": ("velocity", "m/s", 1.0),
-    "acceleration": ("acceleration", "m/s²", 1.0),
-    "angular velocity": ("angular_velocity", "deg/s", float(np.degrees(1.0))),
-    "angular acceleration": ("angular_acceleration", "deg/s²", float(np.degrees(1.0))),
+READ_IN = {
+    "Pa": ("MPa", 1e-6),
+    "m/s2": ("m/s²", 1.0),
+    "rad": ("deg", float(np.degrees(1.0))),
+    "rad/s": ("deg/s", float(np.degrees(1.0))),
+    "rad/s2": ("deg/s²", float(np.degrees(1.0))),
 }
-"""Kinematic quantities that the papers draw: variable, unit of the figure and factor to it."""
+"""Units of figures and factors to them, by those of the catalogue; others are drawn as they are."""
+KINEMATICS = {name.replace("_", " "): one for name, one in select(curves="motion").items()}
+"""Kinematic quantities that the papers draw."""
 
 STYLE: dict[Any, Any] = {
     "axes.formatter.limits": (-4, 5),
@@ -121,25 +124,26 @@ def axis_panels(
     ]
 
 
-def kinematic_series(dataset: xr.Dataset, quantity: str) -> xr.DataArray:
-    """Kinematic quantity of all shoes in the figures' unit; displacements count from equilibrium."""
-    name, _, factor = KINEMATICS[quantity]
-    values = dataset[name]
-    return factor * (values - values.isel(time=0) if name == "position" else values)
+def in_figure_unit(values: xr.DataArray) -> xr.DataArray:
+    """Values of a quantity in the unit of figures, which stands among their attributes."""
+    unit = values.attrs.get("units", "")
+    drawn, factor = READ_IN.get(unit, (unit, 1.0))
+    return values if drawn == unit else (factor * values).assign_attrs(values.attrs | {"units": drawn})
 
 
 def kinematic_figure(history: History, quantity: str, shoes: Sequence[int] = SHOES) -> Figure:
     """x, y and z of a kinematic quantity of some shoes."""
-    values = kinematic_series(history.dataset, quantity)
+    values = in_figure_unit(history.quantity(KINEMATICS[quantity].name))
     curves = {f"shoe {shoe}": values.sel(shoe=shoe) for shoe in shoes}
-    panels = axis_panels(quantity, KINEMATICS[quantity][1], curves)
+    panels = axis_panels(quantity, values.attrs["units"], curves)
     return panel_figure(f"{history.case.name}: {quantity}", panels, common_phases(history))
 
 
 def comparison_figure(histories: Mapping[str, History], quantity: str, shoe: int) -> Figure:
     """x, y and z of a kinematic quantity of one shoe in several cases."""
-    curves = {case: kinematic_series(one.dataset, quantity).sel(shoe=shoe) for case, one in histories.items()}
-    panels = axis_panels(quantity, KINEMATICS[quantity][1], curves)
+    name = KINEMATICS[quantity].name
+    curves = {case: in_figure_unit(one.quantity(name)).sel(shoe=shoe) for case, one in histories.items()}
+    panels = axis_panels(quantity, next(iter(curves.values())).attrs["units"], curves)
     return panel_figure(f"shoe {shoe}: {quantity}", panels, common_phases(*histories.values()))
 
 

@@ -4,7 +4,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from exudyn_crawler.results.history.derived import contacts_by_shoe
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.colours import SHOE
 from exudyn_crawler.views.placement import instant
@@ -42,7 +41,7 @@ def draw_carried(ax: Axes, history: History, time: float) -> Axes:
     At the stored instant nearest to `time` (s); a dashed line shows the mean of loads and weights.
     """
     x = history.position.sel(axis="x").sel(time=time, method="nearest")
-    force = contacts_by_shoe(history).contact_force.sel(axis="z").sel(time=time, method="nearest")
+    force = history.contacts_by_shoe().contact_force.sel(axis="z").sel(time=time, method="nearest")
     ax.bar(x, 1e-3 * force, width=0.8 * history.case.shoe.length, color=SHOE)
     for place, number in zip(x.values, x["shoe"].values, strict=True):
         ax.annotate(str(number), (place, 0.0), xytext=(0, 3), textcoords="offset points", ha="center")

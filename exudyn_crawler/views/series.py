@@ -3,31 +3,26 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
 import xarray as xr
 
-from exudyn_crawler.results.history.catalogue import QUANTITIES
-from exudyn_crawler.results.history.derived import contacts_of, rail_force, terrain_deformation
+from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.views.curves import KINEMATICS, Panel, kinematic_series
-from exudyn_crawler.views.scales import MEGA
+from exudyn_crawler.views.curves import Panel, in_figure_unit
 
-
-def _labelled(*names: str) -> dict[str, tuple[str, str]]:
-    """Variables and their units by label, as the catalogue has them."""
-    return {QUANTITIES[name].label: (name, QUANTITIES[name].unit) for name in names}
-
-
-CONTACT_VECTORS = _labelled("normal_force", "slip_velocity", "friction_force", "contact_force")
-CONTACT_SCALARS = _labelled("penetration", "penetration_rate", "friction_torque")
-JOINT_VECTORS = _labelled("joint_force", "joint_torque")
-PIN_VECTORS = _labelled("pin_force", "pin_torque")
-TERRAIN_DEFORMATION = QUANTITIES["terrain_deformation"].long_name
+GROUPS = ("stress", "motion", "contact", "rollers", "side frame", "links", "track")
+"""Groups of curves, in the order in which they are offered."""
+CONTACT_VECTORS = [one.label for one in select(curves="contact", curve_axes=False).values() if one.is_vector]
+CONTACT_SCALARS = [one.label for one in select(curves="contact").values() if one.label not in CONTACT_VECTORS]
+JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values()]
+"""Labels of forces and sinkage of shoes, and of forces of links."""
+TERRAIN_DEFORMATION = QUANTITIES["terrain_deformation"].label
 HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
 ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
 PULL = QUANTITIES["drive_pull"].label
-FRAME_WAY = "way of the side frame"
+FRAME_WAY = QUANTITIES["side_frame_way"].label
 FRAME_ANGLE = QUANTITIES["side_frame_angles"].label
+TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}
+"""Components of angles for reading."""
 
 
 @dataclass(frozen=True)
@@ -71,25 +66,57 @@ class Series:
 
 
 def history_series(history: History, stress: xr.Dataset | None = None) -> dict[str, Series]:
-    """Everything over time that a history and its stresses offer, by label."""
-    dataset = history.dataset.assign(terrain_deformation=terrain_deformation(history))
-    return {series.label: series for series in dataset_series(dataset, stress)}
+    """Everything over time that a history and its stresses offer to be drawn, by label."""
+    rows = [one for group in GROUPS for one in select(curves=group).values() if history.has(one.name, stress)]
+    values = history.over_time([one.name for one in rows], stress)
+    found = [series for one in rows for series in _series(one, values[one.name])]
+    return {series.label: series for series in found}
 
 
-def dataset_series(dataset: xr.Dataset, stress: xr.Dataset | None = None) -> list[Series]:
-    """Same from a history's variables, whose terrain deformation is drawn where it is among them."""
-    found = [] if stress is None else [_highest(stress)]
-    rolled = "roller_force" in dataset
-    rolling = [*_rollers(dataset), *_side_frame(dataset)] if rolled else []
-    # drive and loads are those of the side frame where one rolls over the track
-    track = _deformation(dataset) if rolled else _track(dataset)
-    return [*found, *_motion(dataset), *_contact(dataset), *rolling, *_links(dataset), *track]
+def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
+    """Series of a quantity; forces on rails of both sides together, and of each."""
+    values = in_figure_unit(values)
+    unit = values.attrs["units"]
+    axes = list(quantity.curve_axes)
+    if axes:
+        # the friction torque turns about the normal, which is z but for the units' tilt
+        values = values.sel(axis=axes if len(axes) > 1 else axes[0], drop=True)
+    if quantity.name.endswith("angles"):
+        values = values.assign_coords(axis=[TURNS[str(axis)] for axis in values.axis.values])
+    if "rail" in values.dims:
+        yield Series(quantity.curves, quantity.label, unit, _of_items(quantity, values.sum("rail")))
+        for side in values.rail.values:
+            label = on_rails(str(side))
+            yield Series(quantity.curves, label, unit, _of_items(quantity, values.sel(rail=side, drop=True)))
+    elif "pin" not in values.dims:
+        yield Series(quantity.curves, quantity.label, unit, _of_items(quantity, values))
+    elif (pins := _of_pins(values)) is not None:
+        yield Series(quantity.curves, quantity.label, unit, pins)
+
+
+def _of_items(quantity: Quantity, values: xr.DataArray) -> xr.DataArray:
+    """Values by the names of the shoes, links or rollers that they are of, or of the one thing."""
+    names = {"shoe": shoe_names, "joint": link_names, "roller": roller_names}
+    for dim, named in names.items():
+        if dim in values.dims:
+            return _shaped(values, dim, named(values[dim].values))
+    return _shaped(values, "thing", [quantity.per])
+
+
+def _of_pins(values: xr.DataArray) -> xr.DataArray | None:
+    """Values by the names of the pins; None where all links are rigid.
+
+    A rigid link has one joint for both pins, whose force is the link's.
+    """
+    apart = values.isel(time=0).notnull().all(("pin", "axis")).values
+    values = values.isel(joint=apart).stack(place=("joint", "pin"))
+    names = [pin_name(int(joint), str(pin)) for joint, pin in values.place.values]
+    return _shaped(values.drop_vars(["place", "joint", "pin"]), "place", names) if names else None
 
 
 def deformation_panels(found: Mapping[str, Series]) -> list[Panel]:
     """Panel of the terrain's deformation, with a label that fits beside it."""
-    label = QUANTITIES["terrain_deformation"].label
-    return replace(found[TERRAIN_DEFORMATION], label=label).panels()
+    return replace(found[TERRAIN_DEFORMATION], label="deformation").panels()
 
 
 def shoe_names(shoes: Iterable[int]) -> list[str]:
@@ -122,86 +149,6 @@ def _shaped(values: xr.DataArray, dim: str, items: Sequence[str]) -> xr.DataArra
     return values.transpose("time", "item", "axis")
 
 
-def _highest(stress: xr.Dataset) -> Series:
-    highest = stress.highest_von_mises / MEGA
-    return Series("stress", HIGHEST_STRESS, "MPa", _of_shoes(highest))
-
-
-def _of_shoes(values: xr.DataArray) -> xr.DataArray:
-    return _shaped(values, "shoe", shoe_names(values.shoe.values))
-
-
-def _motion(dataset: xr.Dataset) -> Iterator[Series]:
-    for quantity, (name, unit, _) in KINEMATICS.items():
-        label = f"{quantity} from equilibrium" if name == "position" else quantity
-        yield Series("motion", label, unit, _of_shoes(kinematic_series(dataset, quantity)))
-
-
-def _contact(dataset: xr.Dataset) -> Iterator[Series]:
-    contacts = contacts_of(dataset)
-    for label, (name, unit) in (CONTACT_VECTORS | CONTACT_SCALARS).items():
-        values = contacts[name]
-        if label in CONTACT_SCALARS and "axis" in values.dims:
-            # the friction torque turns about the normal, which is z but for the units' tilt
-            values = values.sel(axis="z", drop=True)
-        yield Series("contact", label, unit, _of_shoes(values))
-
-
-def _rollers(dataset: xr.Dataset) -> Iterator[Series]:
-    """Forces on both rails together and apart, and on every shoe."""
-    force, names = dataset.roller_force, roller_names(dataset.roller.values)
-    forces = {ROLLER_FORCE: force.sum("rail")}
-    forces |= {on_rails(str(side)): force.sel(rail=side, drop=True) for side in dataset.rail.values}
-    for label, values in forces.items():
-        yield Series("rollers", label, "N", _shaped(values, "roller", names))
-    yield Series("rollers", RAIL_FORCE, "N", _of_shoes(rail_force(dataset)))
-
-
-def _side_frame(dataset: xr.Dataset) -> Iterator[Series]:
-    """Way, angles and pull; y and yaw are held and not drawn."""
-    place = dataset.side_frame_position.sel(axis=["x", "z"])
-    angles = dataset.side_frame_angles.sel(axis=["x", "y"]).assign_coords(axis=["roll", "pitch"])
-    drawn = (
-        (PULL, "N", dataset.drive_pull),
-        (FRAME_WAY, "m", place - place.isel(time=0)),
-        (FRAME_ANGLE, "deg", np.degrees(angles)),
-    )
-    for label, unit, values in drawn:
-        yield Series("side frame", label, unit, _shaped(values, "frame", ["side frame"]))
-
-
-def _links(dataset: xr.Dataset) -> Iterator[Series]:
-    for label, (name, unit) in JOINT_VECTORS.items():
-        values = dataset[name]
-        yield Series("links", label, unit, _shaped(values, "joint", link_names(values.joint.values)))
-    for label, (name, unit) in PIN_VECTORS.items():
-        if name not in dataset:
-            continue
-        # a rigid link has one joint for both pins, whose force is the link's
-        apart = dataset[name].isel(time=0).notnull().all(("pin", "axis")).values
-        values = dataset[name].isel(joint=apart).stack(place=("joint", "pin"))
-        places = [pin_name(int(joint), str(pin)) for joint, pin in values.place.values]
-        if places:
-            values = values.drop_vars(["place", "joint", "pin"])
-            yield Series("links", label, unit, _shaped(values, "place", places))
-
-
 def pin_name(joint: int, side: str) -> str:
     """Item of a flexible link's pin on the right or left."""
     return f"{link_names([joint])[0]} {side}"
-
-
-def _deformation(dataset: xr.Dataset) -> Iterator[Series]:
-    if "terrain_deformation" in dataset:
-        values = _shaped(dataset.terrain_deformation, "track", ["track"])
-        yield Series("track", TERRAIN_DEFORMATION, QUANTITIES["terrain_deformation"].unit, values)
-
-
-def _track(dataset: xr.Dataset) -> Iterator[Series]:
-    for label, (name, unit) in _labelled("drive_force", "drive_torque").items():
-        if name in dataset:
-            yield Series("track", label, unit, _shaped(dataset[name], "track", ["track"]))
-    yield from _deformation(dataset)
-    for label, (name, unit) in _labelled("shoe_load").items():
-        if name in dataset:
-            yield Series("track", label, unit, _of_shoes(dataset[name]))

@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from exudyn_crawler.results.history.derived import rail_force
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.stress.surface_stress import surface_stress
 from exudyn_crawler.views.colours import ROLLER, ROLLER_FORCE, STRESS_MAP
@@ -93,7 +92,7 @@ class ShoePicture:
         """Draw what presses on the shoe and its highest stress over time, and a cursor, which is returned."""
         time, shown = self._history.time, self._stress.time.values
         if rolls(self._history.dataset):
-            pressed = -rail_force(self._history.dataset).sel(shoe=self._shoe, axis="z").values
+            pressed = -self._history.rail_force.sel(shoe=self._shoe, axis="z").values
             name = "rollers on the shoe"
         else:
             pressed = shoe_forces_over_time(self._history.dataset.sel(shoe=[self._shoe]))[1][:, 0, 2]

@@ -12,7 +12,6 @@ from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
 from exudyn_crawler.ground.triplets import Weights
 from exudyn_crawler.model.system import build
-from exudyn_crawler.results.history.derived import contacts_by_shoe
 from exudyn_crawler.results.loads.balance import powers, shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.integration import integrate
@@ -56,7 +55,7 @@ def test_track_rests_before_the_run(general):
 
 
 def test_shoes_settle_as_deep_as_by_the_pair_law(general, translation):
-    ours, theirs = (contacts_by_shoe(history).isel(time=0) for history in (general, translation))
+    ours, theirs = (history.contacts_by_shoe().isel(time=0) for history in (general, translation))
     # not the shoe over the seam of two units, of which the pair law makes two contacts, nor its neighbours
     alone = [1, 2, 3, 4, 9, 10, 11, 12, 13]
     ratio = (ours.penetration / theirs.penetration).sel(shoe=alone).values

@@ -5,7 +5,6 @@ import pytest
 
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import pulled_node
-from exudyn_crawler.results.history.derived import contacts_by_shoe
 from exudyn_crawler.results.loads.actions import (
     AtDrivePoint,
     AtInterface,
@@ -77,7 +76,7 @@ def test_contacts_enter_a_rigid_shoe_as_a_whole(translation):
 
 
 def test_contacts_are_those_by_shoe(translation):
-    by_shoe = contacts_by_shoe(translation)
+    by_shoe = translation.contacts_by_shoe()
     for shoe in (1, 7):
         force = sum(action.force for action in actions(translation, shoe) if action.kind == "contact")
         assert force == pytest.approx(by_shoe.contact_force.sel(shoe=shoe).values, abs=1e-9)

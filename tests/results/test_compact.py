@@ -10,7 +10,6 @@ from exudyn_crawler import History
 from exudyn_crawler.netcdf import write_netcdf_along
 from exudyn_crawler.results.history.case_in_file import with_case
 from exudyn_crawler.results.history.files import (
-    CONTACT_TYPE,
     SHAPES,
     TERRAIN_COORDINATES,
     packed,
@@ -25,7 +24,7 @@ def test_a_file_holds_coordinates_of_the_terrain_and_single_contacts(flexible_ru
     with xr.open_dataset(path, engine="h5netcdf") as file:
         assert set(TERRAIN_COORDINATES) <= set(file.variables)
         assert not [name for name in file.variables if str(name).startswith("unit_")]
-        assert file.normal_force.dtype == CONTACT_TYPE
+        assert file.normal_force.dtype == np.float32
         assert file.position.dtype == float
     whole = with_case(history.dataset.drop_vars(TERRAIN_COORDINATES), history.case)
     old = write_netcdf_along("time", history.time.size, [whole], tmp_path / "old.nc")

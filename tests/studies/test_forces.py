@@ -6,7 +6,6 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Case, CaseFile
-from exudyn_crawler.results.history.derived import contacts_by_shoe
 from exudyn_crawler.run.folder.histories import matching_history
 from studies.force_comparison import (
     compare_forces,
@@ -40,21 +39,21 @@ def test_a_missing_case_leaves_its_rows_empty(translation):
     ],
 )
 def test_the_papers_words_name_contact_quantities(translation, quantity, variable, chosen):
-    contacts = contacts_by_shoe(translation)
+    contacts = translation.contacts_by_shoe()
     xr.testing.assert_identical(
         force_quantity(translation, contacts, quantity), contacts[variable].sel(chosen)
     )
 
 
 def test_the_papers_words_name_joints(translation):
-    values = force_quantity(translation, contacts_by_shoe(translation), "parallel joint torque z")
+    values = force_quantity(translation, translation.contacts_by_shoe(), "parallel joint torque z")
     assert values.joint.values.tolist() == [1, 4, 7, 10, 12]
     xr.testing.assert_identical(values, translation.joint_torque.sel(joint=[1, 4, 7, 10, 12], axis="z"))
 
 
 def test_other_words_are_refused(translation):
     with pytest.raises(ValueError, match="'mood of a shoe' names no quantity"):
-        force_quantity(translation, contacts_by_shoe(translation), "mood of a shoe")
+        force_quantity(translation, translation.contacts_by_shoe(), "mood of a shoe")
 
 
 def test_means_are_magnitudes_over_time_and_greatest_over_shoes():
@@ -75,7 +74,7 @@ def test_turning_ratios_cover_every_component_and_leave_ratios_to_rounding_empty
     assert len(table) == 2 + 5 * 3 + 2 * 3
     row = table.set_index(["quantity", "axis"]).loc[("shoe 10 normal force", "z")]
     extremes = [
-        float(abs(contacts_by_shoe(one).normal_force.sel(shoe=10, axis="z")).max())
+        float(abs(one.contacts_by_shoe().normal_force.sel(shoe=10, axis="z")).max())
         for one in (translation, turning)
     ]
     assert row["extreme ratio"] == pytest.approx(extremes[1] / extremes[0], rel=1e-12)

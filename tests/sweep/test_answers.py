@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Answer, Case, CaseFile, CaseRun, HotSpot, StressResults
-from tests.sweep.cases import small_case
+from exudyn_crawler.results.history.catalogue import QUANTITIES
+from tests.sweep.cases import small_case, small_sweep
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +68,8 @@ def test_hot_spots_and_highest_stresses_are_those_of_the_tables(flexible_run):
     [
         ({"quantity": "joint_forc"}, "quantity must be one over time, got 'joint_forc'; the nearest is"),
         ({"quantity": "peak_von_mises"}, "quantity must be one over time"),
+        ({"quantity": "axes"}, "quantity must be a number or a vector of .*, got 'axes': rotation matrix"),
+        ({"quantity": "tread_foot"}, "quantity must be a number or a vector of .*, got 'tread_foot'"),
         ({"quantity": "drive_force", "axis": "x"}, "axis must be left out with drive_force"),
         ({"quantity": "joint_force", "start": 1.0, "end": 0.5}, "end must be greater than start = 1 s"),
     ],
@@ -84,6 +87,10 @@ def test_answers_that_make_no_sense_are_refused(given, told):
             "needs flexible shoes, the case has none .joint_force is",
         ),
         (Answer(quantity="highest_von_mises"), "needs flexible shoes"),
+        (
+            Answer(quantity="rail_force"),
+            r"rail_force needs a rolled case \(undercarriage\), the case has none",
+        ),
         (Answer(quantity="joint_force", of=(2, 3)), r"of must be links of 1\.\.2, got \[3\]"),
         (Answer(quantity="drive_force", of=(1,)), "of must be left out, drive_force is of the whole track"),
         (Answer(quantity="joint_force", end=0.5), "end must lie within the run of 0.02 s, got 0.5 s"),
@@ -93,6 +100,33 @@ def test_answers_that_make_no_sense_are_refused(given, told):
 def test_answers_that_the_runs_cannot_give_are_refused(answer, told):
     with pytest.raises(ValueError, match=told):
         answer.check(small_case())
+
+
+def test_rollers_on_a_shoe_are_an_answer_of_a_rolled_case(rolled):
+    answer = Answer(quantity="rail_force", of=(5,), axis="z", statistic="least")
+    answer.check(CaseFile(case=rolled.case, duration=0.2))
+    found = answer.of_run(CaseRun(rolled, None, None))
+    assert found == float(rolled.rail_force.sel(shoe=5, axis="z").min()) < -1e5
+    with pytest.raises(ValueError, match=r"needs a rolled case \(undercarriage\), the case has none"):
+        small_sweep(answers=(answer,))
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_any_quantity_is_an_answer_or_refused_before_anything_runs(name, translation, flexible_run, rolled):
+    history, stress, tables = flexible_run
+    bent = CaseRun(history, StressResults(stress, tables, {}, whole=None), None)
+    runs = [bent, *(CaseRun(one, None, None) for one in (translation, rolled))]
+    given = 0
+    for run in runs:
+        try:
+            answer = Answer(quantity=name)
+            answer.check(CaseFile(case=run.history.case, duration=run.history.duration))
+        except ValueError:
+            continue
+        assert np.isfinite(answer.of_run(run))
+        given += 1
+    real = QUANTITIES[name].numbers in ("double", "single") and "time" in QUANTITIES[name].dimensions
+    assert given > 0 or not real or name in ("point", "tread_foot", "axes") or "terrain_motion" in name
 
 
 def test_pins_are_those_of_flexible_shoes():

@@ -15,13 +15,12 @@ from hypothesis.extra.numpy import arrays
 
 from exudyn_crawler import History, recover_stresses
 from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
-from exudyn_crawler.results.history.derived import contacts_of
 from exudyn_crawler.run.folder.folder import note_file
 from exudyn_crawler.views.report.frames import first_frame, frame_titles
 from exudyn_crawler.views.report.heading import bouncing_lines, provenance
 from exudyn_crawler.views.report.packing import thinned
 from exudyn_crawler.views.report.page import LONGEST_TABLE, report_page, write_report
-from exudyn_crawler.views.series import dataset_series
+from exudyn_crawler.views.series import history_series
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
 from studies.reported import reported_values
@@ -78,7 +77,7 @@ def test_series_on_the_page_are_those_of_the_history(flexible_run, stress_page):
     assert time == pytest.approx(history.time.values, rel=1e-6)
     assert velocity == pytest.approx(history.velocity.sel(shoe=13, axis="x").values, rel=1e-6)
     _, force = series_of(data, "stress", "contact force", "shoe 7", "z")
-    contacts = contacts_of(history.dataset).contact_force.sel(shoe=7, axis="z")
+    contacts = history.contacts_by_shoe().contact_force.sel(shoe=7, axis="z")
     assert force == pytest.approx(contacts.values, rel=1e-6)
     _, highest = series_of(data, "stress", "highest von Mises stress", "shoe 7", "")
     assert highest == pytest.approx(stress.highest_von_mises.sel(shoe=7).values / 1e6, rel=1e-6)
@@ -102,7 +101,7 @@ def test_the_page_knows_the_phases_of_each_case_that_has_several(phased, transla
 
 def test_rigid_links_have_no_pins_to_pick(flexible_run):
     history, stress, _ = flexible_run
-    found = {series.label: series for series in dataset_series(history.dataset, stress)}
+    found = history_series(history, stress)
     pins = set(found["pin force"].values["item"].values.tolist())
     assert pins == {f"link {link} {side}" for link in ("6-7", "7-8", "12-13") for side in ("right", "left")}
 

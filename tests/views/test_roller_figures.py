@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.results.history.derived import rail_force
 from exudyn_crawler.views.roller_figures import roller_figures
 from exudyn_crawler.views.series import history_series
 from tests.views.drawn import curves
@@ -31,7 +30,7 @@ def test_figures_draw_forces_on_both_sides_and_the_motion_of_the_frame(rolled):
     assert left == pytest.approx(rolled.roller_force.sel(roller=2, rail="left", axis="z").values)
     shoes = curves(figures["force of all rollers"])["z force of all rollers in N"]
     assert list(shoes) == ["shoe 4", "shoe 5"]
-    assert shoes["shoe 5"] == pytest.approx(rail_force(rolled.dataset).sel(shoe=5, axis="z").values)
+    assert shoes["shoe 5"] == pytest.approx(rolled.rail_force.sel(shoe=5, axis="z").values)
     frame = curves(figures["side frame"])
     heave = rolled.side_frame_position.sel(axis="z").values
     assert frame["z way of the side frame in m"]["side frame"] == pytest.approx(heave - heave[0])

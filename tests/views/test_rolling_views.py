@@ -8,7 +8,6 @@ import pytest
 from matplotlib.figure import Figure
 
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.history.derived import rail_force
 from exudyn_crawler.views.animation import TrackPicture
 from exudyn_crawler.views.paraview import write_paraview
 from exudyn_crawler.views.placement import instant
@@ -108,7 +107,7 @@ def test_what_acts_on_a_shoe_is_ground_and_rollers(rolled):
     contact = (
         (now.normal_force + now.friction_force).isel(contact=now.contact_shoe.values == 5).sum("contact")
     )
-    pressed = rail_force(rolled.dataset).isel(time=-1).sel(shoe=5)
+    pressed = rolled.rail_force.isel(time=-1).sel(shoe=5)
     _, forces = acting(now, 5)
     assert forces.sum(axis=0) == pytest.approx((contact + pressed).values)
     assert pressing(now, 6)[1].size == 0

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.results.history.derived import contacts_by_shoe, terrain_deformation
 from exudyn_crawler.results.stress.stresses import StressResults
 from exudyn_crawler.views.force_figures import force_figures
 from exudyn_crawler.views.series import Series, history_series, link_names, shoe_names
@@ -23,7 +22,7 @@ def test_series_are_in_the_units_that_they_name(translation):
     assert moved.sel(item="shoe 1", axis="x").values == pytest.approx(position - position[0])
     torque = found["friction torque"]
     assert torque.values.axis.values.tolist() == [""]
-    about_z = contacts_by_shoe(translation).friction_torque.sel(axis="z", shoe=4).values
+    about_z = translation.contacts_by_shoe().friction_torque.sel(axis="z", shoe=4).values
     assert torque.values.sel(item="shoe 4", axis="").values == pytest.approx(about_z)
 
 
@@ -46,11 +45,11 @@ def test_force_figures_draw_the_chosen_shoes_and_links(translation):
     }  # fmt: skip
     together = curves(figures["sinkage and friction torque"])
     assert list(together) == ["penetration depth in m", "sinkage velocity in m/s", "friction torque in N m"]
-    depth = contacts_by_shoe(translation).penetration.sel(shoe=5).values
+    depth = translation.contacts_by_shoe().penetration.sel(shoe=5).values
     assert together["penetration depth in m"]["shoe 5"] == pytest.approx(depth)
     assert list(curves(figures["parallel joint torque"])["z parallel joint torque in N m"]) == ["link 3-4"]
     (deformation,) = curves(figures["terrain deformation"])["deformation in m"].values()
-    assert deformation == pytest.approx(terrain_deformation(translation).values)
+    assert deformation == pytest.approx(translation.terrain_deformation.values)
 
 
 def test_stress_figures_draw_the_flexible_shoes_and_their_pins(flexible_run):

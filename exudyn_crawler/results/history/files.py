@@ -21,16 +21,14 @@ from xarray.core import indexing
 from exudyn_crawler.case import Case
 from exudyn_crawler.netcdf import open_netcdf, write_netcdf_along
 from exudyn_crawler.results.history.case_in_file import with_case, without_case
-from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, variable
+from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, select, variable
 from fem.interrupts import interrupts_wait
 
-CONTACT_TYPE = np.dtype("f4")
-"""Of the contacts in files; in memory their values are these in double precision."""
 RATES = ("", "_rate", "_acceleration")
 TERRAIN = "terrain_motion"
 SHAPES = {"unit_heave": "heave_shape", "unit_tilt": "tilt_shape"}
 """Shapes of the terrain's coordinates, by what they give."""
-TERRAIN_COORDINATES = (*SHAPES.values(), *(f"{TERRAIN}{rate}" for rate in RATES))
+TERRAIN_COORDINATES = tuple(select(per="terrain coordinate"))
 """Coordinates of a history's dataset: what the units' motion is made of."""
 TIMES_AT_ONCE = 1000
 """Stored times of a file that are held in memory together."""
@@ -70,7 +68,8 @@ def packed(dataset: xr.Dataset) -> xr.Dataset:
     """Dataset of a history as a file holds it."""
     if TERRAIN in dataset.variables:
         dataset = dataset.drop_vars([f"{name}{rate}" for name in SHAPES for rate in RATES])
-    return dataset.assign({name: dataset[name].astype(CONTACT_TYPE) for name in _of_contacts(dataset)})
+    single = {name: QUANTITIES[name].dtype for name in _single(dataset)}
+    return dataset.assign({name: dataset[name].astype(dtype) for name, dtype in single.items()})
 
 
 def unpacked(dataset: xr.Dataset, widened: bool = False) -> xr.Dataset:
@@ -80,7 +79,7 @@ def unpacked(dataset: xr.Dataset, widened: bool = False) -> xr.Dataset:
     Files of earlier versions hold all of it.
     """
     computed: dict[str, xr.Variable] = {}
-    for name in _of_contacts(dataset):
+    for name in _single(dataset):
         stored = dataset.variables[name]
         if stored.dtype != np.float64:
             wide = _lazy(QUANTITIES[name].dimensions, stored.shape, partial(_doubled, stored), stored.attrs)
@@ -93,8 +92,9 @@ def unpacked(dataset: xr.Dataset, widened: bool = False) -> xr.Dataset:
     return dataset.assign(computed)
 
 
-def _of_contacts(dataset: xr.Dataset) -> list[str]:
-    return [str(name) for name, one in dataset.data_vars.items() if "contact" in one.dims]
+def _single(dataset: xr.Dataset) -> list[str]:
+    """Variables that files hold in single precision."""
+    return [name for name in select(numbers="single") if name in dataset.data_vars]
 
 
 def _units(dataset: xr.Dataset, name: str, shape: str, coordinates: str) -> xr.Variable:

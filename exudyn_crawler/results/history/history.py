@@ -1,5 +1,7 @@
 """Results of a run: named arrays over time that know their units and where they come from, and its phases."""
 
+import difflib
+from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -12,14 +14,13 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case, LoadCycle, MachineCycle
 from exudyn_crawler.netcdf import write_netcdf_along
 from exudyn_crawler.results.history.case_in_file import case_in_file, reading_history, with_case, without_case
-from exudyn_crawler.results.history.catalogue import check_dimensions
-from exudyn_crawler.results.history.files import blocks, packed, unpacked
+from exudyn_crawler.results.history.catalogue import QUANTITIES, check_dimensions, select
+from exudyn_crawler.results.history.derived import BY_SHOE, DERIVED, by_shoe, with_meaning
+from exudyn_crawler.results.history.files import TERRAIN_COORDINATES, blocks, packed, unpacked
 from fem.interrupts import interrupts_wait
 
 MOST_IN_MEMORY = 10**9
 """Bytes of a history that are read at once: 280 s of 13 rigid shoes, stored every 2 ms."""
-NEEDED = ("position", "velocity", "angles", "joint_force", "penetration", "normal_force", "unit_heave")
-"""Some of the variables that every history has."""
 
 
 @dataclass(frozen=True)
@@ -41,16 +42,19 @@ class History:
     dataset: xr.Dataset
 
     def __getattr__(self, name: str) -> xr.DataArray:
-        """Variable or coordinate of the dataset."""
+        """Variable or coordinate of the dataset, or a quantity that derives from them."""
         # what copies a history or sends it to another process asks before there is a dataset
         variables = self.dataset.variables if "dataset" in vars(self) else {}
-        if name.startswith("_") or name not in variables:
-            raise AttributeError(f"a history has no {name!r}; it has {sorted(map(str, variables))}")
-        return self.dataset[name]
+        if name in variables and not name.startswith("_"):
+            return self.dataset[name]
+        if variables and name in DERIVED:
+            return self.quantity(name)
+        raise AttributeError(f"a history has no {name!r}; it has {sorted(map(str, variables))}")
 
     def __dir__(self) -> list[str]:
         """Attributes, for completion: those of every object and the variables."""
-        return [*super().__dir__(), *map(str, self.dataset.variables)]
+        derived = [name for name in DERIVED if self.has(name)]
+        return [*super().__dir__(), *map(str, self.dataset.variables), *derived]
 
     def _repr_html_(self) -> str:
         """Case in a line and the dataset, for notebooks."""
@@ -61,6 +65,58 @@ class History:
     def duration(self) -> float:
         """Time of the last state, s."""
         return float(self.dataset.time[-1])
+
+    def has(self, name: str, stress: xr.Dataset | None = None) -> bool:
+        """Whether `quantity` gives a quantity of the catalogue."""
+        quantity = QUANTITIES[name]
+        if quantity.lacking(self.case):
+            return False
+        derives = quantity.is_derived and all(self.has(one, stress) for one in quantity.derived_from)
+        return derives or name in self.dataset or (stress is not None and name in stress)
+
+    def quantity(self, name: str, stress: xr.Dataset | None = None) -> xr.DataArray:
+        """Quantity of the catalogue, stored or derived.
+
+        Parameters
+        ----------
+        stress : xarray.Dataset, optional
+            Of `StressResults`, for what stresses have.
+
+        Raises
+        ------
+        ValueError
+            For a name that the catalogue does not have, or what the case or its stresses do not have.
+        """
+        if name not in QUANTITIES:
+            near = difflib.get_close_matches(name, QUANTITIES, n=1, cutoff=0.0)
+            raise ValueError(f"there is no quantity {name!r}; the nearest is {near[0]!r}")
+        if not self.has(name, stress):
+            lacking = QUANTITIES[name].lacking(self.case) or "more than a history: stresses, say"
+            raise ValueError(f"{name} needs {lacking}")
+        if QUANTITIES[name].is_derived:
+            return with_meaning(name, DERIVED[name](self.case, self.dataset))
+        return self.dataset[name] if stress is None or name not in stress else stress[name]
+
+    def over_time(self, names: Iterable[str], stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:
+        """Quantities of the catalogue by name as `quantity` gives them; those of contacts by shoe."""
+        chosen = list(names)
+        of_pairs = [name for name in chosen if name in BY_SHOE]
+        contacts = by_shoe(self.case, self.dataset, of_pairs) if of_pairs else {}
+        return {name: contacts[name] if name in contacts else self.quantity(name, stress) for name in chosen}
+
+    def contacts_by_shoe(self) -> xr.Dataset:
+        """Contact of every shoe, over all units that it stands on.
+
+        Forces, torques and areas are summed over the shoe's contacts. Penetration, its rate and the slip
+        velocity are those of the contact that penetrates deepest at the time.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions time, shoe, axis: normal_force, friction_force, contact_force (N), friction_torque
+            (N m), area (m2), penetration (m), penetration_rate and slip_velocity (m/s).
+        """
+        return by_shoe(self.case, self.dataset, BY_SHOE)
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
         """Write everything to one NetCDF file, as of `results.history.files`: contacts in single precision.
@@ -109,7 +165,8 @@ class History:
 def _check(case: Case, dataset: xr.Dataset) -> None:
     """Refuse a dataset whose variables are not those of a history of the case."""
     check_dimensions(dataset)
-    missing = [name for name in NEEDED if name not in dataset.variables]
+    always = select(files="history", needs=False)
+    missing = [name for name in always if name not in dataset.variables and name not in TERRAIN_COORDINATES]
     if missing:
         raise ValueError(f"it has no {missing[0]}")
     numbers = {"shoe": case.track.shoes, "joint": case.track.joints, "unit": case.terrain.units}

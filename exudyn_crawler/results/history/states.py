@@ -17,22 +17,13 @@ from exudyn_crawler.ground.rotations import angular_acceleration, angular_veloci
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, StateLayout, pin_name
 from exudyn_crawler.results.history.case_in_file import LAYOUT_VERSION
-from exudyn_crawler.results.history.catalogue import Variable, variable
-from exudyn_crawler.results.history.files import CONTACT_TYPE, TERRAIN_COORDINATES, motion_variables
+from exudyn_crawler.results.history.catalogue import Variable, select, variable
+from exudyn_crawler.results.history.files import TERRAIN_COORDINATES, motion_variables
 from exudyn_crawler.results.history.history import History
 
 AXES = ["x", "y", "z"]
 
-CONTACTS = (
-    "penetration",
-    "penetration_rate",
-    "area",
-    "point",
-    "normal_force",
-    "friction_force",
-    "slip_velocity",
-    "friction_torque",
-)
+CONTACTS = select(per="pair", files="history")
 """Variables of every contact."""
 
 NEIGHBOURS = ("behind", "ahead")
@@ -255,11 +246,13 @@ def _contacts(states: _States, contact: ContactResults) -> tuple[dict[str, Varia
     pairs, column = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
     when = np.repeat(np.arange(len(found)), [len(one) for one in found])
     variables: dict[str, Variable] = {}
-    for name in (*CONTACTS, *(("patch",) if states.layout.flexible_shoes else ())):
+    for name, quantity in CONTACTS.items():
+        if quantity.lacking(states.case):
+            continue
         values = rows[..., RESULT[name]]
         table = np.zeros((len(found), len(pairs), *values.shape[1:]))
         # a history in memory has the numbers of its file
-        table[when, column.ravel()] = values.astype(CONTACT_TYPE)
+        table[when, column.ravel()] = values.astype(quantity.dtype)
         variables[name] = variable(name, table)
     return variables, pairs
 

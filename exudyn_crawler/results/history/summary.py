@@ -9,11 +9,12 @@ import pandas as pd
 import xarray as xr
 from scipy.signal import welch
 
-from exudyn_crawler.results.history.derived import contacts_of
+from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.files import blocks
 from exudyn_crawler.results.history.history import History
 
-MEGA, KILO, MILLI = 1e6, 1e3, 1e-3
+READ_IN = {"N": ("kN", 1e3), "m": ("mm", 1e-3), "Pa": ("MPa", 1e6)}
+"""Unit in which key results are read, and its size, by that of the catalogue."""
 
 
 def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFrame:
@@ -27,31 +28,25 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     Returns
     -------
     pandas.DataFrame
-        Columns result, value, unit, of (shoe or link, if it is of one) and at (s).
+        Columns result, value, unit, of (shoe, link or roller, if it is of one) and at (s). Vectors count by
+        their length, forces by their magnitude.
     """
-    contacts = contacts_of(history.dataset)
-    found = [
-        ("greatest contact force on a shoe", _length(contacts.contact_force) / KILO, "kN"),
-        ("greatest force of a link", _length(history.joint_force) / KILO, "kN"),
-        *_drive(history),
-        ("deepest penetration", contacts.penetration / MILLI, "mm"),
-        ("greatest speed", _length(history.velocity), "m/s"),
-    ]
-    if stress is not None:
-        found.insert(0, ("highest von Mises stress", stress.highest_von_mises / MEGA, "MPa"))
-    rows = [{"result": name, **_greatest(values), "unit": unit} for name, values, unit in found]
+    ranked = sorted(select(key_result=True).values(), key=lambda one: one.key_result)
+    named = {one.name: one for one in ranked if history.has(one.name, stress)}
+    rows: list[dict[str, object]] = []
+    for name, values in history.over_time(named, stress).items():
+        unit, size = READ_IN.get(named[name].unit, (named[name].unit, 1.0))
+        result = named[name].key_result.partition(" ")[2]
+        rows.append({"result": result, **_greatest(_size(values) / size), "unit": unit})
     rows.append({"result": "way", **_way(history), "at": history.duration, "unit": "m"})
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
 
 
-def _drive(history: History) -> list[tuple[str, xr.DataArray, str]]:
-    """Force of a dragged track's drive; of a rolled one its pull and the force of the rollers."""
-    if history.case.propel == "dragged":
-        return [("greatest force of the drive", abs(history.drive_force) / KILO, "kN")]
-    return [
-        ("greatest force of a roller on the rails of a side", _length(history.roller_force) / KILO, "kN"),
-        ("greatest pull of the drive", history.drive_pull / KILO, "kN"),
-    ]
+def _size(values: xr.DataArray) -> xr.DataArray:
+    """Length of vectors, magnitude of forces, and all else as it is."""
+    if "axis" in values.dims:
+        return _length(values)
+    return abs(values) if values.attrs.get("units") == "N" else values
 
 
 def _way(history: History) -> dict[str, object]:
@@ -186,7 +181,8 @@ def bouncing(history: History) -> Bouncing | None:
     The vertical contact force of every shoe is taken at equal times; spectra by Welch's method. Runs shorter
     than `WINDOW` tell nothing.
     """
-    force = contacts_of(history.dataset).contact_force.sel(axis="z").transpose("shoe", "time").values
+    contacts = history.over_time(["contact_force"])
+    force = contacts["contact_force"].sel(axis="z").transpose("shoe", "time").values
     time = history.time.values
     if time[-1] - time[0] < WINDOW:
         return None

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.results.history.derived import contacts_of, terrain_deformation
+from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.loads.load_shares import SHARE
 
@@ -109,22 +109,6 @@ def _place(place: np.ndarray) -> dict[str, float]:
     return {f"{axis} in the shoe in m": float(value) for axis, value in zip("xyz", place, strict=True)}
 
 
-OF_BODIES = (
-    "position",
-    "velocity",
-    "acceleration",
-    "angles",
-    "angular_velocity",
-    "joint_force",
-    "joint_torque",
-    "pin_force",
-    "drive_force",
-    "drive_torque",
-    "shoe_load",
-    "unit_heave",
-)
-OF_CONTACTS = ("normal_force", "friction_force", "penetration", "slip_velocity")
-"""Quantities that are compared; those of contacts by shoe, since two runs need not have the same pairs."""
 COLUMNS = (
     "quantity",
     "axis",
@@ -138,8 +122,6 @@ COLUMNS = (
     "at in s",
 )
 
-MEGA = 1e6
-
 STILL = 1e-7
 """Part of the greatest on all axes below which nothing moves along one: what the solver leaves out of balance
 (0.2 N) over the forces."""
@@ -147,19 +129,21 @@ ROUNDING = 1e-12
 """Of the greatest value of a quantity over all its axes, below which differences are rounding."""
 
 
-def compared(history: History, stress: xr.Dataset | None = None) -> xr.Dataset:
-    """Quantities of a run that can be compared with another's; the highest stresses, in MPa, if given."""
-    dataset = history.dataset
-    found = {name: dataset[name] for name in OF_BODIES if name in dataset}
-    found |= {name: contacts_of(dataset)[name] for name in OF_CONTACTS}
-    found["terrain_deformation"] = terrain_deformation(history)
-    if stress is not None:
-        highest = stress.highest_von_mises.rename(shoe="stressed_shoe")
-        found["highest_von_mises"] = (highest / MEGA).assign_attrs(highest.attrs | {"units": "MPa"})
-    return xr.Dataset(found)
+def compared(history: History, stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:
+    """Quantities over time of a run that are compared with another's; stresses, if given, in MPa.
+
+    Those of contacts count by shoe, since two runs need not have the same pairs.
+    """
+    named = [name for name in select(compared=True) if history.has(name, stress)]
+    values = history.over_time(named, stress)
+    return {name: _in_mega(one) if one.attrs.get("units") == "Pa" else one for name, one in values.items()}
 
 
-def difference_table(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
+def _in_mega(stress: xr.DataArray) -> xr.DataArray:
+    return (stress / MEGA).assign_attrs(stress.attrs | {"units": "MPa"})
+
+
+def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.DataArray]) -> pd.DataFrame:
     """Differences of two runs' quantities, axis by axis.
 
     Shoes, links and units that both have are compared, over the time that both have; the second is read
@@ -167,7 +151,7 @@ def difference_table(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
 
     Parameters
     ----------
-    first, second : xarray.Dataset
+    first, second : mapping
         Of `compared`: A and B.
 
     Returns
@@ -177,14 +161,14 @@ def difference_table(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
         B less A, and which shoe, link or unit that is of and when. Only what differs beyond rounding has a
         row. The column unit says in what; stresses are in MPa, all else in SI units.
     """
-    end = min(float(first.time[-1]), float(second.time[-1]))
-    time = first.time.values[first.time.values <= end * (1.0 + 1e-9)]
     rows = []
-    for name in first.data_vars:
+    for name in first:
         if name not in second:
             continue
+        time, end = first[name].time.values, float(second[name].time[-1])
+        time = time[time <= end * (1.0 + 1e-9)]
         a, b = xr.align(first[name], second[name], join="inner", exclude=["time"])
-        a, b = a.sel(time=time), b.interp(time=np.minimum(time, float(b.time[-1])))
+        a, b = a.sel(time=time), b.interp(time=np.minimum(time, end))
         b = b.assign_coords(time=time)
         greatest = float(abs(a).max()) if a.size else 0.0
         rounding = ROUNDING * max(greatest, ROUNDING)

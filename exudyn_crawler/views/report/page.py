@@ -13,7 +13,6 @@ from plotly.offline import get_plotlyjs
 
 from exudyn_crawler.case.files.text import case_rows
 from exudyn_crawler.files import refuse_existing, whole_file
-from exudyn_crawler.results.history.derived import terrain_deformation
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.report.heading import bouncing_lines, key_rows, provenance
 from exudyn_crawler.views.report.left_out import LeftOut
@@ -31,7 +30,7 @@ from exudyn_crawler.views.report.shoes import packed_shoes
 from exudyn_crawler.views.report.tables import comparison_rows, html_table
 from exudyn_crawler.views.report.templating import rendered_page, template_text
 from exudyn_crawler.views.report.track import packed_track
-from exudyn_crawler.views.series import dataset_series
+from exudyn_crawler.views.series import history_series
 from exudyn_crawler.views.stress_pictures import PICTURES, write_stress_pictures
 from exudyn_crawler.views.tables import within_by_class
 
@@ -106,21 +105,18 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     folders = run_folders(folder)
     left_out = LeftOut()
     histories, places = histories_in(folders, left_out)
-    variables = {
-        name: one.dataset.assign(terrain_deformation=terrain_deformation(one))
-        for name, one in histories.items()
-    }
     stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
     stress = left_out.unless_broken(stressed / STRESSES, lambda _: stress_of(stressed))
     comparison = left_out.unless_broken(folder / "comparison.csv", _comparison)
-    if not variables and comparison is None:
+    if not histories and comparison is None:
         if left_out:
             raise ValueError("; ".join(left_out))
         raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
     bent = next((n for n in histories if places[n] == stressed and histories[n].case.flexible), None)
     owner = None if bent is None else histories[bent]
     found = {
-        name: dataset_series(dataset, stress if name == bent else None) for name, dataset in variables.items()
+        name: list(history_series(one, stress if name == bent else None).values())
+        for name, one in histories.items()
     }
     points = points_a_series(found)
     pictures, first = _pictures(stressed, stress, owner, left_out)
@@ -135,16 +131,16 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
         "first": first_plots(found),
         **page_colours(),
     }
-    title = " and ".join(variables) if variables else folder.resolve().name
+    title = " and ".join(histories) if histories else folder.resolve().name
     content: dict[str, Any] = {
         "title": f"Crawler track: {title}",
         "lead": [*provenance(folder, histories), *bouncing_lines(histories)],
         "key_results": key_rows(histories, {} if bent is None or stress is None else {bent: stress}),
         "summary": [] if comparison is None else _summary_rows(comparison),
         "comparison": None if comparison is None else comparison_rows(comparison),
-        "has_series": bool(variables),
+        "has_series": bool(histories),
         "rolled": any(one.case.propel == "rolled" for one in histories.values()),
-        "thinning": thinning(variables, points),
+        "thinning": thinning(histories.values(), points),
         "hot_spots": _hot_spot_tables(stressed, left_out),
         "has_shoes": data["shoes"] is not None,
         "pictures": pictures,

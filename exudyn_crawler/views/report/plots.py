@@ -4,12 +4,11 @@ Long series keep the least and the greatest value of every bin of time, so that 
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.history.history import History, common_phases
@@ -107,9 +106,9 @@ def page_colours() -> dict[str, Any]:
     return {"colours": colours, "arrows": CONTACT_FORCE, "bands": PHASE_BANDS, "phase_name": PHASE_NAME}
 
 
-def thinning(variables: Mapping[str, xr.Dataset], points: int) -> str:
+def thinning(histories: Iterable[History], points: int) -> str:
     """What the reader has to know about left-out times."""
-    most = max((one.sizes["time"] for one in variables.values()), default=0)
+    most = max((one.time.size for one in histories), default=0)
     if most <= points:
         return "Every stored time is drawn."
     return (
