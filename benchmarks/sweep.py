@@ -20,8 +20,7 @@ from distributed import Client
 from exudyn_crawler import Answer, Case, CaseFile, Sweep, Vary
 from exudyn_crawler.sweep.cluster import connected, outcomes, run_alone
 from exudyn_crawler.sweep.running import tasks_of
-from exudyn_crawler.sweep.storage import Outcome, folder_of
-from exudyn_crawler.sweep.worker import Task, own_versions
+from exudyn_crawler.sweep.worker import Outcome, Task, folder_of, own_versions
 from exudyn_crawler.views.tables import print_table
 
 RUNS, DURATION = 16, 5.0
@@ -45,10 +44,10 @@ def short_runs(workers: int) -> dict[str, float]:
     sweep = short_sweep(RUNS + workers)
     with TemporaryDirectory() as folder:
         begun = time.perf_counter()
-        with connected(None, workers, folder, lambda _text: None) as client:
+        with connected(None, workers, Path(folder), lambda _text: None) as client:
             client.wait_for_workers(workers)
             started = time.perf_counter()
-            tasks = tasks_of(sweep, {one.digest: one for one in sweep.planned}, folder)
+            tasks = tasks_of(sweep, {one.digest: one for one in sweep.planned}, Path(folder))
             addresses = list(client.scheduler_info()["workers"])
             firsts = zip(addresses, islice(tasks, workers), strict=True)
             client.gather([client.submit(run_alone, task, workers=[where]) for where, task in firsts])
@@ -56,7 +55,7 @@ def short_runs(workers: int) -> dict[str, float]:
             found = list(outcomes(client, tasks))
             wall = time.perf_counter() - ready
             spent = sum(client.run(time.process_time).values()) - before
-        records = [Path(folder_of(folder, one["digest"])) / "run.json" for one in found]
+        records = [folder_of(folder, one["digest"]) / "run.json" for one in found]
         own = [json.loads(path.read_text(encoding="utf-8"))["wall_time_s"] for path in records]
     busy = sum(own) / workers
     return {
@@ -76,7 +75,7 @@ def pooled_runs(workers: int) -> float:
     """Wall time of the same runs in processes that no scheduler looks after, all that two cores can do."""
     sweep = short_sweep(RUNS + workers)
     with TemporaryDirectory() as folder, ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        tasks = tasks_of(sweep, {one.digest: one for one in sweep.planned}, folder)
+        tasks = tasks_of(sweep, {one.digest: one for one in sweep.planned}, Path(folder))
         list(pool.map(run_alone, islice(tasks, workers)))
         ready = time.perf_counter()
         list(pool.map(run_alone, tasks))
@@ -122,7 +121,7 @@ def main() -> None:
     print(f"load of the machine over the last minutes: {os.getloadavg()}")
     with (
         TemporaryDirectory() as folder,
-        connected(None, 2, folder, lambda _text: None) as client,
+        connected(None, 2, Path(folder), lambda _text: None) as client,
     ):
         print_table(pd.DataFrame([tiny_tasks(client)]), "Tasks that do nothing, on two workers")
 

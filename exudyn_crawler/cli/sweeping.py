@@ -10,7 +10,7 @@ from exudyn_crawler.cli.errors import readable
 from exudyn_crawler.cli.options import RESULTS, Debug
 from exudyn_crawler.cli.spreading import app
 
-NEEDED = ("distributed", "SALib", "pyarrow", "fsspec")
+NEEDED = ("distributed", "SALib", "pyarrow")
 """Modules of the extra `sweep`."""
 SHOWN = 60
 """Rows of the table of runs that are printed."""
@@ -34,7 +34,7 @@ def sweep(
         int | None, typer.Option(help="processes on this machine; one a core, if not given", min=1)
     ] = None,
     storage: Annotated[
-        str | None, typer.Option(help="where runs are kept instead: a shared folder, or s3://bucket/folder")
+        str | None, typer.Option(help="folder of the runs instead, which all workers share")
     ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="run those anew that have failed")] = False,
     debug: Debug = False,
@@ -52,7 +52,7 @@ def sweep(
 
     found = read_sweep(file)
     out = RESULTS / file.stem if out is None else out
-    from exudyn_crawler.sweep.running import run_sweep, standing_of
+    from exudyn_crawler.sweep.running import folder_state, run_sweep
 
     if dry_run:
         from exudyn_crawler.views.tables import print_table
@@ -60,7 +60,7 @@ def sweep(
         table = found.table()
         shown = f", the first {SHOWN}" if len(table) > SHOWN else ""
         print_table(table.head(SHOWN), f"{len(table)} runs{shown}; {_units(found.units(), found.columns)}")
-        typer.echo(standing_of(found, out, storage=storage, workers=workers, retry=retry))
+        typer.echo(folder_state(found, out, storage=storage, workers=workers, retry=retry))
         return
     run = run_sweep(
         found, out, scheduler=scheduler, workers=workers, storage=storage, retry=retry, say=typer.echo

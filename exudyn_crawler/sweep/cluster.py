@@ -15,8 +15,7 @@ from distributed.client import FutureCancelledError
 from distributed.scheduler import KilledWorker
 from distributed.versions import VersionMismatchWarning
 
-from exudyn_crawler.sweep.storage import Outcome, is_address
-from exudyn_crawler.sweep.worker import Task, check_versions, failed_outcome, own_versions, run_task
+from exudyn_crawler.sweep.worker import Outcome, Task, check_versions, failed_outcome, own_versions, run_task
 
 CONNECT_WAIT = 20.0
 """s to wait for a scheduler."""
@@ -28,7 +27,7 @@ LEAST_AHEAD, AHEAD = 64, 4
 
 @contextmanager
 def connected(
-    scheduler: str | None, workers: int | None, storage: str, tell: Callable[[str], None]
+    scheduler: str | None, workers: int | None, runs: Path, tell: Callable[[str], None]
 ) -> Iterator[Client]:
     """Client of a cluster whose workers can do what a sweep asks for.
 
@@ -42,13 +41,13 @@ def connected(
         process a core with one thread each.
     workers : int, optional
         Processes of the cluster on this machine.
-    storage : str
-        Where runs are kept; workers have to see a folder.
+    runs : Path
+        Folder of the folders of runs, which workers have to see.
 
     Raises
     ------
     ValueError
-        If no scheduler answers, no worker is there, or one has other versions or does not see the storage.
+        If no scheduler answers, no worker is there, or one has other versions or does not see the folder.
     """
     with warnings.catch_warnings():
         # check_versions says it in a line, and of what matters
@@ -56,7 +55,7 @@ def connected(
         with _local(workers) if scheduler is None else _remote(scheduler) as client:
             if client.dashboard_link:
                 tell(f"dashboard: {client.dashboard_link}")
-            _check_workers(client, storage)
+            _check_workers(client, runs)
             yield client
 
 
@@ -110,7 +109,7 @@ def _remote(scheduler: str) -> Iterator[Client]:
         yield client
 
 
-def _check_workers(client: Client, storage: str) -> None:
+def _check_workers(client: Client, runs: Path) -> None:
     """Refuse workers that could not do what a sweep asks for; a scheduler may get some only by and by."""
     try:
         client.wait_for_workers(1, timeout=WORKER_WAIT)
@@ -123,16 +122,12 @@ def _check_workers(client: Client, storage: str) -> None:
         if isinstance(found, BaseException):
             raise ValueError(f"worker {where} does not have the package: {found}")
         check_versions(own_versions(), found, where)
-    if is_address(storage):
-        return
-    token = Path(storage) / f".seen-{uuid.uuid4().hex}"
+    token = runs / f".seen-{uuid.uuid4().hex}"
     token.touch()
     try:
         for where, sees in client.run(_sees, str(token)).items():
             if not sees:
-                raise ValueError(
-                    f"worker {where} must see {storage}: put it on storage that all machines share"
-                )
+                raise ValueError(f"worker {where} must see {runs}: put it on storage that all machines share")
     finally:
         token.unlink()
 

@@ -1,27 +1,36 @@
 """What a sweep is: a case, what of it varies, by which design, and the answers that are wanted."""
 
 import hashlib
+import itertools
 import json
 import warnings
 from collections import Counter
+from collections.abc import Sequence
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import NamedTuple, Self
+from typing import Any, Literal, NamedTuple, Self
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
+from scipy.stats import qmc
 
 from exudyn_crawler.case import CaseFile, Outputs
 from exudyn_crawler.case.parameters.base import Parameters
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import Answers
-from exudyn_crawler.sweep.design import SAMPLED, Design, Row, design_rows
-from exudyn_crawler.sweep.idle import idle
-from exudyn_crawler.sweep.paths import checked_case, content_of
-from exudyn_crawler.sweep.vary import Vary
+from exudyn_crawler.sweep.vary import Vary, checked_case, content_of, idle
 
+Design = Literal["grid", "list", "latin_hypercube", "sobol", "saltelli"]
+"""Names of the designs."""
+SAMPLED = ("latin_hypercube", "sobol", "saltelli")
+"""Those that draw points between bounds."""
+
+Row = tuple[Any, ...]
+"""Values of a run, one of every `Vary`."""
 LIGHT = Outputs(figures=False, pictures=False, paraview=False, forces=False, tables=False)
 """What a run leaves beside its history where a sweep says nothing: pictures of all runs take longer than
 they."""
@@ -121,7 +130,7 @@ class Sweep(Parameters):
         """
         content = json.loads(self._text)
         for one, value in zip(self.vary, values, strict=True):
-            one.apply(content, value)
+            content = one.applied(content, value)
         case_file = checked_case(content)
         digest = run_digest(case_file)
         name = f"{case_file.case.name[:80]} {digest[:FOLDER_DIGITS]}"
@@ -200,3 +209,65 @@ def _file_digest(path: Path, _changed_at: int) -> str:
 @cache
 def _versions() -> list[str]:
     return [version(name) for name in (PROGRAM, "exudyn")]
+
+
+def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: int) -> list[Row]:
+    """Values of all runs.
+
+    Parameters
+    ----------
+    design : str
+        "grid": every value with every other; "list": the first values of all, the second ones and so on;
+        "latin_hypercube" and "sobol": points of `scipy.stats.qmc`; "saltelli": those by which Sobol indices
+        are estimated best (Saltelli 2002, of SALib), `runs` points and as many again for every `Vary` and
+        once more.
+    runs : int, optional
+        Points that are drawn; None for grids and lists.
+    seed : int
+        Of the random numbers: the same gives the same points.
+
+    Raises
+    ------
+    ValueError
+        If the number of runs does not fit the design.
+    """
+    if design in SAMPLED:
+        if runs is None:
+            raise ValueError(f"runs must be given with design {design!r}")
+        points = _points(design, len(varied), runs, seed)
+        return [tuple(one.at(u) for one, u in zip(varied, point, strict=True)) for point in points.tolist()]
+    if runs is not None:
+        raise ValueError(f"runs must be left out with design {design!r}, whose values make its runs")
+    levels = [one.levels() for one in varied]
+    if design == "grid":
+        return list(itertools.product(*levels))
+    lengths = {one.label: len(values) for one, values in zip(varied, levels, strict=True)}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} {count}" for name, count in lengths.items())
+        raise ValueError(f"lists must have as many values each with design 'list', got {told}")
+    return list(zip(*levels, strict=True))
+
+
+def _points(design: Design, dimensions: int, runs: int, seed: int) -> NDArray:
+    """Points in the unit cube: array (points, dimensions)."""
+    if design == "latin_hypercube":
+        return qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(runs)
+    if runs & (runs - 1):
+        lower = 1 << (runs.bit_length() - 1)
+        raise ValueError(
+            f"runs must be a power of 2 with design {design!r}, such as {lower} or {2 * lower}, got {runs}"
+        )
+    if design == "sobol":
+        return qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random(runs)
+    from SALib.sample.sobol import sample  # not everybody who plans a sweep has it
+
+    return sample(salib_problem(dimensions), runs, calc_second_order=False, seed=seed)
+
+
+def salib_problem(dimensions: int) -> dict[str, Any]:
+    """What is varied as SALib takes it, in the unit cube."""
+    return {
+        "num_vars": dimensions,
+        "names": [str(k) for k in range(dimensions)],
+        "bounds": [[0.0, 1.0]] * dimensions,
+    }

@@ -9,7 +9,7 @@ from exudyn_crawler.case.files.toml import toml_content
 from exudyn_crawler.case.parameters.kinds import BASE, TAG, named_values
 from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from exudyn_crawler.sweep.definition import Sweep
-from exudyn_crawler.sweep.paths import content_of
+from exudyn_crawler.sweep.vary import content_of
 from meshes import SHOE_SIZES
 
 MESH = "flexible.mesh"

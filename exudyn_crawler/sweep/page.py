@@ -9,15 +9,14 @@ import pandas as pd
 from exudyn_crawler.files import note_written, whole_file
 from exudyn_crawler.run.folder.folder import note_file
 from exudyn_crawler.sweep.definition import Sweep
-from exudyn_crawler.sweep.effects import main_effects, sobol_indices
-from exudyn_crawler.sweep.storage import OUTCOME, folder_of, is_address
-from exudyn_crawler.sweep.worker import DONE
+from exudyn_crawler.sweep.results import main_effects, sobol_indices
+from exudyn_crawler.sweep.worker import DONE, OUTCOME
 from exudyn_crawler.views.report.page import REPORT, write_report
 from exudyn_crawler.views.sweep_page import Best, SweepView, sweep_page
 
 
 def write_page(
-    sweep: Sweep, table: pd.DataFrame, folder: Path, storage: str, say: Callable[[str], None]
+    sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, say: Callable[[str], None]
 ) -> Path:
     """Write the page of a sweep's results into its folder.
 
@@ -25,16 +24,14 @@ def write_page(
     ----------
     table : pandas.DataFrame
         Of `results_table`.
-    storage : str
-        Where the runs are; on object storage they get no reports of their own.
+    runs : Path
+        Folder of the folders of runs.
     say : callable
         Is told of reports that cannot be written.
     """
-    local = not is_address(storage)
     best = best_and_worst(sweep, table)
-    if local:
-        for name in dict.fromkeys(one.folder for one in best):
-            _report_of(Path(folder_of(storage, name)), say)
+    for name in dict.fromkeys(one.folder for one in best):
+        _report_of(runs / name, say)
     indices, method = sobol_indices(sweep, table)
     view = SweepView(
         title=f"Sweep of {sweep.case.case.name}",
@@ -48,7 +45,7 @@ def write_page(
         indices=indices,
         method=method,
         best=best,
-        links={name: _link(folder, storage, name) for name in table["folder"]} if local else {},
+        links={name: _link(folder, runs / name) for name in table["folder"]},
     )
     path = folder / REPORT
     with whole_file(path, overwrite=True) as temporary:
@@ -95,8 +92,7 @@ def _report_of(run: Path, say: Callable[[str], None]) -> None:
         say(f"no report of {run}: {' '.join(str(error).split())}")
 
 
-def _link(folder: Path, storage: str, name: str) -> str:
+def _link(folder: Path, run: Path) -> str:
     """Address of a run's report from the page, or of its folder where it has none."""
-    run = Path(folder_of(storage, name))
     there = run / REPORT if (run / REPORT).is_file() else run
     return Path(os.path.relpath(there, folder.resolve())).as_posix()

@@ -1,6 +1,7 @@
 """A sweep into its folder: what has finished is taken, what is missing run, and all of it gathered."""
 
-from collections.abc import Callable, Iterator
+import os
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from html import escape
@@ -9,7 +10,8 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case import write_case
+from exudyn_crawler.case import CaseFile, write_case
+from exudyn_crawler.case.parameters.size import NUMBER, stored_numbers
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.netcdf import write_netcdf
 from exudyn_crawler.run.folder.folder import held
@@ -18,17 +20,28 @@ from exudyn_crawler.run.folder.progress import progress_bar
 from exudyn_crawler.run.folder.record import earlier_record
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
-from exudyn_crawler.sweep.estimate import estimate
 from exudyn_crawler.sweep.page import write_page
-from exudyn_crawler.sweep.storage import Outcome, check_storage, is_address, read_outcome
-from exudyn_crawler.sweep.table import results_dataset, results_table, write_parquet, write_units_csv
-from exudyn_crawler.sweep.worker import DONE, FAILED, Task, own_versions
+from exudyn_crawler.sweep.results import results_dataset, results_table, write_parquet, write_units_csv
+from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome
 
 RUNS = "runs"
 """Folder of the folders of runs, where a sweep names no other storage."""
 BASE_CASE, DEFINITION = "base.toml", "sweep.json"
 TABLE, COLUMNS, DATASET = "results.csv", "results.parquet", "results.nc"
 REDUCTIONS = "reductions"
+BEGIN = 0.5
+"""s of a run beside its steps: rest, files, record."""
+STEP, STEP_FLEXIBLE = {True: 0.6e-3, False: 1.2e-3}, {True: 0.1e-3, False: 2.0e-3}
+"""s a step of 13 rigid shoes, half of it for the history, and more of it a flexible shoe, with compiled
+equations and without (docs/speed.md, docs/sweeps.md)."""
+SHOES = 13
+ROLLED, ROLLED_FLEXIBLE = 2.5, 1.0e-3
+"""How many times as much a step of rigid shoes takes that a side frame rolls over, and s more of a flexible
+one there."""
+RECOVERY = 1.0e-3
+"""s a stored time of a flexible shoe, whose stresses are recovered."""
+PACKED = 0.75
+"""Size of a history on disk to that in memory."""
 
 
 @dataclass(frozen=True)
@@ -84,8 +97,7 @@ def run_sweep(
     workers : int, optional
         Processes of the cluster of this machine's; None is one a core.
     storage : str, optional
-        Where runs are kept in place of `runs`: a folder that all workers share, or an address that fsspec
-        knows, ``s3://bucket/folder``, where each is copied when it has ended.
+        Folder of the folders of runs in place of `runs`; all workers have to share it.
     retry : bool
         Run those anew that have failed.
     progress : bool, optional
@@ -97,7 +109,7 @@ def run_sweep(
     ------
     ValueError
         Before anything runs: if values do not fit each other, no scheduler answers, a worker has other
-        versions or does not see the folder, or the storage cannot be written to.
+        versions or does not see the folder, or `storage` is no folder.
     BlockingIOError
         If another sweep works in the folder.
     NotADirectoryError, PermissionError
@@ -105,28 +117,25 @@ def run_sweep(
     """
     planned = sweep.planned
     folder = writable_folder(Path(out))
-    kept_in = _storage(folder, storage)
-    if not is_address(kept_in):
-        writable_folder(Path(kept_in))
-    with _kept_sweep(folder, sweep, say) as keeper:
-        check_storage(kept_in)
-        found = _there(planned, kept_in)
+    runs = writable_folder(_runs_folder(folder, storage))
+    with _held_folder(folder, sweep, say) as keeper:
+        found = _stored_outcomes(planned, runs)
         missing = _missing(sweep, planned, found, retry)
-        keeper.say(_told(planned, found, len(missing)))
+        keeper.say(_progress(planned, found, len(missing)))
         if missing:
-            shared = None if scheduler is None or is_address(kept_in) else folder / REDUCTIONS
-            tasks = tasks_of(sweep, missing, kept_in, shared, retry)
+            shared = None if scheduler is None else folder / REDUCTIONS
+            tasks = tasks_of(sweep, missing, runs, shared, retry)
             with (
                 keeper.timed("runs"),
-                _outcomes(tasks, scheduler, workers, kept_in, keeper.say) as coming,
+                _outcomes(tasks, scheduler, workers, runs, keeper.say) as coming,
                 progress_bar("sweep", len(missing), progress, unit="runs") as tell,
             ):
                 for count, outcome in enumerate(coming, 1):
                     found[outcome["digest"]] = outcome
-                    _tell_failure(outcome, keeper)
+                    _report_failure(outcome, keeper)
                     tell(count)
         with keeper.timed("tables and page"):
-            return _gathered(sweep, results_table(sweep, planned, found), folder, kept_in, keeper)
+            return _gathered(sweep, results_table(sweep, planned, found), folder, runs, keeper)
 
 
 @contextmanager
@@ -134,50 +143,50 @@ def _outcomes(
     tasks: Iterator[Task],
     scheduler: str | None,
     workers: int | None,
-    storage: str,
+    runs: Path,
     say: Callable[[str], None],
 ) -> Iterator[Iterator[Outcome]]:
     """Outcomes of tasks as they come from a cluster, which lives as long as the block."""
     # planning a sweep and looking at its results do without Dask
     from exudyn_crawler.sweep.cluster import connected, outcomes
 
-    with connected(scheduler, workers, storage, say) as client:
+    with connected(scheduler, workers, runs, say) as client:
         yield outcomes(client, tasks)
 
 
-def _tell_failure(outcome: Outcome, keeper: Keeper) -> None:
+def _report_failure(outcome: Outcome, keeper: Keeper) -> None:
     if outcome["status"] == FAILED:
         keeper.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
 
 
-def _gathered(sweep: Sweep, table: pd.DataFrame, folder: Path, storage: str, keeper: Keeper) -> SweepRun:
+def _gathered(sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, keeper: Keeper) -> SweepRun:
     """Results in all forms, and the page."""
     dataset = results_dataset(sweep, table)
     write_units_csv(table, folder / TABLE)
     write_parquet(table, folder / COLUMNS)
     write_netcdf(dataset, folder / DATASET, overwrite=True)
-    write_page(sweep, table, folder, storage, keeper.say)
+    write_page(sweep, table, folder, runs, keeper.say)
     return SweepRun(sweep, table, dataset, folder)
 
 
-def standing_of(sweep: Sweep, out: Path, *, storage: str | None, workers: int | None, retry: bool) -> str:
+def folder_state(sweep: Sweep, out: Path, *, storage: str | None, workers: int | None, retry: bool) -> str:
     """What of a sweep is in a folder, and how long the rest takes; arguments as of `run_sweep`."""
     planned = sweep.planned
-    found = _there(planned, _storage(out, storage))
+    found = _stored_outcomes(planned, _runs_folder(out, storage))
     missing = _missing(sweep, planned, found, retry)
     told = estimate(sweep.case.with_(outputs=sweep.outputs), len(missing), workers, found.values())
-    return f"{_told(planned, found, len(missing))}\n{told}"
+    return f"{_progress(planned, found, len(missing))}\n{told}"
 
 
-def _storage(folder: Path, storage: str | None) -> str:
-    """Where runs are kept: a whole path, or an address."""
-    if storage is not None and is_address(storage):
-        return storage
-    return str((folder / RUNS if storage is None else Path(storage)).resolve())
+def _runs_folder(folder: Path, storage: str | None) -> Path:
+    """Folder of the folders of runs; refuses an address of object storage, where no run can work."""
+    if storage is not None and "://" in storage:
+        raise ValueError(f"storage must be a folder that all workers share, got {storage}")
+    return (folder / RUNS if storage is None else Path(storage)).resolve()
 
 
 @contextmanager
-def _kept_sweep(folder: Path, sweep: Sweep, say: Callable[[str], None]) -> Iterator[Keeper]:
+def _held_folder(folder: Path, sweep: Sweep, say: Callable[[str], None]) -> Iterator[Keeper]:
     """Hold the folder of a sweep; its log, record, base case and definition are there."""
     with held(folder, "sweep"):
         keeper = Keeper(say, anew=False)
@@ -188,11 +197,11 @@ def _kept_sweep(folder: Path, sweep: Sweep, say: Callable[[str], None]) -> Itera
             yield keeper
 
 
-def _there(planned: tuple[PlannedRun, ...], storage: str) -> dict[str, Outcome]:
-    """Outcomes that a storage has of planned runs, by digest, failed ones among them."""
+def _stored_outcomes(planned: tuple[PlannedRun, ...], runs: Path) -> dict[str, Outcome]:
+    """Outcomes that a folder has of planned runs, by digest, failed ones among them."""
     found = {}
     for digest in dict.fromkeys(one.digest for one in planned):
-        outcome = read_outcome(storage, digest)
+        outcome = read_outcome(runs, digest)
         if outcome is not None:
             found[digest] = outcome
     return found
@@ -216,7 +225,7 @@ def _missing(
 def tasks_of(
     sweep: Sweep,
     missing: dict[str, PlannedRun],
-    storage: str,
+    runs: Path,
     reductions: Path | None = None,
     retry: bool = False,
 ) -> Iterator[Task]:
@@ -236,16 +245,63 @@ def tasks_of(
             digest=digest,
             case=case_file.model_dump_json(),
             answers=answers,
-            storage=storage,
+            runs=str(runs),
             reductions=None if reductions is None else str(reductions.resolve()),
             versions=own_versions(),
             again=retry,
         )
 
 
-def _told(planned: tuple[PlannedRun, ...], found: dict[str, Outcome], missing: int) -> str:
+def _progress(planned: tuple[PlannedRun, ...], found: dict[str, Outcome], missing: int) -> str:
     failed = sum(outcome["status"] == FAILED for outcome in found.values())
     different = len({one.digest for one in planned})
     same = f", {len(planned) - different} of them the same as others" if different < len(planned) else ""
     there = f"{different - missing} are there" + (f" ({failed} failed)" if failed else "")
     return f"{len(planned)} runs{same}: {there}, {missing} to run"
+
+
+def run_time(case_file: CaseFile) -> float:
+    """Wall time of a run by a rule of thumb, s; a reduction, done once, is not in it."""
+    case, solver = case_file.case, case_file.case.solver
+    flexible = 0 if case.flexible is None else len(case.flexible.shoes)
+    compiled = case.is_compiled
+    step, more = STEP[compiled] * case.track.shoe_count / SHOES, STEP_FLEXIBLE[compiled]
+    if case.propel == "rolled":
+        step, more = ROLLED * step, ROLLED_FLEXIBLE
+    step += more * flexible
+    stored = case_file.duration / max(solver.output_interval, solver.step)
+    return BEGIN + case_file.duration / solver.step * step + RECOVERY * flexible * stored
+
+
+def run_bytes(case_file: CaseFile) -> float:
+    """Size of what a run leaves, about."""
+    solver = case_file.case.solver
+    stored = case_file.duration / max(solver.output_interval, solver.step)
+    return PACKED * NUMBER * stored * stored_numbers(case_file.case) + 20e3
+
+
+def estimate(case_file: CaseFile, missing: int, workers: int | None, found: Iterable[Outcome]) -> str:
+    """Time and disk space of the missing runs in a line.
+
+    Parameters
+    ----------
+    found : iterable
+        Outcomes that are there; finished runs tell how long one takes.
+    """
+    times = [float(one["wall_time_s"]) for one in found if one.get("status") == DONE]
+    each = sum(times) / len(times) if times else run_time(case_file)
+    whence = f"as {len(times)} finished ones took" if times else "by a rule of thumb"
+    count = workers or os.cpu_count() or 1
+    whole = each * missing / min(count, max(missing, 1))
+    size = run_bytes(case_file) * missing
+    return (
+        f"{missing} runs of about {each:.2g} s each ({whence}): {_time(whole)} on {count} workers, "
+        f"{each * missing / 3600:.2g} core hours, {size / 1e9:.2g} GB"
+    )
+
+
+def _time(seconds: float) -> str:
+    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"

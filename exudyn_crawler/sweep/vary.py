@@ -1,30 +1,57 @@
-"""What of a case the runs of a sweep have otherwise."""
+"""What of a case the runs of a sweep have otherwise, and values that change nothing."""
 
+import json
 import math
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
-from exudyn_crawler.case import CaseFile
-from exudyn_crawler.case.files.faults import shown
+from exudyn_crawler.case import Case, CaseFile, PairContact, SphereContact
+from exudyn_crawler.case.files.faults import faults, shown
+from exudyn_crawler.case.files.paths import EVERY, parse_path
 from exudyn_crawler.case.parameters.base import Name, Parameters
-from exudyn_crawler.case.parameters.fields import Entry, is_table
-from exudyn_crawler.case.parameters.kinds import TAG
+from exudyn_crawler.case.parameters.fields import Entry, entry_at, is_table
+from exudyn_crawler.case.parameters.kinds import TAG, with_change_in
+from exudyn_crawler.case.parameters.loads import with_equal_loads
 from exudyn_crawler.case.parameters.units import likely_cause, plausible_range
-from exudyn_crawler.sweep.paths import (
-    Content,
-    change_at,
-    checked_case,
-    content_of,
-    entry_at,
-    place_of,
-)
 
+MOST_FAULTS = 3
+"""That an error names."""
+
+Content = dict[str, Any]
+"""Content of a `CaseFile` as JSON has it."""
 Puts = tuple[Any, ...]
 """Values, one a path."""
 Key = Annotated[str, Field(min_length=1, max_length=200)]
+
+
+def content_of(case_file: CaseFile) -> Content:
+    """Everything of a case file, as JSON has it."""
+    content: Content = json.loads(case_file.model_dump_json())
+    return content
+
+
+def checked_case(content: Content) -> CaseFile:
+    """Case file of a content.
+
+    Raises
+    ------
+    ValueError
+        Naming everything at fault by its path, and what is allowed there.
+    """
+    case = content["case"]
+    loads = with_equal_loads(case["loads"], case["track"]["shoe_count"])
+    content = content | {"case": case | {"loads": loads}}
+    try:
+        # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
+        return CaseFile.model_validate_json(json.dumps(content), strict=True)
+    except ValidationError as error:
+        named = list(faults(error, CaseFile))
+        more = f"; {len(named) - MOST_FAULTS} more" if len(named) > MOST_FAULTS else ""
+        raise ValueError("; ".join(named[:MOST_FAULTS]) + more) from error
 
 
 class Vary(Parameters):
@@ -55,7 +82,7 @@ class Vary(Parameters):
     @model_validator(mode="after")
     def _check(self) -> Self:
         for path in self.keys:
-            place_of(path)
+            parse_path(path)
         if not self.keys or len(set(self.keys)) != len(self.keys):
             raise ValueError(f"key must be a path, or different ones, got {list(self.keys)}")
         if self.values is not None:
@@ -94,7 +121,8 @@ class Vary(Parameters):
     @property
     def label(self) -> str:
         """Name of the column."""
-        return self.name or str(next(p for p in reversed(place_of(self.keys[0])) if isinstance(p, str)))
+        names = [part for part in parse_path(self.keys[0]) if isinstance(part, str) and part != EVERY]
+        return self.name or names[-1]
 
     @property
     def is_continuous(self) -> bool:
@@ -130,16 +158,16 @@ class Vary(Parameters):
         """Unit of the column; empty for factors and for what has none."""
         if self.settings is not None:
             return self.unit or ""
-        entry = entry_at(case_file, place_of(self.keys[0]))
+        entry = entry_at(case_file, parse_path(self.keys[0]))
         return "" if self.factor or entry is None else entry.unit
 
-    def apply(self, content: Content, value: Any) -> None:
-        """Put a value, or what it stands for, into a case's content, or multiply what is there.
+    def applied(self, content: Content, value: Any) -> Content:
+        """Content of a case with a value, or what it stands for, or with what is there times a factor.
 
         Raises
         ------
         ValueError
-            If a path leads to a part that a list does not have, or a factor to what is no number.
+            If a path leads to an item that a list does not have, or a factor to what is no number.
         """
 
         def change(before: Any, put: Any) -> Any:
@@ -151,9 +179,10 @@ class Vary(Parameters):
 
         for path, put in zip(self.keys, self._put(value), strict=True):
             try:
-                change_at(content, place_of(path), partial(change, put=put))
+                content = with_change_in(CaseFile, content, parse_path(path), partial(change, put=put))
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
+        return content
 
     def _put(self, value: Any) -> Puts:
         """What a value puts at each path."""
@@ -170,7 +199,7 @@ class Vary(Parameters):
             Naming the path.
         """
         for path in self.keys:
-            entry = entry_at(case_file, place_of(path))
+            entry = entry_at(case_file, parse_path(path))
             if entry is not None and is_table(entry.value):
                 raise ValueError(f"{path} is a table; key must be the path of a value in it")
             if entry is not None and entry.place[-1] == TAG:
@@ -180,9 +209,7 @@ class Vary(Parameters):
                 self._check_unit(path, entry)
         for value in self.values or (self.low, self.high):
             try:
-                content = content_of(case_file)
-                self.apply(content, value)
-                checked_case(content)
+                checked_case(self.applied(content_of(case_file), value))
             except ValueError as error:
                 # whether values fit each other depends on what else varies
                 if not _only_together(error):
@@ -194,7 +221,7 @@ class Vary(Parameters):
         """Refuse factors of what is zero."""
         content = content_of(case_file)
         for value in (self.values or (self.low, self.high))[:2]:
-            self.apply(content, value)
+            content = self.applied(content, value)
         if content == content_of(case_file):
             raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
 
@@ -238,3 +265,53 @@ def _multiplied(before: Any, factor: Any) -> Any:
     if not math.isfinite(product):
         raise ValueError(f"the product must be finite, got {product}")
     return round(product) if isinstance(before, int) and product == round(product) else product
+
+
+def _pair(case: Case, test: Callable[[PairContact], bool]) -> bool:
+    return isinstance(case.contact, PairContact) and test(case.contact)
+
+
+def _spheres(case: Case, test: Callable[[SphereContact], bool]) -> bool:
+    return isinstance(case.contact, SphereContact) and test(case.contact)
+
+
+IDLE: tuple[tuple[str, Callable[[Case], bool], str], ...] = (
+    (
+        "contact.edge_width",
+        lambda case: _pair(case, lambda law: law.sharing == "area"),
+        "contact.sharing 'area', by which the law grows with the overlap's area",
+    ),
+    (
+        "contact.damping_depth",
+        lambda case: _pair(case, lambda law: law.damping == 0.0),
+        "contact.damping = 0",
+    ),
+    (
+        "contact.stiction_speed",
+        lambda case: _pair(case, lambda law: law.static_friction == 0.0),
+        "contact.static_friction = 0",
+    ),
+    (
+        "contact.friction_speed",
+        lambda case: (
+            _pair(case, lambda law: law.static_friction == 0.0)
+            or _spheres(case, lambda law: law.friction == 0.0)
+        ),
+        "no friction",
+    ),
+    (
+        "terrain.spring_offset",
+        lambda case: case.terrain.springs_per_unit == 1,
+        "terrain.springs_per_unit = 1, whose spring stands at the centre",
+    ),
+    ("solver.quiet_step", lambda case: case.drive.on is None, "a drive that never goes off"),
+)
+"""Paths, when they are idle, and why."""
+
+
+def idle(paths: Iterable[str], case: Case) -> Iterator[str]:
+    """Those of some paths whose values change nothing in a case, a line each."""
+    wanted = set(paths)
+    for path, is_idle, why in IDLE:
+        if path in wanted and is_idle(case):
+            yield f"{path}: it changes nothing with {why}"

@@ -1,4 +1,4 @@
-"""One run of a sweep in its own folder, as a worker does it."""
+"""One run of a sweep in its folder, as a worker does it, and what became of it."""
 
 import json
 import os
@@ -11,19 +11,27 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.errors import CrawlerError, ImplausibleWarning
+from exudyn_crawler.files import whole_file
 from exudyn_crawler.model.reductions import program_digest
 from exudyn_crawler.run.folder.folder import note_file
 from exudyn_crawler.run.folder.record import timestamp
 from exudyn_crawler.sweep.answers import ANSWERS
-from exudyn_crawler.sweep.storage import OUTCOME, Outcome, read_outcome, working_folder, write_outcome
+from exudyn_crawler.sweep.definition import FOLDER_DIGITS
 
 LOCK_WAIT = 600.0
 """s for which a run waits for another process at it: a worker that the scheduler took for dead, say."""
 DONE, FAILED = "done", "failed"
+OUTCOME = "outcome.json"
+"""What became of a run of a sweep, in its folder."""
+
+Outcome = dict[str, Any]
+"""Of a run: digest, status ("done" or "failed"), reason, answers by name, asked (definitions of the answers),
+wall_time_s, host, process and finished."""
 
 
 class VersionsDiffer(CrawlerError, ValueError):  # noqa: N818 - it says what is the matter
@@ -40,8 +48,8 @@ class Task:
         Of the run.
     case, answers : str
         JSON of its case file and of the definitions of its answers.
-    storage : str
-        Where runs are kept.
+    runs : str
+        Folder of the folders of runs.
     reductions : str or None
         Folder of reductions of flexible shoes; None leaves it to the worker's machine.
     versions : mapping
@@ -53,7 +61,7 @@ class Task:
     digest: str
     case: str
     answers: str
-    storage: str
+    runs: str
     reductions: str | None
     versions: Mapping[str, str]
     again: bool = False
@@ -104,18 +112,39 @@ def run_task(task: Task) -> Outcome:
         "process": os.getpid(),
         "asked": json.loads(task.answers),
     }
-    failed_before = (read_outcome(task.storage, task.digest) or {}).get("status") == FAILED
-    with working_folder(task.storage, task.digest) as folder:
-        try:
-            answers = _answered(task, folder, overwrite=task.again and failed_before)
-            outcome |= {"status": DONE, "reason": "", "answers": answers}
-        except Exception as error:
-            outcome |= {"status": FAILED, "reason": reason_of(error), "answers": {}}
-        took = time.perf_counter() - begun
-        outcome |= {"wall_time_s": round(took, 3), "finished": timestamp()}
-        write_outcome(folder, outcome)
-        note_file(folder / OUTCOME)
+    failed_before = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
+    folder = folder_of(task.runs, task.digest)
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        answers = _answered(task, folder, overwrite=task.again and failed_before)
+        outcome |= {"status": DONE, "reason": "", "answers": answers}
+    except Exception as error:
+        outcome |= {"status": FAILED, "reason": reason_of(error), "answers": {}}
+    took = time.perf_counter() - begun
+    outcome |= {"wall_time_s": round(took, 3), "finished": timestamp()}
+    _write_outcome(folder, outcome)
+    note_file(folder / OUTCOME)
     return outcome
+
+
+def folder_of(runs: str | Path, digest: str) -> Path:
+    """Folder of a run in that of all runs."""
+    return Path(runs) / digest[:FOLDER_DIGITS]
+
+
+def read_outcome(runs: str | Path, digest: str) -> Outcome | None:
+    """Outcome of a run; None if it has none that can be read, or it is that of another one."""
+    try:
+        outcome = json.loads((folder_of(runs, digest) / OUTCOME).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    whole = isinstance(outcome, dict) and outcome.get("digest") == digest
+    return outcome if whole and isinstance(outcome.get("answers"), dict) else None
+
+
+def _write_outcome(folder: Path, outcome: Outcome) -> None:
+    with whole_file(folder / OUTCOME, overwrite=True) as temporary:
+        temporary.write_text(json.dumps(outcome, indent=2) + "\n", encoding="utf-8")
 
 
 def reason_of(error: BaseException) -> str:
@@ -135,8 +164,9 @@ def failed_outcome(task: Task, error: BaseException) -> Outcome:
         "answers": {},
         "finished": timestamp(),
     }
-    with working_folder(task.storage, task.digest) as folder:
-        write_outcome(folder, outcome)
+    folder = folder_of(task.runs, task.digest)
+    folder.mkdir(parents=True, exist_ok=True)
+    _write_outcome(folder, outcome)
     return outcome
 
 

@@ -68,7 +68,7 @@ def settings_of_the_process():
 
 def test_a_cluster_leaves_the_process_as_it_was(tmp_path):
     before = settings_of_the_process()
-    with connected(None, 1, str(tmp_path), print) as client:
+    with connected(None, 1, tmp_path, print) as client:
         assert client.submit(os.getpid).result() != os.getpid()
         assert client.submit(os.environ.get, "OMP_NUM_THREADS").result() == "1"
     assert settings_of_the_process() == before
@@ -187,7 +187,7 @@ def test_workers_of_other_versions_are_refused_before_anything_runs(scheduler, t
 
 def test_a_worker_of_another_version_that_comes_later_ends_the_sweep(scheduler, tmp_path):
     task = Task("0" * 64, "", "[]", str(tmp_path), None, own_versions() | {"exudyn": "0.1"})
-    with connected(scheduler, None, str(tmp_path), print) as client, pytest.raises(VersionsDiffer):
+    with connected(scheduler, None, tmp_path, print) as client, pytest.raises(VersionsDiffer):
         list(outcomes(client, iter([task])))
 
 
@@ -207,7 +207,7 @@ def test_the_scheduler_holds_few_tasks_at_a_time(scheduler, tmp_path, monkeypatc
             asked.append(k)
             yield Task(f"{k:064d}", "", "[]", str(tmp_path), None, {})
 
-    with connected(scheduler, None, str(tmp_path), print) as client:
+    with connected(scheduler, None, tmp_path, print) as client:
         for outcome in outcomes(client, tasks(), lambda task: {"digest": task.digest}):
             came.append(outcome["digest"])
             assert len(asked) - len(came) <= 5

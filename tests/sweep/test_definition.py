@@ -1,13 +1,15 @@
-"""Sweeps: their runs, digests and refusals."""
+"""Sweeps: their runs, designs, digests and refusals, and how long they take."""
 
 import os
 
+import numpy as np
 import pytest
 
-from exudyn_crawler import Answer, Case, CaseFile, Outputs, Sweep, Vary
+from exudyn_crawler import Answer, Case, CaseFile, FlexibleShoes, Outputs, Sweep, Vary
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.sweep import definition
-from exudyn_crawler.sweep.definition import run_digest
+from exudyn_crawler.sweep.definition import design_rows, run_digest
+from exudyn_crawler.sweep.running import BEGIN, RECOVERY, estimate, run_bytes, run_time
 from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_case, small_sweep
 
 FRICTION = ("contact.static_friction", "contact.dynamic_friction")
@@ -128,3 +130,101 @@ def test_sweeps_that_make_no_sense_are_refused(changes, told):
 def test_a_sweep_read_back_is_the_same():
     sweep = small_sweep()
     assert Sweep.model_validate_json(sweep.model_dump_json()) == sweep
+
+
+A, B = Vary(key="a", low=0.0, high=1.0, count=3), Vary(key="b", values=("x", "y"))
+C, D = Vary(key="c", low=2.0, high=4.0), Vary(key="d", low=1.0, high=100.0, scale="log")
+
+
+def test_a_grid_has_every_value_with_every_other():
+    assert design_rows("grid", (A, B), None, 1) == [(a, b) for a in (0.0, 0.5, 1.0) for b in ("x", "y")]
+
+
+def test_a_list_takes_values_in_step():
+    short = Vary(key="a", low=0.0, high=1.0, count=2)
+    assert design_rows("list", (short, B), None, 1) == [(0.0, "x"), (1.0, "y")]
+    with pytest.raises(ValueError, match="as many values each with design 'list', got a 3, b 2"):
+        design_rows("list", (A, B), None, 1)
+
+
+def test_a_latin_hypercube_has_one_run_in_every_slice_of_everything():
+    rows = np.array(design_rows("latin_hypercube", (C, D), 20, 1))
+    slices = np.column_stack(((rows[:, 0] - 2.0) / 2.0, np.log(rows[:, 1]) / np.log(100.0)))
+    assert (np.sort(np.floor(20 * slices), axis=0) == np.arange(20)[:, None]).all()
+
+
+def test_sobol_points_fill_every_quarter_evenly():
+    rows = np.array(design_rows("sobol", (C, Vary(key="e", low=0.0, high=1.0)), 16, 1))
+    quarters = np.floor(2.0 * np.column_stack(((rows[:, 0] - 2.0) / 2.0, rows[:, 1])))
+    assert np.unique(quarters, axis=0, return_counts=True)[1].tolist() == [4, 4, 4, 4]
+
+
+def test_saltellis_points_are_two_samples_and_their_mixtures():
+    rows = np.array(design_rows("saltelli", (C, Vary(key="e", low=0.0, high=1.0)), 8, 1)).reshape(8, 4, 2)
+    first, mixed_1, mixed_2, second = rows.transpose(1, 0, 2)
+    assert (mixed_1 == np.column_stack((second[:, 0], first[:, 1]))).all()
+    assert (mixed_2 == np.column_stack((first[:, 0], second[:, 1]))).all()
+
+
+@pytest.mark.parametrize("design", ["latin_hypercube", "sobol", "saltelli"])
+def test_the_same_seed_draws_the_same(design):
+    drawn = [design_rows(design, (C, D), 8, seed) for seed in (1, 1, 2)]
+    assert drawn[0] == drawn[1]
+    assert drawn[0] != drawn[2]
+
+
+@pytest.mark.parametrize(
+    ("design", "runs", "told"),
+    [
+        ("sobol", 7, "a power of 2 with design 'sobol', such as 4 or 8, got 7"),
+        ("saltelli", 9, "such as 8 or 16, got 9"),
+        ("latin_hypercube", None, "runs must be given"),
+        ("grid", 4, "runs must be left out"),
+    ],
+)
+def test_numbers_of_runs_that_do_not_fit_are_refused(design, runs, told):
+    with pytest.raises(ValueError, match=told):
+        design_rows(design, (A, B), runs, 1)
+
+
+def test_a_grid_needs_counts():
+    with pytest.raises(ValueError, match="c: count must be given for a grid"):
+        design_rows("grid", (C,), None, 1)
+
+
+def test_time_and_size_grow_with_the_duration():
+    short, long = small_case(1.0), small_case(3.0)
+    assert run_time(long) - BEGIN == pytest.approx(3.0 * (run_time(short) - BEGIN))
+    assert run_bytes(long) - 20e3 == pytest.approx(3.0 * (run_bytes(short) - 20e3))
+
+
+def test_a_rigid_second_takes_what_was_measured():
+    # docs/speed.md: 0.32 ms a step; profile of a run of 2 s: half of what its steps take goes to its history
+    case = CaseFile(case=Case.translation(), duration=1.0)
+    assert run_time(case) - BEGIN == pytest.approx(500 * 2 * 0.32e-3, rel=0.2)
+
+
+def test_a_rolled_second_takes_what_was_measured():
+    # processor time beside other work: 2.4 ms a step of 24 rigid shoes, 3.7 ms with a flexible one
+    rigid = Case.rolled()
+    flexible = rigid.with_(flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(11,)))
+    for case, measured in ((rigid, 2.4e-3), (flexible, 3.7e-3)):
+        steps = 1.0 / case.solver.step
+        recovery = 0.0 if case.flexible is None else RECOVERY / case.solver.output_interval
+        found = run_time(CaseFile(case=case, duration=1.0)) - BEGIN - recovery
+        assert found == pytest.approx(steps * measured, rel=0.2)
+
+
+def test_a_rigid_run_leaves_what_was_measured():
+    # 9.4e6 bytes a run of 3 s, mean of the 40 of studies/terrain_sweep.toml
+    case = CaseFile(case=Case.translation(), duration=3.0)
+    assert run_bytes(case) == pytest.approx(9.4e6, rel=0.2)
+
+
+def test_finished_runs_tell_how_long_one_takes():
+    found = [{"status": "done", "wall_time_s": 30.0}, {"status": "failed"}]
+    told = estimate(small_case(), 120, 2, found)
+    assert told.startswith(
+        "120 runs of about 30 s each (as 1 finished ones took): 30 min on 2 workers, 1 core"
+    )
+    assert "by a rule of thumb" in estimate(small_case(), 120, 2, [])

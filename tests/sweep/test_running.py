@@ -9,7 +9,7 @@ import xarray as xr
 from exudyn_crawler import Answer, Vary, run_sweep
 from exudyn_crawler.run.folder.folder import held
 from exudyn_crawler.sweep import page, worker
-from exudyn_crawler.sweep.running import standing_of
+from exudyn_crawler.sweep.running import folder_state
 from tests.sweep.cases import FORCE, STIFFNESS, small_sweep
 
 pytestmark = pytest.mark.simulation
@@ -66,7 +66,7 @@ def test_finished_runs_are_taken_as_they_are_and_more_of_them_added(ran, schedul
     assert told[0] == "2 runs: 2 are there, 0 to run"
     assert again.table.equals(run.table)
     more = small_sweep(vary=(Vary(key=STIFFNESS, values=(1e7, 2e7, 3e7)),))
-    assert standing_of(more, run.folder, storage=None, workers=1, retry=False).startswith(
+    assert folder_state(more, run.folder, storage=None, workers=1, retry=False).startswith(
         "3 runs: 2 are there, 1 to run\n1 runs of about"
     )
     wider = run_sweep(more, run.folder, scheduler=scheduler, progress=False)
@@ -124,18 +124,19 @@ def test_failed_runs_are_kept_with_their_reason_and_stop_no_others(scheduler, tm
     assert retried.table["status"].tolist() == ["done", "done"]
 
 
-@pytest.mark.slow
-def test_runs_may_be_kept_on_object_storage(scheduler, tmp_path):
-    storage = (tmp_path / "bucket").as_uri()
-    how = {"scheduler": scheduler, "storage": storage, "progress": False}
-    run = run_sweep(small_sweep(), tmp_path / "here", **how)
+def test_runs_may_be_in_another_folder_and_in_no_bucket(scheduler, tmp_path, monkeypatch):
+    how = {"scheduler": scheduler, "storage": str(tmp_path / "shared"), "progress": False}
+    with monkeypatch.context() as patch:
+        patch.setattr(page, "_report_of", lambda *_: None)
+        run = run_sweep(small_sweep(), tmp_path / "here", **how)
     assert run.table["status"].tolist() == ["done", "done"]
-    kept = {path.parent.name for path in (tmp_path / "bucket").glob("*/history.nc")}
+    kept = {path.parent.name for path in (tmp_path / "shared").glob("*/history.nc")}
     assert kept == set(run.table["folder"])
     assert not (tmp_path / "here" / "runs").exists()
-    told = []
-    run_sweep(small_sweep(), tmp_path / "here", **how, say=told.append)
-    assert told[0] == "2 runs: 2 are there, 0 to run"
+    with pytest.raises(
+        ValueError, match="storage must be a folder that all workers share, got s3://bucket/runs"
+    ):
+        run_sweep(small_sweep(), tmp_path / "there", storage="s3://bucket/runs")
 
 
 def test_what_is_refused_leaves_no_folder(tmp_path):

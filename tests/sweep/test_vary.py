@@ -1,15 +1,23 @@
-"""What varies: levels, factors, and what does not fit the case."""
+"""What varies: levels, factors, what does not fit the case, and by runs what changes nothing."""
 
+import numpy as np
 import pytest
 
-from exudyn_crawler import Vary
-from exudyn_crawler.sweep.paths import checked_case, content_of
+from exudyn_crawler import CaseFile, Vary, simulate
+from exudyn_crawler.case.files.paths import parse_path
+from exudyn_crawler.case.parameters.kinds import with_value_in
+from exudyn_crawler.sweep.vary import IDLE, checked_case, content_of, idle
 from tests.sweep.cases import STIFFNESS, small_case
 
 
 def applied(vary, value):
+    return checked_case(vary.applied(content_of(small_case()), value)).case
+
+
+def case_with(**values):
     content = content_of(small_case())
-    vary.apply(content, value)
+    for path, value in values.items():
+        content = with_value_in(CaseFile, content, parse_path(path.replace("__", ".")), value)
     return checked_case(content).case
 
 
@@ -112,3 +120,96 @@ def test_numbers_that_are_meant_are_taken_with_their_unit():
 
 def test_values_that_only_others_allow_are_left_to_the_runs():
     Vary(key="contact.dynamic_friction", values=(0.5,)).check(small_case())
+
+
+def test_a_content_is_the_same_case():
+    case = small_case()
+    assert checked_case(content_of(case)) == case
+
+
+def test_values_are_changed_in_tables_lists_and_beside_the_case():
+    before = small_case()
+    content = content_of(before)
+    for vary, value in (
+        (Vary(key="duration", values=(2.0,), factor=True), 2.0),
+        (Vary(key="loads.phases[*].loads", values=(4e5,)), 4e5),
+        (Vary(key="shoe.load_point[2]", values=(0.2,)), 0.2),
+    ):
+        content = vary.applied(content, value)
+    found = checked_case(content)
+    assert found.duration == 2.0 * before.duration
+    # one number is that of every shoe
+    assert found.case.loads.phases[0].loads == (4e5, 4e5, 4e5)
+    assert found.case.shoe.load_point == (*before.case.shoe.load_point[:2], 0.2)
+    assert content_of(small_case()) == content_of(before)
+
+
+def test_items_that_a_list_does_not_have_are_refused():
+    vary = Vary(key="loads.phases[3].loads", values=(1.0,))
+    with pytest.raises(ValueError, match=r"loads\.phases has 1 items, counted from 0, no \[3\]"):
+        vary.applied(content_of(small_case()), 1.0)
+
+
+def test_few_of_many_faults_are_named():
+    names = ("spring_stiffness", "spring_damping", "density", "unit_length")
+    with pytest.raises(ValueError, match=r"^terrain\.unit_length: .*; 1 more$"):
+        case_with(**{f"terrain__{name}": -1.0 for name in names})
+
+
+@pytest.mark.parametrize("path", ["", "a..b", "a b", "loads.phases[-1]", "[2]", "a.[1]"])
+def test_what_is_no_path_is_refused(path):
+    with pytest.raises(ValueError, match=r"a path must be like terrain\.|at least 1 character"):
+        Vary(key=path, values=(1.0,))
+
+
+def test_a_column_is_named_and_has_its_unit_by_the_paths_end():
+    case = small_case()
+    for path, label, unit in (
+        ("terrain.spring_stiffness", "spring_stiffness", "N/m"),
+        ("loads.phases[*].loads", "loads", "N"),
+        ("loads.phases[0].loads[*]", "loads", "N"),
+        ("shoe.load_point[2]", "load_point", "m"),
+        ("duration", "duration", "s"),
+        ("terrain.stiffness", "stiffness", ""),
+    ):
+        vary = Vary(key=path, values=(1.0,))
+        assert (vary.label, vary.unit_in(case)) == (label, unit)
+
+
+PAIRS = (
+    ("contact.edge_width", 0.01, 0.3, {"contact__sharing": "area"}),
+    ("contact.damping_depth", 1e-3, 1.5e-2, {"contact__damping": 0.0}),
+    (
+        "contact.stiction_speed",
+        1e-4,
+        2e-2,
+        {"contact__static_friction": 0.0, "contact__dynamic_friction": 0.0},
+    ),
+    (
+        "contact.friction_speed",
+        0.05,
+        1.0,
+        {"contact__static_friction": 0.0, "contact__dynamic_friction": 0.0},
+    ),
+    ("terrain.spring_offset", 0.5, 2.0, {"terrain__springs_per_unit": 1, "terrain__column_tilt": True}),
+    ("solver.quiet_step", 2e-3, 8e-3, {"drive__on": None}),
+)
+
+
+def test_every_idle_value_is_tried():
+    assert [path for path, *_ in IDLE] == [path for path, *_ in PAIRS]
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize(("path", "one", "other", "given"), PAIRS, ids=[path for path, *_ in PAIRS])
+def test_idle_values_change_nothing(path, one, other, given):
+    cases = [case_with(**given | {path.replace(".", "__"): value}) for value in (one, other)]
+    assert [len(list(idle([path], case))) for case in cases] == [1, 1]
+    first, second = (simulate(case, 0.01).dataset for case in cases)
+    assert all(np.array_equal(first[name], second[name], equal_nan=True) for name in first.data_vars)
+
+
+def test_what_counts_is_not_idle():
+    case = small_case().case
+    paths = [path for path, *_ in IDLE if path != "solver.quiet_step"]
+    assert list(idle([*paths, "terrain.spring_stiffness"], case)) == []

@@ -7,11 +7,20 @@ import pytest
 from exudyn_crawler import History, SimulationStopped, simulate
 from exudyn_crawler.run.folder.folder import held
 from exudyn_crawler.sweep import worker
-from exudyn_crawler.sweep.storage import read_outcome
-from exudyn_crawler.sweep.worker import Task, VersionsDiffer, check_versions, own_versions, run_task
+from exudyn_crawler.sweep.worker import (
+    OUTCOME,
+    Task,
+    VersionsDiffer,
+    check_versions,
+    folder_of,
+    own_versions,
+    read_outcome,
+    run_task,
+)
 from tests.sweep.cases import FORCE, small_sweep
 
 SWEEP = small_sweep()
+DIGEST = "0123456789abcdef" * 4
 
 
 def task_of(tmp_path, **changes):
@@ -20,7 +29,7 @@ def task_of(tmp_path, **changes):
         "digest": digest,
         "case": case_file.model_dump_json(),
         "answers": json.dumps([FORCE.model_dump(mode="json")]),
-        "storage": str(tmp_path),
+        "runs": str(tmp_path),
         "reductions": None,
         "versions": own_versions(),
     }
@@ -108,3 +117,16 @@ def test_a_worker_of_other_versions_is_refused(tmp_path):
     with pytest.raises(VersionsDiffer, match="numpy missing there"):
         check_versions({"numpy": "2"}, {}, "host")
     check_versions(own_versions(), dict(own_versions()), "host")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "{", '{"digest": "another", "answers": {}}', f'{{"digest": "{DIGEST}", "answers": 1}}'],
+)
+def test_outcomes_of_others_and_broken_ones_count_for_nothing(tmp_path, text):
+    assert read_outcome(tmp_path, DIGEST) is None
+    folder = folder_of(tmp_path, DIGEST)
+    assert folder == tmp_path / "0123456789abcdef"
+    folder.mkdir()
+    (folder / OUTCOME).write_text(text)
+    assert read_outcome(tmp_path, DIGEST) is None
