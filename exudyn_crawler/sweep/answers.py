@@ -179,8 +179,8 @@ class HotSpot(AnyAnswer):
     def of_run(self, run: CaseRun) -> float:
         """Number of a run; NaN where it has fewer hot spots."""
         table = run.recovered().hot_spots[self.shoe]
-        found = table.loc[table["rank"] == self.rank, "value"]
-        return float(found.iloc[0]) if len(found) else float("nan")
+        stress = table.loc[table["rank"] == self.rank, "value"]
+        return float(stress.iloc[0]) if len(stress) else float("nan")
 
 
 class Life(AnyAnswer):
@@ -254,10 +254,10 @@ class Life(AnyAnswer):
 
     def of_run(self, run: CaseRun) -> float:
         """Shortest life of a run, h; 1e9 stands for all beyond."""
-        found = life_of(self.duty(), [run.history])
-        lives = found.dataset.life.isel(survival=0)
+        result = life_of(self.duty(), [run.history])
+        lives = result.dataset.life.isel(survival=0)
         if self.region is not None:
-            lives = lives[shoe_regions(found.whole, run.history.case.track) == self.region]
+            lives = lives[shoe_regions(result.whole, run.history.case.track) == self.region]
         return float(lives.min())
 
 

@@ -27,7 +27,7 @@ LEAST_AHEAD, AHEAD = 64, 4
 
 @contextmanager
 def connected(
-    scheduler: str | None, workers: int | None, runs: Path, tell: Callable[[str], None]
+    scheduler: str | None, workers: int | None, runs: Path, report: Callable[[str], None]
 ) -> Iterator[Client]:
     """Client of a cluster whose workers can do what a sweep asks for.
 
@@ -54,7 +54,7 @@ def connected(
         warnings.simplefilter("ignore", VersionMismatchWarning)
         with _local(workers) if scheduler is None else _remote(scheduler) as client:
             if client.dashboard_link:
-                tell(f"dashboard: {client.dashboard_link}")
+                report(f"dashboard: {client.dashboard_link}")
             _check_workers(client, runs)
             yield client
 
@@ -103,8 +103,8 @@ def _remote(scheduler: str) -> Iterator[Client]:
         else:
             client = Client(scheduler, timeout=CONNECT_WAIT, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
-        told = " ".join(str(error).split()) or type(error).__name__
-        raise ValueError(f"scheduler must be one that answers, got {scheduler}: {told}") from error
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ValueError(f"scheduler must be one that answers, got {scheduler}: {reason}") from error
     with client:
         yield client
 
@@ -117,11 +117,11 @@ def _check_workers(client: Client, runs: Path) -> None:
         raise ValueError(
             f"the scheduler must have a worker within {WORKER_WAIT:g} s, got none: {client.scheduler.address}"
         ) from error
-    # by name: a worker without the package fails on the import, which is told apart
-    for where, found in client.run(_versions_here, on_error="return").items():
-        if isinstance(found, BaseException):
-            raise ValueError(f"worker {where} does not have the package: {found}")
-        check_versions(own_versions(), found, where)
+    # by name: a worker without the package fails on the import, which is reported apart
+    for where, answer in client.run(_versions_here, on_error="return").items():
+        if isinstance(answer, BaseException):
+            raise ValueError(f"worker {where} does not have the package: {answer}")
+        check_versions(own_versions(), answer, where)
     token = runs / f".seen-{uuid.uuid4().hex}"
     token.touch()
     try:

@@ -151,27 +151,27 @@ class Sweep(Parameters):
         ImplausibleWarning
             Of what varies without any effect.
         """
-        found, faults, idling = [], [], Counter[str]()
+        planned, faults, idling = [], [], Counter[str]()
         for number, values in enumerate(self.rows, 1):
             try:
                 case_file, digest = self.case_of(values)
                 for answer in self.answers:
                     answer.check(case_file)
             except ValueError as error:
-                told = ", ".join(
+                settings = ", ".join(
                     f"{name} = {value}" for name, value in zip(self.columns, values, strict=True)
                 )
-                faults.append(f"run {number} ({told}): {error}")
+                faults.append(f"run {number} ({settings}): {error}")
                 continue
             idling.update(line for one in self.vary for line in idle(one.keys, case_file.case))
-            found.append(PlannedRun(number, values, digest))
+            planned.append(PlannedRun(number, values, digest))
         if faults:
             more = f"; {len(faults)} of {len(self.rows)} runs are at fault" if len(faults) > 1 else ""
             raise ValueError("; ".join(faults[:SHOWN_FAULTS]) + more)
         for line, count in idling.items():
             if count == len(self.rows):
                 warnings.warn(line, ImplausibleWarning, stacklevel=2)
-        return tuple(found)
+        return tuple(planned)
 
     def table(self) -> pd.DataFrame:
         """All runs: columns run, folder and those of what varies; raises and warns as `planned`."""
@@ -243,8 +243,8 @@ def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: 
         return list(itertools.product(*levels))
     lengths = {one.label: len(values) for one, values in zip(varied, levels, strict=True)}
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{name} {count}" for name, count in lengths.items())
-        raise ValueError(f"lists must have as many values each with design 'list', got {told}")
+        counts = ", ".join(f"{name} {count}" for name, count in lengths.items())
+        raise ValueError(f"lists must have as many values each with design 'list', got {counts}")
     return list(zip(*levels, strict=True))
 
 

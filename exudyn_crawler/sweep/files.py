@@ -42,25 +42,25 @@ def read_sweep(path: str | Path) -> Sweep:
         return from_content(Sweep, whole)
 
 
-def _case(given: Any, path: Path) -> CaseFile:
+def _case(entry: Any, path: Path) -> CaseFile:
     """Case of a sweep file."""
-    if isinstance(given, str) and given in named_values(Case):
-        given = {BASE: given}
-    if isinstance(given, dict):
-        return case_of(given, path)
-    if not isinstance(given, str):
-        raise ValueError(f"case must be a case file, the name of a case, or a table of one, got {given!r}")
-    return read_case(path.parent / given)
+    if isinstance(entry, str) and entry in named_values(Case):
+        entry = {BASE: entry}
+    if isinstance(entry, dict):
+        return case_of(entry, path)
+    if not isinstance(entry, str):
+        raise ValueError(f"case must be a case file, the name of a case, or a table of one, got {entry!r}")
+    return read_case(path.parent / entry)
 
 
-def _answer(given: Any, number: int) -> Any:
+def _answer(entry: Any, number: int) -> Any:
     """Answer of a sweep file; one that does not say what it is, is a quantity."""
-    if not isinstance(given, dict):
-        return given
-    if isinstance(given.get("material"), dict):
+    if not isinstance(entry, dict):
+        return entry
+    if isinstance(entry.get("material"), dict):
         place = ("answers", number, "material")
-        given = given | {"material": with_base(given["material"], (FatigueMaterial,), {}, place)}
-    return {TAG: "quantity", **given}
+        entry = entry | {"material": with_base(entry["material"], (FatigueMaterial,), {}, place)}
+    return {TAG: "quantity", **entry}
 
 
 def _resolve_meshes(varied: Any, folder: Path) -> None:

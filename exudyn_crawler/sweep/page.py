@@ -27,7 +27,7 @@ def write_page(
     runs : Path
         Folder of the folders of runs.
     say : callable
-        Is told of reports that cannot be written.
+        Gets a line about each report that cannot be written.
     """
     best = best_and_worst(sweep, table)
     for name in dict.fromkeys(one.folder for one in best):
@@ -56,7 +56,7 @@ def write_page(
 def best_and_worst(sweep: Sweep, table: pd.DataFrame) -> list[Best]:
     """Best and worst finished run of every answer."""
     done = table[table["status"] == DONE]
-    found = []
+    ends_of_all = []
     for answer in sweep.answers:
         values = done[answer.label].dropna()
         if values.empty:
@@ -66,15 +66,17 @@ def best_and_worst(sweep: Sweep, table: pd.DataFrame) -> list[Best]:
             ends = [("best", values.idxmax()), ("worst", values.idxmin())]
         for which, index in ends:
             row = done.loc[index]
-            found.append(Best(answer.label, which, int(row["run"]), str(row["folder"]), float(values[index])))
-    return found
+            ends_of_all.append(
+                Best(answer.label, which, int(row["run"]), str(row["folder"]), float(values[index]))
+            )
+    return ends_of_all
 
 
 def _lead(sweep: Sweep, table: pd.DataFrame) -> str:
     counts = table["status"].value_counts().to_dict()
-    told = ", ".join(f"{count} {status}" for status, count in counts.items())
+    by_status = ", ".join(f"{count} {status}" for status, count in counts.items())
     drawn = f", {sweep.runs} points drawn with seed {sweep.seed}" if sweep.runs else ""
-    return f"{len(table)} runs of {sweep.case.duration:g} s, design {sweep.design}{drawn}: {told}"
+    return f"{len(table)} runs of {sweep.case.duration:g} s, design {sweep.design}{drawn}: {by_status}"
 
 
 def _report_of(run: Path, say: Callable[[str], None]) -> None:

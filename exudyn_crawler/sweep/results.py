@@ -27,7 +27,7 @@ COLUMNS = ("answer", "varied", "first", "first_conf", "total", "total_conf")
 
 
 def results_table(
-    sweep: Sweep, planned: tuple[PlannedRun, ...], found: Mapping[str, Outcome]
+    sweep: Sweep, planned: tuple[PlannedRun, ...], outcomes: Mapping[str, Outcome]
 ) -> pd.DataFrame:
     """A row a run.
 
@@ -39,7 +39,7 @@ def results_table(
     """
     rows: list[dict[str, Any]] = []
     for one in planned:
-        outcome = found.get(one.digest, {})
+        outcome = outcomes.get(one.digest, {})
         answers = outcome.get("answers", {})
         rows.append(
             {"run": one.number, "folder": one.digest[:FOLDER_DIGITS]}
@@ -112,18 +112,18 @@ def write_parquet(table: pd.DataFrame, path: Path) -> None:
     import pyarrow.parquet as pq
 
     units, meanings = table.attrs["units"] | {"wall_time_s": "s"}, table.attrs["meanings"]
-    found = pa.Table.from_pandas(table, preserve_index=False)
+    columns = pa.Table.from_pandas(table, preserve_index=False)
     fields = [
         field.with_metadata({"units": units.get(field.name, ""), "long_name": meanings.get(field.name, "")})
-        for field in found.schema
+        for field in columns.schema
     ]
-    whole = found.cast(pa.schema(fields, metadata=found.schema.metadata))
+    whole = columns.cast(pa.schema(fields, metadata=columns.schema.metadata))
     with whole_file(path, overwrite=True) as temporary:
         pq.write_table(whole, temporary)
 
 
 def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:
-    """A column of what varies as numbers: as it is, or places among its texts, and these."""
+    """A column of what varies as numbers: as it is, or the numbers of its texts, and these."""
     values = table[name]
     if pd.api.types.is_numeric_dtype(values) and not pd.api.types.is_bool_dtype(values):
         return values.to_numpy(dtype=float), []
@@ -149,12 +149,14 @@ def main_effects(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
         for answer in sweep.answers:
             numbers = done[answer.label].to_numpy(dtype=float)
             for group in np.unique(groups):
-                own = numbers[(groups == group) & np.isfinite(numbers)]
+                chosen = numbers[(groups == group) & np.isfinite(numbers)]
                 level = float(values[groups == group].mean())
-                if len(own):
-                    spread = {"mean": own.mean(), "least": own.min(), "greatest": own.max(), "runs": len(own)}
+                if len(chosen):
+                    spread = {"mean": chosen.mean(), "least": chosen.min(), "greatest": chosen.max()}
                     at = texts[round(level)] if texts else level
-                    rows.append({"answer": answer.label, "varied": name, "level": at} | spread)
+                    rows.append(
+                        {"answer": answer.label, "varied": name, "level": at} | spread | {"runs": len(chosen)}
+                    )
     return pd.DataFrame(
         rows, columns=["answer", "varied", "level", "mean", "least", "greatest", "runs"], dtype=object
     ).infer_objects()
@@ -179,7 +181,7 @@ def sobol_indices(sweep: Sweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]
         Columns answer, varied, first, first_conf, total, total_conf; NaN where the design gives none. Empty
         where it gives no indices at all.
     method : str
-        How they were found, or why there are none.
+        How they were computed, or why there are none.
     """
     done = table["status"] == DONE
     varying = [
@@ -226,15 +228,15 @@ def _of_saltelli(sweep: Sweep, table: pd.DataFrame, answer: str) -> list[dict[st
     from SALib.analyze.sobol import analyze
 
     values = table[answer].to_numpy(dtype=float)
-    found = analyze(salib_problem(len(sweep.vary)), values, calc_second_order=False, seed=sweep.seed)
+    indices = analyze(salib_problem(len(sweep.vary)), values, calc_second_order=False, seed=sweep.seed)
     return [
         {
             "answer": answer,
             "varied": name,
-            "first": found["S1"][k],
-            "first_conf": found["S1_conf"][k],
-            "total": found["ST"][k],
-            "total_conf": found["ST_conf"][k],
+            "first": indices["S1"][k],
+            "first_conf": indices["S1_conf"][k],
+            "total": indices["ST"][k],
+            "total_conf": indices["ST_conf"][k],
         }
         for k, name in enumerate(sweep.columns)
     ]
@@ -245,8 +247,8 @@ def _of_sample(sweep: Sweep, done: pd.DataFrame, answer: str) -> list[dict[str, 
 
     points = np.column_stack([numbers_of(done, name)[0] for name in sweep.columns])
     values = done[answer].to_numpy(dtype=float)
-    found = analyze(salib_problem(len(sweep.vary)), points, values, seed=sweep.seed)
+    indices = analyze(salib_problem(len(sweep.vary)), points, values, seed=sweep.seed)
     return [
-        {"answer": answer, "varied": name, "first": found["S1"][k], "first_conf": found["S1_conf"][k]}
+        {"answer": answer, "varied": name, "first": indices["S1"][k], "first_conf": indices["S1_conf"][k]}
         for k, name in enumerate(sweep.columns)
     ]

@@ -57,7 +57,7 @@ class SweepRun:
     dataset : xarray.Dataset
         Answers over what varies if the design is a grid, else over the runs.
     folder : Path
-        Where all of it is kept.
+        Of the sweep.
     """
 
     sweep: Sweep
@@ -67,7 +67,7 @@ class SweepRun:
 
     def _repr_html_(self) -> str:
         """Folder and table, for notebooks."""
-        return f"<p>Sweep kept in {escape(str(self.folder))}</p>" + self.table.to_html(index=False)
+        return f"<p>Sweep in {escape(str(self.folder))}</p>" + self.table.to_html(index=False)
 
 
 def run_sweep(
@@ -103,7 +103,7 @@ def run_sweep(
     progress : bool, optional
         Show a progress bar; None shows one on a terminal and a line every 10 s elsewhere.
     say : callable
-        Is told, in a line, what is going on.
+        Gets a line about what is going on.
 
     Raises
     ------
@@ -119,9 +119,9 @@ def run_sweep(
     folder = writable_folder(Path(out))
     runs = writable_folder(_runs_folder(folder, storage))
     with _held_folder(folder, sweep, say) as keeper:
-        found = _stored_outcomes(planned, runs)
-        missing = _missing(sweep, planned, found, retry)
-        keeper.say(_progress(planned, found, len(missing)))
+        stored = _stored_outcomes(planned, runs)
+        missing = _missing(sweep, planned, stored, retry)
+        keeper.say(_progress(planned, stored, len(missing)))
         if missing:
             shared = None if scheduler is None else folder / REDUCTIONS
             tasks = tasks_of(sweep, missing, runs, shared, retry)
@@ -131,11 +131,11 @@ def run_sweep(
                 progress_bar("sweep", len(missing), progress, unit="runs") as tell,
             ):
                 for count, outcome in enumerate(coming, 1):
-                    found[outcome["digest"]] = outcome
+                    stored[outcome["digest"]] = outcome
                     _report_failure(outcome, keeper)
                     tell(count)
         with keeper.timed("tables and page"):
-            return _gathered(sweep, results_table(sweep, planned, found), folder, runs, keeper)
+            return _gathered(sweep, results_table(sweep, planned, stored), folder, runs, keeper)
 
 
 @contextmanager
@@ -172,10 +172,10 @@ def _gathered(sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, keepe
 def folder_state(sweep: Sweep, out: Path, *, storage: str | None, workers: int | None, retry: bool) -> str:
     """What of a sweep is in a folder, and how long the rest takes; arguments as of `run_sweep`."""
     planned = sweep.planned
-    found = _stored_outcomes(planned, _runs_folder(out, storage))
-    missing = _missing(sweep, planned, found, retry)
-    told = estimate(sweep.case.with_(outputs=sweep.outputs), len(missing), workers, found.values())
-    return f"{_progress(planned, found, len(missing))}\n{told}"
+    stored = _stored_outcomes(planned, _runs_folder(out, storage))
+    missing = _missing(sweep, planned, stored, retry)
+    line = estimate(sweep.case.with_(outputs=sweep.outputs), len(missing), workers, stored.values())
+    return f"{_progress(planned, stored, len(missing))}\n{line}"
 
 
 def _runs_folder(folder: Path, storage: str | None) -> Path:
@@ -199,22 +199,22 @@ def _held_folder(folder: Path, sweep: Sweep, say: Callable[[str], None]) -> Iter
 
 def _stored_outcomes(planned: tuple[PlannedRun, ...], runs: Path) -> dict[str, Outcome]:
     """Outcomes that a folder has of planned runs, by digest, failed ones among them."""
-    found = {}
+    stored = {}
     for digest in dict.fromkeys(one.digest for one in planned):
         outcome = read_outcome(runs, digest)
         if outcome is not None:
-            found[digest] = outcome
-    return found
+            stored[digest] = outcome
+    return stored
 
 
 def _missing(
-    sweep: Sweep, planned: tuple[PlannedRun, ...], found: dict[str, Outcome], retry: bool
+    sweep: Sweep, planned: tuple[PlannedRun, ...], stored: dict[str, Outcome], retry: bool
 ) -> dict[str, PlannedRun]:
     """Runs that have not finished or have other answers, each once, by digest."""
     asked = ANSWERS.dump_python(sweep.answers, mode="json")
     missing: dict[str, PlannedRun] = {}
     for one in planned:
-        outcome = found.get(one.digest, {})
+        outcome = stored.get(one.digest, {})
         status = outcome.get("status")
         done = status == DONE and outcome.get("asked") == asked
         if not (done or (status == FAILED and not retry)):
@@ -252,8 +252,8 @@ def tasks_of(
         )
 
 
-def _progress(planned: tuple[PlannedRun, ...], found: dict[str, Outcome], missing: int) -> str:
-    failed = sum(outcome["status"] == FAILED for outcome in found.values())
+def _progress(planned: tuple[PlannedRun, ...], stored: dict[str, Outcome], missing: int) -> str:
+    failed = sum(outcome["status"] == FAILED for outcome in stored.values())
     different = len({one.digest for one in planned})
     same = f", {len(planned) - different} of them the same as others" if different < len(planned) else ""
     there = f"{different - missing} are there" + (f" ({failed} failed)" if failed else "")
@@ -280,15 +280,15 @@ def run_bytes(case_file: CaseFile) -> float:
     return PACKED * NUMBER * stored * stored_numbers(case_file.case) + 20e3
 
 
-def estimate(case_file: CaseFile, missing: int, workers: int | None, found: Iterable[Outcome]) -> str:
+def estimate(case_file: CaseFile, missing: int, workers: int | None, stored: Iterable[Outcome]) -> str:
     """Time and disk space of the missing runs in a line.
 
     Parameters
     ----------
-    found : iterable
-        Outcomes that are there; finished runs tell how long one takes.
+    stored : iterable
+        Outcomes that are there; finished runs show how long one takes.
     """
-    times = [float(one["wall_time_s"]) for one in found if one.get("status") == DONE]
+    times = [float(one["wall_time_s"]) for one in stored if one.get("status") == DONE]
     each = sum(times) / len(times) if times else run_time(case_file)
     whence = f"as {len(times)} finished ones took" if times else "by a rule of thumb"
     count = workers or os.cpu_count() or 1

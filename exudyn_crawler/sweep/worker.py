@@ -79,7 +79,7 @@ def own_versions() -> dict[str, str]:
     }
 
 
-def check_versions(wanted: Mapping[str, str], found: Mapping[str, str], where: str) -> None:
+def check_versions(wanted: Mapping[str, str], there: Mapping[str, str], where: str) -> None:
     """Refuse a worker whose versions are not the client's.
 
     Raises
@@ -88,9 +88,9 @@ def check_versions(wanted: Mapping[str, str], found: Mapping[str, str], where: s
         Naming what differs.
     """
     differing = [
-        f"{name} {found.get(name, 'missing')} there, {own} here"
-        for name, own in wanted.items()
-        if found.get(name) != own
+        f"{name} {there.get(name, 'missing')} there, {here} here"
+        for name, here in wanted.items()
+        if there.get(name) != here
     ]
     if differing:
         raise VersionsDiffer(f"worker {where} has other versions: {', '.join(differing)}")
@@ -149,13 +149,13 @@ def _write_outcome(folder: Path, outcome: Outcome) -> None:
 
 def reason_of(error: BaseException) -> str:
     """Error in a line, with its kind where it is none of the package's own."""
-    told = " ".join(str(error).split())
-    own = isinstance(error, CrawlerError | ValueError | OSError) and told
-    return told if own else f"{type(error).__name__}: {told}"
+    text = " ".join(str(error).split())
+    is_clear = isinstance(error, CrawlerError | ValueError | OSError) and text
+    return text if is_clear else f"{type(error).__name__}: {text}"
 
 
 def failed_outcome(task: Task, error: BaseException) -> Outcome:
-    """Outcome of a run that its worker could not tell of: it died, say."""
+    """Outcome of a run whose worker could not report it: it died, say."""
     outcome: Outcome = {
         "digest": task.digest,
         "asked": json.loads(task.answers),
@@ -175,7 +175,7 @@ def _answered(task: Task, folder: Path, overwrite: bool) -> dict[str, float | No
     case_file = CaseFile.model_validate_json(task.case)
     give_up = time.monotonic() + LOCK_WAIT
     with warnings.catch_warnings():
-        # the sweep tells of them once
+        # the sweep warns of them once
         warnings.simplefilter("ignore", ImplausibleWarning)
         while True:
             try:
@@ -192,5 +192,5 @@ def _answered(task: Task, folder: Path, overwrite: bool) -> dict[str, float | No
                 if time.monotonic() > give_up:
                     raise
                 time.sleep(1.0)
-        found = {one.label: one.of_run(run) for one in ANSWERS.validate_json(task.answers)}
-    return {name: None if value != value else value for name, value in found.items()}
+        answers = {one.label: one.of_run(run) for one in ANSWERS.validate_json(task.answers)}
+    return {name: None if value != value else value for name, value in answers.items()}

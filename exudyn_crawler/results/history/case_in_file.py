@@ -35,8 +35,8 @@ def with_case(dataset: "xr.Dataset", case: Case) -> "xr.Dataset":
 
 def without_case(dataset: "xr.Dataset") -> "xr.Dataset":
     """Dataset of a history from that of a file."""
-    kept = {name: value for name, value in dataset.attrs.items() if name not in (CASE, CASE_DIGEST)}
-    return dataset.drop_attrs(deep=False).assign_attrs(kept)
+    attributes = {name: value for name, value in dataset.attrs.items() if name not in (CASE, CASE_DIGEST)}
+    return dataset.drop_attrs(deep=False).assign_attrs(attributes)
 
 
 def case_digest(text: str) -> str:
@@ -90,9 +90,9 @@ def case_in_file(path: Path) -> Case:
 
 def _case_of(path: Path) -> Case:
     with h5py.File(path, "r") as file:
-        found = np.asarray(file.attrs.get(LAYOUT_VERSION, UNSIGNED)).item()
-        if found != VERSION and (found != UNSIGNED or "modal_coordinate" in file):
-            raise ValueError(f"its states have layout version {found}, this program reads {VERSION}")
+        version = np.asarray(file.attrs.get(LAYOUT_VERSION, UNSIGNED)).item()
+        if version != VERSION and (version != UNSIGNED or "modal_coordinate" in file):
+            raise ValueError(f"its states have layout version {version}, this program reads {VERSION}")
         text = file.attrs[CASE]
         if file.attrs.get(CASE_DIGEST, case_digest(text)) != case_digest(text):
             raise ValueError("its case was altered: the digest is wrong")

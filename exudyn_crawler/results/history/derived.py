@@ -97,7 +97,7 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
     Parameters
     ----------
     names : iterable of str
-        Quantities that the catalogue tells how to take by shoe.
+        Quantities that the catalogue says how to take by shoe.
     """
     wanted = list(names)
     derived = [name for name in wanted if QUANTITIES[name].is_derived]

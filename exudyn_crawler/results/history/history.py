@@ -170,8 +170,8 @@ def _check(case: Case, dataset: xr.Dataset) -> None:
     if missing:
         raise ValueError(f"it has no {missing[0]}")
     numbers = {"shoe": case.track.shoes, "joint": case.track.joints, "unit": case.terrain.units}
-    for name, own in numbers.items():
-        if not np.array_equal(dataset[name], own):
+    for name, expected in numbers.items():
+        if not np.array_equal(dataset[name], expected):
             raise ValueError(f"its {name}s are not those of its case")
     time = dataset.time.values
     if not (len(time) and np.isfinite(time).all() and (np.diff(time) > 0.0).all()):

@@ -29,9 +29,9 @@ CONTACTS = select(per="pair", files="history")
 NEIGHBOURS = ("behind", "ahead")
 """Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
 
-Treads = Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
-"""Gives at a time (s), coordinates and rates: forces on the shoes and their places, both (rollers, strips of
-both rails, 2, 3), global, N and m; and the index of the shoe behind every roller's axis, (rollers,)."""
+TreadResults = Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
+"""Gives at a time (s), coordinates and rates: forces on the shoes and where they act, both (rollers, strips
+of both rails, 2, 3), global, N and m; and the index of the shoe behind every roller's axis, (rollers,)."""
 
 
 class ContactResults(Protocol):
@@ -44,7 +44,7 @@ class ContactResults(Protocol):
 
     @property
     def results(self) -> Callable[..., NDArray]:
-        """Contacts (contacts, RESULTS) at coordinates, their rates and, where kept, the engine's forces."""
+        """Contacts (contacts, RESULTS) at coordinates, their rates and, where stored, the engine's forces."""
         ...
 
     def unit_motion(self, q: NDArray) -> NDArray:
@@ -71,7 +71,7 @@ def history_of(
     rows: NDArray,
     point: DrivePoint,
     frequencies: NDArray | None = None,
-    treads: Treads | None = None,
+    treads: TreadResults | None = None,
 ) -> History:
     """Turn the stored states of a run into its history.
 
@@ -89,16 +89,17 @@ def history_of(
         Of the front shoe, where the drive acts.
     frequencies : array (modes,), optional
         Of the flexible shoes' modes, Hz.
-    treads : Treads, optional
+    treads : TreadResults, optional
         Reads the treads of a side frame, where the case has one.
     """
     states = _States(case, layout, rows)
     time = states.part("time")
-    variables = _shoes(states) | _reactions(states, point) | _terrain(states, contact)
+    start = case.track.com_positions(case.shoe.com_height)
+    variables = _motion(states, "shoes", start) | _reactions(states, point) | _terrain(states, contact)
     variables["shoe_load"] = variable("shoe_load", case.loads.loads(time))
     variables |= _flexible(states)
     if treads is not None:
-        variables |= rolled_variables(case, layout, rows, treads)
+        variables |= _rolled(states, treads)
     contacts, pairs = _contacts(states, contact)
     motion = {name: variables.pop(name) for name in TERRAIN_COORDINATES if name in variables}
     dataset = xr.Dataset(
@@ -111,7 +112,7 @@ def history_of(
             "axis": AXES,
             **motion,
             **_flexible_coordinates(layout, frequencies),
-            **rolled_coordinates(case),
+            **_rolled_coordinates(case),
             "contact_shoe": ("contact", pairs[:, 0]),
             "contact_unit": ("contact", pairs[:, 1]),
         },
@@ -125,19 +126,19 @@ def history_of(
     return History(case=case, dataset=dataset)
 
 
-def _shoes(states: _States) -> dict[str, Variable]:
-    u, v, a = (states.part(f"shoes{rate}") for rate in RATES)
+def _motion(states: _States, bodies: str, start: NDArray, prefix: str = "") -> dict[str, Variable]:
+    """Motion of the bodies of a part of the states, whose coordinates count from where they start (m)."""
+    u, v, a = (states.part(f"{bodies}{rate}") for rate in RATES)
     angles, rates, accelerations = u[..., 3:], v[..., 3:], a[..., 3:]
-    case = states.case
     named = {
-        "position": u[..., :3] + case.track.com_positions(case.shoe.com_height),
+        "position": u[..., :3] + start,
         "velocity": v[..., :3],
         "acceleration": a[..., :3],
         "angles": angles,
         "angular_velocity": angular_velocity(angles, rates),
         "angular_acceleration": angular_acceleration(angles, rates, accelerations),
     }
-    return {name: variable(name, values) for name, values in named.items()}
+    return {f"{prefix}{name}": variable(f"{prefix}{name}", values) for name, values in named.items()}
 
 
 def _pins(states: _States) -> Iterator[tuple[int, int, NDArray, NDArray]]:
@@ -220,8 +221,10 @@ def _terrain(states: _States, contact: ContactResults) -> dict[str, Variable]:
     shapes = contact.coordinates.shapes
     if shapes is not None:
         first = 6 * len(states.case.track.shoes)
-        own = slice(first, first + contact.coordinates.size)
-        motion = {rate.replace(" ", "_"): states.part(f"coordinates{rate}")[:, own].copy() for rate in RATES}
+        columns = slice(first, first + contact.coordinates.size)
+        motion = {
+            rate.replace(" ", "_"): states.part(f"coordinates{rate}")[:, columns].copy() for rate in RATES
+        }
         return motion_variables(shapes.heave, shapes.tilt, motion)
     named: dict[str, Variable] = {}
     for rate in RATES:
@@ -237,79 +240,53 @@ def _contacts(states: _States, contact: ContactResults) -> tuple[dict[str, Varia
     parts = [states.part("coordinates"), states.part("coordinates rate")]
     if states.layout.contact_forces:
         parts.append(states.part("contact forces"))
-    found = [contact.results(*state) for state in zip(*parts, strict=True)]
-    rows = np.concatenate(found)
+    results = [contact.results(*state) for state in zip(*parts, strict=True)]
+    rows = np.concatenate(results)
     keys = [
         rows[:, RESULT["shoe"]].astype(int) + 1,
         rows[:, RESULT["unit"]].astype(int) + 1,
     ]
     pairs, column = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
-    when = np.repeat(np.arange(len(found)), [len(one) for one in found])
+    when = np.repeat(np.arange(len(results)), [len(one) for one in results])
     variables: dict[str, Variable] = {}
     for name, quantity in CONTACTS.items():
         if quantity.lacking(states.case):
             continue
         values = rows[..., RESULT[name]]
-        table = np.zeros((len(found), len(pairs), *values.shape[1:]))
+        table = np.zeros((len(results), len(pairs), *values.shape[1:]))
         # a history in memory has the numbers of its file
         table[when, column.ravel()] = values.astype(quantity.dtype)
         variables[name] = variable(name, table)
     return variables, pairs
 
 
-def frame_motion(case: Case, layout: StateLayout, rows: NDArray) -> dict[str, NDArray]:
-    """Motion of the side frame's origin and axes, each (times, 3), by the names of their variables.
-
-    Parameters
-    ----------
-    rows : array (times, layout.size)
-        Stored states.
-    """
-    own = [layout.part(rows, f"{SIDE_FRAME}{rate}") for rate in RATES]
-    places, angles = [one[:, :3] for one in own], [one[:, 3:] for one in own]
-    return {
-        "side_frame_position": places[0] + case.frame_start,
-        "side_frame_velocity": places[1],
-        "side_frame_acceleration": places[2],
-        "side_frame_angles": angles[0],
-        "side_frame_angular_velocity": angular_velocity(angles[0], angles[1]),
-        "side_frame_angular_acceleration": angular_acceleration(*angles),
-    }
-
-
-def rolled_variables(case: Case, layout: StateLayout, rows: NDArray, treads: Treads) -> dict[str, Variable]:
-    """Variables of side frame, rollers and pull.
-
-    Parameters
-    ----------
-    rows : array (times, layout.size)
-        Stored states.
-    """
-    frame = case.undercarriage
-    strips = 1 if frame is None else frame.strips
-    parts = (layout.part(rows, name) for name in ("time", "coordinates", "coordinates rate"))
-    found = [treads(*state) for state in zip(*parts, strict=True)]
-    force, foot, behind = (np.array(one) for one in zip(*found, strict=True))
-    split = (len(rows), force.shape[1], len(SIDES), strips, len(NEIGHBOURS), 3)
-    named = frame_motion(case, layout, rows) | {
-        "drive_pull": -layout.part(rows, "drive")[:, 0],
+def _rolled(states: _States, treads: TreadResults) -> dict[str, Variable]:
+    """Motion of the side frame, forces of its rollers and pull of its drive."""
+    parts = (states.part(name) for name in ("time", "coordinates", "coordinates rate"))
+    results = [treads(*state) for state in zip(*parts, strict=True)]
+    force, foot, behind = (np.array(one) for one in zip(*results, strict=True))
+    split = (len(states.rows), force.shape[1], len(SIDES), -1, len(NEIGHBOURS), 3)
+    named = {
+        "drive_pull": -states.part("drive")[:, 0],
         "roller_shoe": behind + 1,
         "roller_force": force.reshape(split).sum(axis=(3, 4)),
         "tread_force": force.reshape(split),
         "tread_foot": foot.reshape(split),
     }
-    return {name: variable(name, values) for name, values in named.items()}
+    motion = _motion(states, SIDE_FRAME, states.case.frame_start, "side_frame_")
+    return motion | {name: variable(name, values) for name, values in named.items()}
 
 
-def rolled_coordinates(case: Case) -> dict[str, object]:
-    """Coordinates of the dimensions of these variables."""
+def _rolled_coordinates(case: Case) -> dict[str, object]:
+    """Coordinates of the dimensions of rollers and treads."""
     frame = case.undercarriage
     if frame is None:
         return {}
+    rollers, strips = np.arange(1, len(frame.rollers) + 1), np.arange(1, frame.strips + 1)
     return {
-        "roller": ("roller", np.arange(1, len(frame.rollers) + 1), {"long_name": "from rear to front"}),
+        "roller": ("roller", rollers, {"long_name": "from rear to front"}),
         "rail": list(SIDES),
-        "strip": ("strip", np.arange(1, frame.strips + 1), {"long_name": "of a tread, from right to left"}),
+        "strip": ("strip", strips, {"long_name": "of a tread, from right to left"}),
         "neighbour": (
             "neighbour",
             list(NEIGHBOURS),

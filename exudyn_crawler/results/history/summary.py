@@ -107,9 +107,9 @@ def extremes(history: History) -> pd.DataFrame:
             new = {"variable": name, "axis": axis, "unit": values.attrs.get("units", "")}
             row = rows.setdefault((name, axis), new)
             for which, better in (("least", operator.lt), ("greatest", operator.gt)):
-                found = _extreme(history, values, which)
-                if which not in row or better(found[which], row[which]):
-                    row |= found
+                extreme = _extreme(history, values, which)
+                if which not in row or better(extreme[which], row[which]):
+                    row |= extreme
     return pd.DataFrame(list(rows.values()), columns=list(COLUMNS))
 
 
@@ -148,7 +148,7 @@ def _item(history: History, dim: str, index: int) -> str:
 BAND = (3.0, 30.0)
 """Hz, between what loads and drive do and what the elastic shoes do."""
 WINDOW = 2.0
-"""s, length of the pieces whose spectra are averaged: it resolves 0.5 Hz."""
+"""s, length of the segments whose spectra are averaged: it resolves 0.5 Hz."""
 WIDTH = 0.25
 """Of the peak's frequency: how far to either side counts as the same oscillation."""
 LEAST_SHARE = 0.3
@@ -179,7 +179,7 @@ def bouncing(history: History) -> Bouncing | None:
     """Bouncing of the shoes over a run; None where none stands out of the contact forces' spectrum.
 
     The vertical contact force of every shoe is taken at equal times; spectra by Welch's method. Runs shorter
-    than `WINDOW` tell nothing.
+    than `WINDOW` say nothing.
     """
     contacts = history.over_time(["contact_force"])
     force = contacts["contact_force"].sel(axis="z").transpose("shoe", "time").values
@@ -189,8 +189,8 @@ def bouncing(history: History) -> Bouncing | None:
     step = float(np.median(np.diff(time)))
     even = np.arange(time[0], time[-1], step)
     sampled = np.stack([np.interp(even, time, one) for one in force])
-    pieces = min(len(even), round(WINDOW / step))
-    frequency, density = welch(sampled, 1.0 / step, nperseg=pieces, detrend="linear")
+    length = min(len(even), round(WINDOW / step))
+    frequency, density = welch(sampled, 1.0 / step, nperseg=length, detrend="linear")
     spectrum = density.mean(axis=0)
     inside = (frequency >= BAND[0]) & (frequency <= BAND[1])
     if not inside.any():
@@ -202,5 +202,5 @@ def bouncing(history: History) -> Bouncing | None:
     mean = abs(float(force.mean()))
     if not (above > 0.0 and mean > 0.0):
         return None
-    found = Bouncing(peak, float(np.sqrt(variance)) / mean, variance / above)
-    return found if found.size >= LEAST_SIZE and found.share >= LEAST_SHARE else None
+    result = Bouncing(peak, float(np.sqrt(variance)) / mean, variance / above)
+    return result if result.size >= LEAST_SIZE and result.share >= LEAST_SHARE else None

@@ -25,8 +25,8 @@ def load_table(history: History) -> pd.DataFrame:
     columns: dict[str, object] = {"shoe": [*map(str, range(1, loads.shoe_count + 1)), "sum"]}
     instants = [("begin", 0.0)] + [(phase.name, phase.end) for phase in phases(loads, history.duration)]
     for name, time in instants:
-        own = loads.loads(time)[0]
-        columns[f"{name} ({time:.6g} s) in N"] = [*own, own.sum()]
+        by_shoe = loads.loads(time)[0]
+        columns[f"{name} ({time:.6g} s) in N"] = [*by_shoe, by_shoe.sum()]
     return pd.DataFrame(columns)
 
 
@@ -44,17 +44,17 @@ def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
         Columns shoe, phase, begin and end of the phase in s, the stress in MPa, when and at which node it is,
         and the node's place in the shoe's frame in m.
     """
-    places = stress.node_position.transpose("node", "axis").values
+    positions = stress.node_position.transpose("node", "axis").values
     rows = []
     for shoe in stress.shoe.values:
-        own = stress.sel(shoe=shoe)
-        highest = own.highest_von_mises.values
+        of_shoe = stress.sel(shoe=shoe)
+        highest = of_shoe.highest_von_mises.values
         for phase in phases(history.case.loads, history.duration):
             within = np.flatnonzero(phase.rows(stress.time.values))
             if len(within) == 0:
                 continue
             at = within[highest[within].argmax()]
-            node = int(own.highest_node.values[at])
+            node = int(of_shoe.highest_node.values[at])
             rows.append(
                 {
                     "shoe": int(shoe),
@@ -64,15 +64,15 @@ def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
                     "highest von Mises in MPa": highest[at] / MEGA,
                     "time in s": float(stress.time[at]),
                     "node": node,
-                    **_place(places[node]),
+                    **_place(positions[node]),
                 }
             )
     return pd.DataFrame(rows)
 
 
 def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
-    """Hot spots of a shoe: stresses in MPa, places in the shoe and the track at t = 0, verdicts, causes."""
-    places = stress.node_position.transpose("node", "axis").values[hot_spots["node"]]
+    """Hot spots of a shoe: stresses in MPa, positions in shoe and track at t = 0, verdicts, causes."""
+    positions = stress.node_position.transpose("node", "axis").values[hot_spots["node"]]
     table = pd.DataFrame(
         {
             "rank": hot_spots["rank"],
@@ -82,7 +82,7 @@ def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
             "time in s": hot_spots["time"],
         }
     )
-    for axis, values in zip("xyz", places.T, strict=True):
+    for axis, values in zip("xyz", positions.T, strict=True):
         table[f"{axis} in the shoe in m"] = values
     for axis in "xyz":
         table[f"{axis} in the track at t = 0 in m"] = hot_spots[axis]
