@@ -4,8 +4,6 @@ Two windows, one of propel and one of loading, are integrated with the default m
 same state, and their peak von Mises stresses compared.
 """
 
-import subprocess
-import sys
 import tempfile
 import time as clock
 from pathlib import Path
@@ -114,8 +112,8 @@ def _peaks(history: History) -> dict[int, float]:
     }
 
 
-def study(duration: float = 40.0, mesh: str = "study") -> tuple[pd.DataFrame, History]:
-    """Wall seconds of each part of the study, and its history."""
+def study(duration: float = 40.0, mesh: str = "study") -> pd.DataFrame:
+    """Wall seconds of each part of the study."""
     case = Case.stress(mesh)
     spent = {}
     begun = clock.perf_counter()
@@ -136,28 +134,13 @@ def study(duration: float = 40.0, mesh: str = "study") -> tuple[pd.DataFrame, Hi
     stress_figures(history, results)
     lap("tables and figures")
     spent["total"] = sum(spent.values())
-    return pd.DataFrame({"part": list(spent), "s": list(spent.values())}), history
-
-
-def looks(history: History) -> pd.DataFrame:
-    """Wall seconds of commands that look at two nodes of a shoe, each in a process of its own."""
-    spent = {}
-    with tempfile.TemporaryDirectory() as folder:
-        path = history.save(Path(folder) / "history.nc")
-        shoe = str(history.case.flexible_shoes().shoes[-1])
-        for name, node in (("first", "0"), ("further", "1")):
-            begun = clock.perf_counter()
-            command = ["exudyn_crawler", "node-stress", str(path), "--shoe", shoe, "--node", node]
-            subprocess.run([sys.executable, "-m", *command], check=True, stdout=subprocess.DEVNULL)
-            spent[name] = clock.perf_counter() - begun
-    return pd.DataFrame({"look": list(spent), "s": list(spent.values())})
+    return pd.DataFrame({"part": list(spent), "s": list(spent.values())})
 
 
 def main() -> None:
     """Print the tables."""
-    table, history = study()
+    table = study()
     print_table(table, "Stress study: 40 s, study mesh, six flexible shoes, 30 modes each")
-    print_table(looks(history), "Stress at a node of a shoe over the study, by the command")
     print_split("stress", SPLIT)
     print_table(windows(), f"Peak von Mises stress over {WINDOW:g} s, MPa, coarse mesh")
 

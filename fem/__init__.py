@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from fem.keeping import kept_files
     from fem.mesh import Mesh, MeshError
     from fem.mesh_files import read_mesh, write_mesh
-    from fem.one_node import Places, places_in, unit_stress, unit_stress_in
     from fem.places import FlatRectangle, PressureGrid, Stations, flat_parts
     from fem.rainflow import Cycles, repeated_cycles
     from fem.recovery import Peaks, recover_peaks, shares
@@ -62,7 +61,6 @@ _NAMES = {
     "shapes": "Shapes SideBySide",
     "surfaces": "faces_joined_to faces_seen_from",
     "trust": "judged mesh_error",
-    "one_node": "Places places_in unit_stress unit_stress_in",
 }
 """Public names of each module."""
 
@@ -88,7 +86,6 @@ __all__ = [
     "OneOfEach",
     "Partition",
     "Peaks",
-    "Places",
     "PressureGrid",
     "Program",
     "ReducedBody",
@@ -118,7 +115,6 @@ __all__ = [
     "load_reduced",
     "mesh_error",
     "nested_reduction",
-    "places_in",
     "read_mesh",
     "recover_damage",
     "recover_extremes",
@@ -129,8 +125,6 @@ __all__ = [
     "shares",
     "static_fields",
     "surface_normals",
-    "unit_stress",
-    "unit_stress_in",
     "write_calculix",
     "write_frame_vtu",
     "write_load_deck",

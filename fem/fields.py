@@ -19,7 +19,7 @@ from fem.mesh import Floats
 from fem.reduced import ReducedBody
 from fem.reduction import Partition
 from fem.shapes import Shapes, SideBySide
-from fem.stress import DEVIATOR
+from fem.stress import DEVIATOR, stress_at_node
 
 AT_ONCE = 32
 """Fields that are solved for, or whose stress is recovered, together."""
@@ -91,6 +91,11 @@ class StaticFields:
     def held(self, frequencies: Floats) -> Floats:
         """Static coordinates (k, m) of the modes, of frequencies (m,) in Hz, under the unit loads."""
         return self.work / (2.0 * np.pi * frequencies) ** 2
+
+    def stress_at(self, body: ReducedBody, node: int) -> Floats:
+        """Stress (k, 6) in Pa at a node by a unit of each load: of these fields and of the body's modes."""
+        about = stress_at_node(body.nodes, body.mesh.elements, body.material, self.displacements, node)
+        return self.held(body.frequencies) @ body.stress_modes[node].T + about.T
 
     def coordinates(self, loads: Mapping[str, Floats]) -> Floats:
         """Coordinates (t, k) of loads (t, ...) by family; a family that is left out does not act.

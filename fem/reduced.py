@@ -92,11 +92,6 @@ class ReducedBody(Shapes):
         )
 
     @property
-    def modal_mass(self) -> Floats:
-        """Modal mass matrix (m, m): the identity."""
-        return np.eye(len(self.frequencies))
-
-    @property
     def modal_stiffness(self) -> Floats:
         """Modal stiffness matrix (m, m) in 1/s2, diagonal."""
         return np.diag((2 * np.pi * self.frequencies) ** 2)

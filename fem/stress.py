@@ -10,7 +10,6 @@ the mesh has the plain mean over its elements. CalculiX has the same rule.
 from functools import lru_cache
 from typing import Literal
 
-import h5py
 import numpy as np
 from scipy.sparse import csr_array
 from skfem import ElementTetP1
@@ -134,7 +133,7 @@ def nodal_stress(
 
 
 def stress_at_node(
-    nodes: Floats, elements: Integers, material: Material, displacements: Floats | h5py.Dataset, node: int
+    nodes: Floats, elements: Integers, material: Material, displacements: Floats, node: int
 ) -> Floats:
     """Nodal stress (6, m) in Pa of displacement fields at one node, from the elements about it alone.
 
@@ -145,7 +144,7 @@ def stress_at_node(
     elements : int array (e, 4 or 10)
     material : Material
     displacements : array (n, 3, m)
-        In m; of a dataset in a file, only the rows of nodes about the node are read.
+        In m.
     node : int
     """
     about = elements[(elements == node).any(axis=1)]

@@ -45,26 +45,25 @@ def node_stress(
     Example: exudyn-crawler node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05
     """
     path = history_path(run)
-    from exudyn_crawler.results.stress.node_look import MEGA, look_into
-    from exudyn_crawler.run.folder.folder import note_file
-    from exudyn_crawler.views.columns import write_columns
+    from exudyn_crawler.results.stress import node_stress as at_node
 
-    found = look_into(path, shoe, near, node)
-    place = ", ".join(f"{value:.4f}" for value in found.place)
+    found = at_node.node_stress(path, shoe, near, node)
+    place = ", ".join(f"{value:.4f}" for value in found.place.values)
+    number = found.attrs["node"]
     typer.echo(
-        f"shoe {shoe}, node {found.node} at ({place}) m in the shoe's frame, "
-        f"{found.distance:.4f} m from the place asked for"
+        f"shoe {shoe}, node {number} at ({place}) m in the shoe's frame, "
+        f"{found.attrs['distance_m']:.4f} m from the place asked for"
     )
-    if found.in_spider:
+    if found.attrs["in_spider"]:
         typer.echo("the node is held by a joint's rigid spider: its stress is that beside a rigid ring")
-    mises = found.von_mises
+    mises = found.von_mises.values
     greatest = int(mises.argmax())
     typer.echo(
-        f"greatest von Mises stress {mises[greatest] / MEGA:.4g} MPa at t = {found.time[greatest]:g} s"
+        f"greatest von Mises stress {mises[greatest] / at_node.MEGA:.4g} MPa "
+        f"at t = {float(found.time[greatest]):g} s"
     )
-    default = path.parent / f"stress_shoe_{shoe}_node_{found.node}.csv"
-    note_file(write_columns(found.columns(), default if out is None else out, overwrite))
-    typer.echo(default if out is None else out)
+    default = path.parent / f"stress_shoe_{shoe}_node_{number}.csv"
+    _write(at_node.node_table(found), default if out is None else out, overwrite)
 
 
 @app.command()

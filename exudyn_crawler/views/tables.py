@@ -6,8 +6,11 @@ import pandas as pd
 from rich.console import Console
 
 from exudyn_crawler.files import whole_file
-from exudyn_crawler.views.columns import NUMBER
 from exudyn_crawler.views.terminal import print_rows
+
+DIGITS = 10
+"""Of a number in a CSV file: the last ones of sixteen are rounding alone, 1.5860000000000005 for 1.586."""
+NUMBER = f"%.{DIGITS}g"
 
 
 def print_table(table: pd.DataFrame, title: str, console: Console | None = None) -> None:

@@ -51,6 +51,17 @@ def exact_stress(
     return partition.body.stress(u.reshape(-1, 3, 1))[:, :, 0]
 
 
+def test_a_unit_has_the_stress_of_its_static_answer_at_a_node(
+    shoe: fem.ElasticBody, reduced: fem.ReducedBody, fields: fem.StaticFields
+) -> None:
+    """What modes and fields of a load make together, recovered at all nodes."""
+    answered = reduced.modes @ fields.held(reduced.frequencies).T + fields.displacements
+    expected = shoe.stress(answered)
+    for node in (0, 7, len(shoe.mesh.nodes) - 1):
+        found = fields.stress_at(reduced, node)
+        np.testing.assert_allclose(found, expected[node].T, atol=1e-9 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("name", ["rail", "ground", "joints"])
 def test_modes_and_fields_are_the_full_static_answer(
     shoe: fem.ElasticBody,

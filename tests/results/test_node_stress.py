@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import node_stress
-from exudyn_crawler.results.stress.node_look import look
-from exudyn_crawler.results.stress.stress_columns import TOLERANCE
+from exudyn_crawler import History, node_stress
+from exudyn_crawler.results.stress.node_stress import node_table
+from exudyn_crawler.results.stress.stress_columns import TOLERANCE, stress_columns
 
 
 def test_the_highest_node_has_the_stress_that_the_recovery_found(flexible_run):
@@ -38,9 +38,9 @@ def test_principal_stresses_belong_to_the_tensor(flexible_run):
     assert one + two + three == pytest.approx(trace, abs=1.0)
     mises = np.sqrt(0.5 * ((one - two) ** 2 + (two - three) ** 2 + (three - one) ** 2))
     assert mises == pytest.approx(found.von_mises.values, rel=1e-9)
-    columns = look(flexible_run[0], 7, near=(0.0, 0.0, 0.1)).columns()
-    assert columns["von Mises in MPa"] == pytest.approx(mises / 1e6)
-    assert columns["principal 3 in MPa"] == pytest.approx(three / 1e6)
+    columns = node_table(found)
+    assert columns["von Mises in MPa"].to_numpy() == pytest.approx(mises / 1e6)
+    assert columns["principal 3 in MPa"].to_numpy() == pytest.approx(three / 1e6)
     assert list(columns)[:2] == ["time in s", "xx in MPa"]
 
 
@@ -62,6 +62,37 @@ def test_principal_stresses_belong_to_the_tensor(flexible_run):
 def test_what_is_no_place_is_refused(flexible_run, options, words):
     with pytest.raises(ValueError, match=words):
         node_stress(flexible_run[0], **options)
+
+
+def test_a_file_has_the_numbers_of_its_history(flexible_run, tmp_path):
+    """Those in memory are those of the file: single precision of the contacts included."""
+    path = flexible_run[0].save(tmp_path / "history.nc")
+    found, expected = (node_stress(one, 13, near=(0.2, -0.3, 0.1)) for one in (path, flexible_run[0]))
+    np.testing.assert_array_equal(found.time, expected.time)
+    np.testing.assert_allclose(found.stress, expected.stress, rtol=1e-12, atol=1e-3)
+    assert found.attrs == expected.attrs
+
+
+def test_without_static_fields_the_modes_alone_answer(flexible_run):
+    history = flexible_run[0]
+    flexible = history.case.flexible_shoes().with_(static_fields=False)
+    alone = History(history.case.with_(flexible=flexible), history.dataset)
+    columns = stress_columns(alone, [13])
+    expected = columns.shapes.stress(columns.coordinates[13], np.array([200]))[:, 0]
+    np.testing.assert_allclose(node_stress(alone, 13, node=200).stress, expected, rtol=1e-9, atol=1e-3)
+
+
+def test_what_is_no_history_or_has_no_mesh_is_named(flexible_run, tmp_path):
+    with pytest.raises(FileNotFoundError, match="no history at"):
+        node_stress(tmp_path / "none.nc", 13, node=0)
+    (tmp_path / "text.nc").write_text("no history")
+    with pytest.raises(ValueError, match=r"text\.nc does not hold a history"):
+        node_stress(tmp_path / "text.nc", 13, node=0)
+    history = flexible_run[0]
+    flexible = history.case.flexible_shoes().with_(mesh=str(tmp_path / "gone.msh"))
+    moved = History(history.case.with_(flexible=flexible), history.dataset).save(tmp_path / "moved.nc")
+    with pytest.raises(FileNotFoundError, match="no mesh file"):
+        node_stress(moved, 13, node=0)
 
 
 def test_rigid_runs_have_no_stress(translation):

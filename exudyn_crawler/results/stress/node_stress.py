@@ -2,27 +2,36 @@
 
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import xarray as xr
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from exudyn_crawler.case import Case
+from exudyn_crawler.model.flexible_shoes import whole_reduction
+from exudyn_crawler.results.history.case_in_file import case_in_file
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.stress.node_look import COMPONENTS, look, look_into
+from exudyn_crawler.results.stress.stress_columns import acting_loads, fields_of
+from fem import Shapes
+from fem.stress import principal, von_mises
+
+COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
+MEGA = 1e6
 
 
 def node_stress(
     history: History | str | Path, shoe: int, near: ArrayLike | None = None, node: int | None = None
 ) -> xr.Dataset:
-    """Stress over time at the node of a flexible shoe that is nearest to a place, or at a node by its number.
+    """Stress over time at the node of a flexible shoe that is nearest to a point, or at a node by its number.
 
     Parameters
     ----------
     history : History or str or Path
-        A history, or the file of one. Of a file the loads on the shoe are kept on disk beside the reductions
-        by its digest, so that further looks, in other processes too, need not read it.
+        A history, or the file of one.
     shoe : int
         Number of the shoe.
     near : array (3,), optional
-        Place in the shoe's frame, m: x along the track, z up, from the nominal COM of the undeformed shoe.
+        Point in the shoe's frame, m: x along the track, z up, from the nominal COM of the undeformed shoe.
     node : int, optional
         Number of the node (from 0, as in tables of hot spots), in place of `near`.
 
@@ -39,35 +48,77 @@ def node_stress(
     FileNotFoundError
         If there is no such file.
     ValueError
-        If the shoe is not a flexible one of the history, the place is not three finite numbers, there is no
-        such node, neither or both of place and node are given, or the file does not hold a history.
+        If the shoe is not a flexible one of the history, the point is not three finite numbers or far from
+        the shoe, there is no such node, neither or both of point and node are given, or the file does not
+        hold a history.
     """
-    if isinstance(history, History):
-        found = look(history, shoe, near, node)
-    else:
-        found = look_into(Path(history), shoe, near, node)
+    # a shoe that is not flexible is reported before a long history is read
+    case = history.case if isinstance(history, History) else case_in_file(Path(history))
+    point = _checked(case, shoe, near, node)
+    whole = whole_reduction(case).body
+    number = _nearest(whole.nodes, point) if point is not None else _checked_number(whole, node)
+    history = history if isinstance(history, History) else History.load(history)
+    fields = fields_of(case)
+    unit = whole.stress_modes[number].T if fields is None else fields.fields.stress_at(whole, number)
+    stress = acting_loads(history, shoe) @ unit
+    distance = 0.0 if point is None else float(np.linalg.norm(whole.nodes[number] - point))
     pascal = {"units": "Pa"}
     return xr.Dataset(
         {
-            "stress": (
-                ("time", "component"),
-                found.stress,
-                pascal | {"long_name": "stress in the shoe's axes"},
-            ),
-            "principal": (("time", "order"), found.principal, pascal),
-            "von_mises": ("time", found.von_mises, pascal | {"long_name": "von Mises stress"}),
-            "place": ("axis", found.place, {"units": "m", "long_name": "place in the shoe's frame"}),
+            "stress": (("time", "component"), stress, pascal | {"long_name": "stress in the shoe's axes"}),
+            "principal": (("time", "order"), principal(stress)[:, ::-1], pascal),
+            "von_mises": ("time", von_mises(stress), pascal | {"long_name": "von Mises stress"}),
+            "place": ("axis", whole.nodes[number], {"units": "m", "long_name": "place in the shoe's frame"}),
         },
         coords={
-            "time": ("time", found.time, {"units": "s"}),
+            "time": ("time", history.time.values, {"units": "s"}),
             "component": list(COMPONENTS),
             "order": [1, 2, 3],
             "axis": ["x", "y", "z"],
         },
         attrs={
-            "shoe": found.shoe,
-            "node": found.node,
-            "distance_m": found.distance,
-            "in_spider": found.in_spider,
+            "shoe": shoe,
+            "node": number,
+            "distance_m": distance,
+            "in_spider": bool(np.isin(number, whole.spider_nodes)),
         },
     )
+
+
+def node_table(found: xr.Dataset) -> pd.DataFrame:
+    """Dataset of `node_stress` as a table: a row a stored time, stresses in MPa."""
+    columns = {"time in s": found.time.values}
+    columns |= {f"{name} in MPa": found.stress.sel(component=name).values / MEGA for name in COMPONENTS}
+    columns |= {f"principal {k} in MPa": found.principal.sel(order=k).values / MEGA for k in (1, 2, 3)}
+    return pd.DataFrame(columns | {"von Mises in MPa": found.von_mises.values / MEGA})
+
+
+def _checked(case: Case, shoe: int, near: ArrayLike | None, node: int | None) -> NDArray | None:
+    """Point (3,) in m that is asked for; None where a node is. Refuses a shoe that is not flexible."""
+    there = [] if case.flexible is None else list(case.flexible.shoes)
+    if shoe not in there:
+        raise ValueError(f"shoe must be a flexible one of the history, of {there}, got {shoe}")
+    if (near is None) == (node is None):
+        raise ValueError("near or node must be given, got neither or both")
+    point = None if near is None else np.asarray(near, dtype=float)
+    if point is not None and (point.shape != (3,) or not np.isfinite(point).all()):
+        raise ValueError(f"near must be three finite numbers in m, got {near!r}")
+    return point
+
+
+def _nearest(nodes: NDArray, point: NDArray) -> int:
+    """Number of the node that is nearest to a point."""
+    distances = np.linalg.norm(nodes - point, axis=1)
+    number = int(distances.argmin())
+    if distances[number] > np.ptp(nodes, axis=0).max():
+        raise ValueError(
+            f"near must be at the shoe, in m in its frame, got {point.tolist()}, "
+            f"{distances[number]:.4g} m from the nearest node"
+        )
+    return number
+
+
+def _checked_number(whole: Shapes, node: int | None) -> int:
+    if node is None or not 0 <= node < len(whole.nodes):
+        raise ValueError(f"node must be in 0..{len(whole.nodes) - 1}, got {node}")
+    return node

@@ -91,7 +91,7 @@ def stress_columns(history: History, shoes: Sequence[int] | None = None) -> Stre
 
 
 def acting_loads(history: History, shoe: int) -> NDArray:
-    """Loads on a flexible shoe, array (times, k), for `fem.unit_stress` of the fields of `fields_of`.
+    """Loads on a flexible shoe, array (times, k), for `StaticFields.stress_at` of the fields of `fields_of`.
 
     Without static fields they are the coordinates of the modes. Their stress is that of `stress_columns`, but
     of every load itself: no field is left out.
