@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import LinearNDInterpolator
 
 from fem.compiling import compiler
-from fem.mesh import Floats
+from fem.mesh import Floats, Integers
 from fem.sources import FEM
 
 CELL = 0.03
@@ -39,6 +39,35 @@ class Underside:
     def mode_count(self) -> int:
         """Number of modes."""
         return self.integral.shape[-1]
+
+    def rectangle_mean(self, low: Floats, high: Floats) -> tuple[Integers, Floats]:
+        """Means over rectangles as sums over points of the grid: the same as of `mean_rows`.
+
+        Parameters
+        ----------
+        low, high : array (times, 2)
+            Least and greatest x and y of the rectangles, m, body axes.
+
+        Returns
+        -------
+        points : int array (times, 16)
+            Numbers of grid points, of which those along y run fastest.
+        weights : array (times, 16)
+            Of the integrals there, 1/m2; zero where a rectangle has no area on the underside.
+        """
+        counts = np.array(self.integral.shape[:2]) - 1
+        ends = np.stack((high, low), axis=1) - self.corner
+        ends = np.clip(ends, 0.0, counts * self.cell)
+        first = np.minimum((ends / self.cell).astype(int), counts - 1)
+        beyond = ends / self.cell - first
+        # of each end the two grid points beside it, along x and along y: (times, 4)
+        points = np.concatenate((first, first + 1), axis=1)
+        weights = np.concatenate((1.0 - beyond, beyond), axis=1) * np.array([1, -1, 1, -1])[:, None]
+        area = np.prod(ends[:, 0] - ends[:, 1], axis=1)
+        inverse = np.divide(1.0, area, out=np.zeros_like(area), where=area > 0.0)
+        numbers = points[:, :, None, 0] * (counts[1] + 1) + points[:, None, :, 1]
+        products = weights[:, :, None, 0] * weights[:, None, :, 1] * inverse[:, None, None]
+        return numbers.reshape(-1, 16), products.reshape(-1, 16)
 
 
 def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> Underside:
@@ -114,39 +143,3 @@ def mean_rows(corner, cell, integral, rectangle, out):
                         + w01 * integral[a, b + 1, c, k]
                         + w11 * integral[a + 1, b + 1, c, k]
                     )
-
-
-def rectangle_loads(
-    underside: Underside, forces: Floats, low: Floats, high: Floats, times_at_once: int = 1000
-) -> Floats:
-    """Modal loads of forces that are spread evenly over rectangles of an underside, one a time.
-
-    Parameters
-    ----------
-    forces : array (times, 3)
-        N, body axes.
-    low, high : array (times, 2)
-        Least and greatest x and y of the rectangles, m, body axes.
-    times_at_once : int
-        Whose rows are held in memory together: 2 MB for 94 modes.
-
-    Returns
-    -------
-    array (times, modes)
-        N times the unit of the mode shapes.
-    """
-    loads = np.empty((len(forces), underside.mode_count))
-    for times in np.array_split(np.arange(len(forces)), 1 + len(forces) // times_at_once):
-        rows = _all_rows(underside.corner, underside.cell, underside.integral, low[times], high[times])
-        loads[times] = (forces[times, None] @ rows)[:, 0]
-    return loads
-
-
-@compiler(FEM)
-def _all_rows(corner, cell, integral, low, high):
-    """Mean displacement rows over the rectangles of all times: (times, 3, modes)."""
-    rows = np.empty((len(low), *integral.shape[2:]))
-    for time in range(len(low)):
-        rectangle = (low[time, 0], high[time, 0], low[time, 1], high[time, 1])
-        mean_rows(corner, cell, integral, rectangle, rows[time])
-    return rows

@@ -179,11 +179,12 @@ def integrated_reduction(case: Case) -> Nested:
     ValueError
         If the case has no flexible shoes, their mesh does not fit the track or no mode remains.
     """
-    return _integrated(case.flexible_shoes(), whole_reduction(case).body)
+    return integrated_in(case.flexible_shoes(), whole_reduction(case).body)
 
 
 @lru_cache(maxsize=4)
-def _integrated(flexible: FlexibleShoes, whole: ReducedBody) -> Nested:
+def integrated_in(flexible: FlexibleShoes, whole: ReducedBody) -> Nested:
+    """Modes of flexible shoes that are integrated, and where they lie in the whole reduction; remembered."""
     nested = nested_reduction(whole, flexible.fixed_modes, [MACHINE_LOAD] if flexible.load_mode else [])
     if flexible.modes is not None:
         return nested.with_modes([number - 1 for number in flexible.modes])

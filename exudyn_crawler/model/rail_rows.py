@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, Rails, Undercarriage
-from fem import ReducedBody
+from fem import Mesh, ReducedBody
 from meshes.rails import station_weights
 
 STATIONS = 9
@@ -34,6 +34,25 @@ def strip_lines(frame: Undercarriage, rails: Rails) -> NDArray:
     return np.concatenate([middle + frame.strip_places for middle in rails.middles])
 
 
+def station_spacing(rails: Rails) -> float:
+    """Distance of neighbouring stations, m."""
+    return (rails.front - rails.rear) / (STATIONS - 1)
+
+
+def strip_weights(mesh: Mesh, frame: Undercarriage, rails: Rails) -> tuple[NDArray, NDArray]:
+    """Nodes (k,) of the rails, and their shares (lines, STATIONS, k) in a force at each station of a strip."""
+    lines, along = strip_lines(frame, rails), np.linspace(rails.rear, rails.front, STATIONS)
+    weights = station_weights(mesh, [(x, y) for y in lines for x in along])
+    nodes = np.flatnonzero(weights.any(axis=0))
+    return nodes, weights[:, nodes].reshape(len(lines), STATIONS, -1)
+
+
+def extended(rows: NDArray) -> NDArray:
+    """Rows (lines, STATIONS, ...) at the stations, extrapolated evenly by one on either side."""
+    before, behind = 2.0 * rows[:, :1] - rows[:, 1:2], 2.0 * rows[:, -1:] - rows[:, -2:-1]
+    return np.ascontiguousarray(np.concatenate((before, rows, behind), axis=1))
+
+
 def rail_rows(reduced: ReducedBody | None, case: Case) -> RailRows:
     """Displacements of the rails of a case's flexible shoes under the strips of its rollers.
 
@@ -46,32 +65,28 @@ def rail_rows(reduced: ReducedBody | None, case: Case) -> RailRows:
     modes = 0 if reduced is None else len(reduced.frequencies)
     if frame is None or rails is None:
         return RailRows(0.0, 1.0, np.zeros((0, STATIONS + 2, 2, modes)))
-    lines, spacing = strip_lines(frame, rails), (rails.front - rails.rear) / (STATIONS - 1)
     if reduced is None:
-        return RailRows(rails.rear, spacing, np.zeros((len(lines), STATIONS + 2, 2, 0)))
-    along = np.linspace(rails.rear, rails.front, STATIONS)
-    weights = station_weights(reduced.mesh, [(x, y) for y in lines for x in along])
-    nodes = np.flatnonzero(weights.any(axis=0))
-    rows = np.einsum("pn,nck->pck", weights[:, nodes], reduced.modes[nodes][:, [0, 2]])
-    rows = rows.reshape(len(lines), STATIONS, 2, -1)
-    before, behind = 2.0 * rows[:, :1] - rows[:, 1:2], 2.0 * rows[:, -1:] - rows[:, -2:-1]
-    return RailRows(rails.rear, spacing, np.ascontiguousarray(np.concatenate((before, rows, behind), axis=1)))
+        lines = len(strip_lines(frame, rails))
+        return RailRows(rails.rear, station_spacing(rails), np.zeros((lines, STATIONS + 2, 2, 0)))
+    nodes, weights = strip_weights(reduced.mesh, frame, rails)
+    rows = np.einsum("lsn,nck->lsck", weights, reduced.modes[nodes][:, [0, 2]])
+    return RailRows(rails.rear, station_spacing(rails), extended(rows))
 
 
-def rows_along(rails: RailRows, line: int, x: NDArray) -> NDArray:
-    """Displacement along x and z of a line at places along it (times,), m: array (times, 2, m).
+def cubic_weights(t: NDArray) -> NDArray:
+    """Shares (k, STATIONS + 2) of `extended` rows in those at places (k,), in spacings from the rail's rear end.
 
     By the cubics of `compiled.rollers.rows_at`.
     """
-    t = np.clip((x - rails.rear) / rails.spacing, 0.0, STATIONS - 1.0)
     first = np.minimum(t.astype(int), STATIONS - 2)
     u = t - first
-    weights = 0.5 * np.stack(
-        (
-            u * (u * (2.0 - u) - 1.0),
-            2.0 + u * u * (3.0 * u - 5.0),
-            u * (1.0 + u * (4.0 - 3.0 * u)),
-            u * u * (u - 1.0),
-        )
+    values = (
+        u * (u * (2.0 - u) - 1.0),
+        2.0 + u * u * (3.0 * u - 5.0),
+        u * (1.0 + u * (4.0 - 3.0 * u)),
+        u * u * (u - 1.0),
     )
-    return sum(one[:, None, None] * rails.rows[line, first + n] for n, one in enumerate(weights))
+    weights = np.zeros((len(t), STATIONS + 2))
+    for n, value in enumerate(values):
+        weights[np.arange(len(t)), first + n] = 0.5 * value
+    return weights
