@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler import FatigueMaterial, History
-from exudyn_crawler.results.stress.stress_columns import stress_columns
+from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.run.folder.histories import HISTORY
 from exudyn_crawler.views.tables import print_table
 from fem import Counting, critical_planes, damage_on_planes, recover_damage, surface_normals
@@ -27,8 +27,8 @@ WORST = 1000
 def study(folder: Path) -> pd.DataFrame:
     """Processor seconds of both signed criteria at all surface nodes, of critical planes at the worst."""
     history = History.load(folder / HISTORY)
-    columns = stress_columns(history)
-    whole, q = columns.shapes, columns.coordinates
+    basis = stress_basis(history)
+    whole, q = basis.shapes, basis.coordinates
     surface, shoes = whole.mesh.surface_nodes, list(q)
     curve = FatigueMaterial.cast_nicrmo().curve()
     counting = Counting(curve, (0.975,), np.zeros(history.time.size, dtype=np.int64), NEGLIGIBLE)

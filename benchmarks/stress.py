@@ -18,9 +18,9 @@ from exudyn_crawler.model.state import RATES
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import history_of
-from exudyn_crawler.results.loads.modal_coordinates import stress_basis, whole_coordinates
-from exudyn_crawler.results.stress.stress_columns import stress_columns
-from exudyn_crawler.results.stress.stresses import recover_stresses
+from exudyn_crawler.results.loads.unit_loads import unit_loads
+from exudyn_crawler.results.stress.basis import stress_basis
+from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.integration import integrate_from
@@ -82,18 +82,16 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
 
 def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarray:
     """State row of the track with all modes: what is not integrated stands where its loads hold it."""
-    basis = stress_basis(history)
+    units, flexible = unit_loads(history.case), history.case.flexible_shoes()
+    alone = History(history.case.with_(flexible=flexible.with_(static_fields=False)), history.dataset)
     few, all_modes = build(history.case).layout, build(whole).layout
     names = ["time", "multipliers"] + [f"{part}{rate}" for part in ("shoes", "terrain") for rate in RATES]
     parts = {name: few.part(state, name) for name in names}
     # stress is made of one mode more, that of the drive's node, which is not integrated
-    turn = _products(basis.whole, floating_shoe(whole).reduced, whole)
-    parts["modes"] = (
-        np.array([whole_coordinates(history, basis, shoe)[0] for shoe in history.case.flexible_shoes().shoes])
-        @ turn
-    )
+    turn = _products(units.whole, floating_shoe(whole).reduced, whole)
+    parts["modes"] = np.concatenate(list(stress_basis(alone).coordinates.values())) @ turn
     for rate in RATES[1:]:
-        parts[f"modes{rate}"] = few.part(state, f"modes{rate}") @ basis.inside.T @ turn
+        parts[f"modes{rate}"] = few.part(state, f"modes{rate}") @ units.integrated.inside.T @ turn
     return all_modes.pack(parts)
 
 
@@ -105,10 +103,10 @@ def _products(first: ReducedBody, second: ReducedBody, case: Case) -> np.ndarray
 
 
 def _peaks(history: History) -> dict[int, float]:
-    columns = stress_columns(history)
+    basis = stress_basis(history)
     return {
-        shoe: float(recover_extremes(columns.shapes.stress_modes, coordinates).highest.max()) / 1e6
-        for shoe, coordinates in columns.coordinates.items()
+        shoe: float(recover_extremes(basis.shapes.stress_modes, coordinates).highest.max()) / 1e6
+        for shoe, coordinates in basis.coordinates.items()
     }
 
 

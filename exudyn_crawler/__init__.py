@@ -49,13 +49,17 @@ if TYPE_CHECKING:
     from exudyn_crawler.results.life.life import LifeResults
     from exudyn_crawler.results.loads.actions import actions
     from exudyn_crawler.results.loads.balance import shoe_imbalance
-    from exudyn_crawler.results.loads.modal_coordinates import stress_basis, whole_coordinates
-    from exudyn_crawler.results.loads.pins import pin_forces
+    from exudyn_crawler.results.loads.exports import (
+        ShoeLoads,
+        action_table,
+        pin_forces,
+        shoe_loads,
+    )
     from exudyn_crawler.results.loads.rollers import frame_imbalance, roller_loads
-    from exudyn_crawler.results.loads.shoe_loads import ShoeLoads, action_table, peak_time, shoe_loads
+    from exudyn_crawler.results.stress.basis import stress_basis
     from exudyn_crawler.results.stress.node_stress import node_stress
+    from exudyn_crawler.results.stress.recovery import StressResults, peak_time, recover_stresses
     from exudyn_crawler.results.stress.spread import Spread
-    from exudyn_crawler.results.stress.stresses import StressResults, recover_stresses
     from exudyn_crawler.run.solve.simulation import simulate
     from exudyn_crawler.run.solve.track_modes import track_modes
     from exudyn_crawler.spread_run import spread
@@ -101,14 +105,14 @@ _HOMES = {
     "ParameterError": "errors",
     "HotSpot": "sweep.answers",
     "SimulationStopped": "errors",
-    "ShoeLoads": "results.loads.shoe_loads",
+    "ShoeLoads": "results.loads.exports",
     "Spread": "results.stress.spread",
-    "StressResults": "results.stress.stresses",
+    "StressResults": "results.stress.recovery",
     "Life": "sweep.answers",
     "Sweep": "sweep.definition",
     "SweepRun": "sweep.running",
     "Vary": "sweep.vary",
-    "action_table": "results.loads.shoe_loads",
+    "action_table": "results.loads.exports",
     "actions": "results.loads.actions",
     "frame_imbalance": "results.loads.rollers",
     "history_series": "views.series",
@@ -117,21 +121,20 @@ _HOMES = {
     "mode_table": "views.mode_shapes",
     "node_stress": "results.stress.node_stress",
     "panel_figure": "views.curves",
-    "peak_time": "results.loads.shoe_loads",
-    "pin_forces": "results.loads.pins",
+    "peak_time": "results.stress.recovery",
+    "pin_forces": "results.loads.exports",
     "read_duty": "results.life.duty",
     "read_sweep": "sweep.files",
-    "recover_stresses": "results.stress.stresses",
+    "recover_stresses": "results.stress.recovery",
     "roller_loads": "results.loads.rollers",
     "run_case": "case_run",
     "run_sweep": "sweep.running",
     "shoe_imbalance": "results.loads.balance",
-    "shoe_loads": "results.loads.shoe_loads",
+    "shoe_loads": "results.loads.exports",
     "simulate": "run.solve.simulation",
     "spread": "spread_run",
-    "stress_basis": "results.loads.modal_coordinates",
+    "stress_basis": "results.stress.basis",
     "track_modes": "run.solve.track_modes",
-    "whole_coordinates": "results.loads.modal_coordinates",
     "write_animation": "views.animation",
     "write_paraview": "views.paraview",
     "write_report": "views.report.page",
@@ -201,7 +204,6 @@ __all__ = [
     "spread",
     "stress_basis",
     "track_modes",
-    "whole_coordinates",
     "write_animation",
     "write_case",
     "write_paraview",

@@ -21,7 +21,7 @@ from exudyn_crawler.results.history.files import blocks
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import extremes
 from exudyn_crawler.results.history.tables import highest_by_phase, hot_spot_table, load_table, region_table
-from exudyn_crawler.results.stress.stresses import StressResults, recover_stresses
+from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses
 from exudyn_crawler.run.folder.folder import kept_run
 from exudyn_crawler.run.folder.histories import HISTORY, matching_history
 from exudyn_crawler.run.folder.into_folder import simulate_into

@@ -10,8 +10,8 @@ from exudyn_crawler.case.parameters.outputs import Outputs
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.files import refuse_existing, writable_folder
 from exudyn_crawler.netcdf import open_netcdf, write_netcdf
+from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.results.stress.spread import Spread, spread_of
-from exudyn_crawler.results.stress.stresses import recover_stresses
 from exudyn_crawler.run.folder.histories import matching_history
 from exudyn_crawler.run.folder.keeper import quiet
 from exudyn_crawler.run.folder.progress import heartbeat

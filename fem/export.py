@@ -12,6 +12,7 @@ from fem.elasticity import Material
 from fem.interfaces import Interface, rigid_motion_of_centers
 from fem.mesh import Floats, Integers, Mesh
 from fem.reduced import ReducedBody
+from fem.shapes import Shapes
 from fem.stress import von_mises
 
 Program = Literal["calculix", "abaqus"]
@@ -48,8 +49,8 @@ def write_modes_vtu(path: str | Path, body: ReducedBody, modes: Sequence[int]) -
     write_vtu(path, body.mesh, fields)
 
 
-def write_frame_vtu(path: str | Path, body: ReducedBody, q: Floats) -> None:
-    """Write displacement (m), stress (Pa) and von Mises stress of modal coordinates (m,)."""
+def write_frame_vtu(path: str | Path, body: Shapes, q: Floats) -> None:
+    """Write displacement (m), stress (Pa) and von Mises stress of coordinates (m,)."""
     stress = body.stress(q)[0]
     write_vtu(
         path,

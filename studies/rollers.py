@@ -17,8 +17,7 @@ from exudyn_crawler.case.parameters.rolled import ground_below
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.history.tables import region_table
 from exudyn_crawler.results.loads.balance import energy_balance
-from exudyn_crawler.results.loads.load_shares import SHARE
-from exudyn_crawler.results.stress.regions import REGIONS
+from exudyn_crawler.results.stress.hot_spots import REGIONS, SHARE
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
 from studies.running import Running, kept_study

@@ -13,7 +13,7 @@ import xarray as xr
 
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.stress.stresses import StressResults
+from exudyn_crawler.results.stress.recovery import StressResults
 from studies.comparison import KINEMATIC, comparison_table, statistic_of
 from studies.reported import reported_values
 

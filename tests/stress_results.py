@@ -4,7 +4,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler import Case, Drive, History, LoadCycle, StepProfile, simulate
-from exudyn_crawler.results.stress.stresses import recover_stresses
+from exudyn_crawler.results.stress.recovery import recover_stresses
 
 
 def short_run(

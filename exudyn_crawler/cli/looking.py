@@ -80,7 +80,7 @@ def pin_forces(
     Example: exudyn-crawler pin-forces results/stress/cycle --shoe 13
     """
     history = loaded(run, shoe)
-    from exudyn_crawler.results.loads.pins import pin_table
+    from exudyn_crawler.results.loads.exports import pin_table
 
     default = history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
     _write(pin_table(history, shoe), default if out is None else out, overwrite)
@@ -104,20 +104,22 @@ def shoe_loads(
     Example: exudyn-crawler shoe-loads results/stress/cycle --shoe 13 --program abaqus
     """
     history = loaded(run, shoe)
-    from exudyn_crawler.results.loads import shoe_loads as found
+    from exudyn_crawler.results.loads import exports
     from exudyn_crawler.run.folder.folder import note_file
 
     flexible = history.case.flexible is not None and shoe in history.case.flexible.shoes
     if time is None:
         if not flexible:
             raise ValueError(f"time must be given for shoe {shoe}, which is rigid and has no highest stress")
-        time = found.peak_time(history, shoe)
+        from exudyn_crawler.results.stress.recovery import peak_time
+
+        time = peak_time(history, shoe)
     folder = history_path(run).parent if out is None else out
-    table = found.action_table(history, shoe, time)
-    name = f"loads_shoe_{shoe}_{found.at_instant(history, time).duration:.4f}s"
+    table = exports.action_table(history, shoe, time)
+    name = f"loads_shoe_{shoe}_{exports.at_instant(history, time).duration:.4f}s"
     if flexible:
         deck = folder / f"{name}_{program.value}.inp"
-        note_file(found.shoe_loads(history, shoe, time).write(deck, program.value, overwrite))
+        note_file(exports.shoe_loads(history, shoe, time).write(deck, program.value, overwrite))
         typer.echo(deck)
     _write(table, folder / f"{name}.csv", overwrite)
 

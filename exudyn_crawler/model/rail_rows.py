@@ -40,7 +40,7 @@ def station_spacing(rails: Rails) -> float:
 
 
 def strip_weights(mesh: Mesh, frame: Undercarriage, rails: Rails) -> tuple[NDArray, NDArray]:
-    """Nodes (k,) of the rails, and their shares (lines, STATIONS, k) in a force at each station of a strip."""
+    """Nodes (k,) of the rails, and their shares (lines, STATIONS, k) in a force at a station of a strip."""
     lines, along = strip_lines(frame, rails), np.linspace(rails.rear, rails.front, STATIONS)
     weights = station_weights(mesh, [(x, y) for y in lines for x in along])
     nodes = np.flatnonzero(weights.any(axis=0))
@@ -74,7 +74,7 @@ def rail_rows(reduced: ReducedBody | None, case: Case) -> RailRows:
 
 
 def cubic_weights(t: NDArray) -> NDArray:
-    """Shares (k, STATIONS + 2) of `extended` rows in those at places (k,), in spacings from the rail's rear end.
+    """Shares (k, STATIONS + 2) of `extended` rows in those at places (k,), in spacings from the rear end.
 
     By the cubics of `compiled.rollers.rows_at`.
     """

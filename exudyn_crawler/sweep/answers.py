@@ -19,8 +19,7 @@ from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, selec
 from exudyn_crawler.results.life.duty import Duty, DutyRun, Survival
 from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from exudyn_crawler.results.life.life import life_of
-from exudyn_crawler.results.stress.regions import Region, shoe_regions
-from exudyn_crawler.results.stress.stresses import HOT_SPOTS
+from exudyn_crawler.results.stress.hot_spots import HOT_SPOTS, Region, shoe_regions
 from exudyn_crawler.run.folder.histories import SAME_TIME
 from fem.fatigue import Miner
 

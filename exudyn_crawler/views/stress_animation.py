@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.history.history import History, common_phases
-from exudyn_crawler.results.stress.surface_stress import surface_stress
+from exudyn_crawler.results.stress.recovery import surface_stress
 from exudyn_crawler.views.colours import ROLLER, ROLLER_FORCE, STRESS_MAP
 from exudyn_crawler.views.curves import STYLE
 from exudyn_crawler.views.film import RATE, Shown, check_film, drawn_image, film_times, write_film

@@ -5,7 +5,7 @@ from dataclasses import replace
 from matplotlib.figure import Figure
 
 from exudyn_crawler.results.history.history import History, common_phases
-from exudyn_crawler.results.stress.stresses import StressResults
+from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views.curves import Panel, panel_figure
 from exudyn_crawler.views.series import (
     HIGHEST_STRESS,

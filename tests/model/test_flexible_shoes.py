@@ -9,10 +9,11 @@ from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, Terrain, sim
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.shoes import add_flexible, add_shoe_nodes
 from exudyn_crawler.model.system import build
-from exudyn_crawler.results.loads.modal_coordinates import modal_loads, stress_basis, whole_coordinates
+from exudyn_crawler.results.loads.unit_loads import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem import Partition, write_mesh
 from fem.stress import von_mises
+from tests.modal_loads import modal_loads, whole_coordinates
 
 pytestmark = pytest.mark.simulation
 
@@ -157,22 +158,23 @@ def test_a_free_shoe_vibrates_at_its_modal_frequency():
 
 
 def test_integrated_modes_lie_inside_the_whole_basis(history):
-    basis = stress_basis(history)
+    units = unit_loads(history.case)
     # 24 constraint modes, 76 fixed-interface modes and the answer to the drive, less six rigid modes
-    assert len(basis.whole.frequencies) == 24 + 76 + 1 - 6
-    assert basis.inside.T @ basis.inside == pytest.approx(np.eye(basis.inside.shape[1]), abs=1e-9)
+    assert len(units.whole.frequencies) == 24 + 76 + 1 - 6
+    inside = units.integrated.inside
+    assert inside.T @ inside == pytest.approx(np.eye(inside.shape[1]), abs=1e-9)
 
 
 def test_recovered_statics_are_those_of_the_whole_basis(history):
     """At rest all 94 modes answer statically to their loads: K q = f for each of them."""
-    basis = stress_basis(history)
+    units = unit_loads(history.case)
     still = type(history)(history.case, history.dataset.isel(time=[0]))
     for shoe in (7, 13):
-        q = whole_coordinates(still, basis, shoe)
-        loads = modal_loads(still, basis, shoe)
-        stiffness = (2.0 * np.pi * basis.whole.frequencies) ** 2
+        q = whole_coordinates(still, shoe)
+        loads = modal_loads(still, shoe)
+        stiffness = (2.0 * np.pi * units.whole.frequencies) ** 2
         static = loads / stiffness
-        stress, expected = (basis.whole.von_mises(x).max() for x in (q, static))
+        stress, expected = (units.whole.von_mises(x).max() for x in (q, static))
         assert stress == pytest.approx(expected, rel=1e-3)
 
 

@@ -8,8 +8,9 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import floating_shoe, side_weights
 from exudyn_crawler.results.loads.actions import actions, shoe_mass
 from exudyn_crawler.results.loads.balance import energy_balance
-from exudyn_crawler.results.loads.modal_coordinates import modal_loads, stress_basis
+from exudyn_crawler.results.loads.unit_loads import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from tests.modal_loads import modal_loads
 
 pytestmark = pytest.mark.simulation
 
@@ -99,14 +100,14 @@ def test_pressure_that_grows_to_a_side_has_its_resultant_there():
 
 def test_modal_loads_follow_the_shift(flexible):
     """Those of the shifted load are those of its two parts, as the run has them."""
-    basis, case = stress_basis(flexible), flexible.case
-    loads = modal_loads(flexible, basis, 2)
+    units, case = unit_loads(flexible.case), flexible.case
+    loads = modal_loads(flexible, 2)
     even = flexible.__class__(case=case.with_(loads=LoadCycle.constant([LOAD] * 3)), dataset=flexible.dataset)
-    difference = loads - modal_loads(even, basis, 2)
-    weights = basis.whole.weights("whole top")
-    right, left = side_weights(weights, basis.whole.nodes)
+    difference = loads - modal_loads(even, 2)
+    weights = units.whole.weights("whole top")
+    right, left = side_weights(weights, units.whole.nodes)
     reach = floating_shoe(case).reach
     force = rotation_matrices(flexible.angles.sel(shoe=2).values)[-1].T @ np.array([0.0, 0.0, -LOAD])
-    wanted = 0.5 * SHIFT / reach * force @ (basis.whole.mean_rows(left) - basis.whole.mean_rows(right))
+    wanted = 0.5 * SHIFT / reach * force @ (units.whole.mean_rows(left) - units.whole.mean_rows(right))
     assert np.abs(difference[0]).max() < 1e-9 * np.abs(loads[0]).max()
     assert difference[-1] == pytest.approx(wanted, abs=1e-9 * np.abs(wanted).max())

@@ -21,7 +21,8 @@ from exudyn_crawler.results.loads.balance import (
     shoe_imbalance,
     track_imbalance,
 )
-from exudyn_crawler.results.loads.modal_coordinates import modal_loads, stress_basis
+from exudyn_crawler.results.loads.unit_loads import unit_loads
+from tests.modal_loads import modal_loads
 
 WEIGHT = 13 * 432.3e3  # N, of the loaded track
 
@@ -118,8 +119,7 @@ def test_energies_of_flexible_shoes_are_refused(flexible_run):
 def test_modal_loads_are_the_virtual_work_of_the_actions(flexible_run):
     """Each action's force and moment times what every mode moves and turns its place by."""
     history = flexible_run[0]
-    basis = stress_basis(history)
-    whole = basis.whole
+    whole = unit_loads(history.case).whole
     shoe, time = 13, -1
     frame = rotation_matrices(history.angles.sel(shoe=shoe).values)[time]
     weights = whole.weights("underside")
@@ -137,11 +137,11 @@ def test_modal_loads_are_the_virtual_work_of_the_actions(flexible_run):
         elif isinstance(action.entry, OverRectangle):
             # the faces that the rectangle cuts are left to the nodes within, or less than 1 cm beside it
             low, high = action.entry.low[time], action.entry.high[time]
-            nodes = basis.whole.mesh.nodes_of("underside")
+            nodes = whole.mesh.nodes_of("underside")
             places = whole.nodes[nodes, :2]
             inside = nodes[np.all((places >= low - 0.01) & (places <= high + 0.01), axis=1)]
             shares = weights[inside] / weights[inside].sum()
             contact += force @ np.tensordot(shares, whole.modes[inside], axes=1)
-    found = modal_loads(history, basis, shoe)[time]
+    found = modal_loads(history, shoe)[time]
     # 4 % by the cut faces; all else is exact
     assert np.linalg.norm(found - expected - contact) < 0.1 * np.linalg.norm(contact)

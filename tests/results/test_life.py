@@ -6,8 +6,8 @@ import pytest
 from exudyn_crawler import Duty, DutyRun, FatigueMaterial, History, node_stress
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.life.life_table import BETWEEN, BEYOND, in_words, life_hours
-from exudyn_crawler.results.stress.regions import REGIONS
-from exudyn_crawler.results.stress.stress_columns import TOLERANCE
+from exudyn_crawler.results.stress.basis import TOLERANCE
+from exudyn_crawler.results.stress.hot_spots import REGIONS
 from fem.trust import HELD, OPEN, VERDICTS
 
 HALF = 0.03

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import History
-from exudyn_crawler.results.loads.load_shares import load_shares, shares
-from exudyn_crawler.results.loads.modal_coordinates import modal_loads, stress_basis
-from exudyn_crawler.results.stress.stress_columns import stress_columns
+from exudyn_crawler.results.loads.unit_loads import unit_loads
+from exudyn_crawler.results.stress.basis import stress_basis
+from exudyn_crawler.results.stress.hot_spots import load_shares, shares
+from tests.modal_loads import modal_loads
 
 SHOE = 7
 NODES = np.arange(0, 3000, 500)
@@ -55,14 +56,14 @@ def test_shares_of_the_loads_of_a_run_add_up_to_one(flexible_run):
     history, _, tables = flexible_run
     times = np.resize(history.time.values[[3, 20, -1]], len(NODES))
     for one in variants(history):
-        found = load_shares(one, stress_columns(one), 13, NODES, times)
+        found = load_shares(one, stress_basis(one), 13, NODES, times)
         assert set(found) == {
             f"share of {load}" for load in ("pins", "machine load", "ground", "drive", "inertia")
         }
         assert found.sum(axis=1).to_numpy() == pytest.approx(1.0, abs=1e-9)
     table = tables[13]
     again = load_shares(
-        history, stress_columns(history), 13, table["node"].to_numpy(), table["time"].to_numpy()
+        history, stress_basis(history), 13, table["node"].to_numpy(), table["time"].to_numpy()
     )
     for name, own in again.items():
         assert table[name].to_numpy() == pytest.approx(own.to_numpy())
@@ -76,12 +77,10 @@ def test_a_load_that_acts_alone_has_all_of_the_stress(flexible_run, load):
         for one in CONTACT if name == "contact" else (name,):
             dataset[one] = 0.0 * dataset[one]
     for history in variants(History(flexible_run[0].case, dataset)):
-        basis = stress_basis(history)
-        still = (
-            modal_loads(history, basis, SHOE) @ basis.inside / (2.0 * np.pi * history.frequency.values) ** 2
-        )
+        inside = unit_loads(history.case).integrated.inside
+        still = modal_loads(history, SHOE) @ inside / (2.0 * np.pi * history.frequency.values) ** 2
         history.modal_coordinate.loc[{"flexible_shoe": SHOE}] = still
         times = np.full(len(NODES), history.duration)
-        found = load_shares(history, stress_columns(history, [SHOE]), SHOE, NODES, times)
+        found = load_shares(history, stress_basis(history, [SHOE]), SHOE, NODES, times)
         assert found[f"share of {load}"].to_numpy() == pytest.approx(1.0, abs=1e-9)
         assert np.abs(found.drop(columns=f"share of {load}").to_numpy()).max(initial=0.0) < 1e-9

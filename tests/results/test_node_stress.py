@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import History, node_stress
+from exudyn_crawler.results.stress.basis import TOLERANCE, stress_basis
 from exudyn_crawler.results.stress.node_stress import node_table
-from exudyn_crawler.results.stress.stress_columns import TOLERANCE, stress_columns
 
 
 def test_the_highest_node_has_the_stress_that_the_recovery_found(flexible_run):
@@ -77,8 +77,8 @@ def test_without_static_fields_the_modes_alone_answer(flexible_run):
     history = flexible_run[0]
     flexible = history.case.flexible_shoes().with_(static_fields=False)
     alone = History(history.case.with_(flexible=flexible), history.dataset)
-    columns = stress_columns(alone, [13])
-    expected = columns.shapes.stress(columns.coordinates[13], np.array([200]))[:, 0]
+    basis = stress_basis(alone, [13])
+    expected = basis.shapes.stress(basis.coordinates[13], np.array([200]))[:, 0]
     np.testing.assert_allclose(node_stress(alone, 13, node=200).stress, expected, rtol=1e-9, atol=1e-3)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler import actions, pin_forces
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.results.loads.pins import pin_table
+from exudyn_crawler.results.loads.exports import pin_table
 
 
 def test_rigid_links_have_no_pin_forces(flexible_run):

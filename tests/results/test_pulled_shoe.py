@@ -7,10 +7,11 @@ from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, simulate
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.modal_coordinates import modal_loads, stress_basis, whole_coordinates
-from exudyn_crawler.results.stress.stresses import recover_stresses
+from exudyn_crawler.results.loads.unit_loads import unit_loads
+from exudyn_crawler.results.stress.recovery import recover_stresses
 from fem import Partition
 from fem.stress import von_mises
+from tests.modal_loads import modal_loads, whole_coordinates
 
 pytestmark = pytest.mark.simulation
 
@@ -69,9 +70,9 @@ def pulled(run, partition, exact):
             still["pin_force"].loc[{"joint": 12, "pin": side}] = -reaction[:3]
             still["pin_torque"].loc[{"joint": 12, "pin": side}] = -reaction[3:]
     history = History(CASE, still)
-    basis = stress_basis(history)
+    inside = unit_loads(CASE).integrated.inside
     own = (2.0 * np.pi * still.frequency.values) ** 2
-    still["modal_coordinate"][:] = (modal_loads(history, basis, 13) @ basis.inside / own)[:, None]
+    still["modal_coordinate"][:] = (modal_loads(history, 13) @ inside / own)[:, None]
     return history
 
 
@@ -87,17 +88,16 @@ def test_forces_balance(exact):
 def test_recovered_stress_and_shape_are_those_of_the_whole_model(pulled, partition, exact):
     """Within 1 % of the greatest everywhere but about the node; measured: 0.5 % and 0.24 %."""
     body = partition.body
-    basis = stress_basis(pulled)
-    q = whole_coordinates(pulled, basis, 13)[0]
+    whole, q = unit_loads(CASE).whole, whole_coordinates(pulled, 13)[0]
     away = np.setdiff1d(np.arange(len(body.mesh.nodes)), at_load(body.mesh))
     expected = von_mises(body.stress(exact[0][:, :, None])[:, :, 0])[away]
-    assert basis.whole.von_mises(q)[0][away] == pytest.approx(expected, abs=0.01 * expected.max())
+    assert whole.von_mises(q)[0][away] == pytest.approx(expected, abs=0.01 * expected.max())
 
     rigid = body.rigid_modes
     moved = body.mass_matrix @ rigid
     elastic = exact[0].ravel() - rigid @ np.linalg.solve(rigid.T @ moved, moved.T @ exact[0].ravel())
     elastic = elastic.reshape(-1, 3)[away]
-    shape = basis.whole.displacement(q)[0][away]
+    shape = whole.displacement(q)[0][away]
     assert shape == pytest.approx(elastic, abs=0.01 * np.linalg.norm(elastic, axis=1).max())
 
 

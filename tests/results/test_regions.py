@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler.case.parameters.track import Track
-from exudyn_crawler.results.stress.regions import REGIONS, shoe_regions
+from exudyn_crawler.results.stress.hot_spots import REGIONS, shoe_regions
 from fem import Shapes
 from meshes import STEEL, joint_interfaces, mesh_named
 

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import History, action_table, peak_time, shoe_loads, stress_basis, whole_coordinates
+from exudyn_crawler import History, action_table, peak_time, shoe_loads
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.loads.balance import shoe_momentum_rates
+from exudyn_crawler.results.loads.unit_loads import unit_loads
 from fem import Partition
 from fem.stress import von_mises
+from tests.modal_loads import whole_coordinates
 
 TIME = 0.05
 
@@ -35,20 +37,20 @@ def test_loads_do_the_elastic_forces_work_on_every_mode(flexible_run, shift):
     shifted = case.with_(loads=case.loads.with_(phases=phases))
     history = History(shifted, flexible_run[0].dataset)
     front = shoe_loads(history, 13, TIME)
-    basis = stress_basis(history)
+    whole = unit_loads(history.case).whole
     row = int(np.abs(history.time.values - TIME).argmin())
-    q = whole_coordinates(history, basis, 13)[row]
-    elastic = (2.0 * np.pi * basis.whole.frequencies) ** 2 * q
-    found = np.einsum("nk,nkm->m", front.nodal, basis.whole.modes)
-    found += np.einsum("ik,ikm->m", front.centers, basis.whole.pilots)
+    q = whole_coordinates(history, 13)[row]
+    elastic = (2.0 * np.pi * whole.frequencies) ** 2 * q
+    found = np.einsum("nk,nkm->m", front.nodal, whole.modes)
+    found += np.einsum("ik,ikm->m", front.centers, whole.pilots)
     assert found == pytest.approx(elastic, abs=1e-6 * np.abs(elastic).max())
 
 
 def test_a_static_solution_has_the_stress_of_the_run(flexible_run, front):
     history, _, _ = flexible_run
-    basis = stress_basis(history)
+    whole = unit_loads(history.case).whole
     row = int(np.abs(history.time.values - TIME).argmin())
-    modal = von_mises(basis.whole.stress(whole_coordinates(history, basis, 13)[row])[0])
+    modal = von_mises(whole.stress(whole_coordinates(history, 13)[row])[0])
     partition = Partition(front.body, front.interfaces)
     shape = partition.static_response(front.nodal.reshape(-1, 1), front.centers.reshape(-1, 1))
     static = von_mises(front.body.stress(shape.reshape(-1, 3, 1))[:, :, 0])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.results.stress.spread import FIRST, relative_spread, spread_of
-from exudyn_crawler.results.stress.stresses import StressResults
 from fem.trust import HELD, LIMITED, VERDICTS
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.results.stress.stress_columns import TOLERANCE
-from exudyn_crawler.results.stress.surface_stress import flat_triangles, surface_stress
+from exudyn_crawler.results.stress.basis import TOLERANCE
+from exudyn_crawler.results.stress.recovery import flat_triangles, surface_stress
 from meshes import mesh_named
 
 

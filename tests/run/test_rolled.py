@@ -7,12 +7,12 @@ from exudyn_crawler import simulate
 from exudyn_crawler.case import MachineCycle
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
-from exudyn_crawler.model.rail_rows import rows_along
 from exudyn_crawler.results.loads.actions import OnRail, actions
 from exudyn_crawler.results.loads.balance import energy_balance, shoe_imbalance, track_imbalance
-from exudyn_crawler.results.loads.modal_coordinates import stress_basis
+from exudyn_crawler.results.loads.exports import shoe_loads
+from exudyn_crawler.results.loads.load_map import coordinates
 from exudyn_crawler.results.loads.rollers import frame_imbalance, roller_loads
-from exudyn_crawler.results.loads.shoe_loads import shoe_loads
+from exudyn_crawler.results.loads.unit_loads import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.run_stages import system_history
 from tests.model.both import residual_of
@@ -114,16 +114,14 @@ def test_modes_feel_in_the_stresses_what_they_feel_in_the_run():
     lifted[-4] += 0.1
     residual = residual_of(system, q, still) - residual_of(system, lifted, still)
     modal = residual[: len(q)][-6 - len(layout.flexible_shoes) * layout.modes : -6]
-    basis, pressed = stress_basis(history), []
+    units, pressed = unit_loads(case), []
     for shoe, found in zip(layout.flexible_shoes, modal.reshape(-1, layout.modes), strict=True):
         frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
-        loads = np.zeros(len(basis.whole.frequencies))
-        for action in actions(history, shoe):
-            if isinstance(action.entry, OnRail):
-                force = (action.force[0] @ frames[0])[[0, 2]]
-                loads += force @ rows_along(basis.rails, action.entry.line, action.entry.x)[0]
-        np.testing.assert_allclose(found, -loads @ basis.inside, atol=1e-6 * np.abs(modal).max())
-        pressed.append(loads.any())
+        rollers = [one for one in actions(history, shoe) if isinstance(one.entry, OnRail)]
+        loads = sum(coordinates(units, one, frames) @ units.work for one in rollers)
+        expected = -(loads @ units.integrated.inside)[0] if rollers else np.zeros(layout.modes)
+        np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(modal).max())
+        pressed.append(bool(rollers))
     assert any(pressed)
 
 

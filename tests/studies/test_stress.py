@@ -9,10 +9,10 @@ from exudyn_crawler import Case, StepProfile
 from exudyn_crawler.case import Drive
 from exudyn_crawler.case.parameters.outputs import Outputs
 from exudyn_crawler.case_run import STRESS_WRITERS
+from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.modal_coordinates import stress_basis
-from exudyn_crawler.results.stress.stress_columns import stress_columns
-from exudyn_crawler.results.stress.stresses import recover_stresses
+from exudyn_crawler.results.stress.basis import stress_basis
+from exudyn_crawler.results.stress.recovery import recover_stresses
 from fem import write_mesh
 from meshes import shoe_mesh
 from studies.stress import PICTURE_TIMES
@@ -75,7 +75,7 @@ def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
 
 def test_modal_frequencies_of_the_shoe_are_the_papers(study):
     """First bending mode 178.07 Hz (S-paper fig. 9); all of 94 modes and the drive's own are elastic."""
-    frequencies = stress_basis(study[1]).whole.frequencies
+    frequencies = whole_reduction(study[1].case).body.frequencies
     assert len(frequencies) == 94 + 1
     assert frequencies[0] == pytest.approx(178.07, rel=0.01)
     assert (np.diff(frequencies) > 0.0).all()
@@ -111,8 +111,8 @@ def test_hot_spots_of_the_front_shoe_are_on_the_inner_faces_of_its_rear_lugs(stu
 
 def test_fields_agree_with_the_modal_history(study):
     _, history, results, _ = study
-    columns = stress_columns(history)
-    shapes, q = columns.shapes, columns.coordinates[13]
+    basis = stress_basis(history)
+    shapes, q = basis.shapes, basis.coordinates[13]
     data = results.dataset.sel(shoe=13)
     instant = int(data.highest_von_mises.values.argmax())
     field = shapes.von_mises(q[instant])[0]

@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler import History
 from exudyn_crawler.results.history.tables import hot_spot_table
-from exudyn_crawler.results.stress.stresses import recover_stresses
+from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.views.stress_pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table

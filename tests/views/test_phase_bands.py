@@ -7,7 +7,7 @@ from matplotlib.colors import to_hex
 
 from exudyn_crawler.case import MachineCycle, MachinePhase
 from exudyn_crawler.results.history.history import History, common_phases
-from exudyn_crawler.results.stress.stresses import StressResults
+from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views.animation import TrackPicture
 from exudyn_crawler.views.colours import PHASE_BANDS
 from exudyn_crawler.views.comparison import comparison_figures

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.results.stress.stresses import StressResults
+from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views.force_figures import force_figures
 from exudyn_crawler.views.series import Series, history_series, link_names, shoe_names
 from exudyn_crawler.views.stress_figures import stress_figures

@@ -8,7 +8,7 @@ import xarray as xr
 
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History, phases
-from exudyn_crawler.results.loads.load_shares import SHARE
+from exudyn_crawler.results.stress.hot_spots import SHARE
 
 MEGA = 1e6
 

@@ -10,8 +10,8 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.life.duty import Duty, DutyRun
-from exudyn_crawler.results.stress.stress_columns import StressColumns, stress_columns
-from exudyn_crawler.results.stress.stresses import near_pull
+from exudyn_crawler.results.stress.basis import StressBasis, stress_basis
+from exudyn_crawler.results.stress.recovery import near_pull
 from fem.damage import Counting
 from fem.fatigue import SNCurve
 
@@ -30,7 +30,7 @@ class UsedRun:
     run : DutyRun
     history : History
         Of the part.
-    columns : StressColumns
+    basis : StressBasis
         What its stresses are the products of.
     times_an_hour : float
     phases : tuple of str
@@ -41,7 +41,7 @@ class UsedRun:
 
     run: DutyRun
     history: History
-    columns: StressColumns
+    basis: StressBasis
     times_an_hour: float
     phases: tuple[str, ...]
     phase: NDArray
@@ -67,7 +67,7 @@ def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
     used = []
     for run, whole, part, often in zip(duty.runs, histories, parts, times, strict=True):
         names, phase = _phases(whole, part)
-        used.append(UsedRun(run, part, stress_columns(part), often, names, phase))
+        used.append(UsedRun(run, part, stress_basis(part), often, names, phase))
     return used
 
 
@@ -78,7 +78,7 @@ def places_of(runs: Sequence[UsedRun]) -> list[int]:
 
 def pulled_nodes(runs: Sequence[UsedRun], shoe: int) -> NDArray:
     """Whether a node of a shoe belongs to an element about the node that a drive pulls: array (nodes,)."""
-    return np.any([near_pull(one.history, one.columns.shapes, shoe) for one in runs], axis=0)
+    return np.any([near_pull(one.history, one.basis.shapes, shoe) for one in runs], axis=0)
 
 
 def _part(run: DutyRun, history: History) -> History:

@@ -27,7 +27,7 @@ from exudyn_crawler.results.life.life_table import (
     worst_nodes,
 )
 from exudyn_crawler.results.life.life_trust import LifeTrust, life_trust
-from exudyn_crawler.results.stress.regions import shoe_regions
+from exudyn_crawler.results.stress.hot_spots import shoe_regions
 from fem import Shapes
 from fem.critical_plane import critical_planes, damage_on_planes, plane_normals, surface_normals
 from fem.damage import damage_between, recover_damage
@@ -100,11 +100,11 @@ def life_of(
         As of `duty_runs.used_runs`; or if a chosen node is not of the surface.
     """
     runs = used_runs(duty, histories)
-    inside = sorted(set(duty.nodes) - set(runs[0].columns.shapes.mesh.surface_nodes.tolist()))
+    inside = sorted(set(duty.nodes) - set(runs[0].basis.shapes.mesh.surface_nodes.tolist()))
     if inside:
         raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
     curve = duty.material.curve(duty.miner)
-    whole, places = runs[0].columns.shapes, places_of(runs)
+    whole, places = runs[0].basis.shapes, places_of(runs)
     by_place, by_part, amplitudes = [], [], []
     for shoe in places:
         say(f"shoe {shoe}: counting cycles of {len(whole.mesh.surface_nodes)} nodes")
@@ -141,14 +141,14 @@ def _at_place(
 
     Arrays (survivals, nodes), (parts, nodes) and (nodes,).
     """
-    whole = runs[0].columns.shapes
+    whole = runs[0].basis.shapes
     surface = whole.mesh.surface_nodes
     damage = np.zeros((len(duty.survivals), len(surface)))
     parts, highest, lowest = [], np.full(len(surface), -np.inf), np.full(len(surface), np.inf)
     for one in runs:
         counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
         found = recover_damage(
-            one.columns.shapes.stress_modes, one.columns.coordinates[shoe], duty.criterion, counting, surface
+            one.basis.shapes.stress_modes, one.basis.coordinates[shoe], duty.criterion, counting, surface
         )
         each = one.times_an_hour * found.damage.transpose(1, 2, 0)
         damage += each.sum(axis=1)
@@ -180,7 +180,7 @@ def _on_critical_planes(
     duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, nodes: NDArray
 ) -> tuple[NDArray, NDArray]:
     """Damage an hour (survivals, nodes) on the critical planes of some nodes, and normals (nodes, 3)."""
-    mesh, places = runs[0].columns.shapes.mesh, places_of(runs)
+    mesh, places = runs[0].basis.shapes.mesh, places_of(runs)
     normals = surface_normals(mesh)
 
     def damage_on(nodes: NDArray, angles: NDArray) -> NDArray:
@@ -188,7 +188,7 @@ def _on_critical_planes(
         for one in runs:
             counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
             for shoe in places:
-                modes, q = one.columns.shapes.stress_modes, one.columns.coordinates[shoe]
+                modes, q = one.basis.shapes.stress_modes, one.basis.coordinates[shoe]
                 each = damage_on_planes(modes, q, normals, angles, counting, nodes)
                 found += one.times_an_hour / len(places) * each
         return found

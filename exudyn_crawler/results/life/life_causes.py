@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.results.life.duty_runs import UsedRun, places_of
-from exudyn_crawler.results.loads.load_shares import SHARE, stress_directions
-from exudyn_crawler.results.stress.stress_columns import columns_by_load
+from exudyn_crawler.results.stress.basis import coordinates_by_load
+from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
 from fem.damage import SIGNED_CRITERIA, signed_signals
 from fem.fatigue import SNCurve
 
@@ -113,11 +113,11 @@ def node_lives(
         often = one.times_an_hour / len(places)
         counting = one.counting(curve, duty.survivals[-1:])
         for shoe in places:
-            loads = columns_by_load(one.history, one.columns, shoe)
+            loads = coordinates_by_load(one.history, one.basis, shoe)
             for node in nodes:
-                modes = one.columns.shapes.stress_modes[node]
+                modes = one.basis.shapes.stress_modes[node]
                 by_load = {load: q @ modes.T for load, q in loads.items()}
-                stress = one.columns.coordinates[shoe] @ modes.T
+                stress = one.basis.coordinates[shoe] @ modes.T
                 cycles[node].append(_cycles(duty, curve, one, shoe, often, stress, by_load))
                 for criterion in SIGNED_CRITERIA:
                     found = counting.damage(signed_signals(criterion, stress.T[None])).sum()

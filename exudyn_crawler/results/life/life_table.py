@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.life.life_causes import NodeLife
-from exudyn_crawler.results.loads.load_shares import SHARE
+from exudyn_crawler.results.stress.hot_spots import SHARE
 from fem import Shapes
 
 BEYOND = 1e9

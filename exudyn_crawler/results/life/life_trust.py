@@ -60,11 +60,11 @@ def life_trust(
     spreads : sequence of DataArray (shoe, node) or None
         Spread of each run's peaks over themselves, as of `spread.relative_spread`; None where not known.
     """
-    whole = runs[0].columns.shapes
+    whole = runs[0].basis.shapes
     found = reduce(operator.add, map(_resolved_changes, runs))
     known = ~np.isnan(damage).any(axis=0)
     greatest = np.max(np.where(known, amplitude, 0.0), axis=0)
-    bounds = [one.columns.bound for one in runs]
+    bounds = [one.basis.bound for one in runs]
     most = max((bound for bound in bounds if bound is not None), default=0.0)
     part = found.error + np.divide(most, greatest, out=np.zeros_like(greatest), where=greatest > 0.0)
     worst = np.argmax(np.where(known, damage, 0.0), axis=0)
@@ -77,5 +77,5 @@ def life_trust(
 
 def _resolved_changes(one: UsedRun) -> Resolution:
     """How far the mesh resolves the stress of a run less its mean at each place."""
-    coordinates = one.columns.coordinates.values()
-    return resolution_over(one.columns.shapes, np.concatenate([q - q.mean(axis=0) for q in coordinates]))
+    coordinates = one.basis.coordinates.values()
+    return resolution_over(one.basis.shapes, np.concatenate([q - q.mean(axis=0) for q in coordinates]))

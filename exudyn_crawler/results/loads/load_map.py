@@ -1,15 +1,13 @@
 """All that acts on a flexible shoe as coordinates of its unit loads, and what follows from these.
 
-Modal loads, coordinates of static fields and nodal forces are products with the coordinates; an action of a new
-kind is a case in `LoadMap.entry`.
+Modal loads, coordinates of static fields and nodal forces are products with these coordinates; an action that
+enters in a new way is a case of `shares_of`.
 
 The run integrates the constraint modes and the lowest fixed-interface modes; the other fixed-interface modes
 lie far above what the track excites and follow their loads without inertia. Craig-Bampton bases nest, so what
 was integrated is a subspace of the whole, and the mode-acceleration method (R. R. Craig, Structural Dynamics,
 1981, ch. 15) gives the whole: its elastic forces are the loads less the inertia and damping of that subspace.
 """
-
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +38,7 @@ from exudyn_crawler.results.loads.unit_loads import (
 )
 
 Shares = tuple[str, NDArray, NDArray]
-"""Family of unit loads, numbers of loads in it (times or 1, j), and their shares in a force (times or 1, j)."""
+"""Family of unit loads, numbers in it (times or 1, j), and the shares of these in a force (times or 1, j)."""
 
 
 def shares_of(units: ShoeUnitLoads, action: Action) -> Shares | None:
@@ -52,10 +50,9 @@ def shares_of(units: ShoeUnitLoads, action: Action) -> Shares | None:
     match action.entry:
         case AtInterface(name):
             return JOINTS, np.array([[joints.index(name)]]), np.ones((1, 1))
-        case OverSurface(_, None):
-            return MACHINE, np.zeros((1, 1), dtype=int), np.ones((1, 1))
         case OverSurface(_, shift):
-            return MACHINE, np.array([[0, 1]]), np.column_stack((np.ones_like(shift), shift))
+            metres = np.zeros(1) if shift is None else shift
+            return MACHINE, np.array([[0, 1]]), np.column_stack((np.ones_like(metres), metres))
         case OverRectangle(low, high, pressed):
             points, shares = units.underside.rectangle_mean(low, high)
             return GROUND, points, shares * pressed[:, None]
@@ -71,8 +68,8 @@ def shares_of(units: ShoeUnitLoads, action: Action) -> Shares | None:
     raise TypeError(f"no unit loads for an action that enters by {action.entry}")
 
 
-def coordinates(units: ShoeUnitLoads, action: Action, frames: NDArray) -> csr_array | None:
-    """Coordinates (times, k) of the unit loads that make an action; None for what bends no shoe.
+def coordinates(units: ShoeUnitLoads, action: Action, frames: NDArray) -> csr_array:
+    """Coordinates (times, k) of the unit loads that make an action; of what bends no shoe there are none.
 
     Parameters
     ----------
@@ -81,7 +78,7 @@ def coordinates(units: ShoeUnitLoads, action: Action, frames: NDArray) -> csr_ar
     """
     shared = shares_of(units, action)
     if shared is None:
-        return None
+        return csr_array((len(frames), units.size))
     family, numbers, shares = shared
     vectors = (action.force, action.moment) if family == JOINTS else (action.force,)
     in_body = np.concatenate([np.einsum("tji,tj->ti", frames, one) for one in vectors], axis=1)
@@ -89,24 +86,24 @@ def coordinates(units: ShoeUnitLoads, action: Action, frames: NDArray) -> csr_ar
     times, loads, components = values.shape
     columns = units.families[family].start + numbers[..., None] * components + np.arange(components)
     rows = np.arange(times + 1) * loads * components
-    places = np.broadcast_to(columns, values.shape).ravel()
-    return csr_array((values.ravel(), places, rows), shape=(times, units.size))
+    places = np.broadcast_to(columns, values.shape).flatten()
+    found = csr_array((values.ravel(), places, rows), shape=(times, units.size))
+    found.eliminate_zeros()
+    return found
 
 
-def loads_by_kind(
-    history: History, shoe: int, acting: Sequence[Action] | None = None
-) -> dict[str, csr_array]:
+def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
     """Coordinates (times, k) of the unit loads of a flexible shoe by kind of action, as of `Action.kind`.
 
-    "inertia" is the momentum of the integrated modes with their damping, ``k q - P^T f`` of their stiffness k
-    and coordinates q and the loads f on them.
+    "inertia" is the momentum of the integrated modes with their damping, ``k q - P^T f``: with the loads f of
+    all modes, stiffness k and coordinates q of the integrated ones and their columns P in the whole basis.
+    The elastic forces of all modes are then ``f - P P^T f + P k q``: what P cannot move answers its loads at
+    once, what it can has the elastic forces that were integrated.
 
     Parameters
     ----------
     shoe : int
         Number of a flexible shoe.
-    acting : sequence of Action, optional
-        Its `actions`, if they are known already.
 
     Raises
     ------
@@ -117,13 +114,14 @@ def loads_by_kind(
     units = unit_loads(history.case)
     frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
     by_kind: dict[str, csr_array] = {}
-    for action in actions(history, shoe) if acting is None else acting:
+    for action in actions(history, shoe):
         loads = coordinates(units, action, frames)
-        if loads is not None:
+        if loads.nnz:
             by_kind[action.kind] = by_kind[action.kind] + loads if action.kind in by_kind else loads
     q = history.modal_coordinate.sel(flexible_shoe=shoe).values
     elastic = q * (2.0 * np.pi * history.frequency.values) ** 2
-    momentum = elastic - sum(by_kind.values()) @ units.work @ units.integrated.inside
+    acting = sum(by_kind.values(), start=csr_array((len(q), units.size)))
+    momentum = elastic - acting @ units.work @ units.integrated.inside
     before = csr_array((len(q), units.families[INERTIA].start))
     return by_kind | {INERTIA: hstack((before, csr_array(momentum)), format="csr")}
 
@@ -139,18 +137,3 @@ def check_flexible(history: History, shoe: int) -> None:
     there = [] if flexible is None else list(flexible.shoes)
     if shoe not in there:
         raise ValueError(f"shoe must be a flexible one of the history, of {there}, got {shoe}")
-
-
-def modal_coordinates(history: History, shoe: int) -> NDArray:
-    """Coordinates of all modes of a flexible shoe over time: array (times, M), kg^0.5 m.
-
-    With loads f and the integrated part's own stiffness k and coordinates q, both in the whole basis through
-    its columns P, the elastic forces of all modes are ``f - P P^T f + P k q``: what P cannot move answers its
-    loads at once, what it can has the elastic forces that were integrated.
-
-    Raises
-    ------
-    ValueError
-        If the shoe is not a flexible one of the history.
-    """
-    return np.asarray(sum(loads_by_kind(history, shoe).values()) @ unit_loads(history.case).answers)

@@ -10,63 +10,34 @@
 | inertia | (mode,): momentum of the modes that are integrated |
 
 The ground's grid and the rails' cubics are those of the equations of motion, whose modal loads these
-coordinates therefore give to rounding: an even traction over any rectangle is the sum of 16 rectangles from the
-corner, and a force between stations is shared by the four of a cubic.
-
-Static fields need fewer and smoother unit loads (a static solution of the finite elements each): a coarser grid
-of tractions that change evenly between its points, and stations of each rail with a pressure about them.
-`static_shares` turns coordinates into theirs, with the same forces and moments.
+coordinates therefore give to rounding: an even traction over any rectangle is the sum of 16 rectangles from
+the corner, and a force between stations is shared by the four of a cubic.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import block_diag, csr_array, eye_array, hstack, kron, vstack
 
 from exudyn_crawler.case import Case, FlexibleShoes, Rails, Track, Undercarriage
 from exudyn_crawler.model.drive_point import pulled_node
-from exudyn_crawler.model.flexible_shoes import (
-    integrated_in,
-    shoe_model,
-    weights_a_metre,
-    whole_reduction,
-)
+from exudyn_crawler.model.flexible_shoes import integrated_in, shoe_model, weights_a_metre, whole_reduction
 from exudyn_crawler.model.rail_rows import STATIONS, cubic_weights, extended, station_spacing, strip_weights
-from exudyn_crawler.model.reductions import kept_fields
-from fem import (
-    ElasticBody,
-    FlatRectangle,
-    Interface,
-    Kept,
-    KeptFields,
-    Mesh,
-    Nested,
-    PressureGrid,
-    ReducedBody,
-    StaticFields,
-    Stations,
-    UnitLoads,
-    flat_parts,
-)
+from fem import ElasticBody, Nested, ReducedBody
 from fem.patches import Underside, integrate_underside
 
 JOINTS, MACHINE, GROUND, RAILS, DRIVE, INERTIA = "joints", "machine", "ground", "rails", "drive", "inertia"
 
 THIRDS = 3
-"""Pieces between two stations of the equations' rails: a cubic between these has four values."""
-GROUND_SPACING = 0.2
-"""m, at most, between points of the static fields' grid: a fifth of a unit."""
-RAIL_REACH = 0.1
-"""m, half the length over which a static field's force is spread: about an element; a roller's line is shorter."""
-RAIL_SPACING = 0.0375
-"""m, about, between stations of the static fields: `Stations` says what it leaves open."""
+"""Pieces between two stations of the equations' rails: a cubic has four values there."""
+STRIP_STATIONS = THIRDS * (STATIONS - 1) + 1
+"""Stations along the line of a strip."""
 
 
-class Spread(NamedTuple):
+class NodalShares(NamedTuple):
     """Family of p unit loads along x, y and z each that k nodes share: weights (p, k), nodes (k,)."""
 
     nodes: NDArray
@@ -90,16 +61,14 @@ class StripStations(NamedTuple):
     rear: float
     spacing: float
 
-    COUNT = THIRDS * (STATIONS - 1) + 1
-
     @property
     def positions(self) -> NDArray:
-        """x in m."""
-        return self.rear + self.spacing * np.arange(self.COUNT)
+        """X in m."""
+        return self.rear + self.spacing * np.arange(STRIP_STATIONS)
 
     def shares(self, line: int, x: NDArray) -> tuple[NDArray, NDArray]:
         """Numbers (times, 4) of stations and their shares in a force at x (times,) on a strip's line."""
-        t = np.clip((x - self.rear) / self.spacing, 0.0, self.COUNT - 1.0)
+        t = np.clip((x - self.rear) / self.spacing, 0.0, STRIP_STATIONS - 1.0)
         first = THIRDS * np.minimum((t / THIRDS).astype(int), STATIONS - 2)
         u = t - first
         shares = (
@@ -108,7 +77,7 @@ class StripStations(NamedTuple):
             -u * (u - 1.0) * (u - 3.0) / 2.0,
             u * (u - 1.0) * (u - 2.0) / 6.0,
         )
-        return line * self.COUNT + first[:, None] + np.arange(4), np.column_stack(shares)
+        return line * STRIP_STATIONS + first[:, None] + np.arange(4), np.column_stack(shares)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +96,7 @@ class ShoeUnitLoads:
         Grid of the family "ground".
     strips : StripStations or None
         Stations of the family "rails"; None without a side frame.
-    spread : mapping of str to Spread
+    spread : mapping of str to NodalShares
         Families whose forces nodes share, by name.
     """
 
@@ -136,7 +105,7 @@ class ShoeUnitLoads:
     integrated: Nested
     underside: Underside
     strips: StripStations | None
-    spread: Mapping[str, Spread]
+    spread: Mapping[str, NodalShares]
 
     @cached_property
     def families(self) -> dict[str, slice]:
@@ -145,7 +114,7 @@ class ShoeUnitLoads:
         counts |= {name: 3 * len(family.weights) for name, family in self.spread.items()}
         counts[INERTIA] = len(self.integrated.body.frequencies)
         ends = np.cumsum(list(counts.values())).tolist()
-        return {name: slice(end - count, end) for (name, count), end in zip(counts.items(), ends, strict=True)}
+        return {name: slice(end - counts[name], end) for name, end in zip(counts, ends, strict=True)}
 
     @property
     def size(self) -> int:
@@ -165,7 +134,7 @@ class ShoeUnitLoads:
         return self.work / (2.0 * np.pi * self.whole.frequencies) ** 2
 
     def forces(self, loads: NDArray) -> tuple[NDArray, NDArray]:
-        """Forces on nodes (n, 3) in N, and forces and moments on joint centres (i, 6), of coordinates (k,)."""
+        """Forces on nodes (n, 3), N, and forces and moments on joint centres (i, 6) of coordinates (k,)."""
         nodal = np.zeros_like(self.body.mesh.nodes)
         for name, family in self.spread.items():
             nodal[family.nodes] += family.weights.T @ loads[self.families[name]].reshape(-1, 3)
@@ -212,17 +181,17 @@ def _unit_loads(
     machine = _machine_weights(whole, flexible.load_surface)
     loaded = np.flatnonzero(machine.any(axis=1))
     spread = {
-        MACHINE: Spread(loaded, machine[loaded].T),
-        GROUND: Spread(under, underside.integral.reshape(-1, len(under))),
+        MACHINE: NodalShares(loaded, machine[loaded].T),
+        GROUND: NodalShares(under, underside.integral.reshape(-1, len(under))),
     }
     frame, rails = rolled
     if frame is not None and rails is not None:
         strips = StripStations(rails.rear, station_spacing(rails) / THIRDS)
         nodes, weights = strip_weights(mesh, frame, rails)
-        along = cubic_weights(np.arange(strips.COUNT) / THIRDS) @ extended(weights)
-        spread[RAILS] = Spread(nodes, along.reshape(-1, len(nodes)))
+        along = cubic_weights(np.arange(STRIP_STATIONS) / THIRDS) @ extended(weights)
+        spread[RAILS] = NodalShares(nodes, along.reshape(-1, len(nodes)))
     if node is not None:
-        spread[DRIVE] = Spread(np.array([node]), np.eye(1))
+        spread[DRIVE] = NodalShares(np.array([node]), np.eye(1))
     return ShoeUnitLoads(body, whole, integrated_in(flexible, whole), underside, strips, spread)
 
 
@@ -230,102 +199,3 @@ def _machine_weights(whole: ReducedBody, loaded: str) -> NDArray:
     """Nodal forces (n, 2) of a unit force over the loaded surface, and of what a metre of shift adds."""
     even = whole.weights(loaded)
     return np.column_stack((even, weights_a_metre(even, whole.nodes)))
-
-
-def ground_grid(mesh: Mesh) -> PressureGrid:
-    """Grid of the static fields over the underside of a shoe.
-
-    Raises
-    ------
-    ValueError
-        If the underside is no level rectangle.
-    """
-    under = mesh.nodes[mesh.nodes_of("underside"), :2]
-    low, high = under.min(axis=0), under.max(axis=0)
-    along, across = (1 + int(np.ceil(side / GROUND_SPACING)) for side in high - low)
-    return PressureGrid(FlatRectangle(mesh, "underside", low, high), (along, across))
-
-
-def rail_stations(mesh: Mesh) -> list[Stations]:
-    """Stations of the static fields on each rail of a shoe, from the right to the left.
-
-    Raises
-    ------
-    KeyError
-        If the mesh has no surface "rails".
-    ValueError
-        If a rail is no level rectangle.
-    """
-    rails = flat_parts(mesh, "rails")
-    lengths = [rail.high[0] - rail.low[0] for rail in rails]
-    return [
-        Stations(rail, 1 + round(length / RAIL_SPACING), min(RAIL_REACH, 0.5 * length))
-        for rail, length in zip(rails, lengths, strict=True)
-    ]
-
-
-class StaticLoads(NamedTuple):
-    """Static fields of a shoe's loads, and the shares (k, f) of their f unit loads in the shoe's k."""
-
-    fields: StaticFields
-    shares: csr_array
-
-
-def static_loads(case: Case) -> StaticLoads | None:
-    """Static fields beside all modes of a case's flexible shoes; kept like these. None where it asks for none.
-
-    Raises
-    ------
-    ValueError
-        If the case has no flexible shoes, or the underside of their mesh, or a rail, is no level rectangle.
-    """
-    if not case.flexible_shoes().static_fields:
-        return None
-    strips = 1 if case.undercarriage is None else case.undercarriage.strips
-    return _static_loads(unit_loads(case), whole_reduction(case), strips)
-
-
-@lru_cache(maxsize=2)
-def _static_loads(units: ShoeUnitLoads, whole: Kept, strips: int) -> StaticLoads:
-    mesh, interfaces = units.body.mesh, units.whole.interfaces
-    families = {JOINTS: UnitLoads.at_centers(len(mesh.nodes), interfaces)}
-    blocks = [eye_array(6 * len(interfaces))]
-    for name, family in units.spread.items():
-        match name:
-            case "ground":
-                grid = ground_grid(mesh)
-                weights, shares = grid.weights, csr_array(_ground_shares(units.underside, grid))
-            case "rails":
-                stations = rail_stations(mesh)
-                weights = hstack([one.weights for one in stations])
-                shares = _rail_shares(units.strips, stations, strips)
-            case _:
-                weights, shares = family.nodal(len(mesh.nodes)), eye_array(len(family.weights))
-        families[name] = UnitLoads.spread(csr_array(weights), interfaces)
-        blocks.append(kron(shares, eye_array(3)))
-    families[INERTIA] = UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
-    blocks.append(eye_array(len(units.integrated.body.frequencies)))
-    return StaticLoads(kept_fields(units.body, whole, families).fields, csr_array(block_diag(blocks)))
-
-
-def _ground_shares(underside: Underside, grid: PressureGrid) -> NDArray:
-    """Tractions (points, points of the static fields' grid) nearest to one over each rectangle of an underside."""
-    counts = underside.integral.shape[:2]
-    sides = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1).reshape(-1, 2)
-    sides = sides * underside.cell
-    low = np.tile(underside.corner, (len(sides), 1))
-    forces = np.outer(np.prod(sides, axis=1), (0.0, 0.0, 1.0))
-    return grid.coordinates(forces, low, low + sides)[..., 2]
-
-
-def _rail_shares(strips: StripStations, stations: Sequence[Stations], lines: int) -> csr_array:
-    """Forces at the static fields' stations by one at each station of the strips, `lines` of them a rail.
-
-    A strip presses on the middle of its rail: what it turns that by about its length is left out.
-    """
-    blocks = []
-    for rail in stations:
-        level = rail.rectangle
-        x = np.clip(strips.positions, level.low[0], level.high[0])
-        blocks.append(vstack([csr_array(rail.coordinates(np.ones((len(x), 1)), x)[..., 0])] * lines))
-    return csr_array(block_diag(blocks))

@@ -11,7 +11,8 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.case_in_file import case_in_file
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.stress.stress_columns import acting_loads, fields_of
+from exudyn_crawler.results.loads.load_map import loads_by_kind
+from exudyn_crawler.results.stress.basis import unit_stress
 from fem import Shapes
 from fem.stress import principal, von_mises
 
@@ -58,9 +59,7 @@ def node_stress(
     whole = whole_reduction(case).body
     number = _nearest(whole.nodes, point) if point is not None else _checked_number(whole, node)
     history = history if isinstance(history, History) else History.load(history)
-    fields = fields_of(case)
-    unit = whole.stress_modes[number].T if fields is None else fields.fields.stress_at(whole, number)
-    stress = acting_loads(history, shoe) @ unit
+    stress = sum(loads_by_kind(history, shoe).values()) @ unit_stress(case, number)
     distance = 0.0 if point is None else float(np.linalg.norm(whole.nodes[number] - point))
     pascal = {"units": "Pa"}
     return xr.Dataset(

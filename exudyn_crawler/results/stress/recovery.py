@@ -7,21 +7,20 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.netcdf import write_netcdf
-from exudyn_crawler.results.history.catalogue import Variable, variable
+from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, variable
 from exudyn_crawler.results.history.history import History, phases
-from exudyn_crawler.results.loads.load_shares import load_shares
-from exudyn_crawler.results.stress.regions import BORES, shoe_regions
-from exudyn_crawler.results.stress.stress_columns import StressColumns, stress_columns
-from exudyn_crawler.results.stress.surface_stress import flat_triangles
-from fem import Extremes, OneOfEach, Shapes, hot_spots, judged, mesh_error, recover_extremes
+from exudyn_crawler.results.loads.load_map import check_flexible
+from exudyn_crawler.results.stress.basis import stress_basis
+from exudyn_crawler.results.stress.hot_spots import BORES, highest_nodes, shoe_regions
+from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes
 from fem.trust import resolution_over, verdict_numbers
 
-HOT_SPOTS = 5
-"""Rows of the S-paper's hot-spot tables."""
+AT_ONCE = 50
+"""Instants whose fields are in memory together."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +49,8 @@ class StressResults:
           stress that a force on one node makes there grows without limit as the mesh is refined
     hot_spots : mapping
         Table of every flexible shoe, as of `fem.hot_spots` and `fem.judged`, of nodes that are not at_load;
-        places global, those of the track at t = 0; region as of `regions.shoe_regions`, and the share of each
-        load as of `load_shares.load_shares`.
+        places global, those of the track at t = 0; region as of `hot_spots.shoe_regions`, and the share of
+        each load as of `hot_spots.load_shares`.
     by_region : mapping
         Same of the highest node of every region; of bores, whose stress is none to use, there is none.
     whole : Shapes
@@ -102,8 +101,8 @@ def recover_stresses(
         If the run has no flexible shoes, or none of the times lies within it.
     """
     named = _named_times(history, times)
-    columns = stress_columns(history)
-    whole, coordinates = columns.shapes, columns.coordinates
+    basis = stress_basis(history)
+    whole, coordinates = basis.shapes, basis.coordinates
     reached, found, tables, by_region = {}, [], {}, {}
     regions = shoe_regions(whole, history.case.track)
     pulled = {shoe: near_pull(history, whole, shoe) for shoe in coordinates}
@@ -116,12 +115,13 @@ def recover_stresses(
     for shoe, q in coordinates.items():
         extremes, at_load = reached[shoe], pulled[shoe]
         away = np.flatnonzero(~at_load)
-        trust = _trust(whole, q, extremes, np.where(at_load, np.nan, columns.bound or 0.0))
+        trust = _trust(whole, q, extremes, np.where(at_load, np.nan, basis.bound or 0.0))
         marked = {"at_load": variable("at_load", at_load, without=("shoe",))}
         found.append(_of_shoe(history, whole, q, extremes, frames).assign(trust | marked))
-        tables[shoe] = _hot_spots(history, columns, shoe, extremes, regions, away)
+        tables[shoe] = highest_nodes(history, basis, shoe, extremes.peaks, regions, away)
         usable = away[regions[away] != BORES]
-        by_region[shoe] = _hot_spots(history, columns, shoe, extremes, regions, usable, OneOfEach(regions))
+        each = OneOfEach(regions)
+        by_region[shoe] = highest_nodes(history, basis, shoe, extremes.peaks, regions, usable, each)
     shoes = xr.Variable("shoe", list(coordinates))
     dataset = xr.concat(found, dim=shoes).transpose("time", "frame", "shoe", ...)
     spider = np.zeros(len(whole.nodes), dtype=bool)
@@ -130,7 +130,7 @@ def recover_stresses(
         node_position=variable("node_position", whole.nodes),
         triangle=variable("triangle", flat_triangles(whole.mesh.boundary)),
         in_spider=variable("in_spider", spider),
-        truncation=variable("truncation", np.array(np.nan if columns.bound is None else columns.bound)),
+        truncation=variable("truncation", np.array(np.nan if basis.bound is None else basis.bound)),
         frame_name=variable("frame_name", np.array(names, dtype=object)),
     ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
     return StressResults(dataset, tables, by_region, whole)
@@ -194,38 +194,6 @@ def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frame
     )
 
 
-def _hot_spots(
-    history: History,
-    columns: StressColumns,
-    shoe: int,
-    extremes: Extremes,
-    regions: NDArray,
-    nodes: NDArray,
-    separation: OneOfEach | None = None,
-) -> pd.DataFrame:
-    """Hot spots among some nodes with verdicts, regions and shares of loads.
-
-    Their places are those in the track at t = 0, as the S-paper gives them.
-    """
-    whole, q, track = columns.shapes, columns.coordinates[shoe], history.case.track
-    table = hot_spots(
-        whole,
-        history.time.values,
-        q,
-        HOT_SPOTS,
-        separation=separation,
-        nodes=nodes,
-        peaks=extremes.peaks,
-    )
-    at, times = table["node"].to_numpy(), table["time"].to_numpy()
-    at_start = track.com_positions(history.case.shoe.com_height)[shoe - 1]
-    table = judged(table, columns.bound).assign(
-        **{axis: table[axis] + at_start[k] for k, axis in enumerate("xyz")},
-        region=regions[at],
-    )
-    return pd.concat((table, load_shares(history, columns, shoe, at, times)), axis=1)
-
-
 def _trust(whole: Shapes, q: NDArray, found: Extremes, bound: NDArray) -> dict[str, Variable]:
     """What is open of the greatest stress of each node of a shoe with coordinates q (times, columns).
 
@@ -239,3 +207,68 @@ def _trust(whole: Shapes, q: NDArray, found: Extremes, bound: NDArray) -> dict[s
         "peak_verdict": verdict_numbers(mesh.error + left_out, mesh.error, mesh.relative_jump, held),
     }
     return {name: variable(name, values, without=("shoe",)) for name, values in named.items()}
+
+
+def peak_time(history: History, shoe: int) -> float:
+    """Time (s) of the highest von Mises stress of a flexible shoe.
+
+    Raises
+    ------
+    ValueError
+        If the shoe is not a flexible one of the history.
+    """
+    basis = stress_basis(history, [shoe])
+    found = recover_extremes(basis.shapes.stress_modes, basis.coordinates[shoe])
+    return float(history.time[int(found.highest.argmax())])
+
+
+def flat_triangles(faces: NDArray) -> NDArray:
+    """Flat triangles through all nodes of faces (k, 6), corners first and then the middles of the sides.
+
+    Returns
+    -------
+    int array (4 k, 3)
+        In the sense of the faces.
+    """
+    quarters = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+    return np.stack([faces[:, list(quarter)] for quarter in quarters], axis=1).reshape(-1, 3)
+
+
+def surface_stress(history: History, shoe: int, rows: ArrayLike) -> xr.Dataset:
+    """Von Mises stress and elastic displacement of a shoe's surface.
+
+    Parameters
+    ----------
+    shoe : int
+        Number of a flexible shoe.
+    rows : int array (instants,)
+        Indices of stored instants.
+
+    Returns
+    -------
+    xarray.Dataset
+        `von_mises` (time, node), Pa; `displacement` (time, node, axis), m, in the shoe's frame;
+        `node_position` (node, axis), m; `triangle` (face, corner), indices along node in outward sense.
+
+    Raises
+    ------
+    ValueError
+        If the shoe is not a flexible one of the history.
+    """
+    check_flexible(history, shoe)
+    basis = stress_basis(history, [shoe])
+    shapes = basis.shapes
+    used, corners = np.unique(flat_triangles(shapes.mesh.boundary), return_inverse=True)
+    q = basis.coordinates[shoe][np.asarray(rows)]
+    parts = [q[start : start + AT_ONCE] for start in range(0, len(q), AT_ONCE)]
+    von_mises = np.concatenate([shapes.von_mises(part, used).astype("f4") for part in parts])
+    bend = np.concatenate([shapes.displacement(part)[:, used].astype("f4") for part in parts])
+    return xr.Dataset(
+        {
+            "von_mises": (("time", "node"), von_mises, QUANTITIES["frame_von_mises"].attributes),
+            "displacement": (("time", "node", "axis"), bend, QUANTITIES["frame_displacement"].attributes),
+            "node_position": variable("node_position", shapes.nodes[used]),
+            "triangle": (("face", "corner"), corners.reshape(-1, 3)),
+        },
+        coords={"time": history.time.isel(time=np.asarray(rows)), "axis": ["x", "y", "z"]},
+    )

@@ -7,17 +7,18 @@ import xarray as xr
 
 from exudyn_crawler import History
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.flexible_shoes import shoe_model
-from exudyn_crawler.model.load_places import RAILS, ground_grid, rail_loads, rail_stations, shoe_fields
+from exudyn_crawler.model.flexible_shoes import shoe_model, whole_reduction
 from exudyn_crawler.results.loads.actions import OverRectangle, actions
-from exudyn_crawler.results.loads.field_loads import field_loads, loads_by_kind
-from exudyn_crawler.results.loads.modal_coordinates import coordinates_and_momentum, modal_loads, stress_basis
-from exudyn_crawler.results.loads.shoe_loads import at_instant, patch_weights, shoe_loads
+from exudyn_crawler.results.loads.exports import at_instant, shoe_loads
+from exudyn_crawler.results.loads.load_map import loads_by_kind
+from exudyn_crawler.results.loads.static_loads import ground_grid, rail_stations, static_loads
+from exudyn_crawler.results.loads.unit_loads import GROUND, RAILS, unit_loads
+from exudyn_crawler.results.stress.basis import MOST_FIELDS, StressBasis, coordinates_by_load, stress_basis
 from exudyn_crawler.results.stress.node_stress import node_stress
-from exudyn_crawler.results.stress.stress_columns import SHARE, StressColumns, columns_by_load, stress_columns
-from exudyn_crawler.results.stress.stresses import recover_stresses
+from exudyn_crawler.results.stress.recovery import recover_stresses
 from fem import Partition, field_columns
 from fem.stress import von_mises
+from tests.rolled import small_flexible_case
 
 Run = tuple[History, xr.Dataset, dict[int, pd.DataFrame]]
 
@@ -35,32 +36,29 @@ def modes_alone(flexible_run: Run) -> History:
 
 
 @pytest.fixture(scope="module")
-def columns(with_fields: History) -> StressColumns:
-    return stress_columns(with_fields)
+def basis(with_fields: History) -> StressBasis:
+    return stress_basis(with_fields)
 
 
-def test_coordinates_do_the_work_of_the_modal_loads(with_fields: History) -> None:
+def test_static_loads_do_the_work_of_the_modal_loads(with_fields: History) -> None:
     """The ground's grid apart, which holds a pressure's resultants and not its seams."""
-    basis = stress_basis(with_fields)
-    fields = shoe_fields(with_fields.case).fields
+    units, static = unit_loads(with_fields.case), static_loads(with_fields.case)
+    assert static is not None
     for shoe in (7, 13):
-        _, momentum = coordinates_and_momentum(with_fields, basis, shoe)
-        acting = actions(with_fields, shoe)
-        loads = field_loads(fields, loads_by_kind(with_fields, fields, basis.whole, momentum, shoe, acting))
-        expected = modal_loads(with_fields, basis, shoe) + momentum @ basis.inside.T
-        np.testing.assert_allclose(loads @ fields.work, expected, atol=0.02 * np.abs(expected).max())
+        loads = sum(loads_by_kind(with_fields, shoe).values())
+        expected, found = loads @ units.work, loads @ static.shares @ static.fields.work
+        np.testing.assert_allclose(found, expected, atol=0.02 * np.abs(expected).max())
         low = slice(6)
-        np.testing.assert_allclose(
-            (loads @ fields.work)[:, low], expected[:, low], atol=2e-3 * np.abs(expected).max()
-        )
+        np.testing.assert_allclose(found[:, low], expected[:, low], atol=2e-3 * np.abs(expected).max())
 
 
 def consistent_nodal(history: History, shoe: int) -> np.ndarray:
     """Nodal forces (n, 3) of `shoe_loads` in whose place pressures press on the elements, not on nodes."""
     case = history.case
-    body, _ = shoe_model(case.flexible_shoes(), case.track)
+    units = unit_loads(case)
+    ground = units.spread[GROUND]
     nodal = shoe_loads(history, shoe, history.duration).nodal.copy()
-    rectangle = ground_grid(body.mesh).rectangle
+    rectangle = ground_grid(units.body.mesh).rectangle
     now = at_instant(history, history.duration)
     frame = rotation_matrices(now.angles.sel(shoe=shoe).values)[0]
     middles = (np.arange(60) + 0.5) / 60
@@ -70,18 +68,19 @@ def consistent_nodal(history: History, shoe: int) -> np.ndarray:
             x, y = (a + (b - a) * middles for a, b in zip(low, high, strict=True))
             points = np.meshgrid(x, y, indexing="ij")
             share = rectangle.samples(points[0].ravel(), points[1].ravel()).mean(axis=0)
-            share -= patch_weights(case, body, action.entry)
+            points, weights = units.underside.rectangle_mean(action.entry.low, action.entry.high)
+            share[ground.nodes] -= weights[0] @ ground.weights[points[0]]
             nodal += np.outer(share, action.force[0] @ frame)
     return nodal
 
 
 def test_stress_is_that_of_the_full_static_answer(
-    with_fields: History, modes_alone: History, columns: StressColumns
+    with_fields: History, modes_alone: History, basis: StressBasis
 ) -> None:
     case = with_fields.case
     body, interfaces = shoe_model(case.flexible_shoes(), case.track)
     partition = Partition(body, interfaces)
-    alone = stress_columns(modes_alone)
+    alone = stress_basis(modes_alone)
     for shoe in (7, 13):
         nodal = consistent_nodal(with_fields, shoe).reshape(-1, 1)
         centers = shoe_loads(with_fields, shoe, with_fields.duration).centers.reshape(-1, 1)
@@ -89,17 +88,17 @@ def test_stress_is_that_of_the_full_static_answer(
         exact = body.stress(u.reshape(-1, 3, 1))[:, :, 0]
         error, truncated = (
             von_mises(one.shapes.stress(one.coordinates[shoe][-1])[0] - exact).max() / von_mises(exact).max()
-            for one in (columns, alone)
+            for one in (basis, alone)
         )
         assert error < 0.01
         assert truncated > 4.0 * error
 
 
-def test_fields_are_few_and_their_bound_is_known(columns: StressColumns, modes_alone: History) -> None:
-    modes = len(stress_basis(modes_alone).whole.frequencies)
-    assert modes < columns.shapes.stress_modes.shape[2] <= (1.0 + SHARE) * modes
-    assert columns.bound is not None
-    assert stress_columns(modes_alone, [7]).bound is None
+def test_fields_are_few_and_their_bound_is_known(basis: StressBasis, modes_alone: History) -> None:
+    modes = len(whole_reduction(modes_alone.case).body.frequencies)
+    assert modes < basis.shapes.stress_modes.shape[2] <= (1.0 + MOST_FIELDS) * modes
+    assert basis.bound is not None
+    assert stress_basis(modes_alone, [7]).bound is None
 
 
 def test_results_and_single_nodes_have_the_same_fields(
@@ -118,34 +117,19 @@ def test_results_and_single_nodes_have_the_same_fields(
     assert 0.002 < float(off.max()) < 0.5
 
 
-def test_forces_on_rails_become_coordinates(with_fields: History) -> None:
-    """Each rail has its own stations, whose forces are those on it."""
-    stations = rail_stations(stress_basis(with_fields).whole.mesh)
-    forces = np.random.default_rng(7).standard_normal((4, 3))
-    x = np.linspace(-0.2, 0.25, 4)
-    for rail, own in ((0, slice(stations[0].count)), (1, slice(stations[0].count, None))):
-        found = rail_loads(stations, rail, forces, x)
-        np.testing.assert_allclose(found.sum(axis=1), forces, atol=1e-12)
-        places = np.concatenate([one.positions for one in stations])
-        np.testing.assert_allclose(np.einsum("s,tsc->tc", places, found), x[:, None] * forces, atol=1e-12)
-        found[:, own] = 0.0
-        assert not found.any()
-    with pytest.raises(ValueError, match=r"rail must be in 0..1, got 2"):
-        rail_loads(stations, 2, forces, x)
-
-
 @pytest.mark.slow
-def test_a_force_at_a_station_of_a_rail_has_its_full_static_answer(with_fields: History) -> None:
-    case = with_fields.case
+def test_a_force_at_a_station_of_a_rail_has_its_full_static_answer() -> None:
+    case = small_flexible_case()
     body, interfaces = shoe_model(case.flexible_shoes(), case.track)
-    whole = stress_basis(with_fields).whole
-    fields = shoe_fields(case, rails=True).fields
+    whole, static = whole_reduction(case).body, static_loads(case)
+    assert static is not None
     stations = rail_stations(body.mesh)
     force = np.array([[0.1e6, 0.05e6, -1e6]])
     at = stations[1].positions[[5]]
-    loads = fields.coordinates({RAILS: rail_loads(stations, 1, force, at)})
-    columns = field_columns(body, fields, [loads])
-    q = loads @ fields.work / (2.0 * np.pi * whole.frequencies) ** 2
+    forces = np.concatenate([np.zeros((1, stations[0].count, 3)), stations[1].coordinates(force, at)], axis=1)
+    loads = static.fields.coordinates({RAILS: forces})
+    columns = field_columns(body, static.fields, [loads])
+    q = loads @ static.fields.held(whole.frequencies)
     found = columns.beside(whole).stress(np.hstack((q, loads @ columns.turn)))[0]
     nodal = np.outer(stations[1].weights_at(at).toarray(), force).reshape(-1, 1)
     u = Partition(body, interfaces).static_response(nodal)
@@ -155,7 +139,7 @@ def test_a_force_at_a_station_of_a_rail_has_its_full_static_answer(with_fields: 
 
 
 def test_places_of_loads_cover_a_shoe(with_fields: History) -> None:
-    mesh = stress_basis(with_fields).whole.mesh
+    mesh = whole_reduction(with_fields.case).body.mesh
     grid = ground_grid(mesh)
     area = np.prod(grid.rectangle.high - grid.rectangle.low)
     assert grid.weights.sum() == pytest.approx(area)
@@ -164,11 +148,9 @@ def test_places_of_loads_cover_a_shoe(with_fields: History) -> None:
     assert np.diff(right.positions).max() < 0.4 * right.reach
 
 
-def test_coordinates_by_load_add_up(
-    modes_alone: History, with_fields: History, columns: StressColumns
-) -> None:
-    for history, one in ((with_fields, columns), (modes_alone, stress_columns(modes_alone, [7]))):
-        parts = columns_by_load(history, one, 7)
+def test_coordinates_by_load_add_up(modes_alone: History, with_fields: History, basis: StressBasis) -> None:
+    for history, one in ((with_fields, basis), (modes_alone, stress_basis(modes_alone, [7]))):
+        parts = coordinates_by_load(history, one, 7)
         assert set(parts) == {"pins", "machine load", "ground", "inertia"}
         whole = one.coordinates[7]
         assert sum(parts.values()) == pytest.approx(whole, abs=1e-9 * np.abs(whole).max())

@@ -1,33 +1,21 @@
-"""All that acts on a shoe at one instant, in balance and in its own axes: for other programs."""
+"""What acts on a shoe in its axes: all of it at one instant, for other programs, and its pins over time."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.drive_point import pulled_node
-from exudyn_crawler.model.flexible_shoes import integrated_reduction, shoe_model, weights_a_metre
-from exudyn_crawler.model.rail_rows import strip_lines
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.actions import (
-    AtDrivePoint,
-    AtInterface,
-    OnRail,
-    OverRectangle,
-    OverSurface,
-    actions,
-    shoe_mass,
-)
-from exudyn_crawler.results.stress.stress_columns import stress_columns
-from fem import ElasticBody, Interface, Mesh, Program, recover_extremes, write_load_deck
+from exudyn_crawler.results.loads.actions import actions, shoe_mass
+from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
+from exudyn_crawler.results.loads.unit_loads import unit_loads
+from fem import ElasticBody, Interface, Program, write_load_deck
 from fem.interfaces import rigid_motion_of_centers
-from fem.patches import integrate_underside, mean_rows
-from meshes.rails import station_weights
 
 AXES = ("x", "y", "z")
 
@@ -115,19 +103,6 @@ def at_instant(history: History, time: float) -> History:
     return History(history.case, history.dataset.isel(time=[at]))
 
 
-def peak_time(history: History, shoe: int) -> float:
-    """Time (s) of the highest von Mises stress of a flexible shoe.
-
-    Raises
-    ------
-    ValueError
-        If the shoe is not a flexible one of the history.
-    """
-    columns = stress_columns(history, [shoe])
-    found = recover_extremes(columns.shapes.stress_modes, columns.coordinates[shoe])
-    return float(history.time[int(found.highest.argmax())])
-
-
 def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
     """Resultants of all that acts on a shoe, rigid or flexible, at a stored instant, in its axes.
 
@@ -195,88 +170,81 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
     ValueError
         If the shoe is not a flexible one of the history or the time is not within the run.
     """
-    flexible = history.case.flexible
-    if flexible is None or shoe not in flexible.shoes:
-        there = [] if flexible is None else list(flexible.shoes)
-        raise ValueError(f"shoe must be a flexible one of the history, of {there}, got {shoe}")
+    check_flexible(history, shoe)
     now = at_instant(history, time)
-    stored = now.duration
-    body, interfaces = shoe_model(flexible, history.case.track)
-    names = [interface.name for interface in interfaces]
-    frame = _frame(now, shoe)
-    nodal, centers = np.zeros((len(body.mesh.nodes), 3)), np.zeros((len(names), 6))
-    for action in actions(now, shoe):
-        force, moment = action.force[0] @ frame, action.moment[0] @ frame
-        match action.entry:
-            case AtInterface(name):
-                centers[names.index(name)] += np.concatenate((force, moment))
-            case OverSurface(name, shift):
-                weights = body.surface_load(name, np.array([0.0, 0.0, 1.0]))[:, 2]
-                if shift is not None:
-                    weights = weights + shift[0] * weights_a_metre(weights, body.mesh.nodes)
-                nodal += weights[:, None] * force
-            case OverRectangle():
-                nodal += patch_weights(history.case, body, action.entry)[:, None] * force
-            case OnRail(line, x):
-                nodal += _rail_weights(history.case, body, line, float(x[0]))[:, None] * force
-            case AtDrivePoint():
-                _add_drive(nodal, centers, force, history.case, interfaces, body.mesh)
-    nodal += _elastic_inertia(now, shoe, body, nodal, centers)
+    units = unit_loads(history.case)
+    nodal, centers = units.forces(sum(loads_by_kind(now, shoe).values()).toarray()[0])
+    body, interfaces = units.body, list(units.whole.interfaces)
+    table = action_table(now, shoe, now.duration)
+    loads = ShoeLoads(now.duration, shoe, body, interfaces, nodal, centers, table)
     rigid = body.rigid_modes
     moved = body.mass_matrix @ rigid
-    loads = ShoeLoads(stored, shoe, body, interfaces, nodal, centers, action_table(now, shoe, stored))
     relief = moved @ np.linalg.solve(rigid.T @ moved, loads.residual)
     return replace(loads, nodal=nodal - relief.reshape(-1, 3))
 
 
-def patch_weights(case: Case, body: ElasticBody, entry: OverRectangle) -> NDArray:
-    """Shares (n,) of the nodes in a force spread evenly over a rectangle of the underside; zero without one.
+def pin_forces(history: History, shoe: int) -> xr.Dataset:
+    """Forces and moments of the pins on a shoe, in its axes.
 
-    The same mean over the rectangle gives the run its modal loads.
+    Parameters
+    ----------
+    shoe : int
+        Number of the shoe.
+
+    Returns
+    -------
+    xarray.Dataset
+        `force` (N) and `moment` about the joint centre (N m), both (time, pin, axis); pins are "front right",
+        "front left", "rear right" and "rear left". NaN where a shoe has no neighbour, and for a link of two
+        rigid shoes: its one joint does not tell how its pins share the load.
+
+    Raises
+    ------
+    ValueError
+        If the track has no such shoe.
     """
-    weights = np.zeros(len(body.mesh.nodes))
-    if entry.pressed[0]:
-        under = body.mesh.nodes_of("underside")
-        each = np.eye(len(under))[:, None]
-        grid = integrate_underside(body.mesh.nodes[under, :2], each, case.shoe.footprint)
-        share = np.zeros((1, len(under)))
-        (x0, y0), (x1, y1) = entry.low[0], entry.high[0]
-        mean_rows(grid.corner, grid.cell, grid.integral, (x0, x1, y0, y1), share)
-        weights[under] = share[0]
-    return weights
+    track = history.case.track
+    track.check_shoe(shoe)
+    frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+    names = list(track.joint_centers)
+    force = np.full((len(frames), len(names), 3), np.nan)
+    moment = np.full_like(force, np.nan)
+    found = [one for one in actions(history, shoe) if one.kind == "joint"]
+    ends = [one.where.split()[0] for one in found]
+    for action, end in zip(found, ends, strict=True):
+        if ends.count(end) > 1:
+            at = names.index(action.where)
+            force[:, at] = np.einsum("tji,tj->ti", frames, action.force)
+            moment[:, at] = np.einsum("tji,tj->ti", frames, action.moment)
+    dims = ("time", "pin", "axis")
+    text = "on the shoe at the joint centre, in the shoe's axes"
+    return xr.Dataset(
+        {
+            "force": (dims, force, {"units": "N", "long_name": f"force {text}"}),
+            "moment": (dims, moment, {"units": "N m", "long_name": f"moment {text}"}),
+        },
+        coords={"time": history.time, "pin": names, "axis": history.axis},
+    )
 
 
-def _rail_weights(case: Case, body: ElasticBody, line: int, x: float) -> NDArray:
-    """Shares (n,) of the nodes in a force of a roller's strip at a place along its line (m)."""
-    frame, rails = case.undercarriage, case.shoe.rails
-    if frame is None or rails is None:
-        raise ValueError("the case has no undercarriage")
-    y = strip_lines(frame, rails)[line]
-    return station_weights(body.mesh, [(min(max(x, rails.rear), rails.front), y)])[0]
+def pin_table(history: History, shoe: int) -> pd.DataFrame:
+    """Same as a table: a row a stored time, columns named with pin, axis and unit.
 
-
-def _add_drive(
-    nodal: NDArray, centers: NDArray, force: NDArray, case: Case, interfaces: list[Interface], mesh: Mesh
-) -> None:
-    """Add the force of the drive where it pulls: a node or both front pins; else it is spread as mass."""
-    node = pulled_node(case, mesh)
-    if node is not None:
-        nodal[node] += force
-    elif case.drive.point == "front pins":
-        for row, interface in enumerate(interfaces):
-            if interface.name.startswith("front"):
-                centers[row, :3] += 0.5 * force
-
-
-def _elastic_inertia(now: History, shoe: int, body: ElasticBody, nodal: NDArray, centers: NDArray) -> NDArray:
-    """Nodal forces (n, 3) by which inertia and damping of the integrated modes answer loads, N.
-
-    Their modal forces are what the elastic ones have beyond those of the loads; spread as the modes'
-    momentum, they do the same work on every mode and none on a rigid motion.
+    Raises
+    ------
+    ValueError
+        If the track has no such shoe, or none of its pins has a force of its own.
     """
-    reduced = integrated_reduction(now.case).body
-    modes = reduced.modes.reshape(nodal.size, -1)
-    q = now.modal_coordinate.sel(flexible_shoe=shoe).values[0]
-    loads = modes.T @ nodal.ravel() + np.einsum("ik,ikm->m", centers, reduced.pilots)
-    beyond = (2.0 * np.pi * reduced.frequencies) ** 2 * q - loads
-    return np.asarray(body.mass_matrix @ (modes @ beyond)).reshape(-1, 3)
+    found = pin_forces(history, shoe)
+    held = [str(pin) for pin in found.pin.values if bool(found.force.sel(pin=pin).notnull().all())]
+    if not held:
+        raise ValueError(
+            f"shoe must be flexible, or beside one that is, to have pin forces, got {shoe}; joint_force has "
+            "the whole force of a link of rigid shoes"
+        )
+    columns = {"time in s": found.time.values}
+    for name, letter, unit in (("force", "F", "N"), ("moment", "M", "N m")):
+        for pin in held:
+            for axis in map(str, found.axis.values):
+                columns[f"{pin} {letter}{axis} in {unit}"] = found[name].sel(pin=pin, axis=axis).values
+    return pd.DataFrame(columns)

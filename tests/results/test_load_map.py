@@ -1,0 +1,130 @@
+"""Actions as coordinates of unit loads: modes feel in a history what they feel in the equations of motion."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import simulate
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.rail_rows import cubic_weights, rail_rows
+from exudyn_crawler.results.loads.actions import Action, OnRail, OverRectangle, actions
+from exudyn_crawler.results.loads.load_map import coordinates, loads_by_kind
+from exudyn_crawler.results.loads.patches import patches
+from exudyn_crawler.results.loads.rollers import roller_loads
+from exudyn_crawler.results.loads.static_loads import ground_grid, rail_stations, static_loads
+from exudyn_crawler.results.loads.unit_loads import GROUND, RAILS, unit_loads
+from exudyn_crawler.run.solve.run_stages import system_history
+from tests.rolled import small_flexible_case
+
+TURNS = {
+    "level": (0.0, 0.0, 0.0),
+    "pitched": (0.0, 0.2, 0.0),
+    "rolled": (0.02, -0.1, 0.0),
+    "yawed": (0.01, 0.1, 0.1),
+}
+"""rad, about x, y, z: also such that a part of the underside alone touches the ground."""
+
+
+def at_rest_but_turned(case, turns):
+    """Equations, coordinates in which every shoe is sunk in the ground and turned, and their history."""
+    system = compiled_system(case)
+    layout, shoes = system.layout, case.track.shoe_count
+    q = np.zeros(sum(layout.part(np.zeros((1, layout.size)), "coordinates").shape[1:]))
+    places = q[: 6 * shoes].reshape(-1, 6)
+    places[:, 2], places[:, 3:] = -0.03, turns
+    parts = {f"coordinates{rate}": np.zeros_like(q) for rate in ("", " rate", " acceleration")}
+    none = np.zeros(sum(size for _, size in layout.multipliers))
+    state = layout.pack(parts | {"coordinates": q, "time": 0.0, "multipliers": none})
+    return system, q, system_history(system, state[None])
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("turns", TURNS.values(), ids=TURNS)
+def test_modes_feel_the_ground_as_in_the_equations(turns):
+    system, q, history = at_rest_but_turned(small_flexible_case(), turns)
+    contact = system.contact
+    forces = contact.forces(q[: contact.size], np.zeros(contact.size))
+    flexible = history.case.flexible_shoes().shoes
+    modal = forces[-len(flexible) * system.layout.modes :].reshape(len(flexible), -1)
+    units = unit_loads(history.case)
+    for shoe, expected in zip(flexible, modal, strict=True):
+        frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+        contacts = [one for one in actions(history, shoe) if isinstance(one.entry, OverRectangle)]
+        loads = sum(coordinates(units, one, frames) @ units.work for one in contacts)
+        assert np.abs(expected).max() > 100.0
+        # forces have single precision in a history
+        found = (loads @ units.integrated.inside)[0]
+        np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
+
+
+@pytest.mark.simulation
+def test_patches_of_a_shoe_on_two_units_lie_side_by_side_and_cover_its_underside(translation):
+    """But for half a unit's length times its tilt squared, and what its tilt moves the overlap by."""
+    found = patches(translation, 7)
+    rear, front = (
+        next(patch for index, patch in found.items() if translation.contact_unit.values[index] == unit)
+        for unit in (7, 12)
+    )
+    footprint = translation.case.shoe.footprint
+    np.testing.assert_allclose(rear[1][:, 0], front[0][:, 0], atol=0.01)
+    np.testing.assert_allclose(rear[0], np.broadcast_to(footprint[[0, 2]], rear[0].shape), atol=0.01)
+    np.testing.assert_allclose(front[1], np.broadcast_to(footprint[[1, 3]], front[1].shape), atol=0.01)
+
+
+def test_a_force_anywhere_on_a_rail_moves_modes_as_in_the_equations():
+    """Cubics between the stations of the equations, whose values at thirds are coordinates."""
+    case = small_flexible_case()
+    units, rails = unit_loads(case), rail_rows(unit_loads(case).whole, case)
+    x = np.linspace(case.shoe.rails.rear, case.shoe.rails.front, 41)
+    force = np.random.default_rng(3).standard_normal((41, 3)) * (1.0, 0.0, 1.0)
+    for line, rows in enumerate(rails.rows):
+        at = cubic_weights((x - rails.rear) / rails.spacing) @ rows.reshape(len(rows), -1)
+        expected = np.einsum("tc,tcm->tm", force[:, [0, 2]], at.reshape(41, 2, -1))
+        action = Action("roller", 5, "", np.zeros((41, 3)), force, np.zeros((41, 3)), OnRail(line, x))
+        found = coordinates(units, action, np.tile(np.eye(3), (41, 1, 1))) @ units.work
+        np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
+
+
+def test_static_loads_have_the_forces_and_moments_of_the_unit_loads():
+    """Strips press on the middles of their rails: their places across are left out."""
+    case = small_flexible_case()
+    units, static = unit_loads(case), static_loads(case)
+    counts = list(static.fields.families.values())
+    starts = dict(zip(static.fields.families, np.cumsum([0, *counts[:-1]]).tolist(), strict=True))
+    mesh = units.body.mesh
+    places = np.column_stack((np.ones(len(mesh.nodes)), mesh.nodes))
+    grid, stations = ground_grid(mesh), rail_stations(mesh)
+    rail_weights = np.hstack([one.weights.toarray() for one in stations])
+    for name, weights in ((GROUND, grid.weights.toarray()), (RAILS, rail_weights)):
+        family, at = units.spread[name], units.families[name]
+        # of forces along x alone
+        columns = slice(starts[name], starts[name] + 3 * weights.shape[1], 3)
+        own = static.shares[at.start : at.stop : 3, columns].toarray()
+        found, expected = own @ weights.T @ places, family.weights @ places[family.nodes]
+        chosen = [0, 1, 3] if name == RAILS else [0, 1, 2, 3]
+        scale = np.abs(expected).max(axis=0)[chosen]
+        np.testing.assert_allclose(found[:, chosen] / scale, expected[:, chosen] / scale, atol=1e-3)
+
+
+@pytest.mark.slow
+def test_rollers_are_among_the_loads_of_a_rolled_shoe():
+    """What the stations of both rails bear is what the rollers press with."""
+    history = simulate(small_flexible_case(), 0.02)
+    at = unit_loads(history.case).families[RAILS]
+    own = loads_by_kind(history, 5)["roller"][:, at].toarray()
+    pressed = roller_loads(history, 5).force.sum(("roller", "rail")).values
+    assert np.abs(pressed).max() > 1e5
+    np.testing.assert_allclose(own.reshape(len(own), -1, 3).sum(axis=1), pressed, atol=1e-6)
+
+
+@pytest.mark.simulation
+def test_a_unit_that_a_shoe_never_touches_loads_nothing(flexible_run):
+    """Of a part of a run, in which the shoe stood on other units before."""
+    history = flexible_run[0]
+    contact = next(one for one in actions(history, 7) if isinstance(one.entry, OverRectangle))
+    never = replace(contact, entry=replace(contact.entry, pressed=np.zeros_like(contact.entry.pressed)))
+    units, frames = unit_loads(history.case), rotation_matrices(history.angles.sel(shoe=7).values)
+    assert coordinates(units, contact, frames).nnz
+    assert coordinates(units, never, frames).nnz == 0
