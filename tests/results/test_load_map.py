@@ -7,11 +7,10 @@ import pytest
 
 from exudyn_crawler import simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.compiled.system import compiled_system
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.rail_rows import cubic_weights, rail_rows
 from exudyn_crawler.results.loads.actions import Action, OnRail, OverRectangle, actions
 from exudyn_crawler.results.loads.load_map import coordinates, loads_by_kind
-from exudyn_crawler.results.loads.patches import patches
 from exudyn_crawler.results.loads.rollers import roller_loads
 from exudyn_crawler.results.loads.static_loads import ground_grid, rail_stations, static_loads
 from exudyn_crawler.results.loads.unit_loads import GROUND, RAILS, unit_loads
@@ -60,17 +59,19 @@ def test_modes_feel_the_ground_as_in_the_equations(turns):
 
 
 @pytest.mark.simulation
-def test_patches_of_a_shoe_on_two_units_lie_side_by_side_and_cover_its_underside(translation):
+def test_patches_of_a_shoe_cover_its_underside(flexible_run):
     """But for half a unit's length times its tilt squared, and what its tilt moves the overlap by."""
-    found = patches(translation, 7)
-    rear, front = (
-        next(patch for index, patch in found.items() if translation.contact_unit.values[index] == unit)
-        for unit in (7, 12)
-    )
-    footprint = translation.case.shoe.footprint
-    np.testing.assert_allclose(rear[1][:, 0], front[0][:, 0], atol=0.01)
-    np.testing.assert_allclose(rear[0], np.broadcast_to(footprint[[0, 2]], rear[0].shape), atol=0.01)
-    np.testing.assert_allclose(front[1], np.broadcast_to(footprint[[1, 3]], front[1].shape), atol=0.01)
+    history = flexible_run[0]
+    own = history.patch.isel(contact=history.contact_shoe.values == 7).values
+    pressed = own[..., 1] > own[..., 0]
+    assert (pressed.sum(axis=1) > 1).all()
+    low_x, high_x, low_y, high_y = history.case.shoe.footprint[:4]
+    areas = np.where(pressed, np.prod(own[..., 1::2] - own[..., 0::2], axis=-1), 0.0).sum(axis=1)
+    np.testing.assert_allclose(areas, (high_x - low_x) * (high_y - low_y), rtol=0.01)
+    for part, end, far in ((own[..., 0], low_x, np.inf), (own[..., 3], high_y, -np.inf)):
+        ends = np.where(pressed, part, far)
+        nearest = ends.min(axis=1) if far > 0.0 else ends.max(axis=1)
+        np.testing.assert_allclose(nearest, end, atol=0.01)
 
 
 def test_a_force_anywhere_on_a_rail_moves_modes_as_in_the_equations():

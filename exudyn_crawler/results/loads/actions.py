@@ -15,7 +15,6 @@ from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.patches import patches
 from fem import ReducedBody
 
 
@@ -226,9 +225,11 @@ def _contacts(history: History, shoe: int) -> Iterator[Action]:
         history.dataset[name].isel(contact=own).values
         for name in ("area", "point", "normal_force", "friction_force", "friction_torque")
     )
-    pressed_on = patches(history, shoe) if bends else {}
+    patch = history.patch.isel(contact=own).values if bends else None
     for column, index in enumerate(own.tolist()):
-        entry = OverRectangle(*pressed_on[index], area[:, column] > 0.0) if bends else OnFrame()
+        entry: Entry = OnFrame()
+        if patch is not None:
+            entry = OverRectangle(patch[:, column, 0::2], patch[:, column, 1::2], area[:, column] > 0.0)
         yield Action(
             "contact",
             shoe,
