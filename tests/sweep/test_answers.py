@@ -18,7 +18,7 @@ from exudyn_crawler import (
 )
 from exudyn_crawler.results.history.catalogue import QUANTITIES
 from exudyn_crawler.results.life.life import life_of
-from exudyn_crawler.results.stress.regions import shoe_regions
+from exudyn_crawler.results.stress.hot_spots import shoe_regions
 from tests.sweep.cases import STIFFNESS, small_case, small_sweep
 
 
