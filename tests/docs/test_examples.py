@@ -107,10 +107,11 @@ def test_api_reference_tells_units_of_parameters_and_sections_of_docstrings(tmp_
     # a process of its own: building changes the parameter classes
     command = [sys.executable, "-W", "error", "-m", "docs.build_api", str(tmp_path)]
     subprocess.run([*command, "exudyn_crawler.case", "fem.stress"], cwd=ROOT, check=True)
-    terrain = (tmp_path / "exudyn_crawler/case/terrain.html").read_text(encoding="utf-8")
+    parameters = tmp_path / "exudyn_crawler/case/parameters"
+    terrain = (parameters / "terrain.html").read_text(encoding="utf-8")
     assert "stiffness of each spring [N/m]" in terrain
     assert "Undefined" not in terrain
-    assert "FieldInfo" not in (tmp_path / "exudyn_crawler/case/loads.html").read_text(encoding="utf-8")
+    assert "FieldInfo" not in (parameters / "loads.html").read_text(encoding="utf-8")
     stress = (tmp_path / "fem/stress.html").read_text(encoding="utf-8")
     assert '<h6 id="returns">Returns</h6>' in stress
     assert (tmp_path / "index.html").is_file()
