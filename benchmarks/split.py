@@ -7,8 +7,7 @@ import pandas as pd
 from exudyn_crawler import Case
 from exudyn_crawler.model.system import build
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.integration import integrate
-from exudyn_crawler.run.solve.settings import solver_settings
+from exudyn_crawler.run.solve.integration import integrate, solver_settings
 from exudyn_crawler.views.tables import print_table
 
 CASES = {"translation": Case.translation, "stress": Case.stress}

@@ -10,7 +10,7 @@ import scipy.stats
 from exudyn_crawler import Case, Terrain, simulate
 from exudyn_crawler.ground.terrain import TerrainModes, localized, terrain_joints, terrain_modes, units_near
 from exudyn_crawler.model.system import add_terrain
-from exudyn_crawler.run.solve.settings import set_times, solver_settings
+from exudyn_crawler.run.solve.integration import set_times, solver_settings
 from tests.model.linearized import linearized
 
 GRIDS = {"coarse": Terrain.kinematics(), "fine": Terrain.stress()}

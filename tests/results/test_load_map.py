@@ -14,7 +14,7 @@ from exudyn_crawler.results.loads.load_map import coordinates, loads_by_kind
 from exudyn_crawler.results.loads.rollers import roller_loads
 from exudyn_crawler.results.loads.static_loads import ground_grid, rail_stations, static_loads
 from exudyn_crawler.results.loads.unit_loads import GROUND, RAILS, unit_loads
-from exudyn_crawler.run.solve.run_stages import system_history
+from exudyn_crawler.run.solve.stages import system_history
 from tests.rolled import small_flexible_case
 
 TURNS = {

@@ -13,8 +13,7 @@ from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.system import build
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.faults import at_fault
-from exudyn_crawler.run.solve.integration import integrate
+from exudyn_crawler.run.solve.integration import at_fault, integrate
 
 pytestmark = pytest.mark.simulation
 

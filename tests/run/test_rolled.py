@@ -14,7 +14,7 @@ from exudyn_crawler.results.loads.load_map import coordinates
 from exudyn_crawler.results.loads.rollers import frame_imbalance, roller_loads
 from exudyn_crawler.results.loads.unit_loads import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.run_stages import system_history
+from exudyn_crawler.run.solve.stages import system_history
 from tests.model.both import residual_of
 from tests.rolled import ROLLERS, small_case, small_flexible_case
 

@@ -168,8 +168,8 @@ def calls_then_signal(monkeypatch, place, number):
     [
         ("compiled", "exudyn_crawler.model.compiled_system:predict"),
         ("compiled", "exudyn_crawler.model.compiled_system:step"),
-        ("compiled", "exudyn_crawler.run.solve.recorder:Recorder.store"),
-        ("engine", "exudyn_crawler.run.solve.recorder:Recorder.store"),
+        ("compiled", "exudyn_crawler.run.solve.stages:Recorder.store"),
+        ("engine", "exudyn_crawler.run.solve.stages:Recorder.store"),
     ],
 )
 def test_an_interrupt_ends_the_run_after_its_step_and_keeps_the_history(
@@ -194,7 +194,7 @@ def test_every_stage_has_a_state_however_seldom_they_are_stored():
 def test_an_interrupt_between_stages_keeps_the_stages(monkeypatch, interrupt):
     case = Case.translation()
     case = case.with_(solver=case.solver.with_(checkpoint_interval=0.01))
-    calls_then_signal(monkeypatch, "exudyn_crawler.run.solve.run_stages:RunStages.end", interrupt)
+    calls_then_signal(monkeypatch, "exudyn_crawler.run.solve.stages:RunStages.end", interrupt)
     with pytest.raises(SimulationStopped, match="interrupted") as stop:
         simulate(case, 0.2)
     assert 0.1 <= stop.value.time < 0.11
@@ -203,7 +203,7 @@ def test_an_interrupt_between_stages_keeps_the_stages(monkeypatch, interrupt):
 
 def test_an_interrupt_that_is_ignored_ends_nothing(monkeypatch):
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    calls_then_signal(monkeypatch, "exudyn_crawler.run.solve.recorder:Recorder.store", signal.SIGINT)
+    calls_then_signal(monkeypatch, "exudyn_crawler.run.solve.stages:Recorder.store", signal.SIGINT)
     try:
         assert simulate(Case.translation(), 0.05).duration == pytest.approx(0.05)
     finally:

@@ -12,7 +12,7 @@ from exudyn_crawler.model.formulation import TrackSystem
 from exudyn_crawler.model.rest import crept, rest
 from exudyn_crawler.model.state import SIDE_FRAME
 from exudyn_crawler.model.system import System, build
-from exudyn_crawler.run.solve.faults import at_fault
+from exudyn_crawler.run.solve.integration import at_fault
 from fem.interrupts import interrupts_wait
 
 RESIDUAL = 1e-3

@@ -1,27 +1,79 @@
-"""Time integration of a built system, stage by stage."""
+"""Time integration of a built system, stage by stage, and what ends it early."""
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, Solver
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.formulation import TrackSystem, track_system
+from exudyn_crawler.model.state import StateLayout
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.progress import progress_bar
-from exudyn_crawler.run.solve.faults import at_fault
-from exudyn_crawler.run.solve.recorder import Recorder
-from exudyn_crawler.run.solve.run_stages import RunStages, system_history
-from exudyn_crawler.run.solve.settings import set_times, solver_settings
-from exudyn_crawler.run.solve.stages import is_quiet, stage_times
+from exudyn_crawler.run.solve.stages import Recorder, RunStages, is_quiet, stage_times, system_history
 from fem.interrupts import interrupts_wait
+
+
+def solver_settings(solver: Solver) -> "exu.SimulationSettings":
+    """Exudyn's settings for a run; `set_times` gives it its times."""
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.solution.sensors.active = False
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    # every factorization has the same pattern
+    settings.linearSolver.reuseAnalyzedPattern = True
+    time = settings.timeIntegration
+    # a stage starts from the accelerations that the one before ended with
+    time.generalizedAlpha.resetAccelerations = False
+    time.adaptiveStepRecoverySteps = 1
+    time.adaptiveStepRecoveryIterations = solver.maximum_iterations
+    time.verboseMode = 0
+    time.generalizedAlpha.spectralRadius = solver.spectral_radius
+    newton = time.newton
+    # one Jacobian a step, another where the iteration slows down
+    newton.useModifiedNewton = True
+    newton.modifiedNewtonJacUpdatePerStep = True
+    newton.absoluteTolerance = solver.residual
+    # the absolute tolerance alone decides: the first residual of a step is no measure
+    newton.relativeTolerance = 1e-16
+    newton.weightTolerancePerCoordinate = True
+    newton.maxIterations = solver.maximum_iterations
+    return settings
+
+
+def set_times(
+    settings: "exu.SimulationSettings", solver: Solver, start: float, end: float, quiet: bool = False
+) -> None:
+    """Put the times of a stage into Exudyn's settings; a quiet one takes longer steps."""
+    time = settings.timeIntegration
+    step = max(solver.step, solver.quiet_step) if quiet else solver.step
+    time.startTime = start
+    time.endTime = end
+    time.numberOfSteps = max(1, math.ceil((end - start) / step - 1e-6))
+    time.minimumStepSize = min(solver.minimum_step, end - start)
+
+
+def at_fault(layout: StateLayout, failed: NewtonError) -> str:
+    """Name the equation that kept a solver from going on, such as "greatest residual at shoe 7 (z)".
+
+    Residuals are compared as they are: forces in N, moments in N m, modal forces, and what constraints are
+    off in m, rad and their rates.
+    """
+    singular = "the equations are singular, " if failed.singular else ""
+    residual = np.abs(failed.residual)
+    if not np.isfinite(residual).all():
+        # a single one makes all of them so in the next iteration
+        return f"{singular}the residual is not finite"
+    return f"{singular}greatest residual at {layout.equation(int(residual.argmax()))}"
 
 
 def integrate(

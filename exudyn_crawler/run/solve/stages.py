@@ -1,8 +1,17 @@
-"""Stages of a run, each of which the solver starts anew."""
+"""Stages of a run, each of which the solver starts anew: times, stored states, history."""
 
 import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.model.formulation import TrackSystem
+from exudyn_crawler.results.history.files import Chunk, joined
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.states import history_of
+from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints, KeptStage
 
 TIME_TOLERANCE = 1e-9
 """Relative difference below which two times are the same."""
@@ -31,3 +40,132 @@ def stage_times(case: Case, duration: float) -> list[float]:
 def is_quiet(case: Case, start: float) -> bool:
     """Whether the track is quiet in the stage that starts at a time, s."""
     return case.drive.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)
+
+
+class Recorder:
+    """Keeps the state at the start, unless it is another run's end, and after every output interval."""
+
+    def __init__(self, system: TrackSystem, duration: float, start: float | None = None) -> None:
+        self._system = system
+        self._interval = system.case.solver.output_interval
+        self._duration = duration
+        self._next = 0.0
+        self._states: list[NDArray] = []
+        self.time = 0.0
+        if start is not None:
+            self._end_of(start)
+
+    def go_on(self, time: float) -> None:
+        """Go on behind the end of a stage, s."""
+        self._end_of(time)
+
+    def _end_of(self, time: float) -> None:
+        self.time = time
+        self._next = (math.floor(time / self._interval + 1e-6) + 1) * self._interval
+
+    def store(self, time: float) -> None:
+        """Store the state if its turn has come; the last one always."""
+        self.time = time
+        tolerance = TIME_TOLERANCE * max(1.0, self._duration)
+        if time >= self._next - tolerance or time >= self._duration - tolerance:
+            self._states.append(self._system.state())
+            self._end_of(time)
+
+    def end_stage(self) -> None:
+        """Store the state at the end of a stage shorter than the output interval: each has one at least."""
+        if not self._states:
+            self._states.append(self._system.state())
+
+    def taken(self) -> NDArray:
+        """States stored since the last call, one a row; they are not kept any longer."""
+        rows = np.array(self._states)
+        self._states.clear()
+        return rows
+
+    @property
+    def count(self) -> int:
+        """Number of states stored since then."""
+        return len(self._states)
+
+
+class RunStages:
+    """Stages of a run; what a recorder stored leaves its memory with each.
+
+    The system is brought to the end of the last stage that the checkpoints hold.
+
+    Parameters
+    ----------
+    ends : sequence of float
+        Of the stages, s, from 0 to the run's duration.
+    checkpoints : Checkpoints, optional
+        Take every stage but the last, and the history; without them both are in memory.
+
+    Attributes
+    ----------
+    first : int
+        Number of the first stage that is to be integrated.
+    """
+
+    def __init__(
+        self, system: TrackSystem, recorder: Recorder, ends: Sequence[float], checkpoints: Checkpoints | None
+    ) -> None:
+        self._system, self._recorder, self._checkpoints = system, recorder, checkpoints
+        self._last = len(ends) - 2
+        self._kept: list[KeptStage] = []
+        self._in_memory: list[Chunk] = []
+        self.first = 0
+        if checkpoints is not None:
+            self._go_on(checkpoints, ends)
+
+    def _go_on(self, checkpoints: Checkpoints, ends: Sequence[float]) -> None:
+        tolerance = TIME_TOLERANCE * ends[-1]
+        for stage in checkpoints.load(self._system.case, self._system.layout.to_json()):
+            # a shorter run ends within a stage of a longer one
+            if stage.number >= self._last or abs(stage.time - ends[stage.number + 1]) > tolerance:
+                break
+            self._kept.append(stage)
+        if self._kept:
+            last = self._kept[-1]
+            self.first = last.number + 1
+            self._system.set_state(last.state)
+            self._recorder.go_on(last.time)
+            checkpoints.tell(f"{self._system.case.name}: going on from the checkpoint at t = {last.time:g} s")
+
+    def end(self, number: int) -> None:
+        """End a stage that was integrated, and start the next one from its state."""
+        self._recorder.end_stage()
+        state = self._system.state()
+        self._system.set_state(state)
+        history = system_history(self._system, self._recorder.taken()).dataset
+        if self._checkpoints is None or number == self._last:
+            self._in_memory.append(Chunk.of(history))
+            return
+        layout = self._system.layout.to_json()
+        checkpoint = Checkpoint(number, self._recorder.time, layout, state, history)
+        self._kept.append(self._checkpoints.save(self._system.case, checkpoint))
+
+    @property
+    def nothing(self) -> bool:
+        """Whether no state was stored yet."""
+        return not (self._kept or self._in_memory or self._recorder.count)
+
+    def history(self) -> History:
+        """History of all stages, and of as much of one that stopped early as was stored.
+
+        With checkpoints it is written into their folder, which takes no more memory for a longer run, and
+        read from there.
+        """
+        rows = self._recorder.taken()
+        unfinished = [Chunk.of(system_history(self._system, rows).dataset)] if len(rows) else []
+        pieces = self._in_memory + unfinished
+        if self._checkpoints is None:
+            return History(self._system.case, joined(pieces))
+        whole = self._checkpoints.pieces(self._kept) + pieces
+        return History.load(self._checkpoints.save_history(self._system.case, whole))
+
+
+def system_history(system: TrackSystem, rows: NDArray) -> History:
+    """History of states (times, layout.size) of a system."""
+    return history_of(
+        system.case, system.layout, system.contact, rows, system.point, system.frequencies, system.treads
+    )
