@@ -6,6 +6,7 @@ may import, against the code.
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from xml.sax.saxutils import escape
 
@@ -45,6 +46,7 @@ def room_of(module: str) -> str:
     return parts[1] if len(parts) > 1 else FACE
 
 
+@cache
 def modules() -> dict[str, Path]:
     """Every module of the code by its dotted name."""
     found = {}
@@ -55,8 +57,13 @@ def modules() -> dict[str, Path]:
     return found
 
 
-def imports() -> Iterator[tuple[str, str]]:
+@cache
+def imports() -> list[tuple[str, str]]:
     """Every import of one module of the code by another, wherever in a file it stands: (from, to)."""
+    return list(_imports())
+
+
+def _imports() -> Iterator[tuple[str, str]]:
     known = modules()
     for module, path in known.items():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
