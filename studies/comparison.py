@@ -17,14 +17,14 @@ from exudyn_crawler.results.history.history import History
 from studies.reported import needed_time, reported_values, verdict
 
 KINEMATIC = {
-    "displacement": ("position", 1.0),
-    "displacement from equilibrium": ("position", 1.0),
+    "displacement": ("displacement", 1.0),
+    "displacement from equilibrium": ("displacement", 1.0),
     "velocity": ("velocity", 1.0),
     "acceleration": ("acceleration", 1.0),
     "angular velocity": ("angular_velocity", 180.0 / math.pi),
     "angular acceleration": ("angular_acceleration", 180.0 / math.pi),
 }
-"""Kinematic quantities of the papers: variable of a history and factor to the papers' unit."""
+"""Kinematic quantities of the papers: quantity of the catalogue and factor to the papers' unit."""
 
 SAME_TIME = 1e-9
 """s, below which two times are the same."""
@@ -55,9 +55,7 @@ def kinematic_quantity(history: History, quantity: str) -> xr.DataArray:
     if match is None or match["kind"] not in KINEMATIC:
         raise ValueError(f"{quantity!r} names no kinematic quantity of a shoe")
     name, factor = KINEMATIC[match["kind"]]
-    values = history.dataset[name].sel(axis=match["axis"])
-    if name == "position":
-        values = values - values.isel(time=0)
+    values = history.quantity(name).sel(axis=match["axis"])
     if match["shoe"]:
         values = values.sel(shoe=int(match["shoe"]))
     return factor * values

@@ -49,10 +49,7 @@ def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
         return history.contacts_by_shoe().contact_force.sel(shoe=shoes, axis=match["axis"])
     if (match := MOTION.fullmatch(quantity)) and match["kind"] in KINEMATIC:
         name, factor = KINEMATIC[match["kind"]]
-        values = history.dataset[name].sel(shoe=shoes, axis=match["axis"])
-        if name == "position":
-            values = values - values.isel(time=0)
-        return factor * values
+        return factor * history.quantity(name).sel(shoe=shoes, axis=match["axis"])
     raise ValueError(f"{quantity!r} names no quantity of flexible shoes, joints or terrain")
 
 
