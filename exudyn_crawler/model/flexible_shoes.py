@@ -17,7 +17,7 @@ from exudyn_crawler.case import Case, FlexibleShoes, Track
 from exudyn_crawler.case.parameters.flexible import CONSTRAINT_MODES
 from exudyn_crawler.case.parameters.size import check_modes
 from exudyn_crawler.model.drive_point import pulled_node
-from exudyn_crawler.model.reductions import kept_reduction
+from exudyn_crawler.model.reductions import cached_reduction
 from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, pin_interfaces
 from fem import ElasticBody, Interface, Kept, Material, Nested, ReducedBody, nested_reduction
 from fem.patches import Underside, integrate_underside
@@ -134,7 +134,7 @@ def _reduction(
     if node is not None:
         loads[DRIVE] = np.zeros_like(body.mesh.nodes)
         loads[DRIVE][node, 0] = 1.0
-    return kept_reduction(body, interfaces, fixed_modes, loads)
+    return cached_reduction(body, interfaces, fixed_modes, loads)
 
 
 def check_shoe(case: Case) -> None:

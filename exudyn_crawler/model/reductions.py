@@ -51,7 +51,7 @@ def program_digest() -> str:
     return source_digest(package, *(package.parent / name for name in ("fem", "meshes")))
 
 
-def kept_reduction(
+def cached_reduction(
     body: "ElasticBody",
     interfaces: "Sequence[Interface]",
     fixed_modes: int,
@@ -66,7 +66,7 @@ def kept_reduction(
     )
 
 
-def kept_fields(body: "ElasticBody", kept: "Kept", families: "Mapping[str, UnitLoads]") -> "KeptFields":
+def cached_fields(body: "ElasticBody", kept: "Kept", families: "Mapping[str, UnitLoads]") -> "KeptFields":
     """Static fields as of `fem.cached_static_fields`; what is wrong with kept ones goes to the log."""
     from fem import cached_static_fields
 

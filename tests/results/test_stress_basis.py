@@ -13,7 +13,7 @@ from exudyn_crawler.results.loads.exports import at_instant, shoe_loads
 from exudyn_crawler.results.loads.load_map import loads_by_kind
 from exudyn_crawler.results.loads.static_loads import ground_grid, rail_stations, static_loads
 from exudyn_crawler.results.loads.unit_loads import GROUND, RAILS, unit_loads
-from exudyn_crawler.results.stress.basis import MOST_FIELDS, StressBasis, coordinates_by_load, stress_basis
+from exudyn_crawler.results.stress.basis import MOST_FIELDS, StressBasis, stress_basis
 from exudyn_crawler.results.stress.node_stress import node_stress
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from fem import Partition, field_columns
@@ -148,9 +148,9 @@ def test_places_of_loads_cover_a_shoe(with_fields: History) -> None:
     assert np.diff(right.positions).max() < 0.4 * right.reach
 
 
-def test_coordinates_by_load_add_up(modes_alone: History, with_fields: History, basis: StressBasis) -> None:
-    for history, one in ((with_fields, basis), (modes_alone, stress_basis(modes_alone, [7]))):
-        parts = coordinates_by_load(history, one, 7)
+def test_coordinates_by_load_add_up(modes_alone: History, basis: StressBasis) -> None:
+    for one in (basis, stress_basis(modes_alone, [7])):
+        parts = one.by_load(7)
         assert set(parts) == {"pins", "machine load", "ground", "inertia"}
         whole = one.coordinates[7]
         assert sum(parts.values()) == pytest.approx(whole, abs=1e-9 * np.abs(whole).max())

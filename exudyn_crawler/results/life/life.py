@@ -5,8 +5,10 @@ runs have flexible shoes. Each run is counted as it repeats itself; what goes fr
 cycle between their extremes, as often as the duty says.
 """
 
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 import pandas as pd
@@ -17,21 +19,48 @@ from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.results.life.duty_runs import UsedRun, places_of, pulled_nodes, used_runs
-from exudyn_crawler.results.life.life_causes import NodeLife, node_lives
 from exudyn_crawler.results.life.life_table import (
     BETWEEN,
     BEYOND,
+    NodeLife,
     life_hours,
+    node_lives,
     shortest_by_region,
     shortest_lives,
     worst_nodes,
 )
-from exudyn_crawler.results.life.life_trust import LifeTrust, life_trust
 from exudyn_crawler.results.stress.hot_spots import shoe_regions
 from fem import Shapes
 from fem.critical_plane import critical_planes, damage_on_planes, plane_normals, surface_normals
 from fem.damage import damage_between, recover_damage
 from fem.fatigue import SNCurve
+from fem.trust import Resolution, resolution_over, verdict_numbers, verdict_words
+
+
+@dataclass(frozen=True)
+class LifeTrust:
+    """What is open of the lives of n nodes.
+
+    Attributes
+    ----------
+    stress_error : array (n,)
+        Of the changes of stress, over these; not a number where no life is known.
+    factor : array (n,)
+        By which life may be shorter or longer.
+    verdict : int array (n,)
+        Numbers of `fem.trust.VERDICTS`, of the changes of stress.
+    truncation_known : bool
+        Whether what left-out modes do to the stress is in it.
+    """
+
+    stress_error: NDArray
+    factor: NDArray
+    verdict: NDArray
+    truncation_known: bool
+
+    def words(self, nodes: NDArray) -> list[str]:
+        """Verdicts of some nodes in words."""
+        return verdict_words(self.verdict[nodes], self.truncation_known)
 
 
 @dataclass(frozen=True)
@@ -225,3 +254,44 @@ def _dataset(
     }
     dataset = xr.Dataset({name: variable(name, value) for name, value in values.items()})
     return dataset.assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
+
+
+def life_trust(
+    runs: Sequence[UsedRun],
+    curve: SNCurve,
+    damage: NDArray,
+    amplitude: NDArray,
+    spreads: Sequence[xr.DataArray | None],
+) -> LifeTrust:
+    """What is open of the lives that the stresses of runs make.
+
+    What the mesh leaves open is that of the stress less its mean over each run and place, in the mean square
+    over all of them; what left-out static fields may do counts against the greatest amplitude. Of spreads the
+    widest of the runs' counts, at the place that wears a node most.
+
+    Parameters
+    ----------
+    damage, amplitude : array (places, nodes)
+        Damage an hour at each place and half the range of the stress in Pa; not a number inside.
+    spreads : sequence of DataArray (shoe, node) or None
+        Spread of each run's peaks over themselves, as of `spread.relative_spread`; None where not known.
+    """
+    whole = runs[0].basis.shapes
+    found = reduce(operator.add, map(_resolved_changes, runs))
+    known = ~np.isnan(damage).any(axis=0)
+    greatest = np.max(np.where(known, amplitude, 0.0), axis=0)
+    bounds = [one.basis.bound for one in runs]
+    most = max((bound for bound in bounds if bound is not None), default=0.0)
+    part = found.error + np.divide(most, greatest, out=np.zeros_like(greatest), where=greatest > 0.0)
+    worst = np.argmax(np.where(known, damage, 0.0), axis=0)
+    known_spreads = [one.values[worst, np.arange(len(part))] for one in spreads if one is not None]
+    part = np.where(known, part + np.max([np.zeros_like(part), *known_spreads], axis=0), np.nan)
+    held = np.isin(np.arange(len(part)), whole.spider_nodes) & known
+    verdict = verdict_numbers(part, found.error, found.relative_jump, held)
+    return LifeTrust(part, (1.0 + part) ** curve.steepest, verdict, None not in bounds)
+
+
+def _resolved_changes(one: UsedRun) -> Resolution:
+    """How far the mesh resolves the stress of a run less its mean at each place."""
+    coordinates = one.basis.coordinates.values()
+    return resolution_over(one.basis.shapes, np.concatenate([q - q.mean(axis=0) for q in coordinates]))

@@ -15,7 +15,7 @@ from scipy.sparse import block_diag, csr_array, eye_array, hstack, kron, vstack
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.model.reductions import kept_fields
+from exudyn_crawler.model.reductions import cached_fields
 from exudyn_crawler.results.loads.unit_loads import (
     GROUND,
     INERTIA,
@@ -108,7 +108,7 @@ def _static_loads(units: ShoeUnitLoads, whole: Kept, lines: int) -> StaticLoads:
         blocks.append(kron(shares, eye_array(3)))
     families[INERTIA] = UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
     blocks.append(eye_array(len(units.integrated.body.frequencies)))
-    return StaticLoads(kept_fields(units.body, whole, families).fields, csr_array(block_diag(blocks)))
+    return StaticLoads(cached_fields(units.body, whole, families).fields, csr_array(block_diag(blocks)))
 
 
 def _ground_shares(underside: Underside, grid: PressureGrid) -> NDArray:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.results.history.history import History
@@ -40,19 +41,41 @@ class StressBasis:
     ----------
     shapes : Shapes
         Modes, and static fields beside them.
-    coordinates : mapping of int to array (times, columns)
-        By number of the shoe.
+    loads : mapping of int to mapping of str to csr_array (times, loads)
+        All that acts on each shoe, by number of the shoe: coordinates of its `unit_loads` by kind of action,
+        as of `loads_by_kind`.
     answers : array (loads, columns)
-        Coordinates that a unit of each load of `unit_loads` makes.
+        Coordinates of the columns that a unit of each load makes.
+    coordinates : mapping of int to array (times, columns)
+        By number of the shoe: products of the two, all kinds together.
     bound : float or None
         Pa by which fields that were left out change the stress of no node at no time; None without fields,
         where the error of truncation is not known.
     """
 
     shapes: Shapes
-    coordinates: Mapping[int, NDArray]
+    loads: Mapping[int, Mapping[str, csr_array]]
     answers: NDArray
+    coordinates: Mapping[int, NDArray]
     bound: float | None
+
+    def by_load(self, shoe: int, rows: NDArray | slice = slice(None)) -> dict[str, NDArray]:
+        """Coordinates of a shoe at stored times by what makes them: arrays (times, columns).
+
+        They add up to those of all. By words of `LOADS` for kinds of actions, or those kinds; "inertia" is
+        that of the integrated modes. Loads that make nothing are left out.
+
+        Parameters
+        ----------
+        rows : int array (times,), optional
+            Indices of stored times, all of them if not given.
+        """
+        found: dict[str, NDArray] = {}
+        for kind, loads in self.loads[shoe].items():
+            load, own = LOADS.get(kind, kind), np.asarray(loads[rows] @ self.answers)
+            if own.any():
+                found[load] = found[load] + own if load in found else own
+        return found
 
 
 def stress_basis(history: History, shoes: Sequence[int] | None = None) -> StressBasis:
@@ -66,39 +89,19 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
     if history.case.flexible is None:
         raise ValueError("the history has no flexible shoes")
     chosen = list(history.case.flexible.shoes if shoes is None else shoes)
-    loads = {shoe: sum(loads_by_kind(history, shoe).values()) for shoe in chosen}
+    by_kind = {shoe: loads_by_kind(history, shoe) for shoe in chosen}
+    loads = {shoe: sum(kinds.values()) for shoe, kinds in by_kind.items()}
     units, static = unit_loads(history.case), static_loads(history.case)
     if static is None:
         found = {shoe: load @ units.answers for shoe, load in loads.items()}
-        return StressBasis(units.whole, found, units.answers, None)
+        return StressBasis(units.whole, by_kind, units.answers, found, None)
     frequencies = units.whole.frequencies
     histories = [(load @ static.shares).toarray() for load in loads.values()]
     most = int(MOST_FIELDS * len(frequencies))
     columns = field_columns(units.body, static.fields, histories, TOLERANCE, most)
     answers = static.shares @ np.hstack((static.fields.held(frequencies), columns.turn))
     found = {shoe: load @ answers for shoe, load in loads.items()}
-    return StressBasis(columns.beside(units.whole), found, answers, columns.bound)
-
-
-def coordinates_by_load(history: History, basis: StressBasis, shoe: int) -> dict[str, NDArray]:
-    """Coordinates of a shoe by what makes them, arrays (times, columns) that add up to all of them.
-
-    By words of `LOADS` for kinds of actions, or those kinds; "inertia" is that of the integrated modes. Loads
-    that make nothing are left out.
-
-    Parameters
-    ----------
-    basis : StressBasis
-        Of this history, or of one that this is a part of.
-    shoe : int
-        One of its shoes.
-    """
-    found: dict[str, NDArray] = {}
-    for kind, loads in loads_by_kind(history, shoe).items():
-        load, own = LOADS.get(kind, kind), np.asarray(loads @ basis.answers)
-        if own.any():
-            found[load] = found[load] + own if load in found else own
-    return found
+    return StressBasis(columns.beside(units.whole), by_kind, answers, found, columns.bound)
 
 
 def unit_stress(case: Case, node: int) -> NDArray:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.track import Track
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.stress.basis import StressBasis, coordinates_by_load
+from exudyn_crawler.results.stress.basis import StressBasis
 from fem import OneOfEach, Peaks, Shapes, hot_spots, judged
 from fem.critical_plane import normal_stress_rows
 from fem.damage import SignedCriterion
@@ -75,9 +75,7 @@ def stress_directions(criterion: SignedCriterion, stress: NDArray) -> NDArray:
     return np.divide(rows, length[:, None], out=np.zeros_like(rows), where=length[:, None] != 0.0)
 
 
-def load_shares(
-    history: History, basis: StressBasis, shoe: int, nodes: NDArray, times: NDArray
-) -> pd.DataFrame:
+def load_shares(basis: StressBasis, shoe: int, nodes: NDArray, rows: NDArray) -> pd.DataFrame:
     """Share of each load in the von Mises stress of nodes, each at a stored time of its own.
 
     A load's share is the projection of its stress on the deviator s of the whole,
@@ -87,28 +85,20 @@ def load_shares(
 
     Parameters
     ----------
-    basis : StressBasis
-        Of this history.
     shoe : int
         One of its shoes.
     nodes : int array (k,)
         Numbers of nodes.
-    times : array (k,)
-        s.
+    rows : int array (k,)
+        Indices of stored times.
 
     Returns
     -------
     pandas.DataFrame
         A row a node, a column "share of LOAD" a load; zero where there is no stress.
     """
-    instants, row = np.unique(times, return_inverse=True)
-    at = np.searchsorted(history.time.values, instants)
-    part = History(history.case, history.dataset.isel(time=at).load())
     modes = basis.shapes.stress_modes[nodes]
-    parts = {
-        load: np.einsum("kcm,km->kc", modes, q[row])
-        for load, q in coordinates_by_load(part, basis, shoe).items()
-    }
+    parts = {load: np.einsum("kcm,km->kc", modes, q) for load, q in basis.by_load(shoe, rows).items()}
     return pd.DataFrame({SHARE + load: own for load, own in shares(parts).items()})
 
 
@@ -147,10 +137,10 @@ def highest_nodes(
         nodes=nodes,
         peaks=peaks,
     )
-    at, times = table["node"].to_numpy(), table["time"].to_numpy()
+    at, rows = table["node"].to_numpy(), np.searchsorted(history.time.values, table["time"].to_numpy())
     at_start = track.com_positions(history.case.shoe.com_height)[shoe - 1]
     table = judged(table, basis.bound).assign(
         **{axis: table[axis] + at_start[k] for k, axis in enumerate("xyz")},
         region=regions[at],
     )
-    return pd.concat((table, load_shares(history, basis, shoe, at, times)), axis=1)
+    return pd.concat((table, load_shares(basis, shoe, at, rows)), axis=1)
