@@ -1,12 +1,13 @@
-"""NetCDF files: compressed, whole or not at all, and sealed with a digest of all their bytes."""
+"""NetCDF files: compressed, whole or not at all, with checksums of all numbers and texts."""
 
-import hashlib
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
 
 from exudyn_crawler.files import whole_file
 from fem.hdf5 import VERSIONS
@@ -20,13 +21,6 @@ COMPRESSION = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True
 bytes."""
 CHUNK_BYTES = 2**18
 """Size of the chunks of a file that is written along a dimension; HDF5 holds one of every variable."""
-SEAL = b"SHA-256 of all before: "
-"""Before the digest, in hexadecimal, at the end of a file, where HDF5 does not look."""
-SEALED = len(SEAL) + 2 * hashlib.sha256().digest_size
-PROVED_AT_ONCE = 2**24
-"""Bytes of a file that are read together."""
-MOST_PROVED = 2 * 10**9
-"""Bytes of the greatest file whose seal is proved, a second of it; beyond, HDF5's checksums must do."""
 
 
 def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> Path:
@@ -36,22 +30,35 @@ def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> 
     """
     with whole_file(path, overwrite) as temporary, interrupts_wait():
         temporary.write_bytes(_netcdf_bytes(dataset))
-        _seal(temporary)
     return path
 
 
 def _netcdf_bytes(dataset: "xr.Dataset") -> memoryview:
     from xarray.backends import H5NetCDFStore
 
-    encoding = {
-        name: COMPRESSION for name, one in dataset.variables.items() if one.ndim and one.dtype.kind in "biuf"
-    }
+    # what was read from a file remembers how it was stored there
+    dataset = dataset.drop_encoding().copy()
+    dataset.attrs = _in_headers(dataset.attrs)
+    encoding: dict[Any, dict[str, Any]] = {}
+    for name, variable in dataset.variables.items():
+        variable.attrs = _in_headers(variable.attrs)
+        if variable.ndim and variable.dtype.kind in "biuf":
+            encoding[name] = COMPRESSION
+        elif variable.dtype.kind in "OUT":
+            encoding[name] = COMPRESSION | {"dtype": "S1"}
     content = io.BytesIO()
     store = H5NetCDFStore.open(content, mode="w", driver_kwds={"libver": VERSIONS})
-    # what was read from a file remembers how it was kept there
-    dataset.drop_encoding().dump_to_store(store, encoding=encoding)
+    dataset.dump_to_store(store, encoding=encoding)
     store.close()
     return content.getbuffer()
+
+
+def _in_headers(attributes: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Attributes whose texts have a fixed length: HDF5 keeps others in a heap that has no checksum."""
+    return {
+        name: np.bytes_(value.encode()) if isinstance(value, str) and value.isascii() else value
+        for name, value in attributes.items()
+    }
 
 
 def write_netcdf_along(
@@ -100,7 +107,6 @@ def write_netcdf_along(
                     raise KeyboardInterrupt
                 start = end
         disk.check()
-        _seal(temporary)
     return path
 
 
@@ -116,64 +122,8 @@ def _create(file: Any, name: str, variable: "xr.Variable", size: int) -> None:
     # nothing can be cut into chunks that holds no number
     options = {"chunks": (rows, *variable.shape[1:]), **filters} if variable.size else {}
     made = file.create_variable(name, variable.dims, variable.dtype, **options)
-    for key, value in variable.attrs.items():
+    for key, value in _in_headers(variable.attrs).items():
         made.attrs[key] = value
-
-
-def _seal(path: Path) -> None:
-    """Append the digest of a file."""
-    with path.open("r+b") as file:
-        digest = hashlib.file_digest(file, "sha256").hexdigest()
-        file.write(SEAL + digest.encode())
-
-
-def sealed_digest(path: Path) -> bytes | None:
-    """Digest in the seal of a file, in hexadecimal, not proved; None if it has no seal."""
-    with path.open("rb") as file:
-        file.seek(max(0, path.stat().st_size - SEALED))
-        seal = file.read()
-    return seal[len(SEAL) :] if seal.startswith(SEAL) and len(seal) == SEALED else None
-
-
-def check_seal(path: Path) -> None:
-    """Refuse a NetCDF file of which a bit was altered since it was written.
-
-    HDF5's checksums guard most of a file but not all: altered bytes may give other numbers, or an endless
-    loop. A file without a seal, of an earlier version say, is let pass.
-
-    Raises
-    ------
-    ValueError
-        If the digest is not that of the file.
-    """
-    length = path.stat().st_size - SEALED
-    if length > MOST_PROVED:
-        return
-    digest = sealed_digest(path)
-    if digest is None:
-        return
-    sha = hashlib.sha256()
-    with path.open("rb") as file:
-        while length:
-            block = file.read(min(length, PROVED_AT_ONCE))
-            sha.update(block)
-            length -= len(block)
-    if sha.hexdigest().encode() != digest:
-        raise ValueError("its bytes were altered: the digest at its end is not theirs")
-
-
-def open_netcdf(path: Path, **options: Any) -> "xr.Dataset":
-    """Open a NetCDF file whose seal is right; options and further errors are those of xarray.
-
-    Raises
-    ------
-    ValueError
-        As of `check_seal`.
-    """
-    import xarray as xr
-
-    check_seal(path)
-    return xr.open_dataset(path, engine="h5netcdf", **options)
 
 
 class _Disk:

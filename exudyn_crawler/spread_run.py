@@ -9,14 +9,13 @@ from exudyn_crawler.case import Case, CaseFile, PairContact, read_case
 from exudyn_crawler.case.parameters.outputs import Outputs
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.files import refuse_existing, writable_folder
-from exudyn_crawler.netcdf import open_netcdf, write_netcdf
+from exudyn_crawler.netcdf import write_netcdf
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.results.stress.spread import Spread, spread_of
-from exudyn_crawler.run.folder.histories import matching_history
-from exudyn_crawler.run.folder.keeper import quiet
+from exudyn_crawler.run.folder.folder import held_of
+from exudyn_crawler.run.folder.histories import SPREAD, SPREAD_FOLDER, matching_history
 from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.run.folder.spread_folder import FOLDER, SPREAD
-from exudyn_crawler.run.folder.standing import CASE, Standing, standing
+from exudyn_crawler.run.folder.reporting import CASE, Holds, quiet
 from exudyn_crawler.views.tables import write_table
 from fem.interrupts import interrupts_wait
 
@@ -77,8 +76,8 @@ def spread(
     if starts < 1 or (starts == 1 and not other_laws):
         raise ValueError(f"starts must be at least {2 - bool(other_laws)}, got {starts}")
     for name in (SPREAD, TABLE):
-        refuse_existing(folder / FOLDER / name, overwrite)
-    out = writable_folder(folder / FOLDER)
+        refuse_existing(folder / SPREAD_FOLDER / name, overwrite)
+    out = writable_folder(folder / SPREAD_FOLDER)
 
     def peaks(cases: dict[str, Case]) -> dict[str, xr.DataArray]:
         found = {}
@@ -117,8 +116,8 @@ def _peaks(
     case_file: CaseFile, out: Path, overwrite: bool, progress: bool | None, say: Callable[[str], None]
 ) -> xr.DataArray:
     """Greatest von Mises stress of every node in a run, which is made where it has not finished."""
-    if standing(out, case_file) is not Standing.FINISHED:
+    if held_of(out, case_file) is not Holds.FINISHED:
         say(f"{case_file.case.name}: {out.name.replace('_', ' ')}")
         run_case(case_file, out, overwrite=overwrite and out.exists(), progress=progress, say=say)
-    with interrupts_wait(), open_netcdf(out / "stress.nc") as stress:
+    with interrupts_wait(), xr.open_dataset(out / "stress.nc", engine="h5netcdf") as stress:
         return stress.peak_von_mises.load()

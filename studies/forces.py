@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from exudyn_crawler import Case, CaseFile, History, simulate
 from exudyn_crawler.results.history.history import common_phases
 from exudyn_crawler.run.folder.histories import matching_history
-from exudyn_crawler.run.folder.keeper import quiet
+from exudyn_crawler.run.folder.reporting import quiet
 from exudyn_crawler.views.curves import Panel, panel_figure, save_figure
 from exudyn_crawler.views.series import (
     CONTACT_SCALARS,
@@ -97,7 +97,7 @@ def _source(case_file: CaseFile, reuse: Path | None, strict: bool, say: Callable
     return reuse
 
 
-def write_results(histories: Mapping[str, History], out: Path, overwrite: bool = False) -> None:
+def write_results(histories: Mapping[str, History], out: Path) -> None:
     """Draw what the F-paper draws beside the curves of each run; turning against translation as a table."""
     figures = {
         f"{name} shoe {CROSSING_SHOE} crossing": crossing_figure(one) for name, one in histories.items()
@@ -105,9 +105,9 @@ def write_results(histories: Mapping[str, History], out: Path, overwrite: bool =
     if len(histories) > 1:
         figures |= turning_figures(histories)
         ratios = turning_ratios(histories["translation"], histories["turning"])
-        write_table(ratios, out / "turning_ratios.csv", overwrite)
+        write_table(ratios, out / "turning_ratios.csv", overwrite=True)
     for title, figure in figures.items():
-        save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite)
+        save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite=True)
 
 
 def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:

@@ -72,12 +72,12 @@ def study(
     return compare_cases(case_files(cases, duration), out, compare_kinematics, write_figures, **how)
 
 
-def write_figures(histories: Mapping[str, History], out: Path, overwrite: bool = False) -> None:
+def write_figures(histories: Mapping[str, History], out: Path) -> None:
     """Draw one shoe turning against translation, a figure a quantity."""
     for quantity in KINEMATICS if len(histories) > 1 else ():
         figure = comparison_figure(histories, quantity, COMPARED_SHOE)
         name = f"shoe_{COMPARED_SHOE}_{quantity.replace(' ', '_')}.png"
-        save_figure(figure, out / name, overwrite)
+        save_figure(figure, out / name, overwrite=True)
 
 
 if __name__ == "__main__":

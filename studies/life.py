@@ -12,7 +12,7 @@ import pandas as pd
 
 from exudyn_crawler import Duty, DutyRun, FatigueMaterial, History, LifeResults, life
 from exudyn_crawler.results.life.life_table import in_words
-from exudyn_crawler.run.folder.histories import HISTORY
+from exudyn_crawler.run.folder.reporting import HISTORY
 from exudyn_crawler.views.tables import write_table
 from studies.stress import RUN
 from studies.stress import study as stress_study

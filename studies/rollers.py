@@ -120,10 +120,10 @@ def study(
     EquilibriumError, SimulationStopped
         As of `run_case`.
     """
-    with kept_study(out, study_cases(mesh, duration), **how) as (runs, keeper):
+    with kept_study(out, study_cases(mesh, duration), **how) as runs:
         table = _regions(runs)
         if out is not None:
-            write_table(table, out / "regions.csv", keeper.replaces)
+            write_table(table, out / "regions.csv", overwrite=True)
         return RollerStudy(runs, table)
 
 

@@ -8,8 +8,8 @@ from typing import NamedTuple, TypedDict, Unpack
 import pandas as pd
 
 from exudyn_crawler import CaseFile, CaseRun, History, run_case
-from exudyn_crawler.run.folder.folder import kept_run
-from exudyn_crawler.run.folder.keeper import Keeper, quiet
+from exudyn_crawler.run.folder.folder import run_in
+from exudyn_crawler.run.folder.reporting import quiet
 from exudyn_crawler.views.tables import write_table
 
 
@@ -37,7 +37,7 @@ def kept_study(
     overwrite: bool = False,
     progress: bool | None = None,
     say: Callable[[str], None] = quiet,
-) -> Iterator[tuple[dict[str, CaseRun], Keeper]]:
+) -> Iterator[dict[str, CaseRun]]:
     """Run cases into folders of their names; hold the study's folder while it writes what it makes of them.
 
     A study that was stopped goes on: cases that have finished are taken as they are.
@@ -60,27 +60,27 @@ def kept_study(
     EquilibriumError, SimulationStopped
         As of `run_case`.
     """
-    with kept_run(out, overwrite=overwrite, tell=say, cases=cases) as keeper:
+    with run_in(out, overwrite=overwrite, report=say, cases=cases) as folder:
         runs = {
             name: run_case(
                 one,
                 out and out / name,
-                overwrite=keeper.overwrites,
-                finished_since=keeper.begun if keeper.overwrites else "",
+                overwrite=folder.overwrites,
+                take_finished=True,
                 reuse=None if reuse is None else reuse[name],
                 progress=progress,
-                say=keeper.say,
+                say=folder.say,
             )
             for name, one in cases.items()
         }
-        yield runs, keeper
+        yield runs
 
 
 def compare_cases(
     cases: Mapping[str, CaseFile],
     out: Path | None,
     compare: Callable[[Mapping[str, History]], pd.DataFrame],
-    write: Callable[[Mapping[str, History], Path, bool], None],
+    write: Callable[[Mapping[str, History], Path], None],
     reuse: Mapping[str, Path | None] | None = None,
     **how: Unpack[Running],
 ) -> Compared:
@@ -91,12 +91,12 @@ def compare_cases(
     compare : callable
         Makes the comparison of the histories by case; it is written as `comparison.csv`.
     write : callable
-        Writes what else there is to see of the histories into a folder, replacing files or not.
+        Writes what else there is to see of the histories into a folder.
     """
-    with kept_study(out, cases, reuse, **how) as (runs, keeper):
+    with kept_study(out, cases, reuse, **how) as runs:
         histories = {name: run.history for name, run in runs.items()}
         table = compare(histories)
         if out is not None:
-            write_table(table, out / "comparison.csv", keeper.replaces)
-            write(histories, out, keeper.replaces)
+            write_table(table, out / "comparison.csv", overwrite=True)
+            write(histories, out)
     return Compared(runs, table)

@@ -14,7 +14,7 @@ import pandas as pd
 from exudyn_crawler import Case, CaseFile, CaseRun, Outputs
 from exudyn_crawler.case.parameters.flexible import ADAMS_DAMPING
 from exudyn_crawler.model.flexible_shoes import check_shoe
-from exudyn_crawler.run.folder.keeper import quiet
+from exudyn_crawler.run.folder.reporting import quiet
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
 from studies.running import kept_study
@@ -69,11 +69,11 @@ def study(
     shown = tuple(time for time in PICTURE_TIMES if time <= duration) or None
     case_file = CaseFile(case=case, duration=duration, outputs=Outputs(picture_times=shown))
     check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
-    with kept_study(out, {RUN: case_file}, overwrite=overwrite, progress=progress, say=say) as (runs, keeper):
+    with kept_study(out, {RUN: case_file}, overwrite=overwrite, progress=progress, say=say) as runs:
         run = runs[RUN]
         table = compare_stresses(run.history, run.recovered())
         if out is not None:
-            write_table(table, out / "comparison.csv", keeper.replaces)
+            write_table(table, out / "comparison.csv", overwrite=True)
     return run, table
 
 

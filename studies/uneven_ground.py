@@ -49,7 +49,7 @@ def study(
         As of `run_case`.
     """
     files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
-    with kept_study(out, files, **how) as (runs, _):
+    with kept_study(out, files, **how) as runs:
         return runs
 
 

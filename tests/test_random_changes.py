@@ -105,7 +105,6 @@ def changed_line(line, dice):
     ],
 )
 @pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
-@pytest.mark.filterwarnings("ignore:.*old keys are read:FutureWarning")
 def test_no_change_of_a_case_ends_in_a_traceback(base, count, tmp_path, monkeypatch, capsys, nothing_hangs):
     dice = random.Random(SEED)
     lines = case_text(base()).splitlines()

@@ -26,8 +26,6 @@ SAME_FOLDER = settings(
 )
 SHORT = 'base = "translation"\nduration = 0.05\n[outputs]\nfigures = false\n'
 VALID = case_text(CaseFile(case=Case.turning()))
-OLD_KEYS = pytest.mark.filterwarnings("ignore:.*old keys are read:FutureWarning")
-"""Random tables say what cases said before, too."""
 
 
 def command(*arguments, cwd, **options):
@@ -61,7 +59,6 @@ def read_or_refused(path):
 
 
 @pytest.mark.simulation
-@OLD_KEYS
 @SAME_FOLDER
 @given(content=TOML, head=st.sampled_from(["", 'base = "translation"\n', 'base = "turning"\n']))
 @example(content={"loads": {"phases": {}}}, head='base = "translation"\n')
@@ -82,7 +79,6 @@ def test_any_bytes_are_a_case_or_refused(tmp_path, content):
 
 
 @pytest.mark.simulation
-@OLD_KEYS
 @SAME_FOLDER
 @given(st.data())
 def test_a_mangled_case_file_is_a_case_or_refused(tmp_path, data):

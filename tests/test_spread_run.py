@@ -66,9 +66,9 @@ def test_what_is_found_is_kept_and_taken_again(folder, found):
     with pytest.raises(FileExistsError, match=r"spread\.nc exists"):
         spread(folder, 2)
     record = folder / "spread" / "start_2" / "run.json"
-    begun = json.loads(record.read_text())["begun"]
+    started = json.loads(record.read_text())["started"]
     again = spread(folder, 2, overwrite=True, progress=False)
-    assert json.loads(record.read_text())["begun"] == begun
+    assert json.loads(record.read_text())["started"] == started
     assert again.dataset.run_peak.values == pytest.approx(found.dataset.run_peak.values)
 
 

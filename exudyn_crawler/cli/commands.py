@@ -148,8 +148,8 @@ def report(
     Example: exudyn-crawler report results/stress
     """
     folder = run_folder(run)  # refused before all that draws is loaded
-    from exudyn_crawler.run.folder.folder import note_file
     from exudyn_crawler.run.folder.progress import heartbeat
+    from exudyn_crawler.run.folder.reporting import note_file
     from exudyn_crawler.views.report.page import write_report
 
     with heartbeat(f"report of {folder}"):
@@ -189,8 +189,8 @@ def animate(
     default = own.with_suffix(".mp4") if stress is None else own.with_name(f"shoe_{stress}.mp4")
     path = default if out is None else out
     history = loaded(run)  # refused before all that draws is loaded
-    from exudyn_crawler.run.folder.folder import note_file
     from exudyn_crawler.run.folder.progress import heartbeat
+    from exudyn_crawler.run.folder.reporting import note_file
 
     with heartbeat(f"animation of {run}"):
         if stress is None:

@@ -34,7 +34,7 @@ def history_path(run: Path) -> Path:
         return run
     if not run.is_dir():
         raise FileNotFoundError(f"no history at {run}")
-    from exudyn_crawler.run.folder.histories import HISTORY, STOPPED_HISTORY
+    from exudyn_crawler.run.folder.reporting import HISTORY, STOPPED_HISTORY
 
     for name in (HISTORY, STOPPED_HISTORY):
         if (run / name).is_file():

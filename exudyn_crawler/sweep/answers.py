@@ -20,7 +20,7 @@ from exudyn_crawler.results.life.duty import Duty, DutyRun, Survival
 from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.stress.hot_spots import HOT_SPOTS, Region, shoe_regions
-from exudyn_crawler.run.folder.histories import SAME_TIME
+from exudyn_crawler.run.folder.folder import SAME_TIME
 from fem.fatigue import Miner
 
 COUNTED = {

@@ -14,10 +14,8 @@ from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.parameters.size import NUMBER, stored_numbers
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.netcdf import write_netcdf
-from exudyn_crawler.run.folder.folder import held
-from exudyn_crawler.run.folder.keeper import Keeper, quiet, recorded
 from exudyn_crawler.run.folder.progress import progress_bar
-from exudyn_crawler.run.folder.record import earlier_record
+from exudyn_crawler.run.folder.reporting import RunFolder, held, quiet, recorded
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.page import write_page
@@ -118,24 +116,24 @@ def run_sweep(
     planned = sweep.planned
     folder = writable_folder(Path(out))
     runs = writable_folder(_runs_folder(folder, storage))
-    with _held_folder(folder, sweep, say) as keeper:
+    with _held_folder(folder, sweep, say) as work:
         stored = _stored_outcomes(planned, runs)
         missing = _missing(sweep, planned, stored, retry)
-        keeper.say(_progress(planned, stored, len(missing)))
+        work.say(_progress(planned, stored, len(missing)))
         if missing:
             shared = None if scheduler is None else folder / REDUCTIONS
             tasks = tasks_of(sweep, missing, runs, shared, retry)
             with (
-                keeper.timed("runs"),
-                _outcomes(tasks, scheduler, workers, runs, keeper.say) as coming,
+                work.timed("runs"),
+                _outcomes(tasks, scheduler, workers, runs, work.say) as coming,
                 progress_bar("sweep", len(missing), progress, unit="runs") as tell,
             ):
                 for count, outcome in enumerate(coming, 1):
                     stored[outcome["digest"]] = outcome
-                    _report_failure(outcome, keeper)
+                    _report_failure(outcome, work)
                     tell(count)
-        with keeper.timed("tables and page"):
-            return _gathered(sweep, results_table(sweep, planned, stored), folder, runs, keeper)
+        with work.timed("tables and page"):
+            return _gathered(sweep, results_table(sweep, planned, stored), folder, runs, work)
 
 
 @contextmanager
@@ -154,18 +152,18 @@ def _outcomes(
         yield outcomes(client, tasks)
 
 
-def _report_failure(outcome: Outcome, keeper: Keeper) -> None:
+def _report_failure(outcome: Outcome, work: RunFolder) -> None:
     if outcome["status"] == FAILED:
-        keeper.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
+        work.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
 
 
-def _gathered(sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, keeper: Keeper) -> SweepRun:
+def _gathered(sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, work: RunFolder) -> SweepRun:
     """Results in all forms, and the page."""
     dataset = results_dataset(sweep, table)
     write_units_csv(table, folder / TABLE)
     write_parquet(table, folder / COLUMNS)
     write_netcdf(dataset, folder / DATASET, overwrite=True)
-    write_page(sweep, table, folder, runs, keeper.say)
+    write_page(sweep, table, folder, runs, work.say)
     return SweepRun(sweep, table, dataset, folder)
 
 
@@ -186,15 +184,15 @@ def _runs_folder(folder: Path, storage: str | None) -> Path:
 
 
 @contextmanager
-def _held_folder(folder: Path, sweep: Sweep, say: Callable[[str], None]) -> Iterator[Keeper]:
+def _held_folder(folder: Path, sweep: Sweep, say: Callable[[str], None]) -> Iterator[RunFolder]:
     """Hold the folder of a sweep; its log, record, base case and definition are there."""
     with held(folder, "sweep"):
-        keeper = Keeper(say, anew=False)
-        with recorded(folder, keeper, earlier_record(folder)):
+        work = RunFolder(folder, say)
+        with recorded(work):
             write_case(sweep.case, folder / BASE_CASE, overwrite=True)
             with whole_file(folder / DEFINITION, overwrite=True) as temporary:
                 temporary.write_text(sweep.model_dump_json(indent=2) + "\n", encoding="utf-8")
-            yield keeper
+            yield work
 
 
 def _stored_outcomes(planned: tuple[PlannedRun, ...], runs: Path) -> dict[str, Outcome]:

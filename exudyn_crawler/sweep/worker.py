@@ -18,8 +18,8 @@ from exudyn_crawler.case_run import run_case
 from exudyn_crawler.errors import CrawlerError, ImplausibleWarning
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.model.reductions import program_digest
-from exudyn_crawler.run.folder.folder import note_file
 from exudyn_crawler.run.folder.record import timestamp
+from exudyn_crawler.run.folder.reporting import note_file
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS
 
@@ -183,7 +183,7 @@ def _answered(task: Task, folder: Path, overwrite: bool) -> dict[str, float | No
                     case_file,
                     folder,
                     overwrite=overwrite,
-                    finished_since="",
+                    take_finished=True,
                     progress=False,
                     reductions=task.reductions,
                 )

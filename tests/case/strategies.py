@@ -97,8 +97,7 @@ def _names(model):
             yield from _names(part)
 
 
-OLD = {"contact_model", "general_contact", "drive_on"}
-NAMES = sorted({*_names(CaseFile), *OLD, "base", "wrong"} - {"case"})
+NAMES = sorted({*_names(CaseFile), "base", "wrong"} - {"case"})
 PLAIN = (
     st.none().map(lambda _none: "none")
     | st.booleans()

@@ -33,9 +33,6 @@ def test_a_cycle_is_read_from_toml(tmp_path):
     )
     cycle = LoadCycle.from_toml(path)
     assert cycle.loads(3.0)[0] == pytest.approx([2e5, 1.5e5])
-    path.write_text("drive_on = [[0.0, 15.0]]\n" + path.read_text())
-    with pytest.raises(ValueError, match=r"drive_on must not be in a load cycle.* on = \[\[0\.0, 15"):
-        LoadCycle.from_toml(path)
     path.write_text("phases = 1")
     with pytest.raises(ValueError, match=r"^\S*cycle\.toml: phases: Input should be .*, got 1$"):
         LoadCycle.from_toml(path)

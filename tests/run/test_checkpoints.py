@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import zipfile
 
 import numpy as np
 import pytest
@@ -117,52 +118,50 @@ def copied(three_stages, tmp_path):
     return folder
 
 
-def altered(path, name, change):
-    """Write a file of named arrays anew with one of them changed, its digest as it was."""
-    content = dict(np.load(path))
-    content[name] = change(content[name])
-    np.savez(path, **content)
+def flipped(path, array):
+    """Flip a bit in the middle of an array of a file, or in the shape that it states."""
+    content = bytearray(path.read_bytes())
+    with zipfile.ZipFile(path) as archive:
+        start = content.index(b"\x93NUMPY", archive.getinfo(f"{array}.npy").header_offset)
+        content[start + archive.getinfo(f"{array}.npy").file_size // 2] ^= 1
+    path.write_bytes(content)
 
 
-def emptied(_array):
-    return np.zeros(0)
-
-
-def moved(array):
-    return array + np.where(np.arange(array.size).reshape(array.shape) == 3, 1e-9, 0.0)
+def emptied(path, array):
+    """Remove an array from a file."""
+    arrays = dict(np.load(path))
+    del arrays[array]
+    np.savez(path, **arrays)
 
 
 @pytest.mark.parametrize(
-    ("name", "change"),
+    ("change", "array"),
     [
-        ("state", moved),
-        ("state", lambda state: state[:-1]),
-        ("history position", emptied),
-        ("history position", lambda values: values * np.nan),
-        ("history time", lambda time: time.astype(np.float32)),
-        ("time", lambda time: time + 1.0),
-        ("layout", lambda text: np.array(str(text).replace('"shoes": 13', '"shoes": 12'))),
+        (flipped, "state"),
+        (flipped, "history position"),
+        (flipped, "time"),
+        (flipped, "layout"),
+        (emptied, "state"),
+        (emptied, "history position"),
     ],
 )
-def test_an_altered_checkpoint_is_computed_anew_from_the_last_good_one(three_stages, copied, name, change):
+def test_an_altered_checkpoint_is_computed_anew_from_the_last_good_one(three_stages, copied, change, array):
     said = []
-    altered(copied / "stage_0001.npz", name, change)
+    path = copied / "stage_0001.npz"
+    change(path, array)
     resumed = simulate(staged(), 3 * INTERVAL, checkpoints=Checkpoints(copied, said.append))
     assert resumed.dataset.identical(three_stages[1])
-    path = copied / "stage_0001.npz"
-    assert said[0].startswith(
-        f"checkpoint {path} was altered: its digest is wrong: left out, and computed anew"
-    )
+    assert said[0].startswith(f"checkpoint {path} cannot be read: ")
+    assert "left out, and computed anew" in said[0]
     assert said[-1].endswith(f"going on from the checkpoint at t = {INTERVAL:g} s")
     assert len(Checkpoints(copied).load(staged())) == 2
 
 
 def test_an_altered_first_checkpoint_is_refused_by_name(copied):
     path = copied / "stage_0000.npz"
-    altered(path, "state", moved)
-    with pytest.raises(ValueError, match=r"stage_0000\.npz was altered: .*; delete .*copied to begin anew"):
-        Checkpoints(copied).load(staged())
-    for content in (b"PK\x03\x04 broken", b"", path.read_bytes()[:-100]):
+    whole = path.read_bytes()
+    flipped(path, "state")
+    for content in (path.read_bytes(), b"PK\x03\x04 broken", b"", whole[:-100]):
         path.write_bytes(content)
         with pytest.raises(ValueError, match=r"stage_0000\.npz cannot be read: .*to begin anew"):
             Checkpoints(copied).load(staged())

@@ -11,15 +11,13 @@ import pytest
 from exudyn_crawler import (
     Case,
     CaseFile,
-    EquilibriumError,
     History,
     Outputs,
     SimulationStopped,
-    Terrain,
     read_case,
     run_case,
 )
-from exudyn_crawler.run.folder.folder import kept_run
+from exudyn_crawler.run.folder.folder import run_in
 from studies.forces import study as forces_study
 from studies.kinematics import study as kinematics_study
 
@@ -30,8 +28,8 @@ SHORT = CaseFile(case=Case.turning(), duration=0.05, outputs=QUIET)
 HOLD = """
 import sys, time
 from pathlib import Path
-from exudyn_crawler.run.folder.folder import kept_run
-with kept_run(Path(sys.argv[1])):
+from exudyn_crawler.run.folder.folder import run_in
+with run_in(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(60)
 """
@@ -128,14 +126,15 @@ def test_overwriting_leaves_nothing_of_the_earlier_run_and_all_that_is_the_users
     assert read_case(tmp_path / "case.toml").case == Case.turning()
 
 
-@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
-def test_overwriting_that_fails_keeps_the_earlier_results(tmp_path):
-    run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=QUIET), tmp_path)
-    lost = Case.translation().with_(terrain=Terrain.kinematics().with_(spring_stiffness=1.0))
-    with pytest.raises((EquilibriumError, SimulationStopped)):
-        run_case(CaseFile(case=lost, duration=0.01, outputs=QUIET), tmp_path, overwrite=True)
-    assert History.load(tmp_path / "history.nc").case == Case.translation()
-    assert record(tmp_path)["status"] in ("failed", "stopped")
+def test_a_run_that_was_to_replace_another_one_and_failed_leaves_nothing_of_it(tmp_path):
+    run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path)
+    solver = Case.translation().solver.with_(maximum_iterations=2, minimum_step=1.5e-3)
+    stopping = CaseFile(case=Case.translation().with_(solver=solver), duration=10.0, outputs=QUIET)
+    with pytest.raises(SimulationStopped):
+        run_case(stopping, tmp_path, overwrite=True)
+    names = {"case.toml", "run.json", "run.log", "history_stopped.nc", "checkpoints"}
+    assert visible(tmp_path) == names
+    assert record(tmp_path)["status"] == "stopped"
 
 
 def test_nothing_outside_the_folder_is_removed(tmp_path):
@@ -156,14 +155,13 @@ def test_nothing_outside_the_folder_is_removed(tmp_path):
         7,
         None,
     ]
-    names = [*odd, "loads.csv"]
-    (out / "run.json").write_text(json.dumps({"files": names, "replaces": names}))
+    (out / "run.json").write_text(json.dumps({"files": [*odd, "loads.csv"]}))
     bare = CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(figures=False, tables=False))
     run_case(bare, out, overwrite=True)
     assert (tmp_path / "precious").read_text() == "mine"
     assert (out / "link").exists()
     assert not (out / "loads.csv").exists()
-    for broken in ('{"files": 7}', '{"files": "abc", "replaces": {}}', "[" * 100_000, "{", "7"):
+    for broken in ('{"files": 7}', '{"files": "abc"}', "[" * 100_000, "{", "7"):
         (out / "run.json").write_text(broken)
         run_case(bare, out, overwrite=True)
         assert record(out)["status"] == "done"
@@ -236,8 +234,8 @@ def test_two_runs_in_one_folder_are_one_too_many_and_a_killed_one_leaves_it_free
 
 def test_a_failure_of_the_work_itself_is_recorded_and_passed_on(tmp_path):
     def fail():
-        with kept_run(tmp_path, SHORT) as keeper:
-            with keeper.timed("half"):
+        with run_in(tmp_path, SHORT) as folder:
+            with folder.timed("half"):
                 pass
             raise RuntimeError("halfway")
 

@@ -12,9 +12,9 @@ import pytest
 from exudyn_crawler import Case, CaseFile, History, Outputs, SimulationStopped, run_case
 from exudyn_crawler.case import write_case
 from exudyn_crawler.errors import INTERRUPTED
-from exudyn_crawler.run.folder import into_folder
-from exudyn_crawler.run.folder.folder import note_file
+from exudyn_crawler.run.folder.reporting import note_file
 from exudyn_crawler.run.solve import integration
+from exudyn_crawler.views import outputs
 from studies.kinematics import study as kinematics_study
 from tests.run.test_folder import record, visible
 
@@ -65,7 +65,7 @@ def stopped_at(place, monkeypatch, call, stop=interrupt):
 
 
 def not_again(monkeypatch):
-    monkeypatch.setattr(into_folder, "simulate", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr(case_run_module, "simulate", lambda *_: pytest.fail("it ran"))
 
 
 @pytest.mark.parametrize(
@@ -73,10 +73,10 @@ def not_again(monkeypatch):
     [
         ("run.folder.checkpoints._write", interrupt),
         ("run.folder.checkpoints.save_joined", no_room),
-        ("run.folder.into_folder.move_file", interrupt),
+        ("case_run.move_file", interrupt),
         ("run.folder.checkpoints.Checkpoints.settle", interrupt),
         ("run.folder.checkpoints.Checkpoints.remove", interrupt),
-        ("case_run.write_table", no_room),
+        ("views.outputs.write_table", no_room),
     ],
 )
 def test_a_run_that_was_stopped_is_finished_by_the_same_call(staged, tmp_path, monkeypatch, place, stop):
@@ -134,20 +134,21 @@ def test_a_finished_run_is_made_longer_and_gives_what_the_longer_one_gives(
         run_case(short, out)
 
 
-def test_overwriting_that_was_stopped_goes_on_and_leaves_nothing_of_the_earlier_run(
-    staged, tmp_path, monkeypatch
-):
+def test_overwriting_that_was_stopped_goes_on(staged, tmp_path, monkeypatch):
     run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path)
-    for place in ("exudyn_crawler.run.folder.checkpoints.save_joined", "exudyn_crawler.case_run.write_table"):
-        stopped_at(place, monkeypatch, lambda: run_case(STAGED, tmp_path, overwrite=True))
-        assert (tmp_path / "velocity.png").exists()
+    for place in (
+        "run.folder.checkpoints.save_joined",
+        "views.outputs.write_table",
+    ):
+        stopped_at(f"exudyn_crawler.{place}", monkeypatch, lambda: run_case(STAGED, tmp_path, overwrite=True))
+        assert not (tmp_path / "velocity.png").exists()
     not_again(monkeypatch)
     run_case(STAGED, tmp_path, overwrite=True)
     assert_same(tmp_path, staged)
 
 
 def test_an_altered_history_of_a_stopped_run_is_refused_by_name(tmp_path, monkeypatch):
-    stopped_at("exudyn_crawler.case_run.write_table", monkeypatch, lambda: run_case(STAGED, tmp_path))
+    stopped_at("exudyn_crawler.views.outputs.write_table", monkeypatch, lambda: run_case(STAGED, tmp_path))
     content = (tmp_path / "history.nc").read_bytes()
     (tmp_path / "history.nc").write_bytes(content[:2000])
     with pytest.raises(ValueError, match=r"history\.nc does not hold a history: "):
@@ -157,8 +158,8 @@ def test_an_altered_history_of_a_stopped_run_is_refused_by_name(tmp_path, monkey
 @pytest.fixture
 def bare_study(monkeypatch):
     """The kinematics study with its runs, its comparison and hardly a figure."""
-    monkeypatch.setattr(case_run_module, "WRITERS", (case_run_module.write_loads,))
-    monkeypatch.setattr(case_run_module, "CURVE_WRITERS", ())
+    monkeypatch.setattr(outputs, "WRITERS", (outputs.write_loads,))
+    monkeypatch.setattr(outputs, "CURVE_WRITERS", ())
     monkeypatch.setattr("studies.kinematics.KINEMATICS", ("velocity",))
     return partial(kinematics_study, duration=0.01)
 
@@ -166,14 +167,14 @@ def bare_study(monkeypatch):
 def test_a_study_goes_on_with_the_case_that_it_was_stopped_in(bare_study, tmp_path, monkeypatch):
     ended = []
 
-    def second_fails(case, *arguments, simulate=into_folder.simulate):
+    def second_fails(case, *arguments, simulate=case_run_module.simulate):
         if case.name == "turning":
             raise KeyboardInterrupt
         ended.append(case.name)
         return simulate(case, *arguments)
 
     with monkeypatch.context() as patch:
-        patch.setattr(into_folder, "simulate", second_fails)
+        patch.setattr(case_run_module, "simulate", second_fails)
         with pytest.raises(KeyboardInterrupt):
             bare_study(tmp_path)
     assert record(tmp_path / "translation")["status"] == "done"
@@ -194,23 +195,23 @@ def test_a_study_that_was_stopped_while_overwriting_runs_all_its_cases_anew(
     bare_study, tmp_path, monkeypatch
 ):
     bare_study(tmp_path)
-    first = record(tmp_path / "translation")["begun"]
+    first = record(tmp_path / "translation")["started"]
 
     def again():
         return bare_study(tmp_path, overwrite=True)
 
     stopped_at("studies.kinematics.compare_kinematics", monkeypatch, again)
-    second = {name: record(tmp_path / name)["begun"] for name in ("translation", "turning")}
+    second = {name: record(tmp_path / name)["started"] for name in ("translation", "turning")}
     assert second["translation"] > first
     again()
-    assert {name: record(tmp_path / name)["begun"] for name in second} == second
+    assert {name: record(tmp_path / name)["started"] for name in second} == second
     assert {f"{name}/loads.csv" for name in second} <= set(record(tmp_path)["files"])
     assert (tmp_path / "turning" / "loads.csv").exists()
 
 
 def test_a_history_too_large_for_memory_gives_the_same_files(staged, tmp_path, monkeypatch):
     monkeypatch.setattr("exudyn_crawler.results.history.history.MOST_IN_MEMORY", 0)
-    monkeypatch.setattr(into_folder, "MOST_IN_MEMORY", 0)
+    monkeypatch.setattr(case_run_module, "MOST_IN_MEMORY", 0)
     run_case(STAGED, tmp_path)
     assert_same(tmp_path, staged)
 

@@ -106,7 +106,7 @@ def test_a_study_reuses_a_history_of_the_same_parameters(translation, tmp_path):
 
 def test_histories_are_found_where_runs_and_studies_keep_them(translation, tmp_path):
     asked = CaseFile(case=Case.translation(), duration=0.4)
-    for number, name in enumerate(("history.nc", "translation/history.nc", "translation.nc")):
+    for number, name in enumerate(("history.nc", "translation/history.nc")):
         folder = tmp_path / str(number)
         (folder / name).parent.mkdir(parents=True)
         translation.save(folder / name)
@@ -136,7 +136,7 @@ def test_unasked_a_history_of_other_parameters_is_run_anew(translation, tmp_path
 
 
 def test_results_are_refused_before_anything_runs(tmp_path, monkeypatch):
-    monkeypatch.setattr("exudyn_crawler.run.folder.into_folder.simulate", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("exudyn_crawler.case_run.simulate", lambda *_: pytest.fail("it ran"))
     (tmp_path / "turning").mkdir()
     (tmp_path / "turning" / "history.nc").write_text("kept")
     with pytest.raises(FileExistsError, match=r"holds results already \(turning/history\.nc, "):

@@ -8,11 +8,11 @@ import pytest
 from exudyn_crawler import Case, StepProfile
 from exudyn_crawler.case import Drive
 from exudyn_crawler.case.parameters.outputs import Outputs
-from exudyn_crawler.case_run import STRESS_WRITERS
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.results.stress.recovery import recover_stresses
+from exudyn_crawler.views.outputs import STRESS_WRITERS
 from fem import write_mesh
 from meshes import shoe_mesh
 from studies.stress import PICTURE_TIMES
@@ -54,7 +54,7 @@ def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
 
     def write(outputs):
         for writer in STRESS_WRITERS:
-            writer(history, results, tmp_path, outputs, True)
+            writer(history, results, tmp_path, outputs)
 
     nothing = Outputs(tables=False, figures=False, pictures=False, paraview=False)
     write(nothing)

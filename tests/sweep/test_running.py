@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Answer, Vary, run_sweep
-from exudyn_crawler.run.folder.folder import held
+from exudyn_crawler.run.folder.reporting import held
 from exudyn_crawler.sweep import page, worker
 from exudyn_crawler.sweep.running import folder_state
 from tests.sweep.cases import FORCE, STIFFNESS, small_sweep

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from exudyn_crawler import History, SimulationStopped, simulate
-from exudyn_crawler.run.folder.folder import held
+from exudyn_crawler.run.folder.reporting import held
 from exudyn_crawler.sweep import worker
 from exudyn_crawler.sweep.worker import (
     OUTCOME,
@@ -63,7 +63,7 @@ def test_a_run_that_was_stopped_goes_on_from_its_checkpoint(tmp_path, monkeypatc
         raise SimulationStopped(0.02, "interrupted", None)
 
     with monkeypatch.context() as patch:
-        patch.setattr("exudyn_crawler.run.folder.into_folder.simulate", stopping)
+        patch.setattr("exudyn_crawler.case_run.simulate", stopping)
         assert run_task(task)["reason"] == "the simulation stopped at t = 0.02 s: interrupted"
     folder = tmp_path / digest[:16]
     assert list((folder / "checkpoints").glob("stage_*"))

@@ -15,7 +15,7 @@ from hypothesis.extra.numpy import arrays
 
 from exudyn_crawler import History, recover_stresses
 from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
-from exudyn_crawler.run.folder.folder import note_file
+from exudyn_crawler.run.folder.reporting import note_file
 from exudyn_crawler.views.report.frames import first_frame, frame_titles
 from exudyn_crawler.views.report.heading import bouncing_lines, provenance
 from exudyn_crawler.views.report.packing import thinned
@@ -308,7 +308,7 @@ def test_a_report_touches_nothing_that_the_record_names(translation, tmp_path):
     translation.save(folder / "history.nc")
     (tmp_path / "precious.csv").write_text("mine")
     names = ["../precious.csv", str(tmp_path / "precious.csv"), "/etc/passwd", 7, None, ""]
-    (folder / "run.json").write_text(json.dumps({"files": names, "replaces": names}))
+    (folder / "run.json").write_text(json.dumps({"files": names}))
     assert "mine" not in re.sub(r"<script.*?</script>", "", report_page(folder), flags=re.DOTALL)
     note_file(write_report(folder))
     assert json.loads((folder / "run.json").read_text())["files"] == ["report.html"]

@@ -18,7 +18,6 @@ from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.files.case_file import CaseFile
 from exudyn_crawler.case.files.changes import Change, parsed
 from exudyn_crawler.case.files.faults import faults
-from exudyn_crawler.case.files.old_keys import migrated
 from exudyn_crawler.case.files.paths import KeyPath, path_text
 from exudyn_crawler.case.files.text import case_text
 from exudyn_crawler.case.files.toml import toml_content
@@ -68,13 +67,13 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
         for change in asked:
             content = content if change.is_of_item else change.made_in(content)
         of_items = [change for change in asked if change.is_of_item]
-        return from_content(CaseFile, _resolved(migrated(content, path), path.parent, of_items))
+        return from_content(CaseFile, _resolved(content, path.parent, of_items))
 
 
 def case_of(content: dict[str, Any], path: Path) -> CaseFile:
     """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
     with faults_named(path, CaseFile):
-        return from_content(CaseFile, _resolved(migrated(content, path), path.parent))
+        return from_content(CaseFile, _resolved(content, path.parent))
 
 
 @contextmanager
@@ -116,19 +115,16 @@ def write_case(case_file: CaseFile, path: str | Path, overwrite: bool = False) -
     return path
 
 
-def saved_case(text: str, where: object) -> Case:
-    """Case from the JSON that a history or a checkpoint keeps; `where` goes into the warning of old keys.
+def saved_case(text: str | bytes) -> Case:
+    """Case from the JSON in a history or a checkpoint.
 
     Raises
     ------
-    ValueError
-        If it is no JSON.
     ParameterError
-        If it is no case.
+        If the text is not that of a case.
     """
-    values = json.loads(text)
     try:
-        return Case.model_validate(migrated(values, where) if isinstance(values, dict) else values)
+        return Case.model_validate_json(text)
     except ValidationError as error:
         raise ParameterError("\n".join(faults(error, Case))) from None
 

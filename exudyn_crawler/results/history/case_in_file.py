@@ -1,6 +1,6 @@
 """The case in the file of a history, which is known before any of its results is read."""
 
-import hashlib
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,14 +13,13 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.case.files.files import saved_case
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.model.state import VERSION
-from exudyn_crawler.netcdf import check_seal
 from fem.interrupts import interrupts_wait
 
 if TYPE_CHECKING:
     import xarray as xr
 
-CASE, CASE_DIGEST = "case", "case_digest"
-"""Attributes of a file; the first histories have no digest."""
+CASE = "case"
+"""Attribute of a file."""
 LAYOUT_VERSION = "layout_version"
 """Attribute of the version of the states that a history was made of; the first histories have none."""
 UNSIGNED = 1
@@ -28,20 +27,15 @@ UNSIGNED = 1
 
 
 def with_case(dataset: "xr.Dataset", case: Case) -> "xr.Dataset":
-    """Dataset of a history as a file holds it: with its case, and a digest of that."""
-    text = case.model_dump_json()
-    return dataset.assign_attrs({CASE: text, CASE_DIGEST: case_digest(text)})
+    """Dataset of a history as a file holds it: with its case."""
+    # ASCII, so that the text has a checksum
+    return dataset.assign_attrs({CASE: json.dumps(case.model_dump(mode="json"))})
 
 
 def without_case(dataset: "xr.Dataset") -> "xr.Dataset":
     """Dataset of a history from that of a file."""
-    attributes = {name: value for name, value in dataset.attrs.items() if name not in (CASE, CASE_DIGEST)}
+    attributes = {name: value for name, value in dataset.attrs.items() if name != CASE}
     return dataset.drop_attrs(deep=False).assign_attrs(attributes)
-
-
-def case_digest(text: str) -> str:
-    """SHA-256 of a case as JSON."""
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 @contextmanager
@@ -59,8 +53,6 @@ def reading_history(path: Path) -> Iterator[None]:
         raise FileNotFoundError(f"no history at {path}")
     try:
         yield
-    except FutureWarning:
-        raise
     except ParameterError as error:
         raise _no_history(path, "; ".join(error.faults)) from error
     # altered bytes make the readers raise all kinds of errors
@@ -84,7 +76,6 @@ def case_in_file(path: Path) -> Case:
         If the file does not hold a history, or one of states laid out in another version.
     """
     with reading_history(path):
-        check_seal(path)
         return _case_of(path)
 
 
@@ -93,7 +84,4 @@ def _case_of(path: Path) -> Case:
         version = np.asarray(file.attrs.get(LAYOUT_VERSION, UNSIGNED)).item()
         if version != VERSION and (version != UNSIGNED or "modal_coordinate" in file):
             raise ValueError(f"its states have layout version {version}, this program reads {VERSION}")
-        text = file.attrs[CASE]
-        if file.attrs.get(CASE_DIGEST, case_digest(text)) != case_digest(text):
-            raise ValueError("its case was altered: the digest is wrong")
-        return saved_case(text, path)
+        return saved_case(file.attrs[CASE])

@@ -19,7 +19,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.netcdf import open_netcdf, write_netcdf_along
+from exudyn_crawler.netcdf import write_netcdf_along
 from exudyn_crawler.results.history.case_in_file import with_case, without_case
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, select, variable
 from fem.interrupts import interrupts_wait
@@ -169,7 +169,7 @@ class Chunk:
     @classmethod
     def of_file(cls, path: Path, end: float) -> Self:
         """What a saved history holds up to a time, s."""
-        with interrupts_wait(), open_netcdf(path) as dataset:
+        with interrupts_wait(), xr.open_dataset(path, engine="h5netcdf") as dataset:
             times = int(np.count_nonzero(dataset.time.values <= end + 1e-9 * max(1.0, end)))
             pairs = _pairs(dataset)
 

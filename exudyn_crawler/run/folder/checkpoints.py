@@ -1,13 +1,13 @@
 """Stages of a run kept in a folder, so that a run that was stopped goes on where the last one ended.
 
-A file a stage holds the state at its end, the piece of the history that it gave, what both belong to and a
-digest of all of it. Of a run that has ended, the end of its last stage but one and its history are enough for
-a longer one to go on with.
+A file a stage holds the state at its end, the chunk of the history that it gave, and the case of both;
+zip archives have a checksum of every array. Of a run that has ended, the end of its last stage but one and
+its history are enough for a longer one to go on with.
 """
 
-import hashlib
 import json
 import shutil
+import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.files.differences import differences
 from exudyn_crawler.case.files.files import saved_case
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.results.history.files import Chunk, save_joined
@@ -53,7 +54,7 @@ class Checkpoint:
 
 
 @dataclass(frozen=True)
-class KeptStage:
+class StoredStage:
     """Checkpoint in a file, of which memory holds little however many there are.
 
     Attributes
@@ -74,7 +75,7 @@ class KeptStage:
     @property
     def state(self) -> NDArray:
         """As of `Checkpoint`, read from the file; ValueError if that was altered."""
-        return _arrays(self.path)["state"]
+        return _read(self.path)[1].state
 
 
 class Checkpoints:
@@ -84,14 +85,14 @@ class Checkpoints:
     ----------
     folder : Path
         Made with the first checkpoint.
-    tell : callable, optional
-        Is told, in a line, where a run goes on and what was left out.
+    say : callable, optional
+        Gets a line on where a run goes on and what was left out.
     """
 
-    def __init__(self, folder: Path, tell: Callable[[str], None] = lambda _text: None) -> None:
+    def __init__(self, folder: Path, say: Callable[[str], None] = lambda _text: None) -> None:
         self.folder = Path(folder)
-        self.tell = tell
-        self._found: dict[Path, tuple[tuple[int, int], Case, KeptStage]] = {}
+        self.say = say
+        self._found: dict[Path, tuple[tuple[int, int], Case, StoredStage]] = {}
         self._cases: dict[str, Case] = {}
         self._left_out: set[Path] = set()
 
@@ -105,7 +106,7 @@ class Checkpoints:
         """History of the shorter run that this one goes on with."""
         return self.folder / "earlier.nc"
 
-    def save(self, case: Case, checkpoint: Checkpoint) -> KeptStage:
+    def save(self, case: Case, checkpoint: Checkpoint) -> StoredStage:
         """Keep the end of a stage of a case.
 
         Raises
@@ -116,9 +117,9 @@ class Checkpoints:
         writable_folder(self.folder)
         path = self._file(checkpoint.number)
         _write(path, case, checkpoint)
-        return _kept(path, checkpoint)
+        return _stored(path, checkpoint)
 
-    def load(self, case: Case, layout: str | None = None) -> list[KeptStage]:
+    def load(self, case: Case, layout: str | None = None) -> list[StoredStage]:
         """Stages of a case that are there one after the other, from the first or the earlier run's end on.
 
         Those from an altered one on are left out.
@@ -129,7 +130,7 @@ class Checkpoints:
             If one comes from other parameters or, where `layout` is given, has states of another layout; or
             if the first one was altered, naming its file.
         """
-        found: list[KeptStage] = []
+        found: list[StoredStage] = []
         for path in self._files():
             try:
                 saved, stage = self._read(path)
@@ -137,23 +138,23 @@ class Checkpoints:
                 if not found:
                     raise ValueError(f"{error}; delete {self.folder} to begin anew") from error
                 if path not in self._left_out:
-                    self.tell(f"{error}: left out, and computed anew from t = {found[-1].time:g} s")
+                    self.say(f"{error}: left out, and computed anew from t = {found[-1].time:g} s")
                 self._left_out.add(path)
                 break
             if saved != case:
                 raise ValueError(
-                    f"checkpoint {path} comes from other parameters: choose another folder "
-                    f"or ask for overwriting (--overwrite)"
+                    f"checkpoint {path} comes from other parameters ({differences(saved, case)[0]}): choose "
+                    f"another folder or ask for overwriting (--overwrite)"
                 )
-            if layout is not None and (differences := _differences(stage.layout, layout)):
+            if layout is not None and (others := _other_parts(stage.layout, layout)):
                 raise ValueError(
-                    f"checkpoint {path} has states of another layout: {'; '.join(differences)}; "
+                    f"checkpoint {path} has states of another layout: {'; '.join(others)}; "
                     f"delete {self.folder} to begin anew"
                 )
             found.append(stage)
         return found
 
-    def pieces(self, stages: Iterable[KeptStage]) -> list[Chunk]:
+    def pieces(self, stages: Iterable[StoredStage]) -> list[Chunk]:
         """Pieces of the history that stages of `load` gave, the earlier run's among them."""
         kept = list(stages)
         before = [Chunk.of_file(self._earlier, kept[0].time)] if kept and kept[0].number else []
@@ -168,7 +169,7 @@ class Checkpoints:
         """Go on behind a shorter run of the same case, of which `settle` kept the end."""
         self.remove()
         writable_folder(self.folder)
-        number = int(_arrays(end)["number"])
+        number = _read(end)[1].number
         for source, path in ((history, self._earlier), (end, self._file(number))):
             with whole_file(path) as temporary:
                 shutil.copyfile(source, temporary)
@@ -188,18 +189,17 @@ class Checkpoints:
         if self.folder.is_dir() and not any(self.folder.iterdir()):
             self.folder.rmdir()
 
-    def _read(self, path: Path) -> tuple[Case, KeptStage]:
+    def _read(self, path: Path) -> tuple[Case, StoredStage]:
         """Case and stage of a file; one that was read and is the same is not read again."""
         found = path.stat()
         stamp = (found.st_mtime_ns, found.st_size)
         if path not in self._found or self._found[path][0] != stamp:
-            arrays = _arrays(path)
-            if self._file(int(arrays["number"])) != path:
-                raise ValueError(f"checkpoint {path} is that of stage {arrays['number']}")
-            text = str(arrays["case"])
+            text, checkpoint = _read(path)
+            if self._file(checkpoint.number) != path:
+                raise ValueError(f"checkpoint {path} is that of stage {checkpoint.number}")
             if text not in self._cases:
-                self._cases[text] = saved_case(text, path)
-            self._found[path] = (stamp, self._cases[text], _kept(path, _checkpoint(arrays)))
+                self._cases[text] = saved_case(text)
+            self._found[path] = (stamp, self._cases[text], _stored(path, checkpoint))
         return self._found[path][1:]
 
     def _files(self) -> list[Path]:
@@ -220,7 +220,7 @@ class Checkpoints:
 
 
 def _write(path: Path, case: Case, checkpoint: Checkpoint) -> None:
-    """Write a checkpoint with the digest of all that it holds."""
+    """Write a checkpoint."""
     history = checkpoint.history
     arrays: dict[str, Any] = {
         "case": np.array(case.model_dump_json()),
@@ -232,43 +232,30 @@ def _write(path: Path, case: Case, checkpoint: Checkpoint) -> None:
     }
     arrays |= {f"{VARIABLE}{name}": variable.values for name, variable in history.variables.items()}
     with whole_file(path, overwrite=True) as temporary, temporary.open("wb") as file:
-        np.savez(file, digest=np.array(_digest(arrays)), **arrays)
+        np.savez(file, **arrays)
 
 
-def _digest(arrays: Mapping[str, NDArray]) -> str:
-    """SHA-256 of named arrays."""
-    digest = hashlib.sha256()
-    for name in sorted(arrays):
-        array = np.ascontiguousarray(arrays[name])
-        digest.update(f"{name} {array.dtype.str} {array.shape} ".encode())
-        digest.update(array.tobytes())
-    return digest.hexdigest()
-
-
-def _arrays(path: Path) -> dict[str, NDArray]:
-    """Arrays of a file, whose digest is right.
+def _read(path: Path) -> tuple[str, Checkpoint]:
+    """Case, as JSON, and checkpoint of a file.
 
     Raises
     ------
     ValueError
-        If it is not, or the file cannot be read.
+        If the file cannot be read, or a checksum is wrong.
     """
     try:
+        # numpy alone would not notice that an array was made smaller
+        with zipfile.ZipFile(path) as archive:
+            wrong = archive.testzip()
+        if wrong is not None:
+            raise ValueError(f"the checksum of {wrong} is wrong")
         with path.open("rb") as file, np.load(file) as content:
             arrays = {name: content[name] for name in content.files}
-        digest = str(arrays.pop("digest"))
+        number, time, layout = int(arrays["number"]), float(arrays["time"]), str(arrays["layout"])
+        return str(arrays["case"]), Checkpoint(number, time, layout, arrays["state"], _dataset(arrays))
     # altered bytes make the readers of archives raise all kinds of errors
     except Exception as error:
         raise ValueError(f"checkpoint {path} cannot be read: {' '.join(str(error).split())}") from error
-    if digest != _digest(arrays):
-        raise ValueError(f"checkpoint {path} was altered: its digest is wrong")
-    return arrays
-
-
-def _checkpoint(arrays: Mapping[str, NDArray]) -> Checkpoint:
-    return Checkpoint(
-        int(arrays["number"]), float(arrays["time"]), str(arrays["layout"]), arrays["state"], _dataset(arrays)
-    )
 
 
 def _dataset(arrays: Mapping[str, NDArray]) -> xr.Dataset:
@@ -284,14 +271,14 @@ def _dataset(arrays: Mapping[str, NDArray]) -> xr.Dataset:
     return xr.Dataset(filled("data_vars"), coords=filled("coords"), attrs=content["attrs"])
 
 
-def _kept(path: Path, checkpoint: Checkpoint) -> KeptStage:
+def _stored(path: Path, checkpoint: Checkpoint) -> StoredStage:
     """Stage in a file without what is read from there, and checked, when it is needed."""
     whole = Chunk.of(checkpoint.history)
-    piece = Chunk(whole.times, whole.pairs, lambda: Chunk.of(_dataset(_arrays(path))).parts())
-    return KeptStage(checkpoint.number, checkpoint.time, intern(checkpoint.layout), path, piece)
+    piece = Chunk(whole.times, whole.pairs, lambda: Chunk.of(_read(path)[1].history).parts())
+    return StoredStage(checkpoint.number, checkpoint.time, intern(checkpoint.layout), path, piece)
 
 
-def _differences(found: str, own: str) -> list[str]:
+def _other_parts(found: str, own: str) -> list[str]:
     """In what a layout differs from the own one, a phrase each, such as "terrain is 15, not 32"."""
     theirs, wanted = json.loads(found), json.loads(own)
     return [

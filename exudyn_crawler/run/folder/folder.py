@@ -1,50 +1,67 @@
-"""Folder of a run: one process at a time, and beside the results what they come from.
+"""Folder of a run: one process at a time, one case, and beside the results what they come from.
 
 A folder holds the resolved case file, `run.json` with versions, machine, timing and outcome, `run.log`, and
-what the run writes: its history (NetCDF), tables (CSV) and figures. A study's folder holds a folder a case
-and its own record of all of them.
+what the run writes: its history (NetCDF), tables (CSV) and figures. It belongs to its case: the same
+case goes on where it was stopped, and with a longer duration behind the end; all else is refused, unless the
+folder may be emptied. A study's folder holds a folder a case and its own record of all of them.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
-from filelock import FileLock, Timeout
+import h5py
 
 from exudyn_crawler.case import CaseFile, read_case, write_case
+from exudyn_crawler.case.files.differences import differences
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.files import clear_partial_files, writable_folder
-from exudyn_crawler.run.folder.keeper import LOCK, Keeper, quiet, recorded
-from exudyn_crawler.run.folder.record import earlier_record, named_files, timestamp, write_record
-from exudyn_crawler.run.folder.standing import CASE, Standing, standing, study_standing
+from exudyn_crawler.run.folder.record import DONE, LOG, RECORD, earlier_record, named_files
+from exudyn_crawler.run.folder.reporting import (
+    CASE,
+    CHECKPOINTS,
+    END,
+    HISTORY,
+    LOCK,
+    STOPPED_HISTORY,
+    Holds,
+    RunFolder,
+    held,
+    quiet,
+    recorded,
+)
+from fem.interrupts import interrupts_wait
 
+OF_THE_SIMULATION = {CASE, RECORD, LOG, HISTORY, STOPPED_HISTORY, CHECKPOINTS, END}
+"""What a run goes on with; all else is made of the history again."""
 RESULT_SUFFIXES = {".nc", ".csv", ".png", ".pdf", ".svg", ".vtu", ".pvd", ".mp4", ".gif"}
+SAME_TIME = 1e-6
+"""s by which durations may differ and be the same."""
+
+
+GOES_ON = (Holds.STOPPED, Holds.HISTORY, Holds.SHORTER)
 
 
 @contextmanager
-def kept_run(
+def run_in(
     out: Path | None,
     case_file: CaseFile | None = None,
     overwrite: bool = False,
-    tell: Callable[[str], None] = quiet,
+    report: Callable[[str], None] = quiet,
     cases: Mapping[str, CaseFile] | None = None,
-) -> Iterator[Keeper]:
-    """Hold a folder while a run writes into it, and keep what the results come from.
-
-    A run that was stopped goes on in its folder, and one with a longer duration goes on with a finished one.
+) -> Iterator[RunFolder]:
+    """Hold a folder while a run works in it, and record what the results come from.
 
     Parameters
     ----------
     out : Path, optional
-        Folder, made where it is missing; None keeps nothing.
+        Folder, made where it is missing; None writes nothing.
     case_file : CaseFile, optional
         What is run; None for a study.
     overwrite : bool
-        Replace what an earlier run left, unless it is this one that was stopped while it did so. Files of
-        that run which this one does not write anew are removed when it has ended well, so that no result
-        stands beside a case that it does not come from.
-    tell : callable
+        Empty the folder of what an earlier run recorded there, unless that is this one, stopped while it
+        replaced another one.
+    report : callable
         Gets the lines that the user is to read.
     cases : mapping, optional
         What a study runs into folders of their names in this one.
@@ -59,20 +76,24 @@ def kept_run(
         If it cannot be written to.
     """
     if out is None:
-        yield Keeper(tell)
+        yield RunFolder(report=report)
         return
     with held(writable_folder(out)):
-        found = earlier_record(out)
-        keeper = _keeper(out, case_file, cases or {}, found, overwrite, tell)
+        folder = _taken(out, case_file, cases or {}, overwrite, report)
+        if folder.holds is Holds.NOTHING and overwrite:
+            for one in (out, *(out / name for name in cases or ())):
+                _empty(one)
+        elif folder.holds is not Holds.NOTHING:
+            _remove(out, {name for name in _recorded_files(out) if not _stays(out, name)})
         if case_file is not None:
-            _keep_case(out / CASE, case_file, keeper.replaces)
+            _write_case(out / CASE, case_file, replace=overwrite or folder.holds is not Holds.NOTHING)
         clear_partial_files(out, below=case_file is not None)
-        with recorded(out, keeper, found):
-            yield keeper
+        with recorded(folder):
+            yield folder
 
 
 def refuse_occupied(out: Path, case_file: CaseFile, overwrite: bool = False) -> None:
-    """Refuse a folder that `kept_run` would not take for a case, before anything else is loaded.
+    """Refuse a folder that `run_in` would not take for a case, before anything else is loaded.
 
     Raises
     ------
@@ -80,46 +101,73 @@ def refuse_occupied(out: Path, case_file: CaseFile, overwrite: bool = False) -> 
         If the folder holds results of another run, and `overwrite` is false.
     """
     if out.is_dir():
-        _keeper(out, case_file, {}, earlier_record(out), overwrite, quiet)
+        _taken(out, case_file, {}, overwrite, quiet)
 
 
-def _keeper(
+def held_of(out: Path, case_file: CaseFile) -> Holds:
+    """What the folder of a run holds of a case; nothing, too, if it holds another one."""
+    record = earlier_record(out)
+    try:
+        found = read_case(out / CASE) if record else None
+    except (CaseFileError, FileNotFoundError):
+        found = None
+    if found is None or found.case != case_file.case:
+        return Holds.NOTHING
+    if record.get("status") != DONE:
+        less = case_file.duration - found.duration
+        if less < -SAME_TIME:
+            return Holds.NOTHING
+        return Holds.HISTORY if record.get("simulated") is True and less <= SAME_TIME else Holds.STOPPED
+    end = _end(out / HISTORY)
+    if end is None or end > case_file.duration + SAME_TIME:
+        return Holds.NOTHING
+    return Holds.SHORTER if end < case_file.duration - SAME_TIME else Holds.FINISHED
+
+
+def _held_of_study(out: Path, cases: Mapping[str, CaseFile]) -> Holds:
+    """What the folder of a study holds of cases in folders of their names; it is never shorter."""
+    record = earlier_record(out)
+    if not record:
+        return Holds.NOTHING
+    if record.get("status") != DONE:
+        return Holds.STOPPED
+    found = {name: held_of(out / name, case_file) for name, case_file in cases.items()}
+    if all(one is Holds.FINISHED for one in found.values()):
+        return Holds.FINISHED
+    others = [name for name, one in found.items() if one is Holds.NOTHING and (out / name / CASE).exists()]
+    return Holds.NOTHING if others else Holds.STOPPED
+
+
+@interrupts_wait()
+def _end(path: Path) -> float | None:
+    """Time of the last state of a history, s; None if there is none that can be read."""
+    try:
+        with h5py.File(path, "r") as file:
+            return float(file["time"][-1])
+    # altered bytes make the readers raise all kinds of errors
+    except Exception:
+        return None
+
+
+def _taken(
     out: Path,
     case_file: CaseFile | None,
     cases: Mapping[str, CaseFile],
-    found: dict[str, Any],
     overwrite: bool,
-    tell: Callable[[str], None],
-) -> Keeper:
-    """What a run may do in a folder, by the record of an earlier one; refuses one that it may not replace."""
-    holds = study_standing(out, cases) if case_file is None else standing(out, case_file)
-    stopped_overwriting = found.get("overwrites") is True
-    goes_on = holds in (Standing.UNFINISHED, Standing.LONGER_ASKED) and (not overwrite or stopped_overwriting)
-    longer = holds is Standing.SHORTER and not overwrite
-    simulated = goes_on and found.get("simulated") is True
-    longer |= simulated and holds is Standing.LONGER_ASKED
-    begun = found.get("begun")
-    keeper = Keeper(
-        tell,
-        anew=not (goes_on or longer),
-        overwrites=overwrite or (goes_on and stopped_overwriting),
-        extends=longer or (goes_on and found.get("extends") is True),
-        simulated=simulated and not longer,
-        begun=begun if goes_on and isinstance(begun, str) else timestamp(),
-    )
-    if not keeper.replaces:
-        refuse_results(out, below=case_file is None)
-    return keeper
+    report: Callable[[str], None],
+) -> RunFolder:
+    """Folder with what it holds of a run; refuses one that the run may not have."""
+    holds = _held_of_study(out, cases) if case_file is None else held_of(out, case_file)
+    overwrites = holds in GOES_ON and earlier_record(out).get("overwrites") is True
+    if (overwrite and not overwrites) or holds is Holds.FINISHED:
+        holds = Holds.NOTHING
+    if holds is Holds.NOTHING and not overwrite:
+        _refuse_results(out, below=case_file is None)
+    return RunFolder(out, report, holds, overwrite or overwrites, simulated=holds is Holds.HISTORY)
 
 
-def refuse_results(out: Path, below: bool = False) -> None:
-    """Refuse a folder that holds results already, also one folder `below`.
-
-    Raises
-    ------
-    FileExistsError
-        Naming what is there.
-    """
+def _refuse_results(out: Path, below: bool = False) -> None:
+    """Refuse a folder that holds results already, also one folder `below`."""
     paths = [*out.iterdir(), *(out.glob("*/*") if below else ())]
     found = sorted(
         path.relative_to(out).as_posix()
@@ -133,57 +181,46 @@ def refuse_results(out: Path, below: bool = False) -> None:
         )
 
 
-def note_file(path: Path) -> None:
-    """Add a file made of a run's results to the record beside it, so that overwriting the run removes it.
-
-    Nothing is noted where there is no record. A run at work in the folder notes what is new by itself.
-    """
-    out = path.parent
-    if not earlier_record(out):
-        return
-    with suppress(BlockingIOError), held(out):
-        found = earlier_record(out)
-        write_record(out, found | {"files": sorted({*named_files(found, "files"), path.name})})
-
-
-@contextmanager
-def held(out: Path, what: str = "run") -> Iterator[None]:
-    """Hold a folder's lock, which the operating system releases when the process ends, however it does.
-
-    Parameters
-    ----------
-    what : str
-        What works there, for the error.
-
-    Raises
-    ------
-    BlockingIOError
-        If another process holds it.
-    """
-    lock = FileLock(out / LOCK)
-    try:
-        lock.acquire(timeout=0)
-    except Timeout as error:
-        record = earlier_record(out)
-        raise BlockingIOError(
-            f"{out} is in use by another {what} (process {record.get('process', 'unknown')}, begun "
-            f"{record.get('started', 'just now')}): choose another folder or wait"
-        ) from error
-    try:
-        yield
-    finally:
-        lock.release()
-
-
-def _keep_case(path: Path, case_file: CaseFile, replace: bool) -> None:
+def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
     """Write the resolved case file; one that says the same stays as its author wrote it."""
     try:
-        same = path.exists() and read_case(path) == case_file
+        found = read_case(path) if path.exists() else None
     except CaseFileError:
-        same = False
-    if path.exists() and not same and not replace:
+        found = None
+    if path.exists() and found != case_file and not replace:
+        other = "" if found is None else f" ({differences(found, case_file)[0]})"
         raise FileExistsError(
-            f"{path} is the case of another run: choose another folder or ask for overwriting (--overwrite)"
+            f"{path} is the case of another run{other}: "
+            f"choose another folder or ask for overwriting (--overwrite)"
         )
-    if not same:
-        write_case(case_file, path, replace)
+    if found != case_file:
+        write_case(case_file, path, overwrite=True)
+
+
+def _empty(out: Path) -> None:
+    """Remove what an earlier run recorded in a folder, and what it was to go on with; the case file stays."""
+    parts = {path.relative_to(out).as_posix() for path in out.glob(f"{CHECKPOINTS}/*.n[pc]*")}
+    _remove(out, (_recorded_files(out) | parts | {STOPPED_HISTORY, END}) - {CASE})
+
+
+def _recorded_files(out: Path) -> set[str]:
+    return named_files(earlier_record(out))
+
+
+def _stays(out: Path, name: str) -> bool:
+    """Whether a file is kept where a run goes on: also those of runs in folders of their own."""
+    first = Path(name).parts[0]
+    return first in OF_THE_SIMULATION or (out / first / RECORD).is_file()
+
+
+def _remove(out: Path, names: set[str]) -> None:
+    """Remove files and the folders that they leave empty, and nothing outside of the folder."""
+    whole = out.resolve()
+    paths = [path for name in names if (path := (out / name).resolve()).is_relative_to(whole)]
+    for path in paths:
+        if path.is_file():
+            path.unlink()
+    for folder in {path.parent for path in paths} - {whole}:
+        if folder.is_dir() and {path.name for path in folder.iterdir()} <= {LOCK}:
+            (folder / LOCK).unlink(missing_ok=True)
+            folder.rmdir()

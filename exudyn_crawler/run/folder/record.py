@@ -1,23 +1,47 @@
-"""Record of a run: versions, machine, timing and outcome, as `run.json` in its folder."""
+"""Record and log of a run: versions, machine, timing and outcome in `run.json`, what went on in `run.log`."""
 
 import importlib.metadata
 import json
+import logging
 import os
 import platform
 import re
 import subprocess
-from contextlib import suppress
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from exudyn_crawler.files import whole_file
 
-RECORD = "run.json"
+RECORD, LOG = "run.json", "run.log"
 DONE = "done"
 """Status of a run that has ended well."""
 PROGRAM = "exudyn-crawler"
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+logger = logging.getLogger("exudyn_crawler")
+
+
+def first_record() -> dict[str, Any]:
+    """What is known of a run when it begins."""
+    return {
+        "status": "running",
+        "command": sys.argv,
+        "process": os.getpid(),
+        "started": timestamp(),
+        "machine": machine(),
+        "versions": versions(),
+        "commit": commit(),
+    }
+
+
+def finished_record(record: dict[str, Any]) -> dict[str, Any]:
+    """When a run ended, and what it took."""
+    took = datetime.now(UTC) - datetime.fromisoformat(record["started"])
+    return {"finished": timestamp(), "wall_time_s": round(took.total_seconds(), 3)}
 
 
 def earlier_record(folder: Path) -> dict[str, Any]:
@@ -29,11 +53,11 @@ def earlier_record(folder: Path) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def named_files(record: dict[str, Any], key: str) -> set[str]:
+def named_files(record: dict[str, Any]) -> set[str]:
     """Names of files that a record lists, without such as lead out of its folder or are no names."""
-    names = record.get(key)
-    kept = {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
-    return {name for name in kept if _stays(name)}
+    names = record.get("files")
+    texts = {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
+    return {name for name in texts if _stays(name)}
 
 
 def _stays(name: str) -> bool:
@@ -115,3 +139,30 @@ def versions() -> dict[str, str]:
         with suppress(importlib.metadata.PackageNotFoundError):
             found[name] = importlib.metadata.version(name)
     return found
+
+
+class _LogFile(logging.FileHandler):
+    """Log that does not stop a run where it cannot be written."""
+
+    def handleError(self, _record: logging.LogRecord) -> None:  # noqa: N802
+        pass
+
+    def close(self) -> None:
+        with suppress(OSError):
+            super().close()
+
+
+@contextmanager
+def logged(out: Path) -> Iterator[None]:
+    """Send the package's log into a folder, behind what is there."""
+    handler = _LogFile(out / LOG, mode="a", encoding="utf-8")
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+    level = logger.level
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)
+        handler.close()

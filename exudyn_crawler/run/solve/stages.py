@@ -11,7 +11,7 @@ from exudyn_crawler.model.formulation import TrackSystem
 from exudyn_crawler.results.history.files import Chunk, joined
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import history_of
-from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints, KeptStage
+from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints, StoredStage
 
 TIME_TOLERANCE = 1e-9
 """Relative difference below which two times are the same."""
@@ -111,7 +111,7 @@ class RunStages:
     ) -> None:
         self._system, self._recorder, self._checkpoints = system, recorder, checkpoints
         self._last = len(ends) - 2
-        self._kept: list[KeptStage] = []
+        self._kept: list[StoredStage] = []
         self._in_memory: list[Chunk] = []
         self.first = 0
         if checkpoints is not None:
@@ -129,7 +129,7 @@ class RunStages:
             self.first = last.number + 1
             self._system.set_state(last.state)
             self._recorder.go_on(last.time)
-            checkpoints.tell(f"{self._system.case.name}: going on from the checkpoint at t = {last.time:g} s")
+            checkpoints.say(f"{self._system.case.name}: going on from the checkpoint at t = {last.time:g} s")
 
     def end(self, number: int) -> None:
         """End a stage that was integrated, and start the next one from its state."""

@@ -5,7 +5,6 @@ from pathlib import Path
 import h5py
 import xarray as xr
 
-from exudyn_crawler.netcdf import check_seal
 from exudyn_crawler.results.history.catalogue import check_dimensions
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views.report.left_out import LeftOut
@@ -55,7 +54,6 @@ def stress_of(folder: Path) -> xr.Dataset | None:
     if not path.is_file():
         return None
     try:
-        check_seal(path)
         _holds_a_case(path)
         dataset = xr.load_dataset(path, engine="h5netcdf")
         check_dimensions(dataset)
