@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fem.blocks import Fold, StressBlock, fold_stresses
     from fem.body import ElasticBody
-    from fem.cache import Kept, KeptFields, cached_craig_bampton, cached_static_fields
+    from fem.cache import (
+        CachedFields,
+        CachedReduction,
+        cached_craig_bampton,
+        cached_files,
+        cached_static_fields,
+    )
     from fem.critical_plane import CriticalPlanes, critical_planes, damage_on_planes, surface_normals
     from fem.damage import Counting, Damage, recover_damage
     from fem.elasticity import Material
@@ -24,7 +30,6 @@ if TYPE_CHECKING:
     from fem.files import StaleCacheError, load_fields, load_reduced, save_fields, save_reduced
     from fem.hotspots import Apart, OneARegion, OneOfEach, hot_spots
     from fem.interfaces import Interface, center_loads
-    from fem.keeping import kept_files
     from fem.mesh import Mesh, MeshError
     from fem.mesh_files import read_mesh, write_mesh
     from fem.places import FlatRectangle, PressureGrid, Stations, flat_parts
@@ -39,7 +44,7 @@ if TYPE_CHECKING:
 _NAMES = {
     "blocks": "Fold StressBlock fold_stresses",
     "body": "ElasticBody",
-    "cache": "Kept KeptFields cached_craig_bampton cached_static_fields",
+    "cache": "CachedFields CachedReduction cached_craig_bampton cached_files cached_static_fields",
     "critical_plane": "CriticalPlanes critical_planes damage_on_planes surface_normals",
     "damage": "Counting Damage recover_damage",
     "elasticity": "Material",
@@ -50,7 +55,6 @@ _NAMES = {
     "files": "StaleCacheError load_fields load_reduced save_fields save_reduced",
     "hotspots": "Apart OneARegion OneOfEach hot_spots",
     "interfaces": "Interface center_loads",
-    "keeping": "kept_files",
     "mesh": "Mesh MeshError",
     "mesh_files": "read_mesh write_mesh",
     "places": "FlatRectangle PressureGrid Stations flat_parts",
@@ -66,6 +70,8 @@ _NAMES = {
 
 __all__ = [
     "Apart",
+    "CachedFields",
+    "CachedReduction",
     "Counting",
     "CriticalPlanes",
     "Cycles",
@@ -76,8 +82,6 @@ __all__ = [
     "FlatRectangle",
     "Fold",
     "Interface",
-    "Kept",
-    "KeptFields",
     "Material",
     "Mesh",
     "MeshError",
@@ -98,6 +102,7 @@ __all__ = [
     "StressBlock",
     "UnitLoads",
     "cached_craig_bampton",
+    "cached_files",
     "cached_static_fields",
     "center_loads",
     "craig_bampton",
@@ -110,7 +115,6 @@ __all__ = [
     "fold_stresses",
     "hot_spots",
     "judged",
-    "kept_files",
     "load_fields",
     "load_reduced",
     "mesh_error",

@@ -1,4 +1,4 @@
-"""One pass over the stresses of a long modal history, block by block, for whatever is kept of them.
+"""One pass over the stresses of a long modal history, block by block, for any result of them.
 
 Nodes go outside and times inside: each block of nodes is seen over the whole history, in order of time,
 before the next one begins. Memory holds the history of the modal coordinates and one block of stresses,
@@ -24,13 +24,13 @@ class StressBlock(NamedTuple):
     Attributes
     ----------
     nodes : slice
-        Places of the nodes among those that are looked at.
+        Positions of the nodes among those that are looked at.
     times : slice
         Rows of the history.
     stress : array (k, c, t)
-        The fold's components in Pa; reused, so that a fold copies what it keeps.
+        The fold's components in Pa; overwritten by the next block.
     bound : array (k,)
-        Length in Pa by which the components of each node may be off at these times; 0 at full rank.
+        Greatest error of each node's components at these times, as a length in Pa; 0 at full rank.
     """
 
     nodes: slice
@@ -40,7 +40,7 @@ class StressBlock(NamedTuple):
 
 
 class Fold(Protocol[Result]):
-    """What is kept of a history of stresses.
+    """A result that is gathered from a history of stresses.
 
     A fold that needs whole histories of single nodes, as counts of cycles do, gathers the blocks of the same
     nodes until `times.stop` is the number of times, and is done with these nodes then.
@@ -48,7 +48,7 @@ class Fold(Protocol[Result]):
     Attributes
     ----------
     components : array (c, 6), or None
-        Combinations of xx, yy, zz, xy, yz, xz that it asks for; the six themselves if None.
+        Combinations of xx, yy, zz, xy, yz, xz that it needs; the six themselves if None.
     """
 
     components: Floats | None
@@ -60,7 +60,7 @@ class Fold(Protocol[Result]):
         """Take the next block: times in order for the same nodes, then the next nodes."""
 
     def finish(self) -> Result:
-        """Give what was kept."""
+        """Return the result."""
 
 
 def fold_stresses(
@@ -70,7 +70,7 @@ def fold_stresses(
     nodes: Integers | None = None,
     tolerance: float | None = None,
 ) -> Result:
-    """Lead a fold over the stresses of a history.
+    """Apply a fold to the stresses of a history.
 
     Parameters
     ----------
@@ -79,17 +79,16 @@ def fold_stresses(
     q : array (t, m), or iterable of arrays
         Coordinates, or blocks of them in order of time.
     fold : Fold
-        What is kept.
     nodes : int array, optional
         Numbers of the nodes to look at, in any order; all if left out.
     tolerance : float, optional
-        Fold stresses of a reduced rank, in single precision and several times as fast: what that leaves out
-        is at most this part of the highest stress, as of `rank.reduced_rank`, and each block has its bound.
-        At full rank and in double precision if left out.
+        Fold stresses of a reduced rank, in single precision and several times as fast. The error is at most
+        this part of the highest stress, as of `rank.reduced_rank`, and each block has its bound. If left out,
+        at full rank and in double precision.
 
     Returns
     -------
-    What the fold's `finish` gives.
+    Result of the fold's `finish`.
 
     Raises
     ------
@@ -121,14 +120,14 @@ def _stress_blocks(source: StressHistory) -> Iterator[StressBlock]:
 
 
 def _checked_blocks(q: Floats | Iterable[Floats], modes: int) -> Iterator[Floats]:
-    """Blocks (m, t) of a history; refuses one that does not fit or is not finite, and a history of none."""
+    """Blocks (m, t) of a history; `ValueError` if one does not fit or is not finite, or if there is none."""
     start = 0
     for block in _row_blocks(q):
         if block.shape[1] != modes:
             raise ValueError(f"the history must have {modes} modal coordinates, got {block.shape[1]}")
         if not np.isfinite(block).all():
             raise ValueError(
-                f"the history must be finite, got other numbers in rows {start} to {start + len(block) - 1}"
+                f"the history must be finite, got others in rows {start} to {start + len(block) - 1}"
             )
         yield np.asfortranarray(block.T)
         start += len(block)

@@ -138,7 +138,7 @@ class ElasticBody:
         return weights[:, None] / weights.sum() * np.asarray(force, dtype=float)
 
     def balanced(self, forces: Floats) -> Floats:
-        """Self-equilibrated nodal forces (3n, m): the rigid acceleration's inertia taken off."""
+        """Self-equilibrated nodal forces (3n, m): minus the inertia of the rigid acceleration."""
         rigid = self.rigid_modes
         moved = self.mass_matrix @ rigid
         return np.asarray(forces - moved @ np.linalg.solve(rigid.T @ moved, rigid.T @ forces))

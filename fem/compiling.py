@@ -1,8 +1,8 @@
-"""Compiled functions that are kept on disk and notice when a function that they call was changed.
+"""Compiled functions that are cached on disk and notice changes of the functions that they call.
 
-numba keeps compiled code beside the source and compiles anew when that one file changes. Code that it has
-inlined from other files would stay as it was, so a kept function is stamped with all sources that it may be
-made of.
+numba caches compiled code beside the source and compiles again when that one file changes. Code inlined from
+other files would stay as it was, so that a cached function is stamped with all sources that it may consist
+of.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -18,7 +18,7 @@ from fem.sources import source_digest
 
 
 def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
-    """Decorator that compiles a function and keeps the result until one of the sources changes.
+    """Decorator that compiles a function and caches the result until one of the sources changes.
 
     Parameters
     ----------
@@ -30,15 +30,15 @@ def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
     stamp = source_digest(*sources)
 
     def compiled(function: Callable) -> Any:
-        # nobody takes the C address of a function, which would be a fifth of the time to compile
+        # the C address of a function, which is not needed, would take a fifth of the time to compile
         dispatcher = njit(cache=True, no_cfunc_wrapper=True, **options)(function)
-        # LLVM asks Python for kept code; where an interrupt comes just then, it calls what is not there
+        # LLVM asks Python for cached code; if an interrupt comes just then, it calls what is not there
         dispatcher.compile = interrupts_wait()(dispatcher.compile)
-        # numba has no public way to say what a function is made of; without the attributes it keeps its own
+        # numba has no public way to add sources; without these attributes its own stamp stays
         cache: Any = getattr(dispatcher, "_cache", None)
-        kept = getattr(cache, "_cache_file", None)
-        if kept is not None:
-            kept._source_stamp = (kept._source_stamp, stamp)
+        file = getattr(cache, "_cache_file", None)
+        if file is not None:
+            file._source_stamp = (file._source_stamp, stamp)
             cache.save_overload = _forgiving(cache.save_overload)
         return dispatcher
 
@@ -46,27 +46,27 @@ def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
 
 
 @contextmanager
-def told_of_compiling(functions: Collection[Any], tell: Callable[[], None]) -> Iterator[None]:
-    """Call `tell` once when one of some compiled functions has to be compiled meanwhile."""
-    with install_listener("numba:compile", _Once(functions, tell)):
+def notify_compiling(functions: Collection[Any], notify: Callable[[], None]) -> Iterator[None]:
+    """Call `notify` once if one of some compiled functions has to be compiled within the context."""
+    with install_listener("numba:compile", _Once(functions, notify)):
         yield
 
 
 class _Once(Listener):
-    def __init__(self, functions: Collection[Any], tell: Callable[[], None]) -> None:
-        self._left, self._tell = list(functions), tell
+    def __init__(self, functions: Collection[Any], notify: Callable[[], None]) -> None:
+        self._left, self._notify = list(functions), notify
 
     def on_start(self, event: Event) -> None:
         if any(event.data["dispatcher"] is one for one in self._left):
             self._left = []
-            self._tell()
+            self._notify()
 
     def on_end(self, event: Event) -> None:
-        """Nothing is told of the end."""
+        """Nothing happens at the end."""
 
 
 def _forgiving(save: Callable[..., None]) -> Callable[..., None]:
-    """Keeping compiled code only saves time: a full disk must not end the run that compiled it."""
+    """Save compiled code, which only saves time: a full disk must not end the run that compiled it."""
 
     def saved(*values: Any) -> None:
         with suppress(OSError):

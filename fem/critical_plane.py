@@ -1,7 +1,7 @@
-"""Damage on the critical plane: the plane at a surface node whose normal stress does the most.
+"""Damage on the critical plane: the plane at a surface node whose normal stress does the most damage.
 
-Where nothing presses on a surface, the greatest normal stresses are on planes perpendicular to it, so that
-one angle about the surface's normal is all there is to search: first 10 degrees apart, then, at the worst
+If nothing presses on a surface, the greatest normal stresses are on planes perpendicular to it, so that
+the search is over one angle about the surface's normal: first 10 degrees apart, then, at the worst
 nodes, 1 degree apart about the worst plane.
 """
 
@@ -19,7 +19,7 @@ from fem.shapes import Columns
 APART, FINE = np.radians(10.0), np.radians(1.0)
 """Steps of the angle, of the first search and of the finer one."""
 FINEST = 100
-"""Nodes whose worst plane is sought in fine steps."""
+"""Nodes whose worst plane is searched in fine steps."""
 DamageOnPlanes = Callable[[Integers, Floats], Floats]
 """Gives the damage (n, a, s) of nodes (n,) on planes at angles (n, a), by survival."""
 
@@ -132,7 +132,7 @@ def critical_planes(damage_on: DamageOnPlanes, nodes: Integers) -> CriticalPlane
     Parameters
     ----------
     damage_on : callable
-        As of `damage_on_planes`, or sums of it over the histories of a life: a plane keeps its damage.
+        As of `damage_on_planes`, or sums of it over the histories of a life.
     """
     coarse = np.broadcast_to(np.arange(0.0, np.pi - 0.5 * APART, APART), (len(nodes), round(np.pi / APART)))
     found = _worst(damage_on(nodes, coarse), coarse)

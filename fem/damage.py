@@ -1,8 +1,8 @@
 """Fatigue damage of every node over a history of stress, as a fold over blocks of its stresses.
 
-The history is one pass of what is repeated. A criterion makes one signal of the six stress components; its
-cycles are counted (`rainflow`) and summed up by Miner's rule (`fatigue`). What is too small to matter, single
-cycles or whole nodes, is left out first: all of it together does no more than a damage that is chosen.
+The history is one pass of a repeated one. A criterion makes one signal of the six stress components; its
+cycles are counted (`rainflow`) and summed up by Miner's rule (`fatigue`). Cycles and nodes too small to
+matter are left out first: together they do no more than a chosen damage.
 """
 
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ SIGNED_CRITERIA: tuple[SignedCriterion, ...] = ("signed von mises", "signed prin
 CHORD = np.sqrt(0.75)
 """Cosine of a third of a right angle."""
 TOLERANCE = 1e-4
-"""Of `fold_stresses`: part of the highest stress by which the counted ones may be off."""
+"""Of `fold_stresses`: greatest error of the counted stresses, as part of the highest one."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,11 @@ class Counting:
     ----------
     curve : SNCurve
     survivals : tuple of float
-        Parts that survive the damages asked for.
+        Survival probabilities of the damages.
     phase : int array (t,)
-        Number of the phase that each time belongs to, from 0; of the damage of a cycle either end has half.
+        Number of the phase that each time belongs to, from 0; each end of a cycle has half of its damage.
     negligible : float
-        Damage that all cycles which are left out may do together, at the greatest of the survivals.
+        Damage of all left-out cycles together, at most, at the greatest of the survivals.
 
     Raises
     ------
@@ -79,7 +79,7 @@ class Counting:
         return repeated_cycles(signal).larger_than(self.cut)
 
     def damage(self, signals: Floats) -> Floats:
-        """Damage (k, s, p) a pass of signals (k, t) in Pa, by survival and phase."""
+        """Damage (k, s, p) per pass of signals (k, t) in Pa, by survival and phase."""
         count, (survivals, phases) = len(signals), self.shape
         above = np.flatnonzero(0.5 * np.ptp(signals, axis=1) > self.cut)
         found = [self.cycles(signals[row]) for row in above]
@@ -104,11 +104,11 @@ class Damage:
     nodes : int array (n,)
         Their numbers.
     damage : array (n, s, p)
-        By survival and phase; a crack is there at 1.
+        By survival and phase; a crack appears at 1.
     highest, lowest : array (n,)
         Extremes in Pa of the signal that was counted.
     bound : array (n,)
-        Length in Pa by which the stress may have been off.
+        Greatest error of the stress, as a length in Pa.
     """
 
     nodes: Integers
@@ -243,7 +243,7 @@ def recover_damage(
 
 
 def check_history(q: Floats, counting: Counting) -> None:
-    """Refuse phases of another number of times than a history (t, m) has.
+    """Check that the phases have as many times as a history (t, m).
 
     Raises
     ------

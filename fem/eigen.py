@@ -1,9 +1,9 @@
 """Lowest modes of K u = w^2 M u by shift-inverted block Lanczos.
 
 Single solves dominate the usual Lanczos iteration; a block of right-hand sides costs the direct
-solver about a third of as many single ones. The basis is kept orthonormal in mass by two passes of
-Gram-Schmidt (Golub and Van Loan, Matrix Computations, 10.3) and the answer is a Rayleigh-Ritz
-projection, so that the modes are orthonormal to rounding.
+solver about a third of as many single ones. Two passes of Gram-Schmidt keep the basis orthonormal in
+mass (Golub and Van Loan, Matrix Computations, 10.3). The answer is a Rayleigh-Ritz projection, so that
+the modes are orthonormal to rounding.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from fem.solver import Backend, factorized
 
 BLOCK = 12
 DENSE = 1000
-"""Size up to which dense algebra is the quicker way."""
+"""Size up to which dense algebra is faster."""
 RESIDUAL = 1e-8
 SEED = 6_2016
 

@@ -1,8 +1,8 @@
 """Extremes of the von Mises stress over a history: of each node over time, and over the nodes at each time.
 
-The whole history is searched at a reduced rank in single precision. Where the bound of that leaves open which
-time or node is the greatest, all that may be are evaluated again at full rank in double precision: the answer
-is that of a search at full rank.
+The whole history is searched at a reduced rank in single precision. If its bound leaves several times or
+nodes as candidates, all of them are recovered again at full rank in double precision: the result is that of a
+search at full rank.
 """
 
 from collections.abc import Iterable
@@ -24,11 +24,11 @@ from fem.stress import DEVIATOR
 Singles = NDArray[np.float32]
 
 TOLERANCE = 1e-3
-"""Of `fold_stresses`: lower ones keep more directions, higher ones leave more to be evaluated again."""
+"""Of `fold_stresses`: lower ones need more directions, higher ones leave more candidates to recover again."""
 CELL = 32
-"""Successive times, or nodes, that are evaluated again together; a divisor of the blocks' sizes."""
+"""Successive times, or nodes, that are recovered again together; a divisor of the blocks' sizes."""
 MOST = 0.25
-"""Part of all cells beyond which the whole search at full rank is the quicker way."""
+"""Part of all cells beyond which the whole search at full rank is faster."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def recover_extremes(
     stress_modes, q
         As of `blocks.fold_stresses`, whose errors this has too.
     ranked : int array, optional
-        Numbers of the nodes, at least one, among which the highest of each time is sought; all if left out.
+        Numbers of the nodes, at least one, among which the highest of each time is searched; all if left out.
     tolerance : float, optional
         Of the search; None searches at full rank.
     """
@@ -92,7 +92,7 @@ def recover_extremes(
         likely = fold_stresses(stress_modes, rows, _LikelyExtremes(chosen), tolerance=tolerance)
         open_times, open_nodes = likely.open_cells()
         if open_times.mean() < MOST and open_nodes.mean() < MOST:
-            return _evaluated(stress_modes, rows, likely, chosen)
+            return _recovered(stress_modes, rows, likely, chosen)
     return fold_stresses(stress_modes, rows, VonMisesExtremes(chosen))
 
 
@@ -132,7 +132,7 @@ class VonMisesExtremes(Fold[Extremes]):
     Parameters
     ----------
     ranked : bool array (n,)
-        Nodes among which the highest of each time is sought.
+        Nodes among which the highest of each time is searched.
     """
 
     components = DEVIATOR
@@ -227,7 +227,7 @@ class _LikelyExtremes(Fold[_Likely]):
         self._ranked = ranked
 
     def start(self, nodes: Integers, times: int) -> None:
-        """Begin with nothing known."""
+        """Begin without bounds."""
         cells, single = -(-times // CELL), np.float32
         self._upper, self._least = (np.empty((len(nodes), cells), dtype=single) for _ in range(2))
         self._lower, self._bound = (np.zeros(len(nodes), dtype=single) for _ in range(2))
@@ -235,7 +235,7 @@ class _LikelyExtremes(Fold[_Likely]):
         self._node_lower = np.full(times, -np.inf, dtype=single)
 
     def add(self, block: StressBlock) -> None:
-        """Take over a block's bounds."""
+        """Add a block's bounds."""
         of, at = block.nodes, block.times
         cells = slice(at.start // CELL, -(-at.stop // CELL))
         groups = slice(of.start // CELL, -(-of.stop // CELL))
@@ -289,7 +289,7 @@ def _search_nodes(stress_modes, q, cells, rows, ranked, best, at, first):
                     best[row], at[row] = square, first + node
 
 
-def _evaluated(stress_modes: Columns, q: Floats, likely: _Likely, ranked: NDArray[np.bool_]) -> Extremes:
+def _recovered(stress_modes: Columns, q: Floats, likely: _Likely, ranked: NDArray[np.bool_]) -> Extremes:
     """Extremes at full rank, of all nodes and times that may hold them."""
     open_times, open_nodes = likely.open_cells()
     n, t = len(stress_modes), len(q)

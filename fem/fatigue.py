@@ -1,6 +1,6 @@
 """Strength of a point against cycles of stress: S-N curve, mean stress, Miner's rule.
 
-All formulas are pyLife's; what is asked of it thousands of times is asked once and kept as numbers.
+All formulas are pyLife's; values needed thousands of times are computed once and cached.
 """
 
 from collections.abc import Sequence
@@ -17,14 +17,14 @@ from fem.mesh import Floats
 
 Miner = Literal["elementary", "haibach", "original"]
 MINERS: tuple[Miner, ...] = ("elementary", "haibach", "original")
-"""What cycles below the knee do: as much as the slope says, less by the slope 2 k - 1, nothing."""
+"""Damage of cycles below the knee: by the slope k, by the slope 2 k - 1, none."""
 HAIGH_CORNERS = np.array([-2.0, -1.0, 1.0, 3.0, 4.0])
 """Mean stress over amplitude: R > 1, R = -inf, R = 0, R = 0.5 and beyond; corners of the Haigh diagram."""
 
 
 @dataclass(frozen=True)
 class SNCurve:
-    """S-N curve of stress amplitudes at R = -1, with what mean stresses and survival do to it.
+    """S-N curve of stress amplitudes at R = -1, with the effects of mean stress and survival.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class SNCurve:
     scatter : float
         Strength that 10 % survive over that which 90 % survive, at least 1.
     survival : float
-        Part that survives what the curve says, inside (0, 1).
+        Survival probability of the curve, inside (0, 1).
     miner : str
         One of `MINERS`.
 
@@ -72,14 +72,14 @@ class SNCurve:
             raise ValueError(f"miner must be one of {MINERS}, got {self.miner!r}")
 
     def strength_at(self, survival: float) -> float:
-        """Amplitude in Pa at the knee, which another part survives; the knee keeps its cycles."""
+        """Amplitude in Pa at the knee for another survival; the cycles of the knee stay."""
         return _strength_at(self, survival)
 
     @property
     def steepest(self) -> float:
         """Greatest slope of the curve: an error of x in the stress is one of (1 + x)^slope in life at most.
 
-        That stress crosses the knee, below which the original rule counts nothing, is left out.
+        This neglects stress that crosses the knee, below which the original rule counts nothing.
         """
         return 2.0 * self.slope - 1.0 if self.miner == "haibach" else self.slope
 
@@ -91,7 +91,7 @@ class SNCurve:
         return getattr(curve, f"miner_{self.miner}")()
 
     def equivalent(self, amplitude: Floats, mean: Floats) -> Floats:
-        """Amplitudes at R = -1 that do what cycles of positive amplitudes and their means do.
+        """Amplitudes at R = -1 with the same damage as cycles of positive amplitudes and their means.
 
         The transform is linear in both between the corners of the Haigh diagram, so that interpolation
         between pyLife's values there is exact.
@@ -100,7 +100,7 @@ class SNCurve:
 
     @cached_property
     def _mean_factors(self) -> Floats:
-        """What an amplitude counts at each of the corners of the Haigh diagram."""
+        """Factor of an amplitude at each of the corners of the Haigh diagram."""
         third, none = self.mean_sensitivity / 3.0, 0.0
         slopes = {"M0": self.mean_sensitivity, "M1": third, "M2": none, "M3": none, "M4": none}
         diagram = HaighDiagram.five_segment(pd.Series(slopes | {"R12": 0.5, "R23": 0.9}))
@@ -115,7 +115,7 @@ class SNCurve:
         return 1.0 / self._woehler.cycles(loads.ravel()).reshape(loads.shape)
 
     def harmless(self, damage: float, survival: float) -> float:
-        """Amplitude in Pa up to which no cycle, of whatever mean, does more than a positive damage."""
+        """Amplitude in Pa up to which no cycle, of whatever mean, does more than this positive damage."""
         scale = self.strength_at(survival) / self.strength
         load = float(self._woehler.load(np.array(1.0 / damage)))
         return scale * load / float(self._mean_factors.max())
@@ -127,7 +127,7 @@ def _strength_at(curve: SNCurve, survival: float) -> float:
 
 
 def check_survivals(survivals: Sequence[float]) -> None:
-    """Refuse survival probabilities that are not inside (0, 1), and none at all.
+    """Check that there are survival probabilities and that all are inside (0, 1).
 
     Raises
     ------

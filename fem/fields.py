@@ -1,7 +1,7 @@
-"""What static answers to loads have beyond those of a reduced body's modes: further fields of stress.
+"""Static fields: stress that static answers to loads have beyond those of a reduced body's modes.
 
 The answer of a body to a load is that of its modes and a rest that follows the load at once: the static
-answer with inertia relief less what the modes make of the same load (residual attachment modes; R. R. Craig,
+answer with inertia relief minus that of the modes to the same load (residual attachment modes; R. R. Craig,
 Structural Dynamics, 1981, ch. 15). With the loads themselves as coordinates f of these rests, the stress
 ``X q + S f`` lacks nothing but the inertia of what the modes leave out.
 """
@@ -22,7 +22,7 @@ from fem.shapes import Shapes, SideBySide
 from fem.stress import DEVIATOR, stress_at_node
 
 AT_ONCE = 32
-"""Fields that are solved for, or whose stress is recovered, together."""
+"""Fields that are solved for, or whose stress is recovered, at once."""
 NOISE = 1e-12
 """Strain energy, over that of the greatest direction, below which a direction is rounding."""
 
@@ -69,7 +69,7 @@ class UnitLoads(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StaticFields:
-    """Rests of the static answers to k unit loads that a body's m modes do not have.
+    """Parts of the static answers to k unit loads that a body's m modes lack (rests).
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class StaticFields:
         return self.work / (2.0 * np.pi * frequencies) ** 2
 
     def stress_at(self, body: ReducedBody, node: int) -> Floats:
-        """Stress (k, 6) in Pa at a node by a unit of each load: of these fields and of the body's modes."""
+        """Stress (k, 6) in Pa at a node per unit of each load, of these fields and the body's modes."""
         about = stress_at_node(body.nodes, body.mesh.elements, body.material, self.displacements, node)
         return self.held(body.frequencies) @ body.stress_modes[node].T + about.T
 
@@ -121,7 +121,7 @@ class StaticFields:
 def static_fields(
     partition: Partition, reduced: ReducedBody, families: Mapping[str, UnitLoads]
 ) -> StaticFields:
-    """Solve for what the modes of a body lack of the static answers to families of loads.
+    """Solve for the parts of the static answers to families of loads that the modes of a body lack.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def static_fields(
 
 @dataclass(frozen=True, eq=False)
 class FieldColumns:
-    """Few fields that serve in place of many for certain histories of loads.
+    """A few fields that replace many for certain histories of loads.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ class FieldColumns:
     stress_modes : array (n, 6, r)
         Nodal stress in Pa per unit.
     bound : float
-        Von Mises stress in Pa by which what is left out changes the stress of no node at no time.
+        Greatest von Mises stress in Pa of the left-out directions, over all nodes and times.
     """
 
     turn: Floats
@@ -214,9 +214,9 @@ def field_columns(
     body : ElasticBody
     fields : StaticFields
     histories : sequence of array (t, k)
-        Coordinates of the loads, of one body in several places.
+        Coordinates of the loads, of one body in several positions.
     tolerance : float
-        In Pa: what is left out changes no stress by more, if `most` allows.
+        In Pa: bound of the left-out directions, if `most` allows.
     most : int, optional
         Greatest number of directions, whatever the tolerance.
 

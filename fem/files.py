@@ -1,4 +1,4 @@
-"""Reduced bodies and static fields to and from an HDF5 file each, with digests that tell a stale one."""
+"""Reduced bodies and static fields to and from an HDF5 file each, with digests that reveal a stale one."""
 
 import hashlib
 import json
@@ -20,7 +20,7 @@ _FIELD_ARRAYS = ("displacements", "energy", "work")
 
 
 class StaleCacheError(ValueError):
-    """A file that belongs to another mesh or to other parameters."""
+    """A file belongs to another mesh or to other parameters."""
 
 
 def save_reduced(path: str | Path, body: ReducedBody, digest: str = "") -> None:
@@ -71,7 +71,7 @@ def save_fields(path: str | Path, fields: StaticFields, digest: str = "") -> Non
     path : str or Path
     fields : StaticFields
     digest : str
-        Of what they were made with, if the file is to serve as a cache.
+        Of their inputs, if the file is to serve as a cache.
     """
 
     def fill(file: h5py.File) -> None:
@@ -132,12 +132,12 @@ def load_fields(path: str | Path, digest: str | None = None) -> StaticFields:
 
 def _read_fields(file: h5py.File, path: Path, digest: str | None) -> StaticFields:
     if digest is not None and file.attrs["digest"] != digest:
-        raise StaleCacheError(f"{path} must be made with the body and loads given, got others")
+        raise StaleCacheError(f"{path} must be made with this body and these loads, got others")
     fields = StaticFields(
         json.loads(file.attrs["families"]), **{name: file[name][()] for name in _FIELD_ARRAYS}
     )
     if file.attrs["content"] != _fields_digest(fields):
-        raise ValueError(f"{path} must be whole, got content that its own digest does not confirm")
+        raise ValueError(f"{path} must be whole, got content that its digest does not match")
     return fields
 
 
@@ -151,11 +151,9 @@ def _fields_digest(fields: StaticFields) -> str:
 
 def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) -> ReducedBody:
     if mesh is not None and file.attrs["mesh_digest"] != mesh.digest:
-        raise StaleCacheError(f"{path} must belong to the mesh given, got that of another mesh")
+        raise StaleCacheError(f"{path} must belong to this mesh, got that of another one")
     if digest is not None and file.attrs["digest"] != digest:
-        raise StaleCacheError(
-            f"{path} must be made with the mesh and parameters given, got another mesh or other parameters"
-        )
+        raise StaleCacheError(f"{path} must be made with this mesh and these parameters, got others")
     stored = file["mesh"]
     own = mesh or Mesh(
         stored["nodes"][()],
@@ -180,7 +178,7 @@ def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) ->
         **{name: file[name][()] for name in _ARRAYS},
     )
     if file.attrs["content"] != _content_digest(body):
-        raise ValueError(f"{path} must be whole, got content that its own digest does not confirm")
+        raise ValueError(f"{path} must be whole, got content that its digest does not match")
     return body
 
 

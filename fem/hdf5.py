@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from fem.mesh import Floats, Integers
 
 KIND = "format"
-"""Attribute that says what a file holds."""
+"""Attribute with the kind of a file."""
 REDUCED_BODY, STATIC_FIELDS = "fem reduced body 3", "fem static fields 2"
 """Kinds of files of this package."""
 VERSIONS = ("v110", "v110")
@@ -45,7 +45,7 @@ def write_whole(path: Path, kind: str, fill: Callable[[h5py.File], None]) -> Non
 
 
 def write_rows(file: h5py.Group, name: str, array: "Floats | Integers") -> None:
-    """Write an array of which single rows may be read; its checksums tell of altered bytes in these."""
+    """Write an array of which single rows may be read, with checksums of these."""
     if array.size == 0:  # no part to have a checksum
         file[name] = array
         return
@@ -55,7 +55,7 @@ def write_rows(file: h5py.Group, name: str, array: "Floats | Integers") -> None:
 
 @interrupts_wait()
 def read_whole(path: Path, kind: str, read: Callable[[h5py.File], Read]) -> Read:
-    """What `read` makes of an HDF5 file.
+    """Result of `read` for an HDF5 file.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Hot spots: the places of the greatest stresses, as tidy tables."""
+"""Hot spots: the nodes of the greatest stresses, as tidy tables."""
 
 from dataclasses import dataclass
 
@@ -38,13 +38,13 @@ class Apart:
             raise ValueError(f"radius must be positive, got {self.radius}")
 
     def choose(self, mesh: Mesh, peaks: Peaks, count: int) -> list[int]:
-        """Places in the peaks of `count` hot spots at most, the most severe first."""
+        """Positions in the peaks of `count` hot spots at most, the most severe first."""
         return _separated(mesh.nodes[peaks.nodes], peaks.order, self.radius, count)
 
 
 @dataclass(frozen=True)
 class OneARegion:
-    """One hot spot a connected region whose stress is above a fraction of the greatest.
+    """One hot spot per connected region whose stress is above a fraction of the greatest.
 
     Parameters
     ----------
@@ -64,34 +64,34 @@ class OneARegion:
             raise ValueError(f"fraction must lie inside (0, 1), got {self.fraction}")
 
     def choose(self, mesh: Mesh, peaks: Peaks, count: int) -> list[int]:
-        """Places in the peaks of `count` hot spots at most, the most severe first."""
+        """Positions in the peaks of `count` hot spots at most, the most severe first."""
         return _one_a_region(mesh, peaks, self.fraction, count)
 
 
 @dataclass(frozen=True, eq=False)
 class OneOfEach:
-    """The most severe hot spot of each of the parts of a body that are named.
+    """The most severe hot spot of each named part of a body.
 
     Parameters
     ----------
     parts : array (n,)
-        Name of the part that each node of the mesh is of.
+        Name of the part that each node of the mesh belongs to.
     """
 
     parts: NDArray
 
     def choose(self, mesh: Mesh, peaks: Peaks, count: int) -> list[int]:
-        """Places in the peaks of `count` hot spots at most, the most severe first."""
+        """Positions in the peaks of `count` hot spots at most, the most severe first."""
         _, first = np.unique(self.parts[peaks.nodes[peaks.order]].astype(str), return_index=True)
         return peaks.order[np.sort(first)][:count].tolist()
 
 
 Separation = Apart | OneARegion | OneOfEach
-"""What keeps hot spots from being neighbours."""
+"""Rules that separate hot spots."""
 
 
 def _separated(positions: Floats, order: Integers, radius: float, count: int) -> list[int]:
-    """Places of the most severe nodes, none within a radius of a more severe one."""
+    """Positions of the most severe nodes, none within a radius of a more severe one."""
     tree = cKDTree(positions)
     open_ = np.ones(len(positions), dtype=bool)
     chosen: list[int] = []
@@ -105,7 +105,7 @@ def _separated(positions: Floats, order: Integers, radius: float, count: int) ->
 
 
 def _one_a_region(mesh: Mesh, peaks: Peaks, fraction: float, count: int) -> list[int]:
-    """Places of the most severe node of each connected region above a fraction of the greatest."""
+    """Positions of the most severe node of each connected region above a fraction of the greatest."""
     order = peaks.order
     size = np.abs(peaks.values)
     above = size >= fraction * size[order[0]]
@@ -154,27 +154,26 @@ def hot_spots(
     criterion : str
         One of `stress.CRITERIA`.
     separation : Apart, OneARegion or OneOfEach, optional
-        What keeps hot spots from being neighbours; if left out, the highest nodes are listed, as the
-        papers do.
+        Rule that separates hot spots; if left out, the highest nodes are listed, as in the papers.
     nodes : int array, optional
         Numbers of the nodes to look at, such as `body.nodes_away_from_spiders` or
         `body.mesh.surface_nodes`; all if left out.
     peaks : Peaks, optional
-        Of `recover_peaks` over all nodes and the whole history, if they are known.
+        Of `recover_peaks` over all nodes and the whole history, if already computed.
 
     Returns
     -------
     pandas.DataFrame
         rank, value (Pa), node, time (s), x, y, z (m, body axes), flag ("in spider",
-        "beside spider" or empty), jump (Pa): by how much the elements around the node disagree
-        at that time, and error (Pa): what the mesh leaves open of the von Mises stress, as of
-        `trust.mesh_error`. A jump of the value's own size means that the mesh makes the peak;
-        `trust.judged` makes one verdict of all this.
+        "beside spider" or empty), jump (Pa): disagreement of the elements around the node at that
+        time, and error (Pa): estimated error of the von Mises stress from the mesh, as of
+        `trust.mesh_error`. A jump of the value's size means that the mesh makes the peak;
+        `trust.judged` combines all this into one verdict.
 
     Raises
     ------
     ValueError
-        If an argument is out of range or no node or time remains.
+        If an argument is out of range, or there is no node or time.
     """
     times = np.asarray(times, dtype=float)
     q = np.atleast_2d(q)
@@ -203,7 +202,7 @@ def hot_spots(
 
 
 def _table(body: Shapes, times: Floats, q: Floats, peaks: Peaks, places: list[int]) -> pd.DataFrame:
-    """Table of `hot_spots` for chosen places in the peaks."""
+    """Table of `hot_spots` for chosen positions in the peaks."""
     found, rows = peaks.nodes[places], peaks.time_indices[places]
     jumps, errors = {}, {}
     for row in np.unique(rows).tolist():

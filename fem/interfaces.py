@@ -3,8 +3,8 @@
 The motion of a joint centre has six components: translation along and small rotation about the
 body's x, y, z, in m and rad.
 
-A rigid spider (RBE2) lets its nodes move with the centre only: it stiffens the bore and distorts
-the stress beside it. An averaging one (RBE3) makes the centre move as the weighted mean of its
+The nodes of a rigid spider (RBE2) move with the centre only: it stiffens the bore and distorts the
+stress beside it. An averaging one (RBE3) makes the centre move as the weighted mean of its
 nodes and spreads a load over them without stiffening (NASTRAN's RBE3 with equal weights).
 """
 
@@ -33,7 +33,7 @@ class Interface:
     ----------
     name : str
     center : array (3,)
-        Place of the joint centre in body axes in m.
+        Position of the joint centre in body axes in m.
     nodes : int array (k,)
         Numbers of the nodes tied to it.
     spider : str
@@ -81,7 +81,7 @@ def check_interfaces(mesh: Mesh, interfaces: Sequence[Interface]) -> None:
     names = [interface.name for interface in interfaces]
     double = sorted({name for name in names if names.count(name) > 1})
     if double:
-        raise ValueError(f"names of interfaces must be different, got twice {double}")
+        raise ValueError(f"names of interfaces must be different, got {double} twice")
     owner: dict[int, str] = {}
     for interface in interfaces:
         nodes, name = interface.nodes, interface.name
@@ -92,7 +92,7 @@ def check_interfaces(mesh: Mesh, interfaces: Sequence[Interface]) -> None:
         spread = np.linalg.svd(mesh.nodes[nodes] - mesh.nodes[nodes].mean(axis=0), compute_uv=False)
         if len(nodes) < 3 or spread[1] <= COLLINEAR * spread[0]:
             raise ValueError(
-                f"interface {name!r}: nodes must not lie on a line, about which they carry no moment, "
+                f"interface {name!r}: nodes must not lie on a line, about which they can take no moment, "
                 f"got {len(nodes)} that do"
             )
         for node in nodes.tolist():

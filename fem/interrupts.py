@@ -1,4 +1,4 @@
-"""Interrupts that wait while a library must not meet them."""
+"""Delay of interrupts while a library cannot handle them."""
 
 import signal
 import threading
@@ -8,11 +8,11 @@ from contextlib import contextmanager
 
 @contextmanager
 def interrupts_wait() -> Iterator[list[int]]:
-    """Let Ctrl-C and requests to terminate wait for the end of the block, in a list that it gives.
+    """Delay Ctrl-C and requests to terminate until the end of the block; yield the list of those that wait.
 
-    Serves as a decorator, too. Compiled libraries that call Python (HDF5 with its lock and with Python files,
-    LLVM that asks for kept code, VTK that imports its parts) crash, end the process, lose the interrupt or
-    tell of another error where it comes within such a call. One that is ignored stays so.
+    Also a decorator. Compiled libraries that call Python (HDF5 with its lock and with Python files, LLVM that
+    asks for cached code, VTK that imports its parts) crash, end the process, lose the interrupt or report
+    another error if it comes within such a call. Signals that are ignored stay ignored.
     """
     waiting: list[int] = []
     if threading.current_thread() is not threading.main_thread():

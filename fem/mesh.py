@@ -28,17 +28,17 @@ TETRA_FACES = np.array([[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 
 
 
 class MeshError(ValueError):
-    """A mesh that cannot be used; the message says what is wrong and where."""
+    """A mesh cannot be used; the message says what is wrong and where."""
 
 
-CUBIC_PLACES = np.vstack([np.full(4, 0.25), np.full((4, 4), 1.0 / 6.0) + np.eye(4) / 3.0])
-"""Barycentric places of the five-point rule that is exact for cubic functions in a tetrahedron."""
+CUBIC_POINTS = np.vstack([np.full(4, 0.25), np.full((4, 4), 1.0 / 6.0) + np.eye(4) / 3.0])
+"""Barycentric points of the five-point rule that is exact for cubic functions in a tetrahedron."""
 CUBIC_WEIGHTS = np.array([-0.8, 0.45, 0.45, 0.45, 0.45]) / 6.0
 """Weights of that rule; their sum is the volume of the unit tetrahedron."""
 
 
-def jacobian_determinants(nodes: Floats, elements: Integers, places: Floats | None = None) -> Floats:
-    """Jacobian determinant of each element at each of its nodes, or at other places.
+def jacobian_determinants(nodes: Floats, elements: Integers, points: Floats | None = None) -> Floats:
+    """Jacobian determinant of each element at each of its nodes, or at other points.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def jacobian_determinants(nodes: Floats, elements: Integers, places: Floats | No
         Coordinates in m.
     elements : int array (m, 4 or 10)
         Node numbers.
-    places : array (p, 4), optional
+    points : array (p, 4), optional
         Barycentric coordinates in place of those of the nodes.
 
     Returns
@@ -59,11 +59,11 @@ def jacobian_determinants(nodes: Floats, elements: Integers, places: Floats | No
         gradients = slopes[None]
     else:
         a, b = TETRA_EDGES.T
-        if places is None:
+        if points is None:
             corners = np.eye(4)
-            places = np.vstack([corners, (corners[a] + corners[b]) / 2])
-        at_corners = (4 * places - 1)[:, :, None] * slopes
-        at_edges = 4 * (places[:, a, None] * slopes[b] + places[:, b, None] * slopes[a])
+            points = np.vstack([corners, (corners[a] + corners[b]) / 2])
+        at_corners = (4 * points - 1)[:, :, None] * slopes
+        at_edges = 4 * (points[:, a, None] * slopes[b] + points[:, b, None] * slopes[a])
         gradients = np.concatenate([at_corners, at_edges], axis=1)
     frames = np.einsum("pai,eac->epic", gradients, nodes[elements])
     return np.linalg.det(frames)
@@ -90,8 +90,8 @@ class Mesh:
     Raises
     ------
     MeshError
-        If coordinates are not finite, elements are inverted, come twice or refer to nodes that do not
-        exist, nodes belong to no element, the elements make several bodies, or a surface is no part of
+        If coordinates are not finite, elements are inverted, appear twice or refer to nodes that do not
+        exist, nodes belong to no element, the elements form several bodies, or a surface is not part of
         the boundary.
     """
 
@@ -193,7 +193,7 @@ class Mesh:
     @property
     def volume(self) -> float:
         """Volume in m3; exact, also with curved edges, where the determinant is cubic."""
-        determinants = jacobian_determinants(self.nodes, self.elements, CUBIC_PLACES)
+        determinants = jacobian_determinants(self.nodes, self.elements, CUBIC_POINTS)
         weights = CUBIC_WEIGHTS if self.order == 2 else [CUBIC_WEIGHTS.sum()]
         return float(np.sum(determinants @ weights))
 
@@ -230,7 +230,7 @@ class Mesh:
         Raises
         ------
         MeshError
-            If one is no part of the boundary.
+            If one is not part of the boundary.
         """
         return type(self)(self.nodes, self.elements, {**self.surfaces, **more})
 

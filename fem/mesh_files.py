@@ -47,7 +47,7 @@ def _read_plain(path: Path) -> meshio.Mesh:
 
 
 def _parsed(path: Path) -> meshio.Mesh:
-    """Mesh of a file; meshio prints what its readers stumble on and ends the process where all of them do."""
+    """Mesh of a file; if all of meshio's readers fail, it prints their errors and ends the process."""
     if not path.stat().st_size:
         raise MeshError("the file is empty")
     printed, warned = StringIO(), StringIO()
@@ -82,8 +82,8 @@ def read_mesh(path: str | Path) -> Mesh:
     FileNotFoundError
         If there is no such file.
     MeshError
-        If it is no mesh, holds no tetrahedra or several kinds of solid elements, or fails a check
-        of `Mesh`.
+        If it is not a mesh, has no tetrahedra or several kinds of solid elements, or fails a check of
+        `Mesh`.
     """
     path = Path(path)
     if not path.is_file():
@@ -92,7 +92,7 @@ def read_mesh(path: str | Path) -> Mesh:
         raw = _read_plain(path)
     except MeshError as error:
         raise MeshError(f"{path} must be a mesh that meshio can read: {error}") from error
-    except Exception as error:  # meshio's readers raise whatever they stumble on
+    except Exception as error:  # meshio's readers raise all kinds of errors
         reason = " ".join(str(error).split()) or repr(error)
         raise MeshError(f"{path} must be a mesh that meshio can read, got: {reason}") from error
     counts = {

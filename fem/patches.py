@@ -1,7 +1,7 @@
-"""Mean motion of a rectangular surface of a body over any rectangle of it.
+"""Mean motion of the underside of a body over any rectangle of it.
 
-The mode shapes of the surface, an underside, are integrated once over a fine grid, so that their mean over a
-rectangle costs four look-ups, however many nodes the mesh has.
+The mode shapes of the underside are integrated once over a fine grid, so that their mean over a rectangle
+costs four look-ups, however many nodes the mesh has.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
-"""Places of loads on a rectangle of a flat surface: pressures on a grid over it, and stations along it.
+"""Loads on a rectangle of a flat surface: tractions on a grid over it, and forces at stations along it.
 
-The rectangle is seen along z, as the underside of a shoe or one of its rails. Nodal forces are
-integrated by sampling the elements' own shape functions: loads need not follow the elements' edges.
+The rectangle is level, such as the underside of a shoe or one of its rails. Nodal forces are integrals over
+the elements' shape functions: loads need not follow the elements' edges.
 """
 
 import itertools
@@ -18,13 +18,13 @@ from fem.mesh import Floats, Integers, Mesh
 from fem.surfaces import faces_joined_to
 
 GAUSS = 2
-"""Points along each side of a piece that is sampled."""
-PIECE = 0.02
-"""m, greatest side of such a piece: the elements are several times as large."""
+"""Points along each side of a cell of the quadrature."""
+QUADRATURE_CELL = 0.02
+"""m, greatest side of such a cell: the elements are several times as large."""
 INSIDE = 1e-9
-"""Part of a rectangle by which samples keep from its edges, beside which rounding may put them."""
+"""Part of a rectangle by which samples stay off its edges, since rounding may put them beside these."""
 AT_ONCE = 256
-"""Points whose faces are looked for together: the search tries all faces near any of them on each."""
+"""Points whose faces are searched at once: the search tries all faces near any of them on each."""
 LEVEL = 1e-6
 """Greatest difference of a level surface's heights over the extent of the body."""
 
@@ -37,7 +37,7 @@ class FlatRectangle:
     ----------
     mesh : Mesh
     surface : str
-        Its name; what it has outside the rectangle is left alone.
+        Its name; its faces outside the rectangle do not matter.
     low, high : array (2,)
         Least and greatest x and y in m, body axes.
 
@@ -46,7 +46,7 @@ class FlatRectangle:
     KeyError
         If there is no such surface.
     ValueError
-        If the rectangle is none, the surface is not level there or leaves a part of it out.
+        If the rectangle is empty, or the surface is not level there or does not cover it.
     """
 
     mesh: Mesh
@@ -122,24 +122,26 @@ class FlatRectangle:
 
 
 def flat_parts(mesh: Mesh, surface: str) -> list[FlatRectangle]:
-    """Rectangles that the parts of a surface fill, such as two rails, rising in y and then in x.
+    """Rectangles filled by the parts of a surface, such as two rails, in order of y and then x.
 
     Errors are those of `FlatRectangle`.
     """
     open_, parts = mesh.surface(surface), []
     while len(open_):
         part = faces_joined_to(open_, open_[:1])
-        places = mesh.nodes[part.ravel(), :2]
-        parts.append(FlatRectangle(mesh, surface, places.min(axis=0), places.max(axis=0)))
+        corners = mesh.nodes[part.ravel(), :2]
+        parts.append(FlatRectangle(mesh, surface, corners.min(axis=0), corners.max(axis=0)))
         open_ = open_[~np.isin(open_[:, 0], part)]
     return sorted(parts, key=lambda part: (part.low[1], part.low[0]))
 
 
 def _points(edges: Floats) -> tuple[Floats, Floats]:
-    """Gauss points and weights of intervals between edges (k,), each cut into pieces."""
-    pieces = [np.linspace(a, b, 1 + int(np.ceil((b - a) / PIECE))) for a, b in itertools.pairwise(edges)]
-    low = np.concatenate([piece[:-1] for piece in pieces])
-    width = np.concatenate([np.diff(piece) for piece in pieces])
+    """Gauss points and weights of intervals between edges (k,), each cut into cells."""
+    cells = [
+        np.linspace(a, b, 1 + int(np.ceil((b - a) / QUADRATURE_CELL))) for a, b in itertools.pairwise(edges)
+    ]
+    low = np.concatenate([cell[:-1] for cell in cells])
+    width = np.concatenate([np.diff(cell) for cell in cells])
     at, weights = np.polynomial.legendre.leggauss(GAUSS)
     return (low[:, None] + 0.5 * width[:, None] * (1.0 + at)).ravel(), np.outer(width, 0.5 * weights).ravel()
 
@@ -148,7 +150,7 @@ def _points(edges: Floats) -> tuple[Floats, Floats]:
 class PressureGrid:
     """Tractions over a rectangle, bilinear between the points of a grid.
 
-    A coordinate is the traction at a point in Pa, or what has its place for another direction.
+    A coordinate is the traction at a point in Pa, along any direction.
 
     Parameters
     ----------
@@ -197,7 +199,7 @@ class PressureGrid:
         forces : array (t, 3)
             In N, body axes.
         low, high : array (t, 2)
-            Least and greatest x and y in m; what lies beyond the grid's edges is cut off, and what has no
+            Least and greatest x and y in m; parts beyond the grid's edges are cut off, and a part without
             width there is a line along the edge.
 
         Returns
@@ -224,7 +226,7 @@ class Stations:
     """Forces at stations along a rectangle, each spread about its station.
 
     A coordinate is a force in N. Its traction is even across the rectangle, and along it a raised cosine.
-    Beyond an end it is cut off and what is left is inclined, so that the force keeps its place.
+    Beyond an end it is cut off and the remainder is inclined, so that the force acts at its station.
 
     Parameters
     ----------
@@ -234,7 +236,7 @@ class Stations:
         Stations from end to end, at least two.
     reach : float
         Half the length in m that a force is spread over, up to half the rectangle's length. Stations apart by
-        half of it leave 4 % of the stress between them open, by a third of it 1 % (`python -m
+        half of it give an error of 4 % of the stress between them, by a third of it 1 % (`python -m
         benchmarks.static_fields`).
 
     Raises

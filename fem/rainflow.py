@@ -1,8 +1,8 @@
-"""Cycles of a history of stress that is repeated over and over, counted by pyLife's four-point rainflow.
+"""Cycles of a repeated history of stress, counted by pyLife's four-point rainflow.
 
-What the first pass leaves open (the residue) closes when it is passed once more (C. Amzallag et al.,
+Cycles that the first pass leaves open (the residue) close in a second pass (C. Amzallag et al.,
 Standardization of the rainflow counting method for fatigue analysis, Int. J. Fatigue 16, 1994): a pass then
-has all cycles that every later one has, and a history of n passes has n times as many.
+has all cycles of every later one, and a history of n passes has n times as many.
 """
 
 from typing import NamedTuple
@@ -41,8 +41,8 @@ class Cycles(NamedTuple):
 
     def larger_than(self, amplitude: float) -> "Cycles":
         """Cycles of larger amplitudes."""
-        kept = self.amplitude > amplitude
-        return Cycles(self.begin[kept], self.end[kept], self.begin_row[kept], self.end_row[kept])
+        large = self.amplitude > amplitude
+        return Cycles(self.begin[large], self.end[large], self.begin_row[large], self.end_row[large])
 
 
 def repeated_cycles(signal: Floats) -> Cycles:
@@ -51,7 +51,7 @@ def repeated_cycles(signal: Floats) -> Cycles:
     Raises
     ------
     ValueError
-        If it is too short to hold a cycle: less than three values.
+        If it is too short for a cycle: less than three values.
     """
     if len(signal) < 3:
         raise ValueError(f"a history must have at least 3 times to hold a cycle, got {len(signal)}")

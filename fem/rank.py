@@ -1,11 +1,11 @@
 """Histories of stress as products of shapes and coordinates: at full rank, or at a reduced one with a bound.
 
-A long history of modal coordinates moves along fewer directions than there are modes. They are found by a
-singular value decomposition in which every mode counts by the stress that it makes, which for modes is nearly
-their strain energy, in which they are orthogonal; the last directions are dropped. What is left out is known:
-the stress at a node changes by no more than the sum over the dropped directions of their stress there times
-their greatest amplitude. Kept directions are held in single precision, whose rounding the bound contains
-(N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., section 3.1).
+A long history of modal coordinates moves along fewer directions than there are modes. A singular value
+decomposition finds them. It weights every mode by its stress, which for modes is nearly their strain energy,
+in which they are orthogonal; the last directions are dropped. The error is bounded: the stress at a node
+changes by no more than the sum over the dropped directions of their stress there times their greatest
+amplitude. The other directions are in single precision, whose rounding the bound includes (N. J. Higham,
+Accuracy and Stability of Numerical Algorithms, 2nd ed., section 3.1).
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ NODE_BLOCK, TIME_BLOCK = 256, 256
 HALF_ULP = 2.0**-24
 """Relative rounding error of single precision."""
 SCAN = 16
-"""Roundings beyond those of a product: taking both factors over, squares, their sum, root, bounds."""
+"""Roundings beyond those of a product: conversion of both factors, squares, their sum, root, bounds."""
 
 
 class StressHistory(NamedTuple):
@@ -34,7 +34,7 @@ class StressHistory(NamedTuple):
     history : list of array (r, t)
         Coordinates, blocks in order of time.
     bound : array (n, blocks)
-        Length in Pa by which the components may be off at each node in each block of times.
+        Greatest error of the components at each node in each block of times, as a length in Pa.
     """
 
     shapes: Callable[[slice], Floats]
@@ -94,10 +94,10 @@ def reduced_rank(exact: StressHistory, tolerance: float) -> StressHistory:
     certainty = np.where(np.arange(len(amplitudes)) < rank, steps / (1.0 - steps), 1.0 + steps)
     starts = np.cumsum([0, *(block.shape[1] for block in exact.history[:-1])])
     greatest = np.maximum.reduceat(np.abs(amplitudes), starts, axis=1)
-    kept = np.concatenate([part[:, :, :rank].astype(np.float32) for part in shapes])
+    single = np.concatenate([part[:, :, :rank].astype(np.float32) for part in shapes])
     columns = np.split(amplitudes[:rank].astype(np.float32), starts[1:], axis=1)
     return StressHistory(
-        lambda nodes: kept[nodes],
+        lambda nodes: single[nodes],
         [np.asfortranarray(block) for block in columns],
         lengths @ (certainty[:, None] * greatest),
     )

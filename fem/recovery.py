@@ -1,7 +1,7 @@
 """Stress peaks of long modal histories, as folds over blocks of their stresses.
 
 The von Mises stress is the Euclidean length of five linear combinations of the stress components,
-so that five products a node and time are enough where the tensor would take six.
+so that it takes five products per node and time where the tensor would take six.
 """
 
 from collections.abc import Iterable
@@ -40,7 +40,7 @@ class Peaks:
 
     @property
     def order(self) -> Integers:
-        """Places in the arrays, from the most severe down."""
+        """Positions in the arrays, from the most severe down."""
         severity = self.values if self.criterion == "least principal" else -self.values
         return np.argsort(severity, kind="stable")
 
@@ -75,7 +75,7 @@ class GreatestVonMises(Fold[Peaks]):
         self._rows = np.zeros(len(nodes), dtype=np.int64)
 
     def add(self, block: StressBlock) -> None:
-        """Keep what is greater than before."""
+        """Update the greatest values."""
         _keep_greatest_length(
             block.stress, self._squares[block.nodes], self._rows[block.nodes], block.times.start
         )
@@ -91,7 +91,7 @@ class GreatestOf(Fold[Peaks]):
     Parameters
     ----------
     criterion : str
-        One of `stress.CRITERIA`; of "least principal" the least value is kept. `ValueError` for others.
+        One of `stress.CRITERIA`; for "least principal" the least value counts. `ValueError` for others.
     """
 
     components = None
@@ -109,7 +109,7 @@ class GreatestOf(Fold[Peaks]):
         self._rows = np.zeros(len(nodes), dtype=np.int64)
 
     def add(self, block: StressBlock) -> None:
-        """Keep what is more severe than before."""
+        """Update the most severe values."""
         found = self._sense * evaluate(self._criterion, block.stress.transpose(0, 2, 1))
         at = found.argmax(axis=1)
         best = np.take_along_axis(found, at[:, None], axis=1)[:, 0]
@@ -129,7 +129,7 @@ def recover_peaks(
     criterion: Criterion = "von mises",
     nodes: Integers | None = None,
 ) -> Peaks:
-    """Keep the greatest value of a stress criterion over a history, node by node.
+    """Greatest value of a stress criterion over a history, node by node.
 
     Parameters and errors are those of `blocks.fold_stresses`, and:
 

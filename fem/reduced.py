@@ -1,4 +1,4 @@
-"""A reduced elastic body: modes, stress modes, interfaces, loads and what recovers stresses."""
+"""A reduced elastic body: modes, stress modes, interfaces, loads and the recovery of stresses."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -43,10 +43,10 @@ class ReducedBody(Shapes):
     surface_weights : mapping of str to array (n,)
         Integrals of the shape functions in m2 by name of a surface.
     parameters : mapping
-        What the reduction was asked for.
+        Arguments of the reduction.
     ritz : array (m, b)
-        Elastic part, in modal coordinates, of each vector that the modes are combined of: 6 i constraint
-        modes, the fixed-interface modes, one for each residual load. None, (m, 0), once modes were left out.
+        Elastic part, in modal coordinates, of each vector that the modes combine: 6 i constraint modes, the
+        fixed-interface modes, one for each residual load. Empty, (m, 0), if modes were left out.
     """
 
     mesh: Mesh

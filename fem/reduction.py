@@ -33,7 +33,7 @@ RIGID_RESIDUAL = 1e-6
 
 
 class Partition:
-    """An elastic body whose interfaces are tied by spiders: its static answers, exactly.
+    """An elastic body whose interfaces are tied by spiders, with its exact static answers.
 
     Parameters
     ----------
@@ -128,10 +128,10 @@ class Partition:
         moved = self.body.mass_matrix @ rigid
         inertia = rigid.T @ moved
         at_centers = rigid_motion_of_centers(self.interfaces, self.body.center_of_mass)
-        given = center_loads if forces is None else forces
-        if given is None:
-            raise ValueError("forces or center_loads must be given, got neither")
-        columns = given.shape[1]
+        either = center_loads if forces is None else forces
+        if either is None:
+            raise ValueError("forces or center_loads must not both be None")
+        columns = either.shape[1]
         loads = np.zeros((len(rigid), columns)) if forces is None else forces
         pulls = np.zeros((len(at_centers), columns)) if center_loads is None else center_loads
         resultant = rigid.T @ loads + at_centers.T @ pulls
@@ -152,7 +152,7 @@ def craig_bampton(
     """Reduce a body to constraint modes, fixed-interface modes and optional residual modes.
 
     The rigid-body modes are those six combinations of constraint modes that move all joint centres
-    as one rigid body. They are taken out exactly, not by a frequency limit.
+    as one rigid body. They are removed exactly, not by a frequency limit.
 
     Parameters
     ----------
@@ -162,8 +162,8 @@ def craig_bampton(
     n_fixed_modes : int
         Number of fixed-interface modes.
     residual_loads : mapping of str to array, optional
-        Nodal forces (n, 3) in N by name; the static answer to each joins the basis, so
-        that truncation does not lose its stress.
+        Nodal forces (n, 3) in N by name; the static mode of each joins the basis, so that
+        truncation does not lose its stress.
     backend : str, optional
         Of `solver.factorized`.
     partition : Partition, optional
@@ -186,7 +186,7 @@ def craig_bampton(
     available = partition.of_rest.shape[1]
     if not 0 <= n_fixed_modes <= available:
         raise ValueError(
-            f"n_fixed_modes must lie in 0..{available}, what the mesh leaves free, got {n_fixed_modes}"
+            f"n_fixed_modes must lie in 0..{available}, the mesh's free motions, got {n_fixed_modes}"
         )
     loads = {
         name: np.asarray(force, dtype=float).reshape(-1) for name, force in (residual_loads or {}).items()
@@ -217,13 +217,13 @@ def craig_bampton(
 
 
 def _balanced(body: ElasticBody, loads: Mapping[str, Floats]) -> Floats:
-    """Loads (3n,) as of `ElasticBody.balanced`, each of which must leave something: array (3n, loads)."""
+    """Loads (3n,) as of `ElasticBody.balanced`, none of which may vanish: array (3n, loads)."""
     forces = np.column_stack(list(loads.values()))
     balanced = body.balanced(forces)
     for name, force, rest in zip(loads, forces.T, balanced.T, strict=True):
         if np.linalg.norm(rest) <= BALANCED * np.linalg.norm(force):
             raise ValueError(
-                f"residual load {name!r} must bend the body, got one that its inertia balances everywhere"
+                f"residual load {name!r} must bend the body, got one that the inertia balances at every node"
             )
     return balanced
 
@@ -248,7 +248,7 @@ class Nested(NamedTuple):
 
 
 def nested_reduction(body: ReducedBody, n_fixed_modes: int, residual_loads: Sequence[str] = ()) -> Nested:
-    """Reduce a body to fewer of the vectors that its modes are combined of.
+    """Reduce a body to fewer of the vectors that its modes combine.
 
     Craig-Bampton bases nest: a reduction with fewer fixed-interface modes lies inside one with more, in whose
     coordinates it is a Rayleigh-Ritz projection of its size alone. The body is that of `craig_bampton`.
@@ -265,21 +265,21 @@ def nested_reduction(body: ReducedBody, n_fixed_modes: int, residual_loads: Sequ
     Raises
     ------
     ValueError
-        If the body has fewer fixed-interface modes or not these loads, or modes of it were left out.
+        If the body has fewer fixed-interface modes or lacks these loads, or modes of it were left out.
     """
     most, loads = body.parameters["n_fixed_modes"], body.parameters["residual_loads"]
     if body.ritz.shape[1] == 0:
-        raise ValueError("body must have all modes of its reduction, got one of which some were left out")
+        raise ValueError("body must have all modes of its reduction, got one without some of them")
     if not 0 <= n_fixed_modes <= most:
         raise ValueError(f"n_fixed_modes must lie in 0..{most}, those of the body, got {n_fixed_modes}")
     unknown = sorted(set(residual_loads) - set(loads))
     if unknown:
         raise ValueError(f"residual_loads must be among those of the body, {loads}, got {unknown}")
-    kept = [name in residual_loads for name in loads]
-    if n_fixed_modes == most and all(kept):
+    wanted = [name in residual_loads for name in loads]
+    if n_fixed_modes == most and all(wanted):
         return Nested(body, np.eye(len(body.frequencies)))
     constraints = 6 * len(body.interfaces)
-    chosen = np.r_[np.arange(constraints + n_fixed_modes), constraints + most + np.flatnonzero(kept)]
+    chosen = np.r_[np.arange(constraints + n_fixed_modes), constraints + most + np.flatnonzero(wanted)]
     vectors = body.ritz[:, chosen]
     # six combinations of the constraint modes are rigid: the elastic parts span six directions fewer
     spanned = np.linalg.svd(vectors / np.linalg.norm(vectors, axis=0), full_matrices=False)[0]
@@ -287,7 +287,7 @@ def nested_reduction(body: ReducedBody, n_fixed_modes: int, residual_loads: Sequ
     eigenvalues, turn = np.linalg.eigh(spanned.T @ body.modal_stiffness @ spanned)
     inside = spanned @ turn
     inside = inside * _senses(body.pilots.reshape(constraints, -1) @ inside)
-    own = replace(
+    nested = replace(
         body,
         frequencies=np.sqrt(eigenvalues) / (2 * np.pi),
         modes=body.modes @ inside,
@@ -296,14 +296,14 @@ def nested_reduction(body: ReducedBody, n_fixed_modes: int, residual_loads: Sequ
         parameters={"n_fixed_modes": n_fixed_modes, "residual_loads": list(residual_loads)},
         ritz=inside.T @ vectors,
     )
-    return Nested(own, inside)
+    return Nested(nested, inside)
 
 
 def _senses(motions: Floats) -> Floats:
     """Signs (m,) that make the first large one of the joint centres' motions (6 i, m) positive in every mode.
 
-    An eigenvector's sign is rounding's choice; a stored state of a mode has to mean the same tomorrow. The
-    greatest motion would not do: a symmetric body has two of one size.
+    The sign of an eigenvector depends on rounding, but a stored modal coordinate needs a fixed one. The
+    greatest motion does not determine it: a symmetric body has two of one size.
     """
     large = np.abs(motions) > 0.9 * np.abs(motions).max(axis=0)
     first = np.take_along_axis(motions, large.argmax(axis=0)[None], axis=0)[0]

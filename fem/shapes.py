@@ -1,4 +1,4 @@
-"""What displacement and stress are recovered from: columns for coordinates, of modes and of static fields."""
+"""Columns that displacement and stress are recovered from: of modes and of static fields."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,7 +12,7 @@ from fem.stress import von_mises
 
 
 class SideBySide:
-    """Arrays (n, c, m) side by side along their last axis, as one array that is nowhere held as a whole.
+    """Arrays (n, c, m) side by side along their last axis, without a copy of all of them.
 
     Parameters
     ----------

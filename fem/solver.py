@@ -18,7 +18,7 @@ ANALYSE_AND_FACTORIZE, SOLVE, RELEASE = 12, 33, -1
 
 @cache
 def _pardiso() -> Any:
-    """Package of PARDISO, which takes longer to import than all others; None where it has no wheel."""
+    """Package of PARDISO, imported late since that takes long; None if there is no wheel."""
     try:
         import pypardiso
     except ImportError:
@@ -80,6 +80,6 @@ def factorized(matrix: csr_array, backend: Backend | None = None) -> Callable[[F
 
 
 def _release(solver: Any, upper: csr_matrix, empty: Floats) -> None:
-    """Give back the memory of PARDISO's factors, which Python does not see."""
+    """Release the memory of PARDISO's factors, which Python does not manage."""
     solver.set_phase(RELEASE)
     solver._call_pardiso(upper, empty)

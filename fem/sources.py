@@ -1,4 +1,4 @@
-"""Digests of sources: what was computed by other sources is another result."""
+"""Digests of sources: results of other sources are other results."""
 
 import hashlib
 from pathlib import Path

@@ -1,9 +1,9 @@
-"""Stresses from nodal displacements, and the scalars that criteria ask for.
+"""Stresses from nodal displacements, and the scalars of criteria.
 
 Components are always in the order xx, yy, zz, xy, yz, xz, with xy, yz, xz the tensor's shear.
 
 Recovery rule: the strain of each element at its quadrature points (four for tet10, one for tet4)
-is extended linearly to its corners; a mid-side node has the mean of its edge's corners; a node of
+is extrapolated linearly to its corners; a mid-side node has the mean of its edge's corners; a node of
 the mesh has the plain mean over its elements. CalculiX has the same rule.
 """
 
@@ -60,7 +60,7 @@ def _extension(order: int) -> tuple[Floats, Floats]:
 
 @lru_cache(maxsize=2)
 def element_gradient_operator(mesh: Mesh) -> Floats:
-    """Gradients of the shape functions at the nodes of each element after extension; the last two are kept.
+    """Gradients of the shape functions at the nodes of each element, extrapolated; cached for two meshes.
 
     Returns
     -------
@@ -135,7 +135,7 @@ def nodal_stress(
 def stress_at_node(
     nodes: Floats, elements: Integers, material: Material, displacements: Floats, node: int
 ) -> Floats:
-    """Nodal stress (6, m) in Pa of displacement fields at one node, from the elements about it alone.
+    """Nodal stress (6, m) in Pa of displacement fields at one node, from the elements around it alone.
 
     Parameters
     ----------

@@ -1,7 +1,6 @@
-"""Parts of a boundary: found by where they look, and integrated over.
+"""Parts of a boundary: search by direction, and integration.
 
-A face is seen as flat between its corners: what curved edges add is left out where faces are looked for, and
-taken in where they are integrated over.
+The search treats a face as flat between its corners; integration includes curved edges.
 """
 
 import numpy as np
@@ -12,16 +11,16 @@ from scipy.spatial import cKDTree
 from fem.mesh import Floats, Integers, Mesh
 
 LEAST_COSINE = 0.9
-"""Of the angle between a direction and the outward normal of a face that looks along it: 26 degrees."""
+"""Of the angle between a direction and the outward normal of a face that points along it: 26 degrees."""
 
 UPRIGHT = 1e-6
-"""Cosine down to which a face stands upright under a line of sight, which then passes beside it."""
+"""Cosine below which a face is parallel to a line of sight, which then passes beside it."""
 
 
 def faces_seen_from(mesh: Mesh, direction: Floats, least_cosine: float = LEAST_COSINE) -> Integers:
-    """Find the faces of the boundary that look along a direction and that nothing lies before.
+    """Find the faces of the boundary that point along a direction and that no other face covers.
 
-    A face counts as covered where another one lies between its centroid and an observer far away.
+    A face is covered if another one lies between its centroid and an observer far away.
 
     Parameters
     ----------
@@ -51,13 +50,13 @@ def faces_seen_from(mesh: Mesh, direction: Floats, least_cosine: float = LEAST_C
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     cosines = normals @ towards / np.linalg.norm(normals, axis=1)
     looking = mesh.boundary[cosines >= least_cosine]
-    # a line of sight that meets the body enters it by a face that looks the other way
+    # a line of sight that meets the body enters it through a face that points the other way
     covers = corners[cosines < -UPRIGHT]
     return looking[~_covered(mesh.nodes[looking[:, :3]].mean(axis=1), covers, towards)]
 
 
 def _covered(points: Floats, triangles: Floats, towards: Floats) -> np.ndarray:
-    """Tell which points (p, 3) have one of the triangles (t, 3, 3) before them in a unit direction (3,)."""
+    """Whether each point (p, 3) has one of the triangles (t, 3, 3) before it in a unit direction (3,)."""
     covered = np.zeros(len(points), dtype=bool)
     if len(points) == 0 or len(triangles) == 0:
         return covered
@@ -79,7 +78,7 @@ def _covered(points: Floats, triangles: Floats, towards: Floats) -> np.ndarray:
 
 
 def faces_joined_to(faces: Integers, seed: Integers) -> Integers:
-    """Keep the faces that hang together, edge by edge, with a face of a seed.
+    """Select the faces that are connected, edge by edge, with a face of a seed.
 
     Parameters
     ----------
@@ -140,7 +139,7 @@ def surface_weights(mesh: Mesh, faces: Integers) -> Floats:
 
 def _triangle_rule() -> tuple[Floats, Floats]:
     """Barycentric points (q, 3) and weights (q,) of a rule of order 6 on the unit triangle."""
-    from skfem import ElementTriP1  # a tenth of a second, which naming surfaces need not wait for
+    from skfem import ElementTriP1  # takes a tenth of a second; naming surfaces does not need it
     from skfem.quadrature import get_quadrature
 
     points, weights = get_quadrature(ElementTriP1, 6)

@@ -1,9 +1,9 @@
-"""How far to trust a stress: what the mesh leaves open of it, and one plain verdict a peak or node.
+"""How far to trust a stress: its uncertainty from the mesh, and one plain verdict per peak or node.
 
 The mesh's part is estimated after O. C. Zienkiewicz and J. Z. Zhu, A simple error estimator and adaptive
 procedure for practical engineering analysis, Int. J. Numer. Meth. Engng. 24 (1987) 337-357: the stress
-averaged at the nodes is better than the elements' own, so that the difference of both over the elements about
-a node, against the stress there, tells how far the elements are from resolving it.
+averaged at the nodes is better than the elements' stress. The difference of both over the elements around a
+node, relative to the stress there, shows how well the elements resolve it.
 """
 
 import operator
@@ -20,40 +20,40 @@ from fem.shapes import Columns, Shapes, lengths
 from fem.stress import DEVIATOR, element_stress
 
 SAFETY = 1.5
-"""Error of the nodal stress over the relative difference about it, at a bore whose solution is known."""
+"""Error of the nodal stress over the relative difference around it, at a bore of known solution."""
 MESH_LIMIT = 0.2
 """Error of the mesh over the stress beyond which refinement comes before any use. At a shoe's fillets it lies
 between a mesh whose peaks are a tenth low at most and one where they are a third low (`docs/fem.md`)."""
 JUMP_LIMIT = 0.5
 """Disagreement of neighbouring elements over the stress beyond which the mesh makes the peak."""
 GRADES = (5, 10, 15, 20, 25, 30, 40, 50)
-"""Per cent to which a stress may be called good."""
+"""Per cent of uncertainty up to which a stress counts as good."""
 VERDICTS = (
     *(f"good to {grade} %" for grade in GRADES),
-    f"open by more than {GRADES[-1]} %",
+    f"uncertain by more than {GRADES[-1]} %",
     "mesh-limited: refine here",
     "inside a spider: do not use",
 )
 """Verdicts by their numbers, from 0."""
 OPEN, LIMITED, HELD = range(len(GRADES), len(GRADES) + 3)
-"""Numbers of the verdicts that are none of the grades."""
+"""Numbers of the verdicts that are not grades."""
 IN_SPIDER = "in spider"
 """Flag of a node that a rigid spider holds."""
 LEFT_OUT = 1e-2
-"""Part of a history's stress, in the mean square, that the fields may leave out by which it is judged."""
+"""Part of a history's stress, in the mean square, that the few fields of its estimate may leave out."""
 
 
 @dataclass(frozen=True)
 class Resolution:
     """How far a mesh resolves the stress at its n nodes, over one field of displacement or several.
 
-    Sums of squares over the fields, so that those of more fields are added.
+    Sums of squares over the fields; those of further fields are added.
 
     Parameters
     ----------
     off, own : array (n,)
-        Integrals over the elements of a node: of averaged stress less the elements' own, and of the latter,
-        both taken as linear in an element.
+        Integrals over the elements of a node: of averaged stress minus the elements' stress, and of the
+        latter, both taken as linear in an element.
     jump, size : array (n,)
         In Pa2: of the greatest disagreement of an element with the nodal stress, as of `stress.stress_jump`,
         and of the nodal von Mises stress.
@@ -127,7 +127,7 @@ def _main_directions(stress_modes: Columns, q: Floats) -> Floats:
 
 
 def mesh_error(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
-    """Estimate by how much von Mises stress at the nodes is off because of the mesh.
+    """Estimate the error of the von Mises stress at the nodes from the mesh.
 
     Parameters
     ----------
@@ -140,22 +140,22 @@ def mesh_error(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
     -------
     array (n,)
         In Pa: `SAFETY` times the nodal von Mises stress times ``sqrt(e / (e + s))``, with the mean squares
-        over the elements of the node, e of averaged stress less the elements' own and s of the latter, taken
-        as linear in an element.
+        over the elements of the node, e of averaged stress minus the elements' stress and s of the latter,
+        taken as linear in an element.
     """
     found = resolution(mesh, material, displacement)
     return found.error * np.sqrt(found.size)
 
 
 def verdict_numbers(part: ArrayLike, error: ArrayLike, jump: ArrayLike, held: ArrayLike) -> NDArray[np.int8]:
-    """Numbers of the verdicts of stresses, array (n,); -1 where what is open is not a number.
+    """Numbers of the verdicts of stresses, array (n,); -1 if the uncertainty is not a number.
 
     Parameters
     ----------
     part : array (n,)
-        All that is open of each, over the stress.
+        Whole uncertainty of each, over the stress.
     error, jump : array (n,)
-        What the mesh leaves open and by how much the elements disagree, over the stress.
+        Estimated error of the mesh and disagreement of the elements, over the stress.
     held : array (n,) of bool
         Whether a rigid spider holds the node.
     """
@@ -167,7 +167,7 @@ def verdict_numbers(part: ArrayLike, error: ArrayLike, jump: ArrayLike, held: Ar
 
 
 def verdict_words(numbers: ArrayLike, truncation_known: bool = True) -> list[str]:
-    """Verdicts of their numbers; those that leave truncation out say so, none is "not known"."""
+    """Verdicts of their numbers, "not known" for -1; those without truncation say so."""
     uncounted = "" if truncation_known else " but for truncation"
     words = [word + uncounted * (k <= OPEN) for k, word in enumerate(VERDICTS)]
     return ["not known" if number < 0 else words[number] for number in np.asarray(numbers)]
@@ -181,36 +181,35 @@ def judged(
 ) -> pd.DataFrame:
     """Add one plain verdict to each peak of a table of hot spots.
 
-    All that is known to be open of a stress is added up.
+    It is that of the sum of all known errors of a stress.
 
     Parameters
     ----------
     table : pandas.DataFrame
         Of `hot_spots`.
     truncation : float, optional
-        In Pa, by which modes that were left out may change a stress; not known if left out, which the verdict
-        then says.
+        In Pa, greatest change of a stress by left-out modes; unknown if None, which the verdict then says.
     spread : array (rows,) or float
-        In Pa, between runs whose starts differ by rounding.
+        In Pa, range of runs whose starts differ by rounding.
     choice : array (rows,) or float
-        In Pa, between laws of contact that could stand for the same ground.
+        In Pa, difference between contact laws that could describe the same ground.
 
     Returns
     -------
     pandas.DataFrame
-        The table with a column verdict: "inside a spider: do not use"; "mesh-limited: refine here", where
-        the mesh leaves more than `MESH_LIMIT` open or elements disagree by more than `JUMP_LIMIT`; "good to
-        10 %" and the like; or "open by more than 50 %".
+        The table with a column verdict: "inside a spider: do not use"; "mesh-limited: refine here" if
+        the error of the mesh is above `MESH_LIMIT` or elements disagree by more than `JUMP_LIMIT`; "good to
+        10 %" and the like; or "uncertain by more than 50 %".
 
     Raises
     ------
     ValueError
         If one of the errors is negative or not finite.
     """
-    given = {"truncation": 0.0 if truncation is None else truncation, "spread": spread, "choice": choice}
+    errors = {"truncation": 0.0 if truncation is None else truncation, "spread": spread, "choice": choice}
     size = table["value"].abs().to_numpy()
     total = table["error"].to_numpy().copy()
-    for name, error in given.items():
+    for name, error in errors.items():
         values = np.broadcast_to(np.asarray(error, dtype=float), size.shape)
         if not (np.isfinite(values) & (values >= 0.0)).all():
             raise ValueError(f"{name} must be finite and not negative, got {error}")

@@ -33,7 +33,7 @@ _HOMES = {
     "shoe_path": "paths",
     "with_load_surfaces": "load_surfaces",
 }
-"""Modules of the names that are imported when they are asked for."""
+"""Modules of the names that are imported on first use."""
 
 __all__ = [
     "COM_HEIGHT",
@@ -58,7 +58,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import finite elements when a mesh is asked for: whoever wants dimensions only does not wait."""
+    """Import finite elements when a mesh is needed: dimensions alone load fast."""
     if home := _HOMES.get(name):
         return getattr(import_module(f"{__name__}.{home}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

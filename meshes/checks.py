@@ -1,4 +1,4 @@
-"""What the mesh of any shoe has to be: in m, with the surfaces that meet the ground and the machine."""
+"""Checks of the mesh of any shoe: in m, with the surfaces for the ground and the machine."""
 
 import numpy as np
 
@@ -6,25 +6,25 @@ from fem.mesh import Mesh
 from meshes.load_surfaces import LOAD_SURFACES
 
 LARGEST = 50.0
-"""m, beyond which no shoe extends."""
+"""m, greatest extent of any shoe."""
 LEAST_LIKELY, GREATEST_LIKELY = 0.3, 8.0
-"""m, between which shoes are wide."""
+"""m, usual range of the width of shoes."""
 MISTAKEN = {"mm": 1e-3, "cm": 1e-2, "inch": 0.0254}
-"""Units that meshes come in by mistake, m."""
+"""Units of meshes by mistake, m."""
 
 
 def check_extent(mesh: Mesh, name: str = "") -> None:
-    """Refuse a mesh that is larger than any shoe.
+    """Check that a mesh is not larger than any shoe.
 
     Parameters
     ----------
     name : str
-        Of the mesh, for what is refused.
+        Of the mesh, for the message.
 
     Raises
     ------
     ValueError
-        With its length and the units that it likely is in.
+        If it is, with its length and its likely unit.
     """
     extent = float(np.ptp(mesh.nodes, axis=0).max())
     if extent > LARGEST:
@@ -37,17 +37,17 @@ def check_extent(mesh: Mesh, name: str = "") -> None:
 
 
 def check_surfaces(mesh: Mesh, load_surface: str, name: str = "") -> None:
-    """Refuse a mesh without underside or without the surface that the machine's load is spread over.
+    """Check that a mesh has an underside and the surface that carries the machine's load.
 
     Parameters
     ----------
     name : str
-        Of the mesh, for what is refused.
+        Of the mesh, for the message.
 
     Raises
     ------
     ValueError
-        Naming what it lacks and what it has.
+        If one is missing, with the surfaces that it has.
     """
     if "underside" not in mesh.surfaces:
         raise ValueError(f"{_the_mesh(name)} must have the surface 'underside', {_has(mesh)}")

@@ -1,4 +1,4 @@
-"""Places of the pins and dimensions of the crawler shoe.
+"""Positions of the pins and dimensions of the crawler shoe.
 
 Shoe axes: x along the propel direction, y lateral, z up; origin at the nominal centre of mass.
 """
@@ -10,7 +10,7 @@ SHOE_SIZES = ("coarse", "study", "fine")
 """Ready meshes of the shoe."""
 
 VOLUMES = {"coarse": 0.5738718647896, "study": 0.5733535400234, "fine": 0.5733501852505}
-"""Their volumes in m3, for which nobody has to read them."""
+"""Their volumes in m3, so that their mass needs no reading of files."""
 
 PITCH = 0.655742
 """Distance between the pins of neighbouring shoes in m (spacing of the papers' centres of mass)."""
@@ -101,7 +101,7 @@ class ShoeDimensions:
 
     @property
     def fork_gap(self) -> float:
-        """Width of the room between the cheeks of a fork in m."""
+        """Width of the gap between the cheeks of a fork in m."""
         return self.rear_lug_width + 2 * self.side_clearance
 
     @property

@@ -11,7 +11,7 @@ from fem.surfaces import faces_joined_to, faces_seen_from
 LOAD_SURFACES = ("rails", "plateau", "whole top")
 
 LEVEL = 1e-3
-"""m, within which heights are the same."""
+"""m, difference up to which heights are equal."""
 
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -27,13 +27,12 @@ def with_load_surfaces(mesh: Mesh) -> Mesh:
     Returns
     -------
     Mesh
-        With three more surfaces, as far as the shape has them, or none if there is no surface "top":
+        With up to three more surfaces, or none if there is no surface "top":
 
-        - "rails": the surface "roller path"; where there is none, the faces of "top" that lie level at its
-          greatest height
+        - "rails": the surface "roller path"; without one, the level faces of "top" at its greatest height
         - "plateau": the surface "top"
-        - "whole top": all faces that look up with nothing above them, and lie as high as "top" or hang
-          together by edges with faces that do, over the full width
+        - "whole top": all upward faces with nothing above them that are as high as "top" or connected by
+          edges with such faces, over the full width
     """
     if "top" not in mesh.surfaces:
         return mesh
@@ -49,13 +48,13 @@ def with_load_surfaces(mesh: Mesh) -> Mesh:
 
 
 def _highest(mesh: Mesh, faces: Integers) -> Integers:
-    """Faces that lie at the height of the highest of their nodes."""
+    """Level faces at the height of the highest node."""
     heights = mesh.nodes[faces, 2]
     return faces[heights.min(axis=1) >= heights.max() - LEVEL]
 
 
 def _whole_top(mesh: Mesh, top: Integers) -> Integers:
-    """Faces seen from above that belong together with those as high as `top`: no bottom plate, no lugs."""
+    """Faces seen from above that are connected with those as high as `top`: no bottom plate, no lugs."""
     seen = faces_seen_from(mesh, _UP)
     lowest = mesh.nodes[top, 2].min() - LEVEL
     return faces_joined_to(seen, seen[mesh.nodes[seen, 2].min(axis=1) >= lowest])

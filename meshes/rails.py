@@ -1,4 +1,4 @@
-"""Rails of a shoe's mesh: where they are, and how nodes about a place on them share a force there."""
+"""Rails of a shoe's mesh: their outline, and the shares of nodes in a force on them."""
 
 from typing import NamedTuple
 
@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike
 from fem.mesh import Floats, Integers, Mesh
 
 LEVEL = 1e-3
-"""m, within which a rail is level and both rails are equal."""
+"""m, tolerance within which a rail is level and both rails are equal."""
 SUPPORT = 0.12
-"""m, how far before and behind a place nodes share in a force there."""
+"""m, distance before and behind a point within which nodes share a force there."""
 FEWEST_NODES = 6
 
 
@@ -34,11 +34,11 @@ def rail_nodes(mesh: Mesh) -> tuple[Integers, Integers]:
     Raises
     ------
     ValueError
-        If the mesh has no surface "rails" or that is no two bands beside each other.
+        If the mesh has no surface "rails", or if it is not two bands beside each other.
     """
     if "rails" not in mesh.surfaces:
         raise ValueError(
-            f"the mesh must have the surface 'rails' or 'roller path' for rollers, it has "
+            f"the mesh must have the surface 'rails' or 'roller path' for rollers, got only "
             f"{sorted(mesh.surfaces)}"
         )
     nodes = mesh.nodes_of("rails")
@@ -68,7 +68,7 @@ def rail_outline(mesh: Mesh) -> RailOutline:
     uneven = np.ptp(sizes[:, 1]) > LEVEL or np.ptp(sizes[::2, 0]) > LEVEL or np.ptp(sizes[1::2, 0]) > LEVEL
     if uneven or abs(left_high[1] - left_low[1] - width) > LEVEL:
         raise ValueError(
-            f"the mesh's rails must be level and equal within {LEVEL} m, they reach from {low.round(4)} to "
+            f"the mesh's rails must be level and equal within {LEVEL} m, got rails from {low.round(4)} to "
             f"{high.round(4)} and from {left_low.round(4)} to {left_high.round(4)} m"
         )
     return RailOutline(
@@ -81,26 +81,26 @@ def rail_outline(mesh: Mesh) -> RailOutline:
     )
 
 
-def station_weights(mesh: Mesh, places: ArrayLike) -> Floats:
-    """Shares of nodes in a unit force at each place on the rails: array (places, n).
+def station_weights(mesh: Mesh, points: ArrayLike) -> Floats:
+    """Shares of nodes in a unit force at each of k points on the rails: array (k, n).
 
-    Nodes of the place's rail within `SUPPORT` before and behind share it by moving least squares (Lancaster
+    Nodes of the point's rail within `SUPPORT` before and behind share it by moving least squares (Lancaster
     and Salkauskas, Math. Comp. 37, 1981): forces and moments of the shares are those of the force, and the
-    same shares of displacements give that of the place, exactly where the rail moves as a plane.
+    same shares of displacements give that of the point, exactly if the rail moves as a plane.
 
     Parameters
     ----------
-    places : array (places, 2)
+    points : array (k, 2)
         x and y, m, in the shoe's axes.
 
     Raises
     ------
     ValueError
-        As of `rail_nodes`, or if too few nodes are about a place.
+        As of `rail_nodes`, or if too few nodes are near a point.
     """
     rails = rail_nodes(mesh)
     middles = [mesh.nodes[nodes, 1].mean() for nodes in rails]
-    wanted = np.asarray(places, dtype=float)
+    wanted = np.asarray(points, dtype=float)
     weights = np.zeros((len(wanted), len(mesh.nodes)))
     for row, (x, y) in zip(weights, wanted, strict=True):
         nodes = rails[int(np.argmin(np.abs(np.array(middles) - y)))]
@@ -108,7 +108,7 @@ def station_weights(mesh: Mesh, places: ArrayLike) -> Floats:
         near = np.clip(1.0 - np.abs(off[:, 0]) / SUPPORT, 0.0, None)
         if np.count_nonzero(near) < FEWEST_NODES:
             raise ValueError(
-                f"the mesh's rails must have {FEWEST_NODES} nodes and more within {SUPPORT} m of any place, "
+                f"the mesh's rails must have at least {FEWEST_NODES} nodes within {SUPPORT} m of any point, "
                 f"got {np.count_nonzero(near)} at x = {x:.3g} m, y = {y:.3g} m"
             )
         plane = np.column_stack((np.ones(len(nodes)), off))

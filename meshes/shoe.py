@@ -8,7 +8,7 @@ from fem.mesh import Mesh
 from meshes.geometry import JOINT_CENTERS
 
 STEEL = Material(youngs_modulus=200e9, poissons_ratio=0.3, density=7847.25)
-"""Steel to which all numbers of the meshes' README belong."""
+"""Steel of all numbers of the meshes' README."""
 
 
 def joint_interfaces(mesh: Mesh, spider: Spider = "rigid") -> list[Interface]:

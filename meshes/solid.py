@@ -105,7 +105,7 @@ def _lug(
 
 
 def _throat_cutter(occ: Any, pin: Point, width: float, radius: float, fillet: float) -> Any:
-    """Disc about the pin with rounded rims: the room for the neighbour's rear lug in a fork."""
+    """Disc about the pin with rounded rims: the space for the neighbour's rear lug in a fork."""
     x, y, z = pin
     h = width / 2
     inner = h - fillet

@@ -1,4 +1,4 @@
-"""Cases of the studies to start from, as `pyproject.toml` registers them; runs stay unloaded."""
+"""Cases of the studies to start from, as `pyproject.toml` registers them; this does not load the runs."""
 
 from exudyn_crawler import Case, CaseFile
 from studies.defaults import CYCLE_DURATION, DURATION

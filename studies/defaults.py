@@ -1,4 +1,4 @@
-"""What studies take where nothing else is said; command lines show it without loading the engine."""
+"""Default durations of the studies; command lines show them without loading the engine."""
 
 DURATION = 10.0
 """s, simulated in the rigid studies of the papers; the track travels 0.75 m in it."""

@@ -1,8 +1,8 @@
 """Forces, sinkage and deformation as the F-paper reports them.
 
 The paper draws shoes 1, 4, 7, 10 and 13 and the links behind them, and takes its least, greatest and mean
-values from these; so does every row here that speaks of "a shoe", "shoes" or "joints". Means of forces and
-torques are printed as magnitudes there, so magnitudes are compared.
+values from these; so does every row here about "a shoe", "shoes" or "joints". The paper prints means of
+forces and torques as magnitudes, so magnitudes are compared.
 """
 
 import math
@@ -65,7 +65,7 @@ def force_quantity(history: History, contacts: xr.Dataset, quantity: str) -> xr.
         raise ValueError(f"{quantity!r} names no quantity of contact, joints or terrain")
     if "axis" not in values.dims:
         return values
-    # the friction torque turns about the normal, which is z but for the units' tilt
+    # the friction torque turns about the normal, which is z except for the units' tilt
     return values.sel(axis=match["axis"] or "z")
 
 

@@ -1,4 +1,4 @@
-"""Uneven grounds of the study of them, and its cases; runs stay unloaded."""
+"""Grounds and cases of the study of uneven ground; this does not load the runs."""
 
 from collections.abc import Callable
 

@@ -1,7 +1,7 @@
-"""What the four papers report, and how closely a sound model comes to each number.
+"""Numbers that the four papers report, and how close a sound model should come to each.
 
-The values stand in `reported.csv` beside this module, a number a row, each with its source. The class of
-a row says what governs it and so how close to come:
+The values are in `reported.csv` beside this module, one number a row, each with its source. The class of a
+row says what governs it, and so how close to come:
 
 ============  ======================================  ==========================
 class         what governs it                         within
@@ -29,7 +29,7 @@ ENDS = {
     "forces": {"translation": 10.0, "turning": 10.0},
     "stress": {"modal": 0.0, "propel": 15.0, "loading": 40.0, "hot spots": 40.0},
 }
-"""s by study and case: how far the papers' runs go that a row is about."""
+"""s by study and case: ends of the papers' runs."""
 
 RELATIVE = {"exact": 1e-4, "prescribed": 0.01, "statics": 0.10, "structural": 0.25}
 FREQUENCY = 0.10

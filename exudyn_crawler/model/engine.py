@@ -1,7 +1,7 @@
-"""The engine, as every builder and run here takes it.
+"""The engine: the only import of Exudyn.
 
-Exudyn's build without range checks is not asked for: it gains 5 % of a run's time and makes the last digits
-hang on the processor's instruction set.
+This is its build with range checks. The one without saves 5 % of a run's time, but its last digits depend on
+the processor's instruction set.
 """
 
 import exudyn as exu

@@ -1,4 +1,4 @@
-"""What a solver leaves behind that could not go on."""
+"""Failure of a solver, with the residual of its last iteration."""
 
 from typing import Any
 
@@ -9,12 +9,12 @@ from exudyn_crawler.model.state import StateLayout
 
 
 class NewtonError(Exception):
-    """Newton's method failed at the least step, or found no rest.
+    """Newton's method failed at the least step, or found no equilibrium.
 
     Attributes
     ----------
     residual : array (equations,)
-        Of the last iteration: forces (N), moments (N m) and modal forces, then what constraints are off.
+        Of the last iteration: forces (N), moments (N m) and modal forces, then the gaps of constraints.
     singular : bool
         Whether the equations had no solution.
     """
@@ -26,9 +26,9 @@ class NewtonError(Exception):
 
 
 def engine_failure(solver: Any, layout: StateLayout) -> NewtonError:
-    """What Exudyn's static or dynamic solver left behind when it failed."""
+    """Failure of Exudyn's static or dynamic solver, with its residual."""
     residual = np.array(solver.GetSystemResidual())
     if not solver.IsStaticSolver():
-        # the solver multiplies the equations of motion by what makes accelerations of displacements
+        # the solver multiplies the equations of motion by the factor from displacements to accelerations
         residual[: layout.coordinate_count] /= solver.newmarkBeta * solver.it.currentStepSize**2
     return NewtonError(residual, bool(solver.conv.linearSolverFailed))

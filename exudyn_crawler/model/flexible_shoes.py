@@ -19,7 +19,7 @@ from exudyn_crawler.case.parameters.size import check_modes
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.reductions import cached_reduction
 from exudyn_crawler.model.shoe_mesh import check_footprint, check_rails, pin_interfaces
-from fem import ElasticBody, Interface, Kept, Material, Nested, ReducedBody, nested_reduction
+from fem import CachedReduction, ElasticBody, Interface, Material, Nested, ReducedBody, nested_reduction
 from fem.patches import Underside, integrate_underside
 from meshes import mesh_named
 from meshes.checks import check_surfaces
@@ -126,7 +126,7 @@ def _reduction(
     fixed_modes: int,
     load_surface: str | None,
     node: int | None,
-) -> Kept:
+) -> CachedReduction:
     body, interfaces = _finite_elements(mesh, material, track)
     loads = {}
     if load_surface is not None:
@@ -152,7 +152,7 @@ def check_shoe(case: Case) -> None:
         check_rails(body.mesh, flexible.mesh, case.shoe.rails)
 
 
-def whole_reduction(case: Case) -> Kept:
+def whole_reduction(case: Case) -> CachedReduction:
     """Reduce the shoe of a case to all the modes that its stress is made of; remembered, and kept on disk.
 
     They are the constraint modes and `recovered_modes` fixed-interface modes. The static answer to a force

@@ -1,4 +1,4 @@
-"""Where reductions of flexible shoes, and what is made with them, are kept between runs."""
+"""Where reductions of flexible shoes and their static fields are cached between runs."""
 
 import logging
 import os
@@ -13,10 +13,10 @@ from platformdirs import user_cache_path
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem import ElasticBody, Interface, Kept, KeptFields, UnitLoads
+    from fem import CachedFields, CachedReduction, ElasticBody, Interface, UnitLoads
 
 VARIABLE = "EXUDYN_CRAWLER_CACHE"
-"""Environment variable that names the folder of caches in place of the user's own."""
+"""Environment variable that names the folder of caches in place of the user's cache folder."""
 
 logger = logging.getLogger("exudyn_crawler")
 
@@ -24,7 +24,7 @@ _chosen: ContextVar[Path | None] = ContextVar("folder of reductions", default=No
 
 
 def reductions_folder() -> Path:
-    """Folder that reductions are kept in: that of `reductions_in`, of the environment, or the user's own."""
+    """Folder of cached reductions: of `reductions_in`, of the environment, or in the user's cache folder."""
     chosen = _chosen.get()
     if chosen is not None:
         return chosen
@@ -35,7 +35,7 @@ def reductions_folder() -> Path:
 
 @contextmanager
 def reductions_in(folder: str | Path | None) -> Iterator[None]:
-    """Keep reductions in another folder meanwhile; None changes nothing."""
+    """Cache reductions in another folder within the context; None changes nothing."""
     token = _chosen.set(_chosen.get() if folder is None else Path(folder))
     try:
         yield
@@ -56,9 +56,9 @@ def cached_reduction(
     interfaces: "Sequence[Interface]",
     fixed_modes: int,
     loads: "Mapping[str, NDArray]",
-) -> "Kept":
-    """Reduction of a body as of `fem.cached_craig_bampton`; what is wrong with a kept one goes to the log."""
-    # saying what is kept must not wait for finite elements
+) -> "CachedReduction":
+    """Reduction of a body as of `fem.cached_craig_bampton`; its warnings go to the log."""
+    # `reductions_line` must not wait for finite elements
     from fem import cached_craig_bampton
 
     return cached_craig_bampton(
@@ -66,17 +66,21 @@ def cached_reduction(
     )
 
 
-def cached_fields(body: "ElasticBody", kept: "Kept", families: "Mapping[str, UnitLoads]") -> "KeptFields":
-    """Static fields as of `fem.cached_static_fields`; what is wrong with kept ones goes to the log."""
+def cached_fields(
+    body: "ElasticBody", reduction: "CachedReduction", families: "Mapping[str, UnitLoads]"
+) -> "CachedFields":
+    """Static fields as of `fem.cached_static_fields`; their warnings go to the log."""
     from fem import cached_static_fields
 
-    return cached_static_fields(reductions_folder(), body, kept, families, warn=logger.warning)
+    return cached_static_fields(reductions_folder(), body, reduction, families, warn=logger.warning)
 
 
 def reductions_line() -> str:
-    """What is kept, in a line."""
+    """Content of the cache, in a line."""
     folder = reductions_folder()
     sizes = {path: path.stat().st_size for path in folder.glob("[!.]*.h5")}  # a dot: being written
     shoes = [path for path in sizes if path.suffixes == [".h5"]]  # static fields and loads have one more
     size = sum(sizes.values()) / 1e6
-    return f"{len(shoes)} reduced shoes are kept in {folder} ({size:.0f} MB), to be removed at will"
+    return (
+        f"{len(shoes)} reduced shoes are cached in {folder} ({size:.0f} MB); you may remove them at any time"
+    )

@@ -1,7 +1,7 @@
-"""Layout of a state: which numbers of a row are what.
+"""Layout of a state: the meaning of the numbers of a row.
 
 A row holds the time; the coordinates, their first and their second rates; the Lagrange multipliers, joint by
-joint; and, where the engine's own contact makes the forces, those on the shoes. Coordinates are six a body
+joint; and, with the engine's contact, its forces on the shoes. Coordinates are six a body
 (displacement of its origin from t = 0, then the angles about x, y, z): those of the shoes first, then the
 terrain's, the flexible shoes' modes and other bodies.
 """
@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 VERSION = 4
-"""Of the layout's own form; another one is refused."""
+"""Of the layout's text; another version is an error."""
 
 RATES = ("", " rate", " acceleration")
-"""What follows the name of coordinates for themselves, their first and their second rates."""
+"""Suffixes of the names of coordinates, of their first and of their second rates."""
 
 BODY_COORDINATES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
@@ -57,7 +57,7 @@ class StateLayout:
     multipliers : tuple of (str, int)
         Items with Lagrange multipliers and how many each has.
     contact_forces : bool
-        Whether the engine's contact forces on the shoes are kept.
+        Whether the engine's contact forces on the shoes are stored.
     bodies : tuple of str
         Names of the bodies beside the shoes.
     """
@@ -81,23 +81,23 @@ class StateLayout:
         }
 
     @cached_property
-    def _places(self) -> dict[str, tuple[int, tuple[int, ...]]]:
-        """First index and shape of every part and of what parts are together."""
-        places: dict[str, tuple[int, tuple[int, ...]]] = {"time": (0, ())}
+    def _parts(self) -> dict[str, tuple[int, tuple[int, ...]]]:
+        """First index and shape of every part and of the groups of parts."""
+        parts: dict[str, tuple[int, tuple[int, ...]]] = {"time": (0, ())}
         first = 1
         for rate in RATES:
             start = first
             for name, shape in self._coordinate_shapes.items():
-                places[name + rate] = (first, shape)
+                parts[name + rate] = (first, shape)
                 first += prod(shape)
-            places[f"coordinates{rate}"] = (start, (first - start,))
+            parts[f"coordinates{rate}"] = (start, (first - start,))
         start = first
         for name, size in self.multipliers:
-            places[name] = (first, (size,))
+            parts[name] = (first, (size,))
             first += size
-        places["multipliers"] = (start, (first - start,))
-        places["contact forces"] = (first, (self.shoes if self.contact_forces else 0, 6))
-        return places
+        parts["multipliers"] = (start, (first - start,))
+        parts["contact forces"] = (first, (self.shoes if self.contact_forces else 0, 6))
+        return parts
 
     @cached_property
     def coordinate_count(self) -> int:
@@ -112,7 +112,7 @@ class StateLayout:
     @cached_property
     def size(self) -> int:
         """Length of a row."""
-        first, shape = self._places["contact forces"]
+        first, shape = self._parts["contact forces"]
         return first + prod(shape)
 
     def part(self, rows: NDArray, name: str) -> NDArray:
@@ -125,11 +125,11 @@ class StateLayout:
         """
         if rows.shape[-1] != self.size:
             raise ValueError(f"rows of a state must have {self.size} numbers, got {rows.shape[-1]}")
-        first, shape = self._places.get(name) or self._no_part(name)
+        first, shape = self._parts.get(name) or self._no_part(name)
         return rows[..., first : first + prod(shape)].reshape((*rows.shape[:-1], *shape))
 
     def _no_part(self, name: str) -> NoReturn:
-        raise ValueError(f"a state has no part {name!r}; it has {sorted(self._places)}")
+        raise ValueError(f"a state has no part {name!r}; it has {sorted(self._parts)}")
 
     def first_multiplier(self, name: str) -> int:
         """Index of an item's first multiplier among all multipliers.
@@ -146,7 +146,7 @@ class StateLayout:
 
     def has(self, name: str) -> bool:
         """Whether there is a part of this name."""
-        return name in self._places
+        return name in self._parts
 
     def pack(self, parts: Mapping[str, ArrayLike]) -> NDArray:
         """Row of a state from its parts: array (size,).
@@ -157,39 +157,39 @@ class StateLayout:
             If a part is unknown, does not fit or is missing, naming the first missing one.
         """
         row = np.empty(self.size)
-        given = np.zeros(self.size, dtype=bool)
+        filled = np.zeros(self.size, dtype=bool)
         for name, values in parts.items():
             # every step of a run comes here: slices in place of `part`
-            first, shape = self._places.get(name) or self._no_part(name)
+            first, shape = self._parts.get(name) or self._no_part(name)
             value = np.asarray(values)
             if value.shape != shape:
                 raise ValueError(f"{name} must have shape {shape}, got {value.shape}")
             end = first + value.size
             row[first:end] = value.ravel()
-            given[first:end] = True
-        if not given.all():
-            missing = next(name for name in self._places if not self.part(given, name).all())
+            filled[first:end] = True
+        if not filled.all():
+            missing = next(name for name in self._parts if not self.part(filled, name).all())
             raise ValueError(f"a state needs its {missing}")
         return row
 
     def equation(self, row: int) -> str:
-        """What an equation of the system is of: a coordinate, or behind all of those an item's multiplier."""
+        """Coordinate that an equation belongs to, or, behind all of those, the multiplier's item."""
         if row >= self.coordinate_count:
             ends = np.cumsum([size for _, size in self.multipliers])
             return self.multipliers[int(np.searchsorted(ends, row - self.coordinate_count, side="right"))][0]
         first, modal = 6 * self.shoes, 6 * self.shoes + self.terrain
         others = self.coordinate_count - 6 * len(self.bodies)
         if row >= others:
-            body, own = divmod(row - others, 6)
-            return f"{self.bodies[body]} ({BODY_COORDINATES[own]})"
+            body, coordinate = divmod(row - others, 6)
+            return f"{self.bodies[body]} ({BODY_COORDINATES[coordinate]})"
         if row >= modal:
             shoe, mode = divmod(row - modal, self.modes)
             return f"modes of shoe {self.flexible_shoes[shoe]} (mode {mode + 1})"
         if row >= first and not self.terrain_bodies:
             return f"terrain (coordinate {row - first + 1})"
-        body, own = divmod(row, 6)
+        body, coordinate = divmod(row, 6)
         name = f"shoe {body + 1}" if row < first else f"unit {body - self.shoes + 1}"
-        return f"{name} ({BODY_COORDINATES[own]})"
+        return f"{name} ({BODY_COORDINATES[coordinate]})"
 
     def to_json(self) -> str:
         """Layout as text, with its version."""

@@ -15,7 +15,7 @@ from numba import typeof
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.model.equations import residual
-from fem.compiling import told_of_compiling
+from fem.compiling import notify_compiling
 
 
 @cache
@@ -25,7 +25,7 @@ def compile_equations(framed: bool) -> None:
     What fails beside this process, such as a disk that keeps nothing, is compiled when it is called.
     """
     begun: list[subprocess.Popen] = []
-    with told_of_compiling([residual], lambda: begun.append(_beside(framed))):
+    with notify_compiling([residual], lambda: begun.append(_beside(framed))):
         _compile(_any_system(framed), "residual")
     for process in begun:
         process.wait()

@@ -14,7 +14,7 @@ def test_faulty_histories(small: fem.ReducedBody, history: np.ndarray) -> None:
         fem.recover_peaks(small.stress_modes, history[:0])
     spoilt = history.copy()
     spoilt[300, 2] = np.inf
-    with pytest.raises(ValueError, match="other numbers in rows 256 to 511"):
+    with pytest.raises(ValueError, match="others in rows 256 to 511"):
         fem.recover_peaks(small.stress_modes, spoilt)
 
 

@@ -1,4 +1,4 @@
-"""Reductions kept on disk: used only if all matches, safe among processes, made anew where broken."""
+"""Reductions cached on disk: used only if all matches, safe among processes, computed again if broken."""
 
 import subprocess
 import sys
@@ -52,8 +52,8 @@ def test_a_reduction_is_taken_only_if_all_matches(tmp_path: Path, beam: fem.Elas
     ]
     assert not any(other.found for other in others)
     assert len({first.path, *(other.path for other in others)}) == 7
-    assert fem.kept_files(tmp_path)[-1].parent == tmp_path
-    assert len(fem.kept_files(tmp_path)) == 7
+    assert fem.cached_files(tmp_path)[-1].parent == tmp_path
+    assert len(fem.cached_files(tmp_path)) == 7
 
 
 @pytest.mark.simulation
@@ -76,31 +76,31 @@ def test_two_processes_that_want_the_same_at_once(tmp_path: Path, small: fem.Red
             process.stdin.flush()
         answers = sorted(process.communicate(timeout=60)[0].strip() for process in (one, other))
     assert answers == ["False 26", "True 26"]
-    (path,) = fem.kept_files(folder)
+    (path,) = fem.cached_files(folder)
     np.testing.assert_allclose(fem.load_reduced(path).frequencies, small.frequencies, rtol=1e-9)
 
 
-def test_a_broken_file_is_made_anew_with_a_warning(tmp_path: Path, beam: fem.ElasticBody) -> None:
+def test_a_broken_file_is_computed_again_with_a_warning(tmp_path: Path, beam: fem.ElasticBody) -> None:
     ends = beam_interfaces(beam)
     kept = fem.cached_craig_bampton(tmp_path, beam, ends, 4)
     kept.path.write_bytes(kept.path.read_bytes()[:5000])
-    told: list[str] = []
-    again = fem.cached_craig_bampton(tmp_path, beam, ends, 4, warn=told.append)
+    lines: list[str] = []
+    again = fem.cached_craig_bampton(tmp_path, beam, ends, 4, warn=lines.append)
     assert not again.found
-    (line,) = told
-    assert line.startswith(f"the reduction is made anew: {kept.path} must be")
+    (line,) = lines
+    assert line.startswith(f"the reduction is computed again: {kept.path} must be")
     assert fem.cached_craig_bampton(tmp_path, beam, ends, 4).found
 
 
-def test_a_folder_that_cannot_be_written_to_costs_the_keeping_only(
+def test_a_folder_that_cannot_be_written_to_costs_the_cache_only(
     tmp_path: Path, beam: fem.ElasticBody, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told: list[str] = []
+    lines: list[str] = []
     taken = tmp_path / "file"
     taken.write_text("no folder")
-    kept = fem.cached_craig_bampton(taken, beam, beam_interfaces(beam), 4, warn=told.append)
+    kept = fem.cached_craig_bampton(taken, beam, beam_interfaces(beam), 4, warn=lines.append)
     assert len(kept.body.frequencies) == 10
-    assert [str(taken) in line for line in told] == [True, True]
-    monkeypatch.setattr("fem.keeping.LIMIT", 0)
+    assert [str(taken) in line for line in lines] == [True, True]
+    monkeypatch.setattr("fem.cache.LIMIT", 0)
     fem.cached_craig_bampton(tmp_path, beam, beam_interfaces(beam), 4)
-    assert fem.kept_files(tmp_path) == []
+    assert fem.cached_files(tmp_path) == []

@@ -1,4 +1,4 @@
-"""Compiled functions that are kept on disk."""
+"""Compiled functions that are cached on disk."""
 
 import os
 import subprocess
@@ -12,10 +12,10 @@ HELPER += "\ncompiled = compiler(Path(__file__).parent)\n"
 INNER = HELPER + "\n\n@compiled\ndef inner(x):\n    return {factor} * x\n"
 OUTER = "from inner import compiled, inner\n\n\n@compiled\ndef outer(x):\n    return inner(x) + 1.0\n"
 ASK = """
-from fem.compiling import told_of_compiling
+from fem.compiling import notify_compiling
 from outer import outer
 told = []
-with told_of_compiling([outer], lambda: told.append(1)):
+with notify_compiling([outer], lambda: told.append(1)):
     result = outer(3.0)
 print(result, len(told), outer.stats.cache_hits)
 """
@@ -53,7 +53,7 @@ def result(folder: Path, before: str = "", ask: str = ASK) -> str:
     """What the compiled function gives in a process of its own."""
     paths = os.pathsep.join([str(folder), str(Path(__file__).parents[2])])
     command = [sys.executable, "-c", before + ask]
-    environment = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(folder / "kept")}
+    environment = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(folder / "cache")}
     return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
 
 
@@ -66,7 +66,7 @@ def functions(tmp_path: Path) -> Path:
 
 
 @pytest.mark.simulation
-def test_a_kept_function_notices_a_change_of_what_it_calls(functions):
+def test_a_cached_function_notices_a_change_of_what_it_calls(functions):
     assert result(functions).startswith("7.0 1 ")
     again = result(functions)
     assert again.startswith("7.0 0 ")
@@ -77,7 +77,7 @@ def test_a_kept_function_notices_a_change_of_what_it_calls(functions):
 
 @pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
-def test_a_function_that_finds_no_room_to_be_kept_is_compiled_all_the_same(functions):
+def test_a_function_that_finds_no_space_for_its_cache_is_compiled_all_the_same(functions):
     for _ in range(2):
         assert result(functions, FULL_DISK) == "7.0 1 Counter()\n"
 

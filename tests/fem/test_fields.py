@@ -233,7 +233,7 @@ def test_fields_are_kept_by_all_that_they_depend_on(tmp_path: Path, beam: fem.El
     for body, loads in ((kept, push), (more, push), (kept, other)):
         fem.cached_static_fields(tmp_path, beam, body, loads, warn=told.append)
     (line,) = told
-    assert line.startswith(f"the file of static fields is made anew: {files[0]} must be")
+    assert line.startswith(f"the file of static fields is computed again: {files[0]} must be")
 
 
 def test_bad_fields(

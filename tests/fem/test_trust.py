@@ -135,7 +135,7 @@ def peak(**changes: float | str) -> pd.DataFrame:
         ({}, {"truncation": 1.5}, "good to 10 %"),
         ({"value": -100.0}, {"truncation": 1.5}, "good to 10 %"),
         ({}, {"truncation": 1.0, "spread": [15.0], "choice": 6.0}, "good to 30 %"),
-        ({}, {"truncation": 0.0, "spread": 60.0}, "open by more than 50 %"),
+        ({}, {"truncation": 0.0, "spread": 60.0}, "uncertain by more than 50 %"),
         ({"error": 21.0}, {"truncation": 0.0}, "mesh-limited: refine here"),
         ({"jump": 60.0}, {"truncation": 0.0}, "mesh-limited: refine here"),
         ({"flag": "beside spider"}, {"truncation": 0.0}, "good to 5 %"),

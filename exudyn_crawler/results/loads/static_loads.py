@@ -25,7 +25,16 @@ from exudyn_crawler.results.loads.unit_loads import (
     StripStations,
     unit_loads,
 )
-from fem import FlatRectangle, Kept, Mesh, PressureGrid, StaticFields, Stations, UnitLoads, flat_parts
+from fem import (
+    CachedReduction,
+    FlatRectangle,
+    Mesh,
+    PressureGrid,
+    StaticFields,
+    Stations,
+    UnitLoads,
+    flat_parts,
+)
 from fem.patches import Underside
 
 GROUND_SPACING = 0.2
@@ -90,7 +99,7 @@ def static_loads(case: Case) -> StaticLoads | None:
 
 
 @lru_cache(maxsize=2)
-def _static_loads(units: ShoeUnitLoads, whole: Kept, lines: int) -> StaticLoads:
+def _static_loads(units: ShoeUnitLoads, whole: CachedReduction, lines: int) -> StaticLoads:
     mesh, interfaces = units.body.mesh, units.whole.interfaces
     families = {JOINTS: UnitLoads.at_centers(len(mesh.nodes), interfaces)}
     blocks = [eye_array(6 * len(interfaces))]

@@ -15,7 +15,7 @@ from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.progress import note
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.integration import integrate
-from fem.compiling import told_of_compiling
+from fem.compiling import notify_compiling
 
 COMPILING = "compiling the equations of motion, once on a machine: half a minute or more (a stop waits)"
 
@@ -61,7 +61,7 @@ def simulate(
     warn_implausible(case, duration)
     if checkpoints is not None:
         checkpoints.load(case)
-    told = nullcontext() if progress is False else told_of_compiling(EQUATIONS, lambda: note(COMPILING))
+    told = nullcontext() if progress is False else notify_compiling(EQUATIONS, lambda: note(COMPILING))
     if case.flexible is not None:
         whole_reduction(case)  # large enough for several threads, as nothing behind it is
     # matrices of a step are so small that threads wait for each other, and round by how many they are
