@@ -6,7 +6,7 @@ from pathlib import Path
 import xarray as xr
 
 from exudyn_crawler.case import Case, CaseFile, PairContact, read_case
-from exudyn_crawler.case.parameters.outputs import Outputs
+from exudyn_crawler.case.files.case_file import Outputs
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.files import refuse_existing, writable_folder
 from exudyn_crawler.netcdf import write_netcdf

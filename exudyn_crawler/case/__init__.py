@@ -6,17 +6,15 @@ Values of the P&H 4100C and of the papers are named constructors of the class th
 """
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.files.case_file import CaseFile
+from exudyn_crawler.case.files.case_file import CaseFile, Outputs
 from exudyn_crawler.case.files.files import read_case, write_case
+from exudyn_crawler.case.parameters.base import StepProfile
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.loads import LoadCycle, Phase
 from exudyn_crawler.case.parameters.machine import MachineCycle, MachinePhase, Pose, Shovel
-from exudyn_crawler.case.parameters.outputs import Outputs
-from exudyn_crawler.case.parameters.profile import StepProfile
-from exudyn_crawler.case.parameters.rails import Rails
-from exudyn_crawler.case.parameters.shoe import Shoe
+from exudyn_crawler.case.parameters.shoe import Rails, Shoe
 from exudyn_crawler.case.parameters.solver import Solver
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import Track

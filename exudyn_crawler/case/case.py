@@ -13,9 +13,8 @@ from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.machine import MachineCycle
-from exudyn_crawler.case.parameters.rails import Rails
 from exudyn_crawler.case.parameters.rolled import check_length, check_rolled, ground_below
-from exudyn_crawler.case.parameters.shoe import Shoe
+from exudyn_crawler.case.parameters.shoe import Rails, Shoe
 from exudyn_crawler.case.parameters.solver import Solver
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import Track

@@ -79,10 +79,10 @@ def info(
 
     Example: exudyn-crawler info soft_ground.toml
     """
-    from exudyn_crawler.case.files.differences import rows_beside_base
+    from exudyn_crawler.case.files.changes import rows_beside_base
     from exudyn_crawler.case.files.files import read_case
     from exudyn_crawler.case.files.text import shoe_weights
-    from exudyn_crawler.case.parameters.plausible import warn_implausible
+    from exudyn_crawler.case.parameters.checks import warn_implausible
     from exudyn_crawler.views.terminal import print_rows
 
     if case in registered(CASES):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.case.parameters.base import StepProfile
 from exudyn_crawler.ground.contact import pair_ground_contact
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.pair_contact import PairGroundContact

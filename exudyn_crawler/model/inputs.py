@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.case.parameters.base import StepProfile
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.laws.impact import step
 from exudyn_crawler.ground.rotations import FloatArray

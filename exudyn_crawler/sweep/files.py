@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Any
 
 from exudyn_crawler.case import Case, CaseFile, read_case
+from exudyn_crawler.case.files.errors import toml_content
 from exudyn_crawler.case.files.files import case_of, faults_named, from_content, with_base
-from exudyn_crawler.case.files.toml import toml_content
-from exudyn_crawler.case.parameters.kinds import BASE, TAG, named_values
+from exudyn_crawler.case.parameters.paths import BASE, TAG, named_values
 from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from exudyn_crawler.sweep.definition import Sweep
 from exudyn_crawler.sweep.vary import content_of

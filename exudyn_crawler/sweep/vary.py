@@ -10,13 +10,18 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from exudyn_crawler.case import Case, CaseFile, PairContact, SphereContact
-from exudyn_crawler.case.files.faults import faults, shown
-from exudyn_crawler.case.files.paths import EVERY, parse_path
+from exudyn_crawler.case.files.errors import faults, shown
 from exudyn_crawler.case.parameters.base import Name, Parameters
 from exudyn_crawler.case.parameters.fields import Entry, entry_at, is_table
-from exudyn_crawler.case.parameters.kinds import TAG, with_change_in
 from exudyn_crawler.case.parameters.loads import with_equal_loads
-from exudyn_crawler.case.parameters.units import likely_cause, plausible_range
+from exudyn_crawler.case.parameters.paths import (
+    EVERY,
+    TAG,
+    likely_cause,
+    parse_path,
+    plausible_range,
+    with_change_in,
+)
 
 MOST_FAULTS = 3
 """That an error names."""

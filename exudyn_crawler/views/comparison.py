@@ -10,7 +10,7 @@ import xarray as xr
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case.files.differences import parameter_differences
+from exudyn_crawler.case.files.changes import parameter_differences
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History, common_phases

@@ -3,7 +3,7 @@
 import pytest
 
 from exudyn_crawler import Case, CaseFile
-from exudyn_crawler.case.files.differences import differences, parameter_differences, rows_beside_base
+from exudyn_crawler.case.files.changes import differences, parameter_differences, rows_beside_base
 
 
 @pytest.mark.parametrize("name", ["translation", "turning", "stress"])

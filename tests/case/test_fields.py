@@ -2,7 +2,7 @@
 
 from exudyn_crawler import Case, CaseFile, PairContact, SphereContact, Terrain
 from exudyn_crawler.case.parameters.fields import is_table, walk
-from exudyn_crawler.case.parameters.kinds import key_paths, models_of
+from exudyn_crawler.case.parameters.paths import key_paths, models_of
 
 WHOLE = CaseFile(case=Case.stress("coarse"))
 

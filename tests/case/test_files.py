@@ -21,7 +21,7 @@ from exudyn_crawler import (
     write_case,
 )
 from exudyn_crawler.case.files.text import case_rows, case_text, number_text
-from exudyn_crawler.case.parameters.kinds import key_paths, named_values
+from exudyn_crawler.case.parameters.paths import key_paths, named_values
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed

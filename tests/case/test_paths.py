@@ -3,9 +3,14 @@
 import pytest
 
 from exudyn_crawler import Case, CaseFile, LoadCycle, ParameterError
-from exudyn_crawler.case.files.paths import parse_path, path_text, with_change_at, with_value_at
 from exudyn_crawler.case.parameters.fields import entry_at
-from exudyn_crawler.case.parameters.kinds import with_change_in
+from exudyn_crawler.case.parameters.paths import (
+    parse_path,
+    path_text,
+    with_change_at,
+    with_change_in,
+    with_value_at,
+)
 
 CONTENT = {"loads": {"phases": [{"end": 0.0}, {"end": 5.0}]}, "name": "a"}
 

@@ -5,9 +5,9 @@ import warnings
 import pytest
 
 from exudyn_crawler import Case, LoadCycle, Phase, SphereContact
+from exudyn_crawler.case.parameters.checks import implausible, warn_implausible
 from exudyn_crawler.case.parameters.fields import walk
-from exudyn_crawler.case.parameters.plausible import implausible, warn_implausible
-from exudyn_crawler.case.parameters.units import plausible_range
+from exudyn_crawler.case.parameters.paths import plausible_range
 from exudyn_crawler.errors import ImplausibleWarning, ParameterError
 
 STRAIGHT = Case.translation()

@@ -6,7 +6,7 @@ import pytest
 
 from exudyn_crawler import Case, Drive, LoadCycle, Shoe
 from exudyn_crawler.case import CaseFile, Rails, Undercarriage, read_case, write_case
-from exudyn_crawler.case.parameters.plausible import implausible
+from exudyn_crawler.case.parameters.checks import implausible
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.model.flexible_shoes import check_shoe
 from meshes import mesh_named

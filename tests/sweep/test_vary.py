@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import CaseFile, Vary, simulate
-from exudyn_crawler.case.files.paths import parse_path
-from exudyn_crawler.case.parameters.kinds import with_value_in
+from exudyn_crawler.case.parameters.paths import parse_path, with_value_in
 from exudyn_crawler.sweep.vary import IDLE, checked_case, content_of, idle
 from tests.sweep.cases import STIFFNESS, small_case
 

@@ -17,20 +17,20 @@ from pydantic import BaseModel, ValidationError
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.files.case_file import CaseFile
 from exudyn_crawler.case.files.changes import Change, parsed
-from exudyn_crawler.case.files.faults import faults
-from exudyn_crawler.case.files.paths import KeyPath, path_text
+from exudyn_crawler.case.files.errors import faults, toml_content
 from exudyn_crawler.case.files.text import case_text
-from exudyn_crawler.case.files.toml import toml_content
-from exudyn_crawler.case.parameters.kinds import (
+from exudyn_crawler.case.parameters.loads import LoadCycle, cycle_content, with_equal_loads
+from exudyn_crawler.case.parameters.paths import (
     BASE,
     NONE,
     TAG,
+    KeyPath,
     allows_none,
     models_of,
     named_values,
+    path_text,
     tag_of,
 )
-from exudyn_crawler.case.parameters.loads import LoadCycle, cycle_content, with_equal_loads
 from exudyn_crawler.case.parameters.track import MOST_SHOES
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.files import whole_file

@@ -9,9 +9,9 @@ from tomlkit.items import Array, Float, InlineTable, Item, Trivia
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.files.case_file import CaseFile
+from exudyn_crawler.case.parameters.base import StepProfile
 from exudyn_crawler.case.parameters.fields import Entry, first_line, is_table, walk
-from exudyn_crawler.case.parameters.kinds import BASE, NONE, models_of, named_values
-from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.case.parameters.paths import BASE, NONE, models_of, named_values
 from meshes.geometry import VOLUMES
 
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'

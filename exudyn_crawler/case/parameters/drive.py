@@ -6,8 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Parameters, quantity
-from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.case.parameters.base import Parameters, StepProfile, quantity
 
 SAME_TIME = 1e-9
 """Relative difference below which two times are the same."""

@@ -7,9 +7,8 @@ from typing import NamedTuple
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from exudyn_crawler.case.files.paths import EVERY, KeyPath, path_text
-from exudyn_crawler.case.parameters.kinds import is_beside, models_of
-from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.case.parameters.base import StepProfile
+from exudyn_crawler.case.parameters.paths import EVERY, KeyPath, is_beside, models_of, path_text
 
 
 class Entry(NamedTuple):

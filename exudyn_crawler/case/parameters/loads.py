@@ -10,10 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, ValidationError, model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.files.faults import faults
-from exudyn_crawler.case.files.toml import toml_content
-from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
-from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.case.files.errors import faults, toml_content
+from exudyn_crawler.case.parameters.base import Name, Parameters, StepProfile, quantity
 from exudyn_crawler.errors import CaseFileError
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
-from exudyn_crawler.case.parameters.profile import StepProfile
+from exudyn_crawler.case.parameters.base import Name, Parameters, StepProfile, quantity
 from exudyn_crawler.case.parameters.undercarriage import Undercarriage
 
 Component = Annotated[float, Ge(-1e12), Le(1e12)]

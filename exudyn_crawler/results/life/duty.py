@@ -5,8 +5,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from exudyn_crawler.case.files.errors import toml_content
 from exudyn_crawler.case.files.files import faults_named, from_content, with_base
-from exudyn_crawler.case.files.toml import toml_content
 from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
 from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from fem.fatigue import Miner

@@ -1,22 +1,46 @@
-"""Faults of parameters in words: the key's path, what is wrong there and what is allowed."""
+"""What is wrong in a file or a parameter, as lines that name it."""
 
 import difflib
+import tomllib
 from collections.abc import Iterator
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from exudyn_crawler.case.files.paths import KeyPath, path_text
-from exudyn_crawler.case.parameters.kinds import (
+from exudyn_crawler.case.parameters.paths import (
     TAG,
+    KeyPath,
     is_beside,
     key_paths,
+    likely_cause,
     models_of,
     named_values,
+    path_text,
     tag_of,
 )
-from exudyn_crawler.case.parameters.units import likely_cause
+
+
+def toml_content(path: str | Path, kind: str) -> dict[str, Any]:
+    """Content of a TOML file; `kind` is what a file that is not there was to hold.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is not TOML, without the path.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FileNotFoundError(f"no {kind} {path}")
+    try:
+        # some editors put a mark before the text
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"not TOML: {error}") from error
+
 
 SHOWN = 60
 """Characters of a refused value that an error shows."""
