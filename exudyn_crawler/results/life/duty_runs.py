@@ -71,7 +71,7 @@ def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
     return used
 
 
-def places_of(runs: Sequence[UsedRun]) -> list[int]:
+def positions_of(runs: Sequence[UsedRun]) -> list[int]:
     """Places in the track that have a flexible shoe."""
     return list(runs[0].history.case.flexible_shoes().shoes)
 

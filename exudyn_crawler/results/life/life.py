@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty
-from exudyn_crawler.results.life.duty_runs import UsedRun, places_of, pulled_nodes, used_runs
+from exudyn_crawler.results.life.duty_runs import UsedRun, positions_of, pulled_nodes, used_runs
 from exudyn_crawler.results.life.life_table import (
     BETWEEN,
     BEYOND,
@@ -119,7 +119,7 @@ def life_of(
     histories : sequence of History
         One for each run of the duty, in its order.
     say : callable
-        Is told, in a line, what is going on.
+        Called with a line that says what is going on.
     spreads : sequence of DataArray (shoe, node) or None, optional
         Spread of each run's peaks over themselves, as of `spread.relative_spread`; None where not known.
 
@@ -133,9 +133,9 @@ def life_of(
     if inside:
         raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
     curve = duty.material.curve(duty.miner)
-    whole, places = runs[0].basis.shapes, places_of(runs)
+    whole, positions = runs[0].basis.shapes, positions_of(runs)
     by_place, by_part, amplitudes = [], [], []
-    for shoe in places:
+    for shoe in positions:
         say(f"shoe {shoe}: counting cycles of {len(whole.mesh.surface_nodes)} nodes")
         found, own_parts, amplitude = _at_place(duty, runs, curve, shoe)
         by_place.append(found)
@@ -154,7 +154,7 @@ def life_of(
     known = [None] * len(runs) if spreads is None else spreads
     trust = life_trust(runs, curve, damage[:, -1], np.array(amplitudes), known)
     dataset = _dataset(whole, damage, parts, on_plane, directions, trust).assign_coords(
-        shoe=places, survival=list(duty.survivals), part=np.array(names, dtype=object)
+        shoe=positions, survival=list(duty.survivals), part=np.array(names, dtype=object)
     )
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, curve, shown)
@@ -209,17 +209,17 @@ def _on_critical_planes(
     duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, nodes: NDArray
 ) -> tuple[NDArray, NDArray]:
     """Damage an hour (survivals, nodes) on the critical planes of some nodes, and normals (nodes, 3)."""
-    mesh, places = runs[0].basis.shapes.mesh, places_of(runs)
+    mesh, positions = runs[0].basis.shapes.mesh, positions_of(runs)
     normals = surface_normals(mesh)
 
     def damage_on(nodes: NDArray, angles: NDArray) -> NDArray:
         found = np.zeros((*angles.shape, len(duty.survivals)))
         for one in runs:
             counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
-            for shoe in places:
+            for shoe in positions:
                 modes, q = one.basis.shapes.stress_modes, one.basis.coordinates[shoe]
                 each = damage_on_planes(modes, q, normals, angles, counting, nodes)
-                found += one.times_an_hour / len(places) * each
+                found += one.times_an_hour / len(positions) * each
         return found
 
     planes = critical_planes(damage_on, nodes)

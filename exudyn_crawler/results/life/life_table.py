@@ -9,14 +9,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.life.duty import Duty
-from exudyn_crawler.results.life.duty_runs import UsedRun, places_of
+from exudyn_crawler.results.life.duty_runs import UsedRun, positions_of
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
 from fem import Shapes
 from fem.damage import SIGNED_CRITERIA, signed_signals
 from fem.fatigue import SNCurve
 
 BEYOND = 1e9
-"""h, beyond which lives are not told apart; damage below one over it is left out."""
+"""h, beyond which lives are not distinguished; damage below one over it is left out."""
 BETWEEN = "between runs"
 """Part of the damage that no run has alone."""
 LIFE = "life in h"
@@ -113,13 +113,13 @@ def node_lives(
     nodes : sequence of int
         Numbers of nodes.
     """
-    places = places_of(runs)
+    positions = positions_of(runs)
     cycles: dict[int, list[pd.DataFrame]] = {node: [] for node in nodes}
     by_criterion = {node: dict.fromkeys(map(str, SIGNED_CRITERIA), 0.0) for node in nodes}
     for one in runs:
-        often = one.times_an_hour / len(places)
+        often = one.times_an_hour / len(positions)
         counting = one.counting(curve, duty.survivals[-1:])
-        for shoe in places:
+        for shoe in positions:
             loads = one.basis.by_load(shoe)
             for node in nodes:
                 modes = one.basis.shapes.stress_modes[node]

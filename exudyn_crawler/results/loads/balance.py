@@ -1,7 +1,7 @@
 """Conservation of momentum and energy, checked on the history of a run.
 
-Nothing here knows the solver: forces, places and motion are taken from the stored variables, and what
-should vanish or add up is given back. All vectors are global, all units SI.
+Nothing here knows the solver: forces, positions and motion come from the stored variables, and what should
+vanish or add up is returned. All vectors are global, all units SI.
 """
 
 import numpy as np
@@ -155,7 +155,7 @@ def powers(history: History) -> xr.Dataset:
     Raises
     ------
     ValueError
-        For a history of contact by spheres: one row a pair does not tell what its spheres take; or one with
+        For a history of contact by spheres: one row a pair does not say what its spheres take; or one with
         flexible shoes.
     """
     _only_rigid(history)
@@ -213,10 +213,10 @@ def energy_balance(history: History) -> xr.Dataset:
     stored = energies(history)
     change = stored - stored.isel(time=0)
     work = powers(history).cumulative_integrate("time")
-    given = work["drive"] + work["machine_load"]
+    supplied = work["drive"] + work["machine_load"]
     taken = sum(power for name, power in work.data_vars.items() if name not in ("drive", "machine_load"))
     balance = xr.merge((change, work), combine_attrs="drop").assign(
-        imbalance=given - taken - sum(change.data_vars.values())
+        imbalance=supplied - taken - sum(change.data_vars.values())
     )
     for values in balance.data_vars.values():
         values.attrs = {"units": "J"}

@@ -196,7 +196,7 @@ def pin_forces(history: History, shoe: int) -> xr.Dataset:
     xarray.Dataset
         `force` (N) and `moment` about the joint centre (N m), both (time, pin, axis); pins are "front right",
         "front left", "rear right" and "rear left". NaN where a shoe has no neighbour, and for a link of two
-        rigid shoes: its one joint does not tell how its pins share the load.
+        rigid shoes: its one joint does not say how its pins share the load.
 
     Raises
     ------

@@ -68,7 +68,7 @@ class StressBasis:
         Parameters
         ----------
         rows : int array (times,), optional
-            Indices of stored times, all of them if not given.
+            Indices of stored times; all of them by default.
         """
         found: dict[str, NDArray] = {}
         for kind, loads in self.loads[shoe].items():

@@ -90,10 +90,10 @@ def recover_stresses(
     Parameters
     ----------
     times : sequence of float, optional
-        s, instants of which whole fields are kept: the stored ones nearest to them, as far as the run goes;
-        begin and ends of the load cycle's phases, if not given.
+        s, instants of which whole fields are returned, as the stored ones nearest to them and as far as the
+        run goes; begin and ends of the load cycle's phases by default.
     peak : bool
-        Keep that of the highest stress of all shoes, too.
+        Return that of the highest stress of all shoes, too.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def recover_stresses(
 
 
 def _named_times(history: History, times: Sequence[float] | None) -> list[tuple[float, str]]:
-    """Times (s) with their names: those that are given, as far as the run goes, or those of its phases."""
+    """Times (s) with their names: the chosen ones, as far as the run goes, or those of its phases."""
     duration = history.duration
     parts = phases(history.case.loads, duration)
     ends = [(0.0, "begin"), *((part.end, f"end of {part.name}") for part in parts)]

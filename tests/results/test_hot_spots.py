@@ -1,14 +1,20 @@
-"""Shares of single loads in a stress: closed forms, their sum, and a shoe that one load alone acts on."""
+"""Hot spots: regions of a shoe, and shares of loads in a stress by closed forms and by one load alone."""
 
 import numpy as np
 import pytest
 
 from exudyn_crawler import History
+from exudyn_crawler.case.parameters.track import Track
 from exudyn_crawler.results.loads.unit_loads import unit_loads
 from exudyn_crawler.results.stress.basis import stress_basis
-from exudyn_crawler.results.stress.hot_spots import load_shares, shares
+from exudyn_crawler.results.stress.hot_spots import REGIONS, load_shares, shares, shoe_regions
+from fem import Shapes
+from meshes import STEEL, joint_interfaces, mesh_named
 from tests.modal_loads import modal_loads
 
+TRACK = Track.ph4100c()
+LUG_ROOTS = ((-0.1837, 0.652, -0.0725), (-0.1837, -0.522, 0.1675), (0.2023, -0.7951, 0.0708))
+"""m: the S-paper's hot spots beside the inner faces of the rear lugs, and the root of a fork's cheek."""
 SHOE = 7
 NODES = np.arange(0, 3000, 500)
 OTHERS = {
@@ -17,6 +23,41 @@ OTHERS = {
 }
 """Variables of what acts on a middle shoe beside one load; "contact" stands for all of a contact's."""
 CONTACT = ("normal_force", "friction_force", "friction_torque", "area")
+
+
+def bare(mesh) -> Shapes:
+    """Shoe without modes."""
+    nodes = len(mesh.nodes)
+    empty = (np.empty((nodes, 3, 0)), np.empty((nodes, 6, 0)))
+    return Shapes(mesh, STEEL, tuple(joint_interfaces(mesh)), *empty)
+
+
+@pytest.fixture(scope="module")
+def shoe() -> Shapes:
+    return bare(mesh_named("coarse"))
+
+
+def test_regions_are_where_their_surfaces_are(shoe):
+    regions = shoe_regions(shoe, TRACK)
+    assert set(regions) == set(REGIONS)
+    assert set(regions[shoe.mesh.nodes_of("rails")]) == {"roller path"}
+    for name in TRACK.joint_centers:
+        assert set(regions[shoe.mesh.nodes_of(f"bore {name}")]) == {"bores"}
+    tips = np.abs(shoe.nodes[:, 1]) > 1.7
+    assert set(regions[tips]) == {"wings"}
+
+
+@pytest.mark.parametrize("place", LUG_ROOTS)
+def test_roots_of_lugs_are_lugs(shoe, place):
+    nearest = int(np.linalg.norm(shoe.nodes - place, axis=1).argmin())
+    assert np.linalg.norm(shoe.nodes[nearest] - place) < 0.03
+    assert shoe_regions(shoe, TRACK)[nearest] == "lugs"
+
+
+def test_shoe_without_rails_has_neither_roller_path_nor_wings(shoe):
+    mesh = shoe.mesh.with_surfaces({})
+    del mesh.surfaces["rails"]
+    assert set(shoe_regions(bare(mesh), TRACK)) == {"lugs", "bores", "web"}
 
 
 def test_shares_of_uniaxial_stresses_are_those_of_their_sum():
