@@ -79,7 +79,7 @@ def reductions_line() -> str:
     """Content of the cache, in a line."""
     folder = reductions_folder()
     sizes = {path: path.stat().st_size for path in folder.glob("[!.]*.h5")}  # a dot: being written
-    shoes = [path for path in sizes if path.suffixes == [".h5"]]  # static fields and loads have one more
+    shoes = [path for path in sizes if path.suffixes == [".h5"]]  # static fields have one more
     size = sum(sizes.values()) / 1e6
     return (
         f"{len(shoes)} reduced shoes are cached in {folder} ({size:.0f} MB); you may remove them at any time"
