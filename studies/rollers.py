@@ -13,7 +13,7 @@ import pandas as pd
 
 from exudyn_crawler import Case, CaseFile, CaseRun, FlexibleShoes, LoadCycle, StepProfile, simulate
 from exudyn_crawler.case import MachineCycle, Undercarriage, ph4100c
-from exudyn_crawler.case.parameters.rolled import ground_below
+from exudyn_crawler.case.parameters.undercarriage import ground_below
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.history.tables import region_table
 from exudyn_crawler.results.loads.balance import energy_balance

@@ -16,9 +16,9 @@ import pytest
 
 from exudyn_crawler import Case, History, __main__, cli
 from exudyn_crawler.case import CaseFile, read_case
-from exudyn_crawler.cli import sweeping
-from exudyn_crawler.cli.registered import COMMANDS as GROUP
-from exudyn_crawler.cli.registered import registered
+from exudyn_crawler.cli import several
+from exudyn_crawler.cli.application import COMMANDS as GROUP
+from exudyn_crawler.cli.application import registered
 
 COMMANDS = (
     "kinematics",
@@ -175,7 +175,7 @@ def test_an_interrupt_while_words_are_read_is_told_in_a_line(call, monkeypatch):
     def interrupted(*_args):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("exudyn_crawler.cli.registered.Commands.get_command", interrupted)
+    monkeypatch.setattr("exudyn_crawler.cli.application.Commands.get_command", interrupted)
     assert call("info", "stress") == (130, "", "error: interrupted; the same command goes on\n")
 
 
@@ -420,7 +420,7 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
     )
     code, _, err = call("run", "case.toml", "--out", "out")
     assert code == 3
-    assert_one_line(err, "the simulation stopped at t = ", "what there is was kept")
+    assert_one_line(err, "the simulation stopped at t = ", "what was computed is in its folder")
     history = History.load(tmp_path / "out" / "history_stopped.nc")
     assert 0.0 < history.duration < 10.0
     assert not (tmp_path / "out" / "history.nc").exists()
@@ -615,7 +615,7 @@ def test_what_is_wrong_with_a_sweep_is_told_in_a_line(call, soils, change, optio
 
 
 def test_sweeps_without_what_they_need_say_how_to_get_it(call, soils, monkeypatch):
-    monkeypatch.setattr(sweeping, "find_spec", lambda name: None)
+    monkeypatch.setattr(several, "find_spec", lambda name: None)
     code, _, told = call("sweep", soils.name)
     assert code == 2
     assert_one_line(told, "pip install 'exudyn-crawler[sweep]'")

@@ -29,7 +29,7 @@ VALID = case_text(CaseFile(case=Case.turning()))
 
 
 def command(*arguments, cwd, **options):
-    line = [sys.executable, "-m", "exudyn_crawler.cli", *map(str, arguments)]
+    line = [sys.executable, "-m", "exudyn_crawler", *map(str, arguments)]
     return subprocess.run(line, capture_output=True, text=True, cwd=cwd, timeout=300, check=False, **options)
 
 
@@ -149,7 +149,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_run(tmp_path, pla
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_a_killed_run_leaves_a_folder_that_the_next_one_takes_over(tmp_path):
     (tmp_path / "case.toml").write_text(SHORT.replace("0.05", "20.0"))
-    line = [sys.executable, "-m", "exudyn_crawler.cli", "run", "case.toml", "--out", "out"]
+    line = [sys.executable, "-m", "exudyn_crawler", "run", "case.toml", "--out", "out"]
     log = tmp_path / "out" / "run.log"
     kill_when(lambda: log.exists() and "simulate: begins" in log.read_text(), line, tmp_path)
     assert json.loads((tmp_path / "out" / "run.json").read_text())["status"] == "running"

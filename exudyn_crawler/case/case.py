@@ -13,12 +13,16 @@ from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.machine import MachineCycle
-from exudyn_crawler.case.parameters.rolled import check_length, check_rolled, ground_below
 from exudyn_crawler.case.parameters.shoe import Rails, Shoe
 from exudyn_crawler.case.parameters.solver import Solver
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import Track
-from exudyn_crawler.case.parameters.undercarriage import Undercarriage
+from exudyn_crawler.case.parameters.undercarriage import (
+    Undercarriage,
+    check_length,
+    check_rolled,
+    ground_below,
+)
 
 Kind = TypeVar("Kind", PairContact, SphereContact)
 

@@ -8,10 +8,17 @@ from typing import Annotated
 
 import typer
 
-from exudyn_crawler.cli.errors import readable
-from exudyn_crawler.cli.options import RESULTS, Changes, Debug, Overwrite, Run
-from exudyn_crawler.cli.places import history_path, loaded, run_folder
-from exudyn_crawler.cli.registered import CASES, Commands, registered, study_case
+from exudyn_crawler.cli.application import CASES, Commands, readable, registered, study_case
+from exudyn_crawler.cli.options import (
+    RESULTS,
+    Changes,
+    Debug,
+    Overwrite,
+    Run,
+    history_path,
+    loaded,
+    run_folder,
+)
 
 START = "kinematics"
 """Study whose case `init` starts from where none is named."""
@@ -24,14 +31,14 @@ app = typer.Typer(
 )
 
 
-def _tell_versions(wanted: bool) -> None:
+def _show_versions(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
         from platform import python_version
 
         names = ("exudyn-crawler", "exudyn")
-        told = [f"{name} {version(name)}" for name in names]
-        typer.echo(", ".join([*told, f"Python {python_version()}"]))
+        lines = [f"{name} {version(name)}" for name in names]
+        typer.echo(", ".join([*lines, f"Python {python_version()}"]))
         raise typer.Exit
 
 
@@ -39,7 +46,7 @@ def _tell_versions(wanted: bool) -> None:
 def common(
     _version: Annotated[
         bool,
-        typer.Option("--version", help="show the versions", callback=_tell_versions, is_eager=True),
+        typer.Option("--version", help="show the versions", callback=_show_versions, is_eager=True),
     ] = False,
 ) -> None:
     """Options before the name of a command."""
@@ -61,8 +68,7 @@ def init(
 
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     case_file = study_case(study)
-    own = case_file.with_(case=case_file.case.with_(name=path.stem))
-    written = write_case(own, path, overwrite)
+    written = write_case(case_file.with_({"name": path.stem}), path, overwrite)
     typer.echo(f"{written}: change it, then: exudyn-crawler run {written}")
 
 
@@ -185,8 +191,8 @@ def animate(
     """
     if stress is not None and scale is not None:
         raise ValueError("--scale must go without --stress, whose picture shows no ground")
-    own = history_path(run)
-    default = own.with_suffix(".mp4") if stress is None else own.with_name(f"shoe_{stress}.mp4")
+    beside = history_path(run)
+    default = beside.with_suffix(".mp4") if stress is None else beside.with_name(f"shoe_{stress}.mp4")
     path = default if out is None else out
     history = loaded(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder.progress import heartbeat

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from exudyn_crawler.cli.application import readable
 from exudyn_crawler.cli.commands import app
-from exudyn_crawler.cli.errors import readable
-from exudyn_crawler.cli.options import Debug, Overwrite, Run
-from exudyn_crawler.cli.places import history_path, loaded, run_folder
+from exudyn_crawler.cli.options import Debug, Overwrite, Run, history_path, loaded, run_folder
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,23 +46,23 @@ def node_stress(
     path = history_path(run)
     from exudyn_crawler.results.stress import node_stress as at_node
 
-    found = at_node.node_stress(path, shoe, near, node)
-    place = ", ".join(f"{value:.4f}" for value in found.place.values)
-    number = found.attrs["node"]
+    stress = at_node.node_stress(path, shoe, near, node)
+    place = ", ".join(f"{value:.4f}" for value in stress.place.values)
+    number = stress.attrs["node"]
     typer.echo(
         f"shoe {shoe}, node {number} at ({place}) m in the shoe's frame, "
-        f"{found.attrs['distance_m']:.4f} m from the place asked for"
+        f"{stress.attrs['distance_m']:.4f} m from the place asked for"
     )
-    if found.attrs["in_spider"]:
+    if stress.attrs["in_spider"]:
         typer.echo("the node is held by a joint's rigid spider: its stress is that beside a rigid ring")
-    mises = found.von_mises.values
+    mises = stress.von_mises.values
     greatest = int(mises.argmax())
     typer.echo(
         f"greatest von Mises stress {mises[greatest] / at_node.MEGA:.4g} MPa "
-        f"at t = {float(found.time[greatest]):g} s"
+        f"at t = {float(stress.time[greatest]):g} s"
     )
     default = path.parent / f"stress_shoe_{shoe}_node_{number}.csv"
-    _write(at_node.node_table(found), default if out is None else out, overwrite)
+    _write(at_node.node_table(stress), default if out is None else out, overwrite)
 
 
 @app.command()
@@ -145,8 +144,8 @@ def compare(
     from exudyn_crawler.views.report.reading import stress_of
     from exudyn_crawler.views.tables import print_table, write_table
 
-    found = {name: stress_of(run_folder(run)) for name, run in runs.items()}
-    stresses = {name: stress for name, stress in found.items() if stress is not None}
+    by_run = {name: stress_of(run_folder(run)) for name, run in runs.items()}
+    stresses = {name: stress for name, stress in by_run.items() if stress is not None}
     page = Path("_".join(runs) + ".html") if out is None else out
     write_comparison(histories, page, stresses, overwrite)
     parameters, results = comparison_tables(histories, stresses)
@@ -170,7 +169,7 @@ def _names(first: Path, second: Path) -> tuple[str, str]:
 
 
 def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
-    """Write a table and tell where it is."""
+    """Write a table and show where it is."""
     from exudyn_crawler.run.folder.reporting import note_file
     from exudyn_crawler.views.tables import write_table
 

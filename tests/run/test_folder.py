@@ -99,7 +99,7 @@ def test_flexible_shoes_repeat_bit_for_bit(tmp_path):
     )
     (tmp_path / "case.toml").write_text(text)
     for name in ("first", "again"):
-        command = [sys.executable, "-m", "exudyn_crawler.cli", "run", "case.toml", "--out", name]
+        command = [sys.executable, "-m", "exudyn_crawler", "run", "case.toml", "--out", name]
         subprocess.run(command, check=True, timeout=300, cwd=tmp_path, capture_output=True)
     first, again = (History.load(tmp_path / name / "history.nc").dataset for name in ("first", "again"))
     for name in first.variables:

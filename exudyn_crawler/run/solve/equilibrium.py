@@ -68,7 +68,7 @@ def static_equilibrium(case: Case) -> NDArray:
     if spheres is not None and (sunken := system.contact.sunken(q)):
         raise EquilibriumError(
             f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
-            f"the ground; they need a greater general_contact.radius than "
+            f"the ground; they need a greater contact.radius than "
             f"{spheres.radius} m, or flatter ground"
         )
     return q

@@ -1,6 +1,0 @@
-"""``python -m exudyn_crawler.cli`` is the command `exudyn-crawler`."""
-
-from exudyn_crawler.cli import main
-
-if __name__ == "__main__":
-    main()

@@ -1,0 +1,233 @@
+"""What every command line is: errors in a line each with exit codes, and commands that packages register.
+
+A package, the studies first of all, registers commands and cases in the metadata that it is installed with::
+
+    [project.entry-points."exudyn_crawler.commands"]
+    stress = "studies.commands:stress"
+
+    [project.entry-points."exudyn_crawler.cases"]
+    stress = "studies.cases:stress"
+
+A command is a function as Typer takes it; its options `debug`, `out` and `overwrite` are those of
+`cli.options`. A case is a function without arguments that returns a `CaseFile`, to start from with ``init
+--study NAME``. Neither is loaded before it is asked for, so that its module of commands should import what
+is heavy in its functions.
+"""
+
+import os
+import signal
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING, Any
+
+import typer
+from typer.core import TyperGroup
+
+from exudyn_crawler.cli.options import Debug
+from exudyn_crawler.errors import (
+    ENDED_FROM_OUTSIDE,
+    GOES_ON,
+    INTERRUPTED,
+    EquilibriumError,
+    SimulationStopped,
+)
+
+OTHER = 1
+BAD_INPUT = 2
+STOPPED = 3
+
+BAD_INPUT_ERRORS = (
+    ValueError,
+    FileNotFoundError,
+    FileExistsError,
+    NotADirectoryError,
+    IsADirectoryError,
+    PermissionError,
+    BlockingIOError,
+)
+
+
+@contextmanager
+def readable_errors(debug: bool = False) -> Iterator[None]:
+    """Turn errors and warnings into readable lines, and errors into an exit code.
+
+    Exits with 2 for bad input, 3 for a run that stopped early, 130 for an interrupt outside of a run and
+    1 for all else, such as a full disk.
+
+    Parameters
+    ----------
+    debug : bool
+        Show the traceback first.
+    """
+    try:
+        with _readable_warnings():
+            yield
+    except BrokenPipeError as error:
+        # who reads has had enough, as head does; what Python still writes at its end must not fail again
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise SystemExit(OTHER) from error
+    except (Exception, KeyboardInterrupt) as error:
+        if debug:
+            import traceback
+
+            traceback.print_exc()
+        lines, code = _lines(error)
+        for line in lines:
+            print(f"error: {line}", file=sys.stderr)
+        raise SystemExit(code) from error
+
+
+@contextmanager
+def _readable_warnings() -> Iterator[None]:
+    """Show each warning in a line, without the place in the code."""
+
+    def show(message: Warning | str, *_where: Any, **_how: Any) -> None:
+        print(f"warning: {' '.join(str(message).split())}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield
+
+
+def readable(function: Callable[..., None]) -> Callable[..., None]:
+    """Give a command's errors in a line each, with its option `debug` for the traceback."""
+
+    @wraps(function)
+    def reporting(*args: Any, **options: Any) -> None:
+        with readable_errors(options.get("debug", False)):
+            function(*args, **options)
+
+    return reporting
+
+
+def _interrupted(error: BaseException | None) -> bool:
+    """Whether an interrupt led to an error, of which a library may have made another one."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
+
+
+def _lines(error: BaseException) -> tuple[list[str], int]:
+    """Lines that report an error, and the exit code."""
+    if isinstance(error, SimulationStopped):
+        how = f"; {GOES_ON}" if error.reason == INTERRUPTED else ""
+        return [f"{error}; what was computed is in its folder{how}"], STOPPED
+    if _interrupted(error):
+        return [f"{INTERRUPTED}; {GOES_ON}"], ENDED_FROM_OUTSIDE
+    if isinstance(error, EquilibriumError):
+        return [str(error)], STOPPED
+    if isinstance(error, BAD_INPUT_ERRORS):
+        return str(error).splitlines() or [repr(error)], BAD_INPUT
+    if isinstance(error, OSError):
+        return [" ".join(str(error).split())], OTHER
+    text = " ".join(str(error).split())
+    return [f"{type(error).__name__}: {text} (unexpected; --debug shows where)"], OTHER
+
+
+if TYPE_CHECKING:
+    from exudyn_crawler.case import CaseFile
+
+COMMANDS = "exudyn_crawler.commands"
+CASES = "exudyn_crawler.cases"
+
+
+def registered(group: str) -> dict[str, EntryPoint]:
+    """What installed packages register in a group, by name."""
+    return {entry.name: entry for entry in entry_points(group=group)}
+
+
+def study_case(name: str) -> "CaseFile":
+    """Case that a study registers to start from.
+
+    Raises
+    ------
+    ValueError
+        If there is no such study.
+    """
+    cases = registered(CASES)
+    if name not in cases:
+        raise ValueError(f"study must be of {sorted(cases)}, got {name!r}")
+    return cases[name].load()()
+
+
+class Commands(TyperGroup):
+    """Own commands and those that packages register, which are loaded when one of them is asked for."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of all commands, those of this package first."""
+        names = super().list_commands(ctx)
+        return [*names, *(name for name in registered(COMMANDS) if name not in names)]
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Command of a name; None if there is none."""
+        command = super().get_command(ctx, cmd_name)
+        entry = registered(COMMANDS).get(cmd_name)
+        return command if command is not None or entry is None else _command(entry)
+
+
+def _command(entry: EntryPoint) -> Any:
+    """Registered command; one whose package is broken fails when it is called, and alone."""
+    try:
+        function = entry.load()
+        settings = None
+    except Exception as error:
+        function = _broken(error)
+        settings = {"ignore_unknown_options": True, "allow_extra_args": True}
+    single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    single.command(entry.name, rich_help_panel="Studies", context_settings=settings)(readable(function))
+    return typer.main.get_command(single)
+
+
+def _broken(error: Exception) -> Callable[..., None]:
+    def broken(debug: Debug = False) -> None:
+        """Cannot be loaded."""
+        raise error
+
+    return broken
+
+
+def run_script(reference: str) -> None:
+    """Run a command as a script, with its arguments and exit codes.
+
+    Parameters
+    ----------
+    reference : str
+        Module and function as packages register them: ``studies.commands:stress``. Its module may import
+        that of the script.
+    """
+    command = EntryPoint(reference, reference, COMMANDS).load()
+    single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    single.command()(readable(command))
+    call(single)
+
+
+def call(commands: typer.Typer) -> None:
+    """Call a command line; wrong words are reported in a line, as all errors are.
+
+    A request to terminate ends a command as Ctrl-C does.
+    """
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        code = commands(standalone_mode=False) or 0
+        if code != ENDED_FROM_OUTSIDE:
+            sys.exit(code)
+        # which Typer makes of an interrupt while it reads the words
+        raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        print(f"error: {INTERRUPTED}; {GOES_ON}", file=sys.stderr)
+        sys.exit(ENDED_FROM_OUTSIDE)
+    except typer.Abort:
+        sys.exit(BAD_INPUT)
+    except Exception as error:
+        # Typer's errors have no public class that all its versions share
+        message = getattr(error, "format_message", None)
+        if message is None:
+            raise
+        text = message()
+        if text:
+            print(f"error: {' '.join(text.split())}; --help shows what is allowed", file=sys.stderr)
+        sys.exit(BAD_INPUT)
