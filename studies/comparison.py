@@ -1,8 +1,8 @@
 """Paper value against computed value.
 
 The tables of the papers name quantities in words (``shoe 13 x displacement``, ``any shoe z velocity``) and
-statistics (``max abs``, ``mean over 10 s``); both are read here as such, so that a row of the reported
-values is all that a comparison needs.
+statistics (``max abs``, ``mean over 10 s``). This module parses both, so that a comparison needs nothing but
+a row of the reported values.
 """
 
 import math
@@ -97,7 +97,7 @@ def kinematics_value(histories: Mapping[str, History], case: str, quantity: str,
     Parameters
     ----------
     histories : mapping
-        Histories of the cases "translation" and "turning", as far as they were run.
+        Histories of the cases "translation" and "turning" that were run.
     """
     if case not in histories:
         return math.nan
@@ -118,14 +118,14 @@ def comparison_table(
     Parameters
     ----------
     until : mapping, optional
-        Ends of the runs by case of the rows, s; a case that is left out was not run. None compares all rows.
+        Ends of the runs by case, s; a missing case was not run. None compares all rows.
 
     Returns
     -------
     pandas.DataFrame
         Columns study, case, quantity, statistic, unit, paper, computed, ratio, class, within. `within` is
-        yes, no, "not reached" where the run is too short to be compared, whose ratio is left empty, or empty
-        where the class has no verdict or nothing was computed.
+        yes, no, "not reached" (with an empty ratio) if the run is too short to compare, or empty if the class
+        has no verdict or nothing was computed.
     """
     table = reported.drop(columns="source").rename(columns={"value": "paper"})
     table.insert(6, "computed", computed)

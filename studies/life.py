@@ -1,8 +1,8 @@
 """Life of the P&H 4100C's shoes in machine hours, from the stress study's propel and loading cycle.
 
-What field observation says (S-paper, section 6): shoes crack in the roller path, their lugs stay whole. The
-papers drag the chain, so that what comes out of their load case says where a dragged shoe would crack; the
-runs of the rollers study stand beside it where they are given.
+Field observation (S-paper, section 6): shoes crack in the roller path, their lugs stay whole. The papers drag
+the chain, so that their load case shows where a dragged shoe would crack; the rollers study, if there is one,
+is compared with it.
 """
 
 from collections.abc import Callable
@@ -18,15 +18,15 @@ from studies.stress import RUN
 from studies.stress import study as stress_study
 
 PROPEL = "propel"
-"""Phase of the stress study's cycle in which the track is pulled, and the run that it gives."""
+"""Phase of the stress study's cycle in which the track is pulled, and its run in the duty."""
 PROPEL_SHARE = 0.07
 """Of machine hours, at most (makers' figures for rope shovels)."""
 CYCLES_AN_HOUR = 70.0
 """Dig cycles: one in 40 to 60 s makes 60 to 90 of a full hour; assumed within."""
 CHANGES_AN_HOUR = 4.0
-"""Moves between places to dig, each of about a minute in which the run's 15 s repeat; assumed."""
+"""Moves between digging positions, each of about a minute in which the run's 15 s repeat; assumed."""
 MATERIALS = (FatigueMaterial.cast_nicrmo, FatigueMaterial.cast_manganese, FatigueMaterial.a36)
-"""First what shoes are made of."""
+"""First the usual material of shoes."""
 
 
 def dragged_duty(stress: Path, material: FatigueMaterial) -> Duty:
@@ -40,7 +40,7 @@ def dragged_duty(stress: Path, material: FatigueMaterial) -> Duty:
 
 
 def rolled_duty(rollers: Path, material: FatigueMaterial) -> Duty:
-    """Same of the rollers study: its pass of the machine, and its loading cycle."""
+    """The same for the rollers study: its pass of the machine, and its loading cycle."""
     propel = DutyRun(name="rolled propel", folder=str(rollers / "pass"), share=PROPEL_SHARE)
     dig = DutyRun(name="dig cycle", folder=str(rollers / "loading"), an_hour=CYCLES_AN_HOUR)
     return _duty("rolled", (propel, dig), material)
@@ -63,16 +63,16 @@ def study(
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
 ) -> tuple[dict[str, LifeResults], pd.DataFrame]:
-    """Life of the shoes of each material, from the stress study, which is run first where it is missing.
+    """Life of the shoes for each material, from the stress study, which runs first if it is missing.
 
     Parameters
     ----------
     out : Path
-        A folder a kind of propel and material, and `summary.csv`.
+        Gets a folder per kind of propel and material, and `summary.csv`.
     stress : Path
         Folder of the stress study.
     rollers : Path, optional
-        Folder of the rollers study; lives with its runs stand beside those with dragged propel.
+        Folder of the rollers study; adds lives with its runs to those with dragged propel.
     overwrite, say
         As of `life`.
 
@@ -95,17 +95,17 @@ def study(
     duties = {f"dragged_{one.__name__}": dragged_duty(stress, one()) for one in MATERIALS}
     if rollers is not None:
         duties |= {f"rolled_{one.__name__}": rolled_duty(rollers, one()) for one in MATERIALS}
-    found: dict[str, LifeResults] = {}
+    lives: dict[str, LifeResults] = {}
     for name, duty in duties.items():
         say(f"{name}: {duty.name}")
-        found[name] = life(duty, out / name, overwrite=overwrite, say=say)
+        lives[name] = life(duty, out / name, overwrite=overwrite, say=say)
     summary = pd.concat(
-        [one.table.head(1).assign(propel_and_material=name) for name, one in found.items()], ignore_index=True
+        [one.table.head(1).assign(propel_and_material=name) for name, one in lives.items()], ignore_index=True
     )
     shown = ["propel_and_material", *[name for name in summary.columns if name != "propel_and_material"]]
     summary = in_words(summary[shown])
     write_table(summary, out / "summary.csv", overwrite)
-    return found, summary
+    return lives, summary
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""Rolling propel: the side frame passes over flexible shoes and digs above them; beside the papers' dragging.
+"""Rolling propel: the machine passes over flexible shoes and digs above them, compared with dragging.
 
-No paper reports it. The S-paper (Minerals 2016, 6(3), 61) closes with what its dragged, evenly loaded track
-lacks: in the field shoes crack in the roller path, under the lower rollers.
+No paper reports it. The S-paper (Minerals 2016, 6(3), 61) ends with the limits of its dragged, evenly loaded
+track: in the field shoes crack in the roller path, under the lower rollers.
 """
 
 from collections.abc import Mapping
@@ -20,10 +20,10 @@ from exudyn_crawler.results.loads.balance import energy_balance
 from exudyn_crawler.results.stress.hot_spots import REGIONS, SHARE
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
-from studies.running import Running, kept_study
+from studies.running import Running, study_runs
 
 FLEXIBLE, COUNT = (17, 18, 19, 20, 21, 22), 38
-"""Shoes that are flexible, and how many there are."""
+"""Flexible shoes, and the number of all shoes."""
 BEFORE, ABOVE = 15.5, 22.2
 """m, x of the frame's origin: its front roller just behind the flexible shoes, and above their middle."""
 PASS_DURATION = 137.0
@@ -31,7 +31,7 @@ PASS_DURATION = 137.0
 CHOICES_DURATION = 8.0
 """s."""
 FOLDED = 1.0
-"""rad, tilt of a shoe beyond which no track is one."""
+"""rad, tilt of a shoe beyond which the chain has folded up."""
 FIRM, FIRM_SPRINGS, FIRM_CONTACT = 10.0, "springs of the ground x 10", "contact with the ground x 10"
 KILO = 1e3
 
@@ -67,7 +67,7 @@ def loading_case(mesh: str = "study") -> Case:
 
 
 def study_cases(mesh: str = "study", duration: float | None = None) -> dict[str, CaseFile]:
-    """Cases of the study with their durations (s), cut at one that is given."""
+    """Cases of the study with their durations (s), at most `duration`."""
     most = np.inf if duration is None else duration
     loading = ph4100c.RETURN_END - ph4100c.PROPEL_END
     return {
@@ -100,16 +100,16 @@ def study(
     duration: float | None = None,
     **how: Unpack[Running],
 ) -> RollerStudy:
-    """Run the pass, the loading cycle and the papers' dragged study, and set their hot spots side by side.
+    """Run the pass, the loading cycle and the papers' dragged study, and compare their hot spots.
 
     Parameters
     ----------
     out : Path, optional
-        Folder of the study: a folder a case, and `regions.csv`; None writes nothing.
+        Folder of the study: a folder per case, and `regions.csv`; None writes nothing.
     mesh : str
         coarse, study or fine, or the path of a mesh.
     duration : float, optional
-        s, at which every case ends; all of each if None.
+        s, greatest duration of every case; the whole cases if None.
     **how
         Options `overwrite`, `progress` and `say` of `run_case`.
 
@@ -120,7 +120,7 @@ def study(
     EquilibriumError, SimulationStopped
         As of `run_case`.
     """
-    with kept_study(out, study_cases(mesh, duration), **how) as runs:
+    with study_runs(out, study_cases(mesh, duration), **how) as runs:
         table = _regions(runs)
         if out is not None:
             write_table(table, out / "regions.csv", overwrite=True)
@@ -143,7 +143,7 @@ def _with_rollers(frame: Undercarriage, count: int, spacing: float) -> Undercarr
 
 
 def choices() -> dict[str, Case]:
-    """Rigid machine as it is, with each open choice made otherwise, and on firmer ground than the papers'."""
+    """Rigid machine as it is, with each open choice changed, and on firmer ground than the papers'."""
     case, frame = Case.rolled(), Undercarriage.ph4100c()
     changed = {
         "as it is": frame,
@@ -167,9 +167,9 @@ def choices() -> dict[str, Case]:
 
 
 def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:
-    """What the open choices do to a rigid machine over some time (s).
+    """Effect of the open choices on a rigid machine over some time (s).
 
-    Where the rollers fold the chain up, for which nothing but friction and tension holds it, the run stops.
+    Only friction and tension keep the chain from folding up; if it does, the run stops.
     """
     rows = []
     for name, case in choices().items():

@@ -1,4 +1,4 @@
-"""How studies run their cases: each into a folder of its own, then all of them compared with the paper."""
+"""Run the cases of a study, each into its own folder, and compare them with the paper."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -14,7 +14,7 @@ from exudyn_crawler.views.tables import write_table
 
 
 class Running(TypedDict, total=False):
-    """What every study takes of the arguments of `run_case`, and hands on."""
+    """Arguments of `run_case` that every study takes and passes on."""
 
     overwrite: bool
     progress: bool | None
@@ -29,7 +29,7 @@ class Compared(NamedTuple):
 
 
 @contextmanager
-def kept_study(
+def study_runs(
     out: Path | None,
     cases: Mapping[str, CaseFile],
     reuse: Mapping[str, Path | None] | None = None,
@@ -38,18 +38,18 @@ def kept_study(
     progress: bool | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Iterator[dict[str, CaseRun]]:
-    """Run cases into folders of their names; hold the study's folder while it writes what it makes of them.
+    """Run cases into folders of their names, and hold the study's folder while it writes its results.
 
-    A study that was stopped goes on: cases that have finished are taken as they are.
+    A study that was stopped continues: cases that have finished are used as they are.
 
     Parameters
     ----------
     out : Path, optional
-        Folder of the study; None keeps nothing.
+        Folder of the study; None writes nothing.
     cases : mapping
         Cases by name.
     reuse : mapping, optional
-        By case, folder of an earlier run whose history takes the place of the simulation.
+        By case, folder of an earlier run whose history replaces the simulation.
     overwrite, progress, say
         As of `run_case`.
 
@@ -84,16 +84,16 @@ def compare_cases(
     reuse: Mapping[str, Path | None] | None = None,
     **how: Unpack[Running],
 ) -> Compared:
-    """Run cases as `kept_study` does, and compare them with a paper.
+    """Run cases as `study_runs` does, and compare them with a paper.
 
     Parameters
     ----------
     compare : callable
-        Makes the comparison of the histories by case; it is written as `comparison.csv`.
+        Returns the comparison of the histories by case, which is written as `comparison.csv`.
     write : callable
-        Writes what else there is to see of the histories into a folder.
+        Writes further files of the histories into a folder.
     """
-    with kept_study(out, cases, reuse, **how) as runs:
+    with study_runs(out, cases, reuse, **how) as runs:
         histories = {name: run.history for name, run in runs.items()}
         table = compare(histories)
         if out is not None:

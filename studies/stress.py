@@ -17,7 +17,7 @@ from exudyn_crawler.model.flexible_shoes import check_shoe
 from exudyn_crawler.run.folder.reporting import quiet
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
-from studies.running import kept_study
+from studies.running import study_runs
 from studies.stress_comparison import compare_stresses
 
 RUN = "cycle"
@@ -40,8 +40,8 @@ def study(
     Parameters
     ----------
     out : Path, optional
-        Folder of the study: the run in a folder named "cycle", and `comparison.csv`; None writes nothing. A
-        study that was stopped goes on: the same call takes up where it ended.
+        Folder of the study: the run in a folder named "cycle", and `comparison.csv`; None writes nothing. The
+        same call continues a study that was stopped.
     case : Case, optional
         With flexible shoes; `Case.stress()` if left out.
     duration : float
@@ -68,8 +68,8 @@ def study(
     case = Case.stress() if case is None else case
     shown = tuple(time for time in PICTURE_TIMES if time <= duration) or None
     case_file = CaseFile(case=case, duration=duration, outputs=Outputs(picture_times=shown))
-    check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
-    with kept_study(out, {RUN: case_file}, overwrite=overwrite, progress=progress, say=say) as runs:
+    check_shoe(case)  # raises for a mesh that does not fit before anything is written
+    with study_runs(out, {RUN: case_file}, overwrite=overwrite, progress=progress, say=say) as runs:
         run = runs[RUN]
         table = compare_stresses(run.history, run.recovered())
         if out is not None:
@@ -78,17 +78,17 @@ def study(
 
 
 def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | None = None) -> pd.DataFrame:
-    """What the stress study's open choices do: rows of the S-paper for some of them.
+    """Effect of the stress study's open choices: rows of the S-paper for some of them.
 
     Parameters
     ----------
     duration : float
-        s; the coarse mesh and part of the propel tell the directions.
+        s; the coarse mesh and part of the propel show the trends.
 
     Returns
     -------
     pandas.DataFrame
-        Columns case, quantity, statistic, unit, paper, then one a choice; rows that the run reaches.
+        Columns case, quantity, statistic, unit, paper, then one per choice; rows that the run reaches.
     """
     case = Case.stress(mesh)
     flexible, contact = case.flexible_shoes(), case.pair_contact()

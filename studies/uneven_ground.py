@@ -1,7 +1,7 @@
 """The track over uneven ground: a step, a ramp or random roughness.
 
-No paper reports it; the rigid track of the papers goes straight over ground whose units have different
-heights, with the second contact model.
+No paper reports it. The rigid track of the papers goes straight over units of different heights, with the
+second contact model.
 """
 
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from typing import Unpack
 from exudyn_crawler import CaseFile, CaseRun
 from studies.defaults import DURATION
 from studies.grounds import GROUNDS, uneven_case
-from studies.running import Running, kept_study
+from studies.running import Running, study_runs
 
 
 def study(
@@ -26,7 +26,7 @@ def study(
     Parameters
     ----------
     out : Path, optional
-        Folder of the study: a folder a ground; None writes nothing.
+        Folder of the study: a folder per ground; None writes nothing.
     grounds : sequence of str
         Of "step", "ramp" and "rough".
     duration : float
@@ -49,7 +49,7 @@ def study(
         As of `run_case`.
     """
     files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
-    with kept_study(out, files, **how) as runs:
+    with study_runs(out, files, **how) as runs:
         return runs
 
 
