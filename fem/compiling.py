@@ -5,11 +5,15 @@ other files would stay as it was, so that a cached function is stamped with all 
 of.
 """
 
+import warnings
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
+import numba
 from numba import njit
 from numba.core.event import Event, Listener, install_listener
 
@@ -32,17 +36,55 @@ def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
     def compiled(function: Callable) -> Any:
         # the C address of a function, which is not needed, would take a fifth of the time to compile
         dispatcher = njit(cache=True, no_cfunc_wrapper=True, **options)(function)
+        # numba has no public way to add sources
+        cached: Any = getattr(dispatcher, "_cache", None)
+        file: Any = getattr(cached, "_cache_file", None)
+        kind: type = type(file)
+        if _compares_stamps(kind):
+            _add_stamp(file, stamp)
+            cached.save_overload = _forgiving(cached.save_overload)
+        else:
+            dispatcher = njit(no_cfunc_wrapper=True, **options)(function)
         # LLVM asks Python for cached code; if an interrupt comes just then, it calls what is not there
         dispatcher.compile = interrupts_wait()(dispatcher.compile)
-        # numba has no public way to add sources; without these attributes its own stamp stays
-        cache: Any = getattr(dispatcher, "_cache", None)
-        file = getattr(cache, "_cache_file", None)
-        if file is not None:
-            file._source_stamp = (file._source_stamp, stamp)
-            cache.save_overload = _forgiving(cache.save_overload)
         return dispatcher
 
     return compiled
+
+
+def _add_stamp(file: Any, stamp: str) -> None:
+    """Let a file of numba's cache be valid for some sources only."""
+    file._source_stamp = (file._source_stamp, stamp)
+
+
+@cache
+def _compares_stamps(kind: type) -> bool:
+    """Whether a class of numba's, of the files of its cache, notices a change of what `_add_stamp` adds.
+
+    Warns
+    -----
+    RuntimeWarning
+        If it does not: code that was compiled from other sources would be taken for that of these.
+    """
+    try:
+        with TemporaryDirectory() as folder:
+            before, after = (kind(folder, "trial", 0.0) for _ in range(2))
+            _add_stamp(before, "before")
+            _add_stamp(after, "after")
+            before.save("key", "code")
+            works = before.load("key") == "code" and after.load("key") is None
+    except OSError:
+        works = True  # a full disk says nothing about numba
+    except Exception:
+        works = False
+    if not works:
+        warnings.warn(
+            f"numba {numba.__version__} no longer stamps its cache as expected: every process compiles all "
+            f"functions again, which takes minutes",
+            RuntimeWarning,
+            stacklevel=3,
+        )
+    return works
 
 
 @contextmanager

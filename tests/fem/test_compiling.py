@@ -42,6 +42,19 @@ try:
 except KeyboardInterrupt:
     print("interrupted", len(asked) > 0, outer(3.0))
 """
+CHANGES = {
+    "the stamp is not compared": """
+from numba.core.caching import IndexDataCacheFile
+IndexDataCacheFile._load_index = lambda self: {"key": "trial.1.nbc"}
+""",
+    "the file has another name": """
+from numba.core.caching import FunctionCache
+FunctionCache.__getattribute__ = lambda self, name: (
+    None if name == "_cache_file" else object.__getattribute__(self, name)
+)
+""",
+}
+"""What a later numba might do."""
 FULL_DISK = """
 import resource, signal
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -49,12 +62,17 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
 """
 
 
-def result(folder: Path, before: str = "", ask: str = ASK) -> str:
-    """What the compiled function gives in a process of its own."""
+def run(folder: Path, before: str, ask: str) -> subprocess.CompletedProcess[str]:
+    """A process of its own that asks the compiled function."""
     paths = os.pathsep.join([str(folder), str(Path(__file__).parents[2])])
     command = [sys.executable, "-c", before + ask]
     environment = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(folder / "cache")}
-    return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
+    return subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
+
+
+def result(folder: Path, before: str = "", ask: str = ASK) -> str:
+    """What the compiled function gives in a process of its own."""
+    return run(folder, before, ask).stdout
 
 
 @pytest.fixture
@@ -87,3 +105,13 @@ def test_a_function_that_finds_no_space_for_its_cache_is_compiled_all_the_same(f
 def test_an_interrupt_waits_until_a_function_is_compiled_or_loaded(functions):
     for _ in range(2):
         assert result(functions, ask=INTERRUPTED) == "interrupted True 7.0\n"
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_numba_that_no_longer_compares_stamps_caches_nothing_and_warns(functions, change):
+    assert result(functions).startswith("7.0 1 ")
+    (functions / "inner.py").write_text(INNER.format(factor="5.0"))
+    done = run(functions, CHANGES[change], ASK)
+    assert done.stdout == "16.0 1 Counter()\n"
+    assert done.stderr.count("no longer stamps its cache as expected") == 1
