@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler import Case, CaseFile, Drive, History, LoadCycle, Outputs, StepProfile, run_case
+from exudyn_crawler import Case, CaseFile, Drive, History, LoadCycle, StepProfile, run_case
+from exudyn_crawler.case import Outputs
 from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints, KeptStage
 from exudyn_crawler.views.tables import print_table
 

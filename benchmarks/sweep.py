@@ -17,9 +17,12 @@ import pandas as pd
 import psutil
 from distributed import Client
 
-from exudyn_crawler import Answer, Case, CaseFile, Sweep, Vary
+from exudyn_crawler import Case, CaseFile
+from exudyn_crawler.sweep.answers import Answer
 from exudyn_crawler.sweep.cluster import connected, outcomes, run_alone
+from exudyn_crawler.sweep.definition import Sweep
 from exudyn_crawler.sweep.running import tasks_of
+from exudyn_crawler.sweep.vary import Vary
 from exudyn_crawler.sweep.worker import Outcome, Task, folder_of, own_versions
 from exudyn_crawler.views.tables import print_table
 

@@ -12,20 +12,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from exudyn_crawler import (
-    Answer,
-    Case,
-    CaseFile,
-    FatigueMaterial,
-    FlexibleShoes,
-    Life,
-    Shoe,
-    Sweep,
-    SweepRun,
-    Vary,
-    run_sweep,
-)
+from exudyn_crawler import Case, CaseFile, FatigueMaterial, FlexibleShoes, Shoe
 from exudyn_crawler.case import Undercarriage
+from exudyn_crawler.sweep.answers import Answer, Life
+from exudyn_crawler.sweep.definition import Sweep
+from exudyn_crawler.sweep.running import SweepRun, run_sweep
+from exudyn_crawler.sweep.vary import Vary
 from exudyn_crawler.views.curves import STYLE, save_figure
 from fem import write_mesh
 from meshes import ShoeDimensions, mesh_shoe

@@ -11,9 +11,10 @@ from typing import NamedTuple, Unpack
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler import Case, CaseFile, CaseRun, FlexibleShoes, LoadCycle, StepProfile, simulate
+from exudyn_crawler import Case, CaseFile, FlexibleShoes, LoadCycle, StepProfile, simulate
 from exudyn_crawler.case import MachineCycle, Undercarriage, ph4100c
 from exudyn_crawler.case.parameters.undercarriage import ground_below
+from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.history.tables import region_table
 from exudyn_crawler.results.loads.balance import energy_balance

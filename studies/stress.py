@@ -11,8 +11,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from exudyn_crawler import Case, CaseFile, CaseRun, Outputs
+from exudyn_crawler import Case, CaseFile
+from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.parameters.flexible import ADAMS_DAMPING
+from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.model.flexible_shoes import check_shoe
 from exudyn_crawler.run.folder.reporting import quiet
 from exudyn_crawler.views.tables import write_table

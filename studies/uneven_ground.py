@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Unpack
 
-from exudyn_crawler import CaseFile, CaseRun
+from exudyn_crawler import CaseFile
+from exudyn_crawler.case_run import CaseRun
 from studies.defaults import DURATION
 from studies.grounds import GROUNDS, uneven_case
 from studies.running import Running, study_runs

@@ -8,6 +8,10 @@ import sys
 import pytest
 
 import exudyn_crawler
+from exudyn_crawler.case_run import CaseRun
+from exudyn_crawler.results.life.life import LifeResults
+from exudyn_crawler.results.loads.exports import shoe_loads
+from exudyn_crawler.results.stress.recovery import StressResults
 
 
 @pytest.mark.parametrize("name", exudyn_crawler.__all__)
@@ -17,6 +21,7 @@ def test_every_public_name_is_there_and_told(name):
 
 def test_names_are_in_order_and_others_are_refused():
     assert exudyn_crawler.__all__ == sorted(exudyn_crawler.__all__)
+    assert len(exudyn_crawler.__all__) <= 30
     with pytest.raises(AttributeError, match="has no attribute 'gravity'"):
         _ = exudyn_crawler.gravity
 
@@ -64,16 +69,16 @@ def test_a_stranger_of_a_neighbours_name_is_refused_by_its_place(tmp_path, name)
 
 def test_objects_of_a_notebook_show_themselves(flexible_run):
     history, stress, hot_spots = flexible_run
-    results = exudyn_crawler.StressResults(stress, hot_spots, {}, whole=None)
-    run = exudyn_crawler.CaseRun(history, results, folder=None)
-    life = exudyn_crawler.LifeResults(None, stress, hot_spots[7], nodes={}, trust=None, whole=None)
+    results = StressResults(stress, hot_spots, {}, whole=None)
+    run = CaseRun(history, results, folder=None)
+    life = LifeResults(None, stress, hot_spots[7], nodes={}, trust=None, whole=None)
     shown = {
         "case": (history.case, ["terrain.spring_stiffness", "N/m", "stiffness of each spring"]),
         "history": (history, ["&#x27;stress&#x27; over 0.06 s", "joint_force"]),
         "stresses": (results, ["Shoe 13", "highest_von_mises"]),
         "life": (life, ["verdict", "peak_von_mises"]),
         "run": (run, ["kept nowhere", "Shoe 7", "joint_force"]),
-        "loads": (exudyn_crawler.shoe_loads(history, 7, 0.0), ["Shoe 7 at t = 0 s", "inertia"]),
+        "loads": (shoe_loads(history, 7, 0.0), ["Shoe 7 at t = 0 s", "inertia"]),
     }
     for one, words in shown.values():
         html = one._repr_html_()

@@ -7,7 +7,8 @@ import sys
 
 import pytest
 
-from exudyn_crawler import Case, CaseFile, LoadCycle, Outputs, Terrain
+from exudyn_crawler import Case, CaseFile, LoadCycle, Terrain
+from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.files.text import case_text
 from exudyn_crawler.cli import main
 

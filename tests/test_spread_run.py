@@ -11,18 +11,17 @@ from exudyn_crawler import (
     Case,
     CaseFile,
     Duty,
-    DutyRun,
     FatigueMaterial,
     History,
     SphereContact,
     cli,
     life,
     read_case,
-    spread,
 )
 from exudyn_crawler.case_run import run_case
+from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.stress.spread import relative_spread
-from exudyn_crawler.spread_run import BARE, NUDGE, laws_beside, nudged
+from exudyn_crawler.spread_run import BARE, NUDGE, laws_beside, nudged, spread
 
 pytestmark = pytest.mark.simulation
 

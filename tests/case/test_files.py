@@ -13,13 +13,13 @@ from exudyn_crawler import (
     CaseFile,
     FlexibleShoes,
     LoadCycle,
-    Outputs,
     PairContact,
     SphereContact,
     Terrain,
     read_case,
     write_case,
 )
+from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.files.text import case_rows, case_text, number_text
 from exudyn_crawler.case.parameters.paths import key_paths, named_values
 from exudyn_crawler.errors import CaseFileError, ParameterError

@@ -17,13 +17,13 @@ from exudyn_crawler import (
     PairContact,
     Phase,
     Shoe,
-    Solver,
     StepProfile,
     Terrain,
     Track,
     read_case,
     simulate,
 )
+from exudyn_crawler.case import Solver
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from meshes import shoe_mesh
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from exudyn_crawler import Case, CaseFile, LoadCycle, ParameterError
+from exudyn_crawler import Case, CaseFile, LoadCycle
 from exudyn_crawler.case.parameters.fields import entry_at
 from exudyn_crawler.case.parameters.paths import (
     parse_path,
@@ -11,6 +11,7 @@ from exudyn_crawler.case.parameters.paths import (
     with_change_in,
     with_value_at,
 )
+from exudyn_crawler.errors import ParameterError
 
 CONTENT = {"loads": {"phases": [{"end": 0.0}, {"end": 5.0}]}, "name": "a"}
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from exudyn_crawler import Case, LoadCycle, SphereContact, Terrain, shoe_imbalance, simulate
+from exudyn_crawler import Case, LoadCycle, SphereContact, Terrain, simulate
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.results.loads.balance import shoe_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.steady_sliding import check_sliding
 from exudyn_crawler.views.side_view import SideView

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Phase, shoe_imbalance, simulate
+from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Phase, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import floating_shoe, side_weights
 from exudyn_crawler.results.loads.actions import actions, shoe_mass
-from exudyn_crawler.results.loads.balance import energy_balance
+from exudyn_crawler.results.loads.balance import energy_balance, shoe_imbalance
 from exudyn_crawler.results.loads.unit_loads import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.modal_loads import modal_loads

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, Drive, LoadCycle, SphereContact, shoe_imbalance, simulate
+from exudyn_crawler import Case, Drive, LoadCycle, SphereContact, simulate
 from exudyn_crawler.model.system import build
-from exudyn_crawler.results.loads.balance import energy_balance, track_imbalance
+from exudyn_crawler.results.loads.balance import energy_balance, shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.steady_sliding import check_sliding, steady_sliding
 

@@ -2,7 +2,9 @@
 
 import pytest
 
-from exudyn_crawler import CaseFileError, Duty, DutyRun, FatigueMaterial, read_duty
+from exudyn_crawler import Duty, FatigueMaterial, read_duty
+from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.results.life.duty import DutyRun
 
 TEXT = """
 miner = "haibach"

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Duty, DutyRun, FatigueMaterial, History, node_stress
+from exudyn_crawler import Duty, FatigueMaterial, History
+from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.life.life_table import BETWEEN, BEYOND, in_words, life_hours
 from exudyn_crawler.results.stress.basis import TOLERANCE
 from exudyn_crawler.results.stress.hot_spots import REGIONS
+from exudyn_crawler.results.stress.node_stress import node_stress
 from fem.trust import HELD, OPEN, VERDICTS
 
 HALF = 0.03

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import History, node_stress
+from exudyn_crawler import History
 from exudyn_crawler.results.stress.basis import TOLERANCE, stress_basis
-from exudyn_crawler.results.stress.node_stress import node_table
+from exudyn_crawler.results.stress.node_stress import node_stress, node_table
 
 
 def test_the_highest_node_has_the_stress_that_the_recovery_found(flexible_run):

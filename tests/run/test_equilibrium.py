@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, Drive, EquilibriumError, FlexibleShoes, LoadCycle, Terrain, simulate
+from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Terrain, simulate
+from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.model.system import build
 
 pytestmark = pytest.mark.simulation

@@ -5,7 +5,8 @@ import signal
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, EquilibriumError, LoadCycle, SimulationStopped, simulate
+from exudyn_crawler import Case, LoadCycle, simulate
+from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.model import compiled_system as compiled
 from exudyn_crawler.model.compiled_system import compiled_system

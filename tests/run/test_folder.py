@@ -8,15 +8,9 @@ import sys
 import numpy as np
 import pytest
 
-from exudyn_crawler import (
-    Case,
-    CaseFile,
-    History,
-    Outputs,
-    SimulationStopped,
-    read_case,
-    run_case,
-)
+from exudyn_crawler import Case, CaseFile, History, read_case, run_case
+from exudyn_crawler.case import Outputs
+from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.run.folder.folder import run_in
 from studies.forces import study as forces_study
 from studies.kinematics import study as kinematics_study

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
-from exudyn_crawler import Case, SimulationStopped, simulate
+from exudyn_crawler import Case, simulate
+from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.loads.balance import shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve import simulation

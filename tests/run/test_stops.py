@@ -9,9 +9,9 @@ from functools import partial
 import pandas as pd
 import pytest
 
-from exudyn_crawler import Case, CaseFile, History, Outputs, SimulationStopped, run_case
-from exudyn_crawler.case import write_case
-from exudyn_crawler.errors import INTERRUPTED
+from exudyn_crawler import Case, CaseFile, History, run_case
+from exudyn_crawler.case import Outputs, write_case
+from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.run.folder.reporting import note_file
 from exudyn_crawler.run.solve import integration
 from exudyn_crawler.views import outputs

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from exudyn_crawler import CaseFile, Shoe, StepProfile, run_sweep
+from exudyn_crawler import CaseFile, Shoe, StepProfile
+from exudyn_crawler.sweep.running import run_sweep
 from meshes import shoe_path
 from studies.plate_sweep import FLEXIBLE, lives_figure, passing_case, plate_sweep
 

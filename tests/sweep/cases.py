@@ -2,7 +2,10 @@
 
 from typing import Any
 
-from exudyn_crawler import Answer, Case, CaseFile, LoadCycle, Sweep, Vary
+from exudyn_crawler import Case, CaseFile, LoadCycle
+from exudyn_crawler.sweep.answers import Answer
+from exudyn_crawler.sweep.definition import Sweep
+from exudyn_crawler.sweep.vary import Vary
 
 STIFFNESS, DAMPING = "terrain.spring_stiffness", "terrain.spring_damping"
 FORCE = Answer(quantity="joint_force")

@@ -3,22 +3,15 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import (
-    Answer,
-    Case,
-    CaseFile,
-    CaseRun,
-    Duty,
-    DutyRun,
-    FatigueMaterial,
-    HotSpot,
-    Life,
-    StressResults,
-    read_sweep,
-)
+from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial
+from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.history.catalogue import QUANTITIES
+from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.stress.hot_spots import shoe_regions
+from exudyn_crawler.results.stress.recovery import StressResults
+from exudyn_crawler.sweep.answers import Answer, HotSpot, Life
+from exudyn_crawler.sweep.files import read_sweep
 from tests.sweep.cases import STIFFNESS, small_case, small_sweep
 
 

@@ -15,10 +15,14 @@ import dask
 import pytest
 from distributed import get_client
 
-from exudyn_crawler import Answer, Case, CaseFile, HotSpot, Sweep, Vary, run_sweep
+from exudyn_crawler import Case, CaseFile
 from exudyn_crawler.model.reductions import VARIABLE
 from exudyn_crawler.sweep import cluster, page
+from exudyn_crawler.sweep.answers import Answer, HotSpot
 from exudyn_crawler.sweep.cluster import connected, outcomes
+from exudyn_crawler.sweep.definition import Sweep
+from exudyn_crawler.sweep.running import run_sweep
+from exudyn_crawler.sweep.vary import Vary
 from exudyn_crawler.sweep.worker import Task, VersionsDiffer, own_versions
 from tests.sweep.cases import FORCE, STIFFNESS, small_sweep
 

@@ -5,11 +5,14 @@ import os
 import numpy as np
 import pytest
 
-from exudyn_crawler import Answer, Case, CaseFile, FlexibleShoes, Outputs, Sweep, Vary
+from exudyn_crawler import Case, CaseFile, FlexibleShoes
+from exudyn_crawler.case import Outputs
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.sweep import definition
-from exudyn_crawler.sweep.definition import design_rows, run_digest
+from exudyn_crawler.sweep.answers import Answer
+from exudyn_crawler.sweep.definition import Sweep, design_rows, run_digest
 from exudyn_crawler.sweep.running import BEGIN, RECOVERY, estimate, run_bytes, run_time
+from exudyn_crawler.sweep.vary import Vary
 from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_case, small_sweep
 
 FRICTION = ("contact.static_friction", "contact.dynamic_friction")

@@ -2,8 +2,11 @@
 
 import pytest
 
-from exudyn_crawler import Answer, HotSpot, Vary, read_sweep, write_case
+from exudyn_crawler import write_case
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.sweep.answers import Answer, HotSpot
+from exudyn_crawler.sweep.files import read_sweep
+from exudyn_crawler.sweep.vary import Vary
 from tests.sweep.cases import STIFFNESS, small_case, small_sweep
 
 VARIED = f'[[vary]]\nkey = "{STIFFNESS}"\nvalues = [1e7, 2e7]\n'

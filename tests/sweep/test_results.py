@@ -7,7 +7,6 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from exudyn_crawler import Vary
 from exudyn_crawler.netcdf import write_netcdf
 from exudyn_crawler.sweep.results import (
     BINS,
@@ -18,6 +17,7 @@ from exudyn_crawler.sweep.results import (
     write_parquet,
     write_units_csv,
 )
+from exudyn_crawler.sweep.vary import Vary
 from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_sweep
 
 

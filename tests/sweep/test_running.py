@@ -6,10 +6,11 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from exudyn_crawler import Answer, Vary, run_sweep
 from exudyn_crawler.run.folder.reporting import held
 from exudyn_crawler.sweep import page, worker
-from exudyn_crawler.sweep.running import folder_state
+from exudyn_crawler.sweep.answers import Answer
+from exudyn_crawler.sweep.running import folder_state, run_sweep
+from exudyn_crawler.sweep.vary import Vary
 from tests.sweep.cases import FORCE, STIFFNESS, small_sweep
 
 pytestmark = pytest.mark.simulation

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import CaseFile, Vary, simulate
+from exudyn_crawler import CaseFile, simulate
 from exudyn_crawler.case.parameters.paths import parse_path, with_value_in
-from exudyn_crawler.sweep.vary import IDLE, checked_case, content_of, idle
+from exudyn_crawler.sweep.vary import IDLE, Vary, checked_case, content_of, idle
 from tests.sweep.cases import STIFFNESS, small_case
 
 

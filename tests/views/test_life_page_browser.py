@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Duty, DutyRun, FatigueMaterial
+from exudyn_crawler import Duty, FatigueMaterial
+from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.views.life_page import write_life_page
 from tests.views.browser import Reader
