@@ -68,12 +68,12 @@ if TYPE_CHECKING:
     from exudyn_crawler.sweep.files import read_sweep
     from exudyn_crawler.sweep.running import SweepRun, run_sweep
     from exudyn_crawler.sweep.vary import Vary
-    from exudyn_crawler.views.animation import write_animation
-    from exudyn_crawler.views.curves import panel_figure
+    from exudyn_crawler.views.figures.curves import panel_figure
+    from exudyn_crawler.views.figures.series import history_series
     from exudyn_crawler.views.mode_shapes import mode_figure, mode_table
-    from exudyn_crawler.views.paraview import write_paraview
-    from exudyn_crawler.views.report.page import write_report
-    from exudyn_crawler.views.series import history_series
+    from exudyn_crawler.views.pages.report import write_report
+    from exudyn_crawler.views.scenes.paraview import write_paraview
+    from exudyn_crawler.views.scenes.track_film import write_animation
 
 
 def _check_neighbours() -> None:
@@ -115,12 +115,12 @@ _HOMES = {
     "action_table": "results.loads.exports",
     "actions": "results.loads.actions",
     "frame_imbalance": "results.loads.rollers",
-    "history_series": "views.series",
+    "history_series": "views.figures.series",
     "life": "life_run",
     "mode_figure": "views.mode_shapes",
     "mode_table": "views.mode_shapes",
     "node_stress": "results.stress.node_stress",
-    "panel_figure": "views.curves",
+    "panel_figure": "views.figures.curves",
     "peak_time": "results.stress.recovery",
     "pin_forces": "results.loads.exports",
     "read_duty": "results.life.duty",
@@ -135,9 +135,9 @@ _HOMES = {
     "spread": "spread_run",
     "stress_basis": "results.stress.basis",
     "track_modes": "run.solve.track_modes",
-    "write_animation": "views.animation",
-    "write_paraview": "views.paraview",
-    "write_report": "views.report.page",
+    "write_animation": "views.scenes.track_film",
+    "write_paraview": "views.scenes.paraview",
+    "write_report": "views.pages.report",
 }
 """Modules of the names that are not parts of a case."""
 

@@ -26,7 +26,7 @@ from exudyn_crawler import (
     run_sweep,
 )
 from exudyn_crawler.case import Undercarriage
-from exudyn_crawler.views.curves import STYLE, save_figure
+from exudyn_crawler.views.style import STYLE, save_figure
 from fem import write_mesh
 from meshes import ShoeDimensions, mesh_shoe
 

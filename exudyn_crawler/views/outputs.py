@@ -14,14 +14,13 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import extremes
 from exudyn_crawler.results.history.tables import highest_by_phase, hot_spot_table, load_table, region_table
 from exudyn_crawler.results.stress.recovery import StressResults
-from exudyn_crawler.views.animation import write_animation
-from exudyn_crawler.views.curves import KINEMATICS, kinematic_figure, save_figure
-from exudyn_crawler.views.force_figures import force_figures
-from exudyn_crawler.views.ground_figures import ground_figure
-from exudyn_crawler.views.paraview import write_paraview
-from exudyn_crawler.views.roller_figures import roller_figures
-from exudyn_crawler.views.stress_figures import stress_figures
-from exudyn_crawler.views.stress_pictures import write_stress_pictures
+from exudyn_crawler.views.figures.runs import force_figures, kinematic_figure, roller_figures, stress_figures
+from exudyn_crawler.views.figures.series import KINEMATICS
+from exudyn_crawler.views.scenes.paraview import write_paraview
+from exudyn_crawler.views.scenes.projections import ground_figure
+from exudyn_crawler.views.scenes.stress_pictures import write_stress_pictures
+from exudyn_crawler.views.scenes.track_film import write_animation
+from exudyn_crawler.views.style import save_figure
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
