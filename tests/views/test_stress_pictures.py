@@ -11,7 +11,7 @@ from PIL import Image
 from exudyn_crawler import Case
 from exudyn_crawler.views.scenes.drawing import opengl_works
 from exudyn_crawler.views.scenes.paraview import write_paraview
-from exudyn_crawler.views.scenes.poses import instant, shoe_forces, shoe_pose
+from exudyn_crawler.views.scenes.poses import shoe_forces, shoe_pose
 from exudyn_crawler.views.scenes.shoes import Scales, stress_scene
 from exudyn_crawler.views.scenes.stress_pictures import (
     picture_name,
@@ -75,7 +75,7 @@ def test_all_pictures_share_one_scale_and_say_the_highest_stress(run):
 def test_a_shoe_is_bent_by_its_magnified_displacement_and_pressed_by_its_contacts(run):
     history, stress = run
     frame = float(stress.frame[-1])
-    now = instant(history, frame)
+    now = history.dataset.sel(time=frame, method="nearest")
     place = shoe_pose(now, 13)
     scales = Scales.of(stress, history)
     scene = shoes_apart(stress_scene(stress.sel(frame=[frame]), history, scales))[1]
@@ -110,7 +110,7 @@ def test_paraview_reads_the_track_back_in_place(run, tmp_path):
     last = {e["name"]: tmp_path / e["file"] for e in entries if float(e["timestep"]) == times[-1]}
     assert set(last) == {"shoe 7", "shoe 13", "rigid shoes", "terrain", "contacts"}
 
-    now = instant(history, times[-1])
+    now = history.dataset.sel(time=times[-1], method="nearest")
     shoe = meshio.read(last["shoe 13"])
     assert [block.type for block in shoe.cells] == ["tetra10"]
     chosen = stress.sel(shoe=13, frame=times[-1])
@@ -141,7 +141,7 @@ def test_units_of_uneven_ground_are_as_high_as_their_faces(run, tmp_path):
     write_paraview(stress.isel(frame=[0]), uneven, tmp_path)
     written = meshio.read(tmp_path / "track_parts" / "terrain_000.vtu")
     corners = written.points[written.cells[0].data]
-    now = instant(history, 0.0)
+    now = history.dataset.sel(time=0.0, method="nearest")
     bottom, top = corners[:, :4, 2].mean(axis=1), corners[:, 4:, 2].mean(axis=1)
     assert top == pytest.approx(terrain.top_heights + now.unit_heave.values, abs=1e-4)
     assert bottom == pytest.approx(now.unit_heave.values - terrain.unit_height, abs=1e-4)

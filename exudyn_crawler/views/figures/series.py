@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import xarray as xr
 
@@ -56,20 +57,18 @@ class Series:
 
     def panels(self, items: Sequence[str] | None = None) -> list[Panel]:
         """Panel for each axis, with a curve for each of some items, or of all."""
-        names = [str(item) for item in self.values["item"].values] if items is None else items
-        return [
-            Panel(
-                f"{axis} {self.label}".strip(),
-                self.unit,
-                {name: self.values.sel(item=name, axis=axis) for name in names},
-            )
-            for axis in self.values.axis.values
-        ]
+        return overlay({"": self}, self.values["item"].values.tolist() if items is None else items)
 
     def panels_by_item(self) -> list[Panel]:
         """Panel for each item of a quantity without axes."""
-        items = [str(item) for item in self.values["item"].values]
-        return [Panel(item, self.unit, {item: self.values.sel(item=item).squeeze("axis")}) for item in items]
+        curves = {str(one["item"].values): one.squeeze("axis") for one in self.values.transpose("item", ...)}
+        return [Panel(item, self.unit, {item: values}) for item, values in curves.items()]
+
+    def of_side(self, side: str) -> Self:
+        """Those of the pins on one side, named after their links."""
+        names = [str(item) for item in self.values["item"].values if str(item).endswith(f" {side}")]
+        links = [item.removesuffix(f" {side}") for item in names]
+        return replace(self, values=self.values.sel(item=names).assign_coords(item=links))
 
 
 def history_series(history: History, stress: xr.Dataset | None = None) -> dict[str, Series]:
@@ -87,21 +86,22 @@ def motion_series(history: History, quantity: str) -> Series:
 
 
 def overlay(found: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
-    """Panel for each axis of one quantity of several runs by name, with a curve for each of some items."""
+    """Panel for each axis of one quantity of some runs by name, with a curve for each of some items.
+
+    Curves are named after what differs, item or run or both.
+    """
     first = next(iter(found.values()))
-
-    def named(item: str, run: str) -> str:
-        return run if len(items) == 1 else f"{item}, {run}"
-
+    several = len(items) > 1 or len(found) == 1, len(found) > 1
+    names = {
+        (item, run): ", ".join(name for name, differs in zip((item, run), several, strict=True) if differs)
+        for item in items
+        for run in found
+    }
     return [
         Panel(
             f"{axis} {first.label}".strip(),
             first.unit,
-            {
-                named(item, run): one.values.sel(item=item, axis=axis)
-                for item in items
-                for run, one in found.items()
-            },
+            {name: found[run].values.sel(item=item, axis=axis) for (item, run), name in names.items()},
         )
         for axis in first.values.axis.values
     ]

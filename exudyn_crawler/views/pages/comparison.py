@@ -98,23 +98,12 @@ def write_comparison(
         for letter, (name, one) in zip("AB", histories.items(), strict=True)
     ]
     magnitudes = paragraph("Greatest magnitudes of A and B, and of B less A over the time that both have.")
+    drawn = comparison_figures(histories, stresses or {})
+    in_cases = paragraph(SAME_CASES) if parameters.empty else table(parameters)
+    in_results = paragraph(SAME_RESULTS) if results.empty else together(magnitudes, table(results))
     sections = [
-        Section(
-            "parameters",
-            "What differs in the cases",
-            paragraph(SAME_CASES) if parameters.empty else table(parameters),
-        ),
-        Section(
-            "results",
-            "What differs in the results",
-            paragraph(SAME_RESULTS) if results.empty else together(magnitudes, table(results)),
-        ),
-        Section(
-            "curves",
-            "Main curves",
-            together(
-                *(figure_picture(*one) for one in comparison_figures(histories, stresses or {}).items())
-            ),
-        ),
+        Section("parameters", "What differs in the cases", in_cases),
+        Section("results", "What differs in the results", in_results),
+        Section("curves", "Main curves", together(*(figure_picture(*one) for one in drawn.items()))),
     ]
     return write_page(page(f"{a} and {b}", lead, sections), path, overwrite)

@@ -103,8 +103,6 @@ def life_solid(found: LifeResults) -> Solid:
         position,
         (corners.reshape(-1, 3),),
         "white",
-        np.zeros((1, 1, 3)),
-        np.eye(3)[None, None],
         colourings=(*_life_colourings(found, used), trust),
         nodes=used,
     )

@@ -11,17 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.history.history import History, common_phases
+from exudyn_crawler.views.figures import series as of
 from exudyn_crawler.views.figures.curves import banded
-from exudyn_crawler.views.figures.series import (
-    HIGHEST_STRESS,
-    JOINTS,
-    PULL,
-    RAIL_FORCE,
-    ROLLER_FORCE,
-    SHOES,
-    Series,
-)
-from exudyn_crawler.views.pages.packing import packed, thinned
+from exudyn_crawler.views.figures.series import Series
+from exudyn_crawler.views.pages.packing import packed
 from exudyn_crawler.views.style import negligible
 
 SERIES_BYTES = 4_500_000
@@ -32,6 +25,19 @@ LEAST_POINTS, MOST_POINTS = 200, 4000
 """Points that a series keeps at least and at most."""
 FEW = 5
 """Items of many that are drawn at first."""
+
+
+def thinned(values: NDArray, points: int) -> NDArray:
+    """Indices to keep of a series (n,): ends, and the least and greatest of bins; at most about `points`."""
+    n = len(values)
+    if n <= points:
+        return np.arange(n)
+    bins = max(1, points // 2 - 1)
+    width = -(-n // bins)
+    padded = np.concatenate((values, np.full(-n % width, values[-1]))).reshape(-1, width)
+    starts = width * np.arange(len(padded))
+    kept = np.concatenate(([0, n - 1], starts + padded.argmin(axis=1), starts + padded.argmax(axis=1)))
+    return np.unique(np.minimum(kept, n - 1))
 
 
 def points_a_series(cases: Mapping[str, list[Series]]) -> int:
@@ -85,10 +91,10 @@ def _drawn(series: Series) -> list[int]:
     """Numbers of the items that are drawn at first: those that the papers draw, else some evenly spread."""
     found = (re.search(r"\d+", str(item)) for item in series.values["item"].values)
     numbers = sorted({int(one[0]) for one in found if one})
-    usual = JOINTS if series.group == "links" else SHOES
-    if series.group == "rollers" and series.label != RAIL_FORCE:
+    usual = of.JOINTS if series.group == "links" else of.SHOES
+    if series.group == "rollers" and series.label != of.RAIL_FORCE:
         return numbers
-    if not numbers or (set(usual) <= set(numbers) and numbers[-1] <= SHOES[-1]):
+    if not numbers or (set(usual) <= set(numbers) and numbers[-1] <= of.SHOES[-1]):
         return list(usual)
     places = np.linspace(0, len(numbers) - 1, min(FEW, len(numbers)))
     return [numbers[round(place)] for place in places]
@@ -97,11 +103,11 @@ def _drawn(series: Series) -> list[int]:
 def first_plots(found: Mapping[str, list[Series]]) -> list[str]:
     """Labels of what the plots show first: stress, or else what moves the track, and what it carries."""
     labels = {series.label for one in found.values() for series in one}
-    rolled = ROLLER_FORCE in labels
-    moving = PULL if rolled else "velocity"
+    rolled = of.ROLLER_FORCE in labels
+    moving = of.PULL if rolled else "velocity"
     return [
-        HIGHEST_STRESS if HIGHEST_STRESS in labels else moving,
-        ROLLER_FORCE if rolled else "contact force",
+        of.HIGHEST_STRESS if of.HIGHEST_STRESS in labels else moving,
+        of.ROLLER_FORCE if rolled else "contact force",
     ]
 
 

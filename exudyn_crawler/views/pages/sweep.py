@@ -104,25 +104,25 @@ class SweepView:
 def sweep_page(view: SweepView) -> str:
     """HTML of the page; it needs no other file but the runs it links to."""
     view = view.in_units_for_reading()
-    drawn = not view.done.empty
-    lines = paragraph("A line a run; draw along an axis to choose some of them.")
-    means = paragraph("Means over all else that varies; bars reach to the least and the greatest.")
-    responses, effects = (
-        [plot(draw(view, answer)) for answer in view.answers] if drawn else []
-        for draw in (response_curves, effect_figure)
-    )
+    indices = [paragraph(f"None: {view.method}.")]
+    if not view.indices.empty:
+        said = f"Shares of the variance that each makes alone (first) and in all (total): {view.method}."
+        indices = [paragraph(said), plot(index_figure(view))]
     sections = [
         Section("best", "Best and worst runs", _best(view)),
-        Section(
-            "parallel",
-            "All runs",
-            together(lines, plot(parallel_coordinates(view))) if drawn else Markup(),
-        ),
-        Section("responses", "Response curves", together(*responses)),
-        Section("effects", "Main effects", together(means, *effects) if drawn else Markup()),
-        Section("indices", "Sobol indices", _indices(view)),
+        Section("indices", "Sobol indices", together(*indices)),
         Section("runs", "Runs", _runs(view)),
     ]
+    if not view.done.empty:
+        lines = paragraph("A line a run; draw along an axis to choose some of them.")
+        means = paragraph("Means over all else that varies; bars reach to the least and the greatest.")
+        responses = [plot(response_curves(view, answer)) for answer in view.answers]
+        effects = [plot(effect_figure(view, answer)) for answer in view.answers]
+        sections[1:1] = [
+            Section("parallel", "All runs", together(lines, plot(parallel_coordinates(view)))),
+            Section("responses", "Response curves", together(*responses)),
+            Section("effects", "Main effects", together(means, *effects)),
+        ]
     return page(view.title, view.lead, sections)
 
 
@@ -131,38 +131,23 @@ def _best(view: SweepView) -> Markup:
     if not view.best:
         return paragraph("No run has finished.")
     units, meanings = view.table.attrs["units"], view.table.attrs["meanings"]
-    rows = [
-        (
-            one.answer,
-            one.which,
-            Cell(str(one.run), True, view.links.get(one.folder)),
-            Cell(f"{one.value:.4g} {units[one.answer]}", True),
-            meanings[one.answer],
-        )
-        for one in view.best
-    ]
-    return table(pd.DataFrame(rows, columns=["answer", "", "run", "value", " "]), compact=True)
-
-
-def _indices(view: SweepView) -> Markup:
-    """Sobol indices, or why there are none."""
-    if view.indices.empty:
-        return paragraph(f"None: {view.method}.")
-    said = f"Shares of the variance that each makes alone (first) and in all (total): {view.method}."
-    return together(paragraph(said), plot(index_figure(view)))
+    rows = {
+        "answer": [one.answer for one in view.best],
+        "": [one.which for one in view.best],
+        "run": [Cell(str(one.run), True, view.links.get(one.folder)) for one in view.best],
+        "value": [Cell(f"{one.value:.4g} {units[one.answer]}", True) for one in view.best],
+        " ": [meanings[one.answer] for one in view.best],
+    }
+    return table(pd.DataFrame(rows), compact=True)
 
 
 def _runs(view: SweepView) -> Markup:
     """Table of the runs, which links to them."""
-    names = [*view.varied, *view.answers, "status", "reason"]
     shown = view.table.head(LONGEST_TABLE)
+    rows = shown[[*view.varied, *view.answers, "status", "reason"]].rename(columns=view.label)
+    pairs = zip(shown["run"], shown["folder"], strict=True)
+    rows.insert(0, "run", [Cell(str(number), True, view.links.get(folder)) for number, folder in pairs])
     left_out = len(view.table) - len(shown)
-    runs = [
-        Cell(str(number), True, view.links.get(folder))
-        for number, folder in zip(shown["run"], shown["folder"], strict=True)
-    ]
-    rows = shown[names].rename(columns=view.label)
-    rows.insert(0, "run", runs)
     more = [paragraph(f"{left_out} more are in results.csv.")] if left_out else []
     return together(*more, table(rows))
 
@@ -190,42 +175,32 @@ def response_curves(view: SweepView, answer: str) -> go.Figure:
 
     On a grid there is a curve a level of what varies next, means over the rest; else a point a run.
     """
-    done = view.done
-    figure = make_subplots(cols=len(view.varied), shared_yaxes=True)
+    done, panels = view.done, []
     for k, name in enumerate(view.varied):
         others = (*view.varied[k + 1 :], *view.varied[:k])
-        if view.is_grid and others and done[others[0]].nunique() <= MOST_CURVES:
-            for level, part in done.groupby(others[0], sort=True):
-                means = part.groupby(name, sort=True)[answer].mean()
-                curve = f"{others[0]} = {_cell(level)}"
-                lines = go.Scatter(
-                    x=means.index, y=means, name=curve, mode="lines+markers", legendgroup=others[0]
-                )
-                figure.add_trace(lines, row=1, col=k + 1)
-        else:
+        if not (view.is_grid and others and done[others[0]].nunique() <= MOST_CURVES):
             points = go.Scatter(x=done[name], y=done[answer], mode="markers", showlegend=False, name=answer)
-            figure.add_trace(points, row=1, col=k + 1)
-    return _panels(view, figure, answer)
+            panels.append([points])
+            continue
+        levels = {
+            f"{others[0]} = {_cell(level)}": part.groupby(name, sort=True)[answer].mean()
+            for level, part in done.groupby(others[0], sort=True)
+        }
+        lines = {"mode": "lines+markers", "legendgroup": others[0]}
+        panels.append([go.Scatter(x=one.index, y=one, name=curve, **lines) for curve, one in levels.items()])
+    return _panels(view, answer, panels)
 
 
 def effect_figure(view: SweepView, answer: str) -> go.Figure:
     """Main effects on an answer, a panel for everything that varies: means, and extremes as bars."""
-    own = view.effects[view.effects["answer"] == answer]
-    figure = make_subplots(cols=len(view.varied), shared_yaxes=True)
-    for k, name in enumerate(view.varied):
-        rows = own[own["varied"] == name]
-        bars = {
-            "type": "data",
-            "symmetric": False,
-            "array": rows["greatest"] - rows["mean"],
-            "arrayminus": rows["mean"] - rows["least"],
-            "thickness": 1,
-        }
-        line = go.Scatter(
-            x=rows["level"], y=rows["mean"], error_y=bars, mode="lines+markers", showlegend=False
-        )
-        figure.add_trace(line, row=1, col=k + 1)
-    return _panels(view, figure, answer)
+    panels = []
+    for name in view.varied:
+        rows = view.effects[(view.effects["answer"] == answer) & (view.effects["varied"] == name)]
+        upper, lower = rows["greatest"] - rows["mean"], rows["mean"] - rows["least"]
+        bars = {"type": "data", "symmetric": False, "array": upper, "arrayminus": lower, "thickness": 1}
+        line = {"mode": "lines+markers", "showlegend": False, "error_y": bars}
+        panels.append([go.Scatter(x=rows["level"], y=rows["mean"], **line)])
+    return _panels(view, answer, panels)
 
 
 def index_figure(view: SweepView) -> go.Figure:
@@ -235,36 +210,27 @@ def index_figure(view: SweepView) -> go.Figure:
     for k, answer in enumerate(answers):
         own = view.indices[view.indices["answer"] == answer]
         for kind, colour in (("first", "#1c5fb0"), ("total", "#c98a1b")):
-            if own[kind].notna().any():
-                error = (
-                    {"type": "data", "array": own[f"{kind}_conf"]}
-                    if own[f"{kind}_conf"].notna().any()
-                    else None
-                )
-                bar = go.Bar(
-                    x=own["varied"],
-                    y=own[kind],
-                    error_y=error,
-                    name=kind,
-                    marker_color=colour,
-                    showlegend=k == 0,
-                )
-                figure.add_trace(bar, row=1, col=k + 1)
-    return figure.update_layout(
-        height=HEIGHT, barmode="group", margin={"t": 40}, yaxis_title="share of the variance"
-    )
+            if own[kind].isna().all():
+                continue
+            known = own[f"{kind}_conf"].notna().any()
+            error = {"type": "data", "array": own[f"{kind}_conf"]} if known else None
+            how = {"marker_color": colour, "error_y": error, "showlegend": k == 0}
+            figure.add_trace(go.Bar(x=own["varied"], y=own[kind], name=kind, **how), row=1, col=k + 1)
+    shown = {"height": HEIGHT, "barmode": "group", "margin": {"t": 40}}
+    return figure.update_layout(yaxis_title="share of the variance", **shown)
 
 
-def _panels(view: SweepView, figure: go.Figure, answer: str) -> go.Figure:
-    """Name the axes of a row of panels."""
-    for k, name in enumerate(view.varied):
+def _panels(view: SweepView, answer: str, panels: list[list[go.Scatter]]) -> go.Figure:
+    """Traces in a row of panels, one for everything that varies."""
+    figure = make_subplots(cols=len(view.varied), shared_yaxes=True)
+    for k, (name, traces) in enumerate(zip(view.varied, panels, strict=True), 1):
+        for trace in traces:
+            figure.add_trace(trace, row=1, col=k)
         kind = "log" if name in view.logarithmic else None
-        figure.update_xaxes(title_text=view.label(name), type=kind, row=1, col=k + 1)
+        figure.update_xaxes(title_text=view.label(name), type=kind, row=1, col=k)
     figure.update_yaxes(title_text=view.label(answer), row=1, col=1)
     return figure.update_layout(height=HEIGHT, margin={"t": 30})
 
 
 def _cell(value: object) -> str:
-    if isinstance(value, float):
-        return "" if value != value else f"{value:.4g}"
-    return str(value)
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

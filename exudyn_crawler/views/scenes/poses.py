@@ -13,11 +13,6 @@ STRIPS = ("roller", "rail", "strip", "neighbour", "axis")
 """Dimensions of what treads press with."""
 
 
-def instant(history: History, time: float) -> xr.Dataset:
-    """State of a history at the stored time nearest to `time` (s)."""
-    return history.dataset.sel(time=time, method="nearest")
-
-
 def instants(history: History, times: ArrayLike) -> xr.Dataset:
     """States of a history at the stored times nearest to some (s), each once."""
     rows = history.dataset.get_index("time").get_indexer(np.asarray(times), method="nearest")

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.views.scenes.poses import acting, greatest_shoe_force, instant, rolls, shoe_pose
+from exudyn_crawler.views import style
+from exudyn_crawler.views.scenes import poses
 from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Scene, Solid
 from exudyn_crawler.views.scenes.track import rollers
-from exudyn_crawler.views.style import CONTACT_FORCE, MEGA, STRESS_MAP, drawn_scale, round_up
 from fem.trust import VERDICTS
 
 LONGEST_OF_SHOE, LONGEST_OF_PAIR = 0.7, 0.4
@@ -57,10 +57,11 @@ class Scales:
     def of(cls, stress: xr.Dataset, history: History) -> Self:
         """Scales that fit all chosen times of a stress dataset."""
         surface = np.unique(stress.triangle.values)
-        pairs = [acting(instant(history, float(time)))[1] for time in stress.frame]
+        chosen = history.dataset.sel(time=stress.frame.values, method="nearest")
+        pairs = [poses.acting(chosen.isel(time=row))[1] for row in range(stress.sizes["frame"])]
         return cls(
             stress=end_of_colours(float(stress.frame_von_mises.isel(node=surface).max())),
-            displacement=drawn_scale(stress.frame_displacement.values, BENT),
+            displacement=style.drawn_scale(stress.frame_displacement.values, BENT),
             pair_force=length_per_newton(LONGEST_OF_PAIR, pairs),
             shoe_force=shoe_force_scale(history),
         )
@@ -68,7 +69,7 @@ class Scales:
 
 def shoe_force_scale(history: History) -> float:
     """M that are drawn for 1 N of the contact force on a shoe; 0 if there is none in the whole run."""
-    greatest = greatest_shoe_force(history)
+    greatest = poses.greatest_shoe_force(history)
     return LONGEST_OF_SHOE / greatest if greatest > 0.0 else 0.0
 
 
@@ -80,7 +81,7 @@ def length_per_newton(length: float, forces: Sequence[NDArray]) -> float:
 
 def end_of_colours(greatest: float) -> float:
     """Round stress at the end of the colours, Pa, for a greatest one."""
-    return round_up(greatest) if greatest > 0.0 else MEGA
+    return style.round_up(greatest) if greatest > 0.0 else style.MEGA
 
 
 def shoe_solid(
@@ -92,24 +93,13 @@ def shoe_solid(
     limit: float,
     larger: float,
 ) -> Solid:
-    """Solid of a flexible shoe with its stress.
+    """Flexible shoe with its stress.
 
-    Parameters
-    ----------
-    shape : arrays (n, 3) and (m, 3)
-        Points (m), and triangles of them.
-    places : sequence of Placement
-        Of the shoe at each time.
-    bend : array (times, n, 3)
-        Elastic displacement, m.
-    von_mises : array (times, n)
-        Pa.
-    limit : float
-        Stress at the end of the colours, Pa.
-    larger : float
-        Magnification of the displacement.
+    `shape` are points (n, 3), m, and triangles (m, 3), and `places` where the shoe is at each time; then
+    elastic displacement (times, n, 3), m, drawn `larger` times larger, and stress (times, n), Pa, whose
+    colours end at `limit`.
     """
-    values = von_mises[:, None] / MEGA
+    values, end = von_mises[:, None] / style.MEGA, limit / style.MEGA
     return Solid(
         f"shoe {shoe}",
         shape[0],
@@ -120,7 +110,7 @@ def shoe_solid(
         labels=(f"shoe {shoe}",),
         bend=bend[:, None],
         larger=larger,
-        colourings=(Colouring(f"{STRESS} in MPa", values, 0.0, limit / MEGA, STRESS_MAP, name=STRESS),),
+        colourings=(Colouring(f"{STRESS} in MPa", values, 0.0, end, style.STRESS_MAP, name=STRESS),),
     )
 
 
@@ -130,20 +120,20 @@ def stress_scene(stress: xr.Dataset, history: History, scales: Scales) -> Scene:
     shape = stress.node_position.transpose("node", "axis").values[used], corners.reshape(-1, 3)
     shown = history.dataset.sel(time=stress.frame.values, method="nearest").load()
     moments = [shown.isel(time=row) for row in range(shown.sizes["time"])]
-    near = [shoe_pose(now, int(shoe)).origin[0] for now in moments for shoe in stress.shoe.values]
+    near = [poses.shoe_pose(now, int(shoe)).origin[0] for now in moments for shoe in stress.shoe.values]
     solids, arrows = [], []
     for shoe in map(int, stress.shoe.values):
         own = stress.sel(shoe=shoe)
         bend = own.frame_displacement.transpose("frame", "node", "axis").values[:, used]
         mises = own.frame_von_mises.transpose("frame", "node").values
-        places = [shoe_pose(now, shoe) for now in moments]
+        places = [poses.shoe_pose(now, shoe) for now in moments]
         solid = shoe_solid(shoe, shape, places, bend, mises[:, used], scales.stress, scales.displacement)
-        notes = tuple(f"{one / MEGA:.1f} MPa" for one in mises.max(axis=1))
+        notes = tuple(f"{one / style.MEGA:.1f} MPa" for one in mises.max(axis=1))
         colourings = (*solid.colourings, *_trust(stress, shoe, used))
         solids.append(replace(solid, notes=notes, colourings=colourings, nodes=used))
-        forces = forces_on(solid.name, [acting(now, shoe) for now in moments], scales.pair_force)
+        forces = forces_on(solid.name, [poses.acting(now, shoe) for now in moments], scales.pair_force)
         arrows.append(replace(forces, through=float(np.ptp(shape[0][:, 2]))))
-    if rolls(history.dataset):
+    if poses.rolls(history.dataset):
         solids.append(rollers_between(history.case, shown, min(near) - BESIDE, max(near) + BESIDE))
     return Scene(tuple(frame_titles(stress)), tuple(solids), tuple(arrows))
 
@@ -154,7 +144,7 @@ def forces_on(solid: str, forces: Sequence[tuple[NDArray, NDArray]], scale: floa
     padded = np.full((2, len(forces), count, 3), np.nan)
     for row, pair in enumerate(forces):
         padded[:, row, : len(pair[0])] = pair
-    return Arrows("contact forces", CONTACT_FORCE, padded[0], padded[1], scale, solid)
+    return Arrows("contact forces", style.CONTACT_FORCE, padded[0], padded[1], scale, solid)
 
 
 def rollers_between(case: Case, dataset: xr.Dataset, rear: float, front: float) -> Solid:
