@@ -17,7 +17,7 @@ from exudyn_crawler.results.stress.spread import relative_spread
 from exudyn_crawler.run.folder.histories import spread_beside
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.run.folder.reporting import HISTORY
-from exudyn_crawler.views.life_page import write_life_page
+from exudyn_crawler.views.pages.life import write_life_page
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 

@@ -22,21 +22,19 @@ BALANCE = 1e-9
 """Sum of balanced loads over the sum of their magnitudes, at most."""
 
 
-def write_vtu(
-    path: str | Path, mesh: Mesh, fields: Mapping[str, Floats], nodes: Floats | None = None
-) -> None:
-    """Write nodal fields (n,), (n, 3) or (n, 6) on a mesh, for ParaView; `nodes` (n, 3) puts it elsewhere."""
+def write_vtu(path: str | Path, mesh: Mesh, fields: Mapping[str, Floats]) -> None:
+    """Write nodal fields (n,), (n, 3) or (n, 6) on a mesh, for ParaView."""
+    meshio.write(path, vtu_content(mesh, fields), file_format="vtu")
+
+
+def vtu_content(mesh: Mesh, fields: Mapping[str, Floats], nodes: Floats | None = None) -> meshio.Mesh:
+    """Mesh with nodal fields (n,), (n, 3) or (n, 6) as meshio writes it; `nodes` (n, 3) puts it elsewhere."""
     kind = "tetra" if mesh.order == 1 else "tetra10"
-    point_data = {name: np.ascontiguousarray(field) for name, field in fields.items()}
-    meshio.write(
-        path,
+    return meshio.Mesh(
+        mesh.nodes if nodes is None else nodes,
         # half the numbers of the nodes are half the time, which compressing takes
-        meshio.Mesh(
-            mesh.nodes if nodes is None else nodes,
-            [(kind, mesh.elements.astype(np.int32))],
-            point_data=point_data,
-        ),
-        file_format="vtu",
+        [(kind, mesh.elements.astype(np.int32))],
+        point_data={name: np.ascontiguousarray(field) for name, field in fields.items()},
     )
 
 

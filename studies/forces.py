@@ -19,16 +19,17 @@ from exudyn_crawler import Case, CaseFile, History, simulate
 from exudyn_crawler.results.history.history import common_phases
 from exudyn_crawler.run.folder.histories import matching_history
 from exudyn_crawler.run.folder.reporting import quiet
-from exudyn_crawler.views.curves import Panel, panel_figure, save_figure
-from exudyn_crawler.views.series import (
+from exudyn_crawler.views.figures.curves import Panel, panel_figure
+from exudyn_crawler.views.figures.series import (
     CONTACT_SCALARS,
     CONTACT_VECTORS,
     JOINT_VECTORS,
-    Series,
     history_series,
     link_names,
+    overlay,
     shoe_names,
 )
+from exudyn_crawler.views.style import save_figure
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
@@ -120,9 +121,9 @@ def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
         curves["normal"][unit] = history.normal_force.isel(contact=index).sel(axis="z")
         curves["contact"][unit] = forces.isel(contact=index).sel(axis="x")
     panels = [
-        Panel("penetration depth", "m", curves["penetration"]),
-        Panel("z normal force", "N", curves["normal"]),
-        Panel("x contact force", "N", curves["contact"]),
+        Panel.of("penetration depth", curves["penetration"]),
+        Panel.of("z normal force", curves["normal"]),
+        Panel.of("x contact force", curves["contact"]),
     ]
     title = f"{history.case.name}: shoe {shoe} crossing units"
     return panel_figure(title, panels, common_phases(history))
@@ -132,26 +133,17 @@ def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
     """Cases against each other: contact of one shoe, reactions of one link; by a name that can be a file."""
     found = {case: history_series(one) for case, one in histories.items()}
     shoe, link = shoe_names([COMPARED_SHOE])[0], link_names([COMPARED_JOINT])[0]
-    panels = {f"{shoe} {label}": _against(found, label, shoe) for label in CONTACT_VECTORS}
+
+    def against(label: str, item: str) -> list[Panel]:
+        return overlay({case: one[label] for case, one in found.items()}, [item])
+
+    panels = {f"{shoe} {label}": against(label, shoe) for label in CONTACT_VECTORS}
     panels[f"{shoe} sinkage and friction torque"] = [
-        panel for label in CONTACT_SCALARS for panel in _against(found, label, shoe)
+        panel for label in CONTACT_SCALARS for panel in against(label, shoe)
     ]
-    panels |= {f"link {COMPARED_JOINT} {label}": _against(found, label, link) for label in JOINT_VECTORS}
+    panels |= {f"link {COMPARED_JOINT} {label}": against(label, link) for label in JOINT_VECTORS}
     phases = common_phases(*histories.values())
     return {name: panel_figure(name, one, phases) for name, one in panels.items()}
-
-
-def _against(found: Mapping[str, Mapping[str, Series]], label: str, item: str) -> list[Panel]:
-    """Panels of one quantity of a shoe or link, a curve a case."""
-    first = next(iter(found.values()))[label]
-    return [
-        Panel(
-            f"{axis} {label}".strip(),
-            first.unit,
-            {case: one[label].values.sel(item=item, axis=axis) for case, one in found.items()},
-        )
-        for axis in first.values.axis.values
-    ]
 
 
 def lateral_effects(duration: float = DURATION, progress: bool | None = None) -> pd.DataFrame:

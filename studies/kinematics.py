@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Unpack
 
 from exudyn_crawler import Case, CaseFile, History
-from exudyn_crawler.views.curves import KINEMATICS, comparison_figure, save_figure
+from exudyn_crawler.views.figures.runs import comparison_figure
+from exudyn_crawler.views.figures.series import KINEMATICS
+from exudyn_crawler.views.style import save_figure
 from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
 from studies.running import Compared, Running, compare_cases

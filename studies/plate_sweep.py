@@ -18,7 +18,7 @@ from exudyn_crawler.sweep.answers import Answer, Life
 from exudyn_crawler.sweep.definition import Sweep
 from exudyn_crawler.sweep.running import SweepRun, run_sweep
 from exudyn_crawler.sweep.vary import Vary
-from exudyn_crawler.views.curves import STYLE, save_figure
+from exudyn_crawler.views.style import STYLE, save_figure
 from fem import write_mesh
 from meshes import ShoeDimensions, mesh_shoe
 

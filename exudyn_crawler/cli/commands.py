@@ -89,7 +89,7 @@ def info(
     from exudyn_crawler.case.files.files import read_case
     from exudyn_crawler.case.files.text import shoe_weights
     from exudyn_crawler.case.parameters.checks import warn_implausible
-    from exudyn_crawler.views.terminal import print_rows
+    from exudyn_crawler.views.tables import print_rows
 
     if case in registered(CASES):
         if changes:
@@ -156,7 +156,7 @@ def report(
     folder = run_folder(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder.progress import heartbeat
     from exudyn_crawler.run.folder.reporting import note_file
-    from exudyn_crawler.views.report.page import write_report
+    from exudyn_crawler.views.pages.report import write_report
 
     with heartbeat(f"report of {folder}"):
         page = write_report(folder, out, overwrite, typer.echo)
@@ -200,11 +200,11 @@ def animate(
 
     with heartbeat(f"animation of {run}"):
         if stress is None:
-            from exudyn_crawler.views.animation import write_animation
+            from exudyn_crawler.views.scenes.track_film import write_animation
 
             write_animation(history, path, overwrite, scale, speed=speed, start=start, end=end)
         else:
-            from exudyn_crawler.views.stress_animation import write_stress_animation
+            from exudyn_crawler.views.scenes.shoe_film import write_stress_animation
 
             write_stress_animation(history, stress, path, overwrite, speed=speed, start=start, end=end)
     note_file(path)

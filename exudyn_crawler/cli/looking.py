@@ -140,8 +140,13 @@ def compare(
     """
     runs = dict(zip(_names(first, second), (first, second), strict=True))
     histories = {name: loaded(run) for name, run in runs.items()}
-    from exudyn_crawler.views.comparison import SAME_CASES, SAME_RESULTS, comparison_tables, write_comparison
-    from exudyn_crawler.views.report.reading import stress_of
+    from exudyn_crawler.views.pages.comparison import (
+        SAME_CASES,
+        SAME_RESULTS,
+        comparison_tables,
+        write_comparison,
+    )
+    from exudyn_crawler.views.pages.folder import stress_of
     from exudyn_crawler.views.tables import print_table, write_table
 
     by_run = {name: stress_of(run_folder(run)) for name, run in runs.items()}

@@ -11,8 +11,8 @@ from exudyn_crawler.run.folder.reporting import note_file
 from exudyn_crawler.sweep.definition import Sweep
 from exudyn_crawler.sweep.results import main_effects, sobol_indices
 from exudyn_crawler.sweep.worker import DONE, OUTCOME
-from exudyn_crawler.views.report.page import REPORT, write_report
-from exudyn_crawler.views.sweep_page import Best, SweepView, sweep_page
+from exudyn_crawler.views.pages.report import REPORT, write_report
+from exudyn_crawler.views.pages.sweep import Best, SweepView, sweep_page
 
 
 def write_page(

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.views.curves import STYLE
+from exudyn_crawler.views.style import STYLE
 
 SWING = 0.1
 """m, greatest motion drawn."""

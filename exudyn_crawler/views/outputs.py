@@ -1,9 +1,10 @@
 """What a run leaves beside its history: a list of writers, each of which asks the outputs of the case."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import xarray as xr
+from matplotlib.figure import Figure
 
 from exudyn_crawler.case.files.case_file import Outputs
 from exudyn_crawler.files import whole_file
@@ -14,14 +15,13 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import extremes
 from exudyn_crawler.results.history.tables import highest_by_phase, hot_spot_table, load_table, region_table
 from exudyn_crawler.results.stress.recovery import StressResults
-from exudyn_crawler.views.animation import write_animation
-from exudyn_crawler.views.curves import KINEMATICS, kinematic_figure, save_figure
-from exudyn_crawler.views.force_figures import force_figures
-from exudyn_crawler.views.ground_figures import ground_figure
-from exudyn_crawler.views.paraview import write_paraview
-from exudyn_crawler.views.roller_figures import roller_figures
-from exudyn_crawler.views.stress_figures import stress_figures
-from exudyn_crawler.views.stress_pictures import write_stress_pictures
+from exudyn_crawler.views.figures.runs import force_figures, kinematic_figure, roller_figures, stress_figures
+from exudyn_crawler.views.figures.series import KINEMATICS
+from exudyn_crawler.views.scenes.paraview import write_paraview
+from exudyn_crawler.views.scenes.projections import ground_figure
+from exudyn_crawler.views.scenes.stress_pictures import write_stress_pictures
+from exudyn_crawler.views.scenes.track_film import write_animation
+from exudyn_crawler.views.style import save_figure
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
@@ -57,41 +57,25 @@ def write_loads(history: History, folder: Path, outputs: Outputs) -> None:
         write_table(load_table(history), folder / "loads.csv", overwrite=True)
 
 
-def write_motion(history: History, folder: Path, outputs: Outputs) -> None:
-    """Every kinematic quantity of some shoes, a figure each."""
-    shoes = outputs.drawn_shoes(history.case.track.shoe_count)
-    for quantity in KINEMATICS if outputs.figures else ():
-        figure = kinematic_figure(history, quantity, shoes)
-        save_figure(figure, _figure_file(folder, quantity, outputs), overwrite=True)
-
-
-def write_contact_and_joints(history: History, folder: Path, outputs: Outputs) -> None:
-    """Contact and joint forces of the same shoes and the links behind them, a figure each."""
+def write_curves(history: History, folder: Path, outputs: Outputs) -> None:
+    """Motion, contact and joint forces of some shoes and the links behind them; rollers and side frame."""
     if not outputs.figures:
         return
-    count = history.case.track.shoe_count
+    case, count = history.case, history.case.track.shoe_count
     shoes = outputs.drawn_shoes(count)
     joints = sorted({min(shoe, count - 1) for shoe in shoes})
-    for title, figure in force_figures(history, shoes, joints).items():
-        save_figure(figure, _figure_file(folder, title, outputs), overwrite=True)
-
-
-def write_rollers(history: History, folder: Path, outputs: Outputs) -> None:
-    """Forces of the rollers, of them on the flexible shoes or else on the drawn ones, and the side frame."""
-    case = history.case
-    if not outputs.figures or case.propel == "dragged":
-        return
-    shoes = outputs.drawn_shoes(case.track.shoe_count) if case.flexible is None else case.flexible.shoes
-    for title, figure in roller_figures(history, shoes).items():
-        save_figure(figure, _figure_file(folder, title, outputs), overwrite=True)
+    _save({quantity: kinematic_figure(history, quantity, shoes) for quantity in KINEMATICS}, folder, outputs)
+    _save(force_figures(history, shoes, joints), folder, outputs)
+    if case.propel == "rolled":
+        loaded = shoes if case.flexible is None else case.flexible.shoes
+        _save(roller_figures(history, loaded), folder, outputs)
 
 
 def write_ground(history: History, folder: Path, outputs: Outputs) -> None:
     """The track on uneven ground at the end of the run, and what the ground carries."""
     terrain = history.case.terrain
     if outputs.figures and not (terrain.heights is None and terrain.profile is None):
-        figure = ground_figure(history, history.duration)
-        save_figure(figure, _figure_file(folder, "ground", outputs), overwrite=True)
+        _save({"ground": ground_figure(history, history.duration)}, folder, outputs)
 
 
 def write_film(history: History, folder: Path, outputs: Outputs) -> None:
@@ -121,8 +105,9 @@ def write_hot_spots(history: History, stresses: StressResults, folder: Path, out
 
 def write_flexible_shoes(history: History, stresses: StressResults, folder: Path, outputs: Outputs) -> None:
     """Motion, contact, joint forces, modal coordinates and stress of the flexible shoes, a figure each."""
-    for title, figure in stress_figures(history, stresses).items() if outputs.figures else ():
-        save_figure(figure, _figure_file(folder, f"flexible {title}", outputs), overwrite=True)
+    if outputs.figures:
+        figures = stress_figures(history, stresses)
+        _save({f"flexible {title}": figure for title, figure in figures.items()}, folder, outputs)
 
 
 def write_fields(history: History, stresses: StressResults, folder: Path, outputs: Outputs) -> None:
@@ -169,8 +154,6 @@ WRITERS: tuple[Callable[[History, Path, Outputs], None], ...] = (
     write_film,
 )
 """What is written of any run, in this order."""
-CURVE_WRITERS = (write_motion, write_contact_and_joints, write_rollers)
-"""Figures over time of any run."""
 MOST_DRAWN = 5 * 10**8
 """Bytes of a history whose curves are drawn as they are: 70 s of 13 rigid shoes, stored every 2 ms."""
 
@@ -183,10 +166,10 @@ def write_outputs(history: History, stresses: StressResults | None, folder: Path
     for write in WRITERS:
         write(history, folder, outputs)
     # curves of a long run would not fit into memory, and no figure shows them at every step
-    drawn = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
-    for write_curves in CURVE_WRITERS:
-        write_curves(drawn, folder, outputs)
+    write_curves(history.every(-(-history.dataset.nbytes // MOST_DRAWN)), folder, outputs)
 
 
-def _figure_file(folder: Path, title: str, outputs: Outputs) -> Path:
-    return folder / f"{title.replace(' ', '_')}.{outputs.figure_format}"
+def _save(figures: Mapping[str, Figure], folder: Path, outputs: Outputs) -> None:
+    """Write figures by their names."""
+    for title, figure in figures.items():
+        save_figure(figure, folder / f"{title.replace(' ', '_')}.{outputs.figure_format}", overwrite=True)

@@ -1,33 +1,70 @@
-"""Tables on a terminal and in CSV files."""
+"""Tables on a terminal and in CSV files; nothing heavy is loaded to print rows."""
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import pandas as pd
 from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
 
 from exudyn_crawler.files import whole_file
-from exudyn_crawler.views.terminal import print_rows
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+VERDICT_STYLES = {"yes": "green", "no": "red", "not reached": "", "": ""}
 DIGITS = 10
 """Of a number in a CSV file: the last ones of sixteen are rounding alone, 1.5860000000000005 for 1.586."""
 NUMBER = f"%.{DIGITS}g"
 
 
-def print_table(table: pd.DataFrame, title: str, console: Console | None = None) -> None:
+def print_rows(
+    columns: Sequence[str],
+    rows: Iterable[Sequence[object]],
+    title: str,
+    numeric: Iterable[str] = (),
+    console: Console | None = None,
+) -> None:
+    """Print rows of cells under the names of their columns; `numeric` ones stand to the right.
+
+    Rows with a column `within` are coloured.
+    """
+    console = console or Console()
+    if not console.is_terminal:
+        console = Console(width=150)
+    shown = Table(title=escape(title), title_justify="left")
+    right = set(numeric)
+    for name in columns:
+        shown.add_column(escape(name), justify="right" if name in right else "left")
+    verdict = columns.index("within") if "within" in columns else None
+    for row in rows:
+        style = "" if verdict is None else VERDICT_STYLES.get(str(row[verdict]), "")
+        shown.add_row(*(escape(_cell(value)) for value in row), style=style)
+    console.print(shown)
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float):
+        return "" if value != value else f"{value:.4g}"
+    return str(value)
+
+
+def print_table(table: "pd.DataFrame", title: str, console: Console | None = None) -> None:
     """Print a table; a column `within` is coloured."""
-    numeric = [str(name) for name in table.columns if pd.api.types.is_numeric_dtype(table[name])]
+    numeric = [str(name) for name in table.columns if table[name].dtype.kind in "biuf"]
     rows = table.itertuples(index=False)
     print_rows([str(name) for name in table.columns], rows, title, numeric, console)
 
 
-def write_table(table: pd.DataFrame, path: Path, overwrite: bool = False) -> Path:
+def write_table(table: "pd.DataFrame", path: Path, overwrite: bool = False) -> Path:
     """Write a table as CSV, whole or not at all."""
     with whole_file(path, overwrite) as temporary:
         table.to_csv(temporary, index=False, float_format=NUMBER)
     return path
 
 
-def within_by_class(table: pd.DataFrame) -> pd.DataFrame:
+def within_by_class(table: "pd.DataFrame") -> "pd.DataFrame":
     """How many rows of a comparison are within, of those with a verdict: columns class, within, of.
 
     Parameters
@@ -36,6 +73,5 @@ def within_by_class(table: pd.DataFrame) -> pd.DataFrame:
         With the columns class and within: yes, no, or else without a verdict.
     """
     judged = table[table["within"].isin(["yes", "no"])]
-    grouped = judged.groupby("class", sort=False)["within"]
-    counts = pd.DataFrame({"within": grouped.agg(lambda w: int((w == "yes").sum())), "of": grouped.size()})
-    return counts.reset_index()
+    is_within = judged.assign(within=judged["within"] == "yes").groupby("class", sort=False)["within"]
+    return is_within.agg(["sum", "size"]).set_axis(["within", "of"], axis=1).reset_index()

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from exudyn_crawler import Case, LoadCycle, SphereContact, Terrain, simulate
 from exudyn_crawler.errors import ParameterError
@@ -10,7 +9,8 @@ from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.results.loads.balance import shoe_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.steady_sliding import check_sliding
-from exudyn_crawler.views.side_view import SideView
+from exudyn_crawler.views.scenes.poses import instants
+from exudyn_crawler.views.scenes.projections import side_solids
 
 SHOES = 4
 
@@ -93,12 +93,10 @@ def test_flexible_and_rigid_shoes_go_over_a_hill_in_balance():
     assert np.abs(history.angles.sel(axis="y")).max() > 0.02
     weight = float(case.pressed(case.loads.loads(0.0)[0]).sum())
     assert np.abs(shoe_imbalance(history).force.values).max() < 1e-6 * weight
-    axes = Figure().subplots()
-    view = SideView(axes, history, 1.0)
-    view.show(history.dataset.isel(time=-1))
+    solids, _ = side_solids(history.case, instants(history, [history.duration]))
     # corner 3 is the rear edge of a face and 2 the front one
-    faces = np.array([path.vertices for path in view._ground.get_paths()])
-    assert faces[1:, 3, 1] == pytest.approx(faces[:-1, 2, 1], abs=1e-3)
+    faces = solids["units"].points.reshape(-1, 4, 3)
+    assert faces[1:, 3, 2] == pytest.approx(faces[:-1, 2, 2], abs=1e-3)
 
 
 @pytest.mark.simulation

@@ -159,7 +159,7 @@ def test_an_altered_history_of_a_stopped_run_is_refused_by_name(tmp_path, monkey
 def bare_study(monkeypatch):
     """The kinematics study with its runs, its comparison and hardly a figure."""
     monkeypatch.setattr(outputs, "WRITERS", (outputs.write_loads,))
-    monkeypatch.setattr(outputs, "CURVE_WRITERS", ())
+    monkeypatch.setattr(outputs, "write_curves", lambda *_: None)
     monkeypatch.setattr("studies.kinematics.KINEMATICS", ("velocity",))
     return partial(kinematics_study, duration=0.01)
 

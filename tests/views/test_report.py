@@ -1,6 +1,5 @@
 """The report of a folder: what the page holds."""
 
-import base64
 import json
 import re
 import shutil
@@ -9,32 +8,27 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 from exudyn_crawler import History, recover_stresses
 from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
 from exudyn_crawler.run.folder.reporting import note_file
-from exudyn_crawler.views.report.frames import first_frame, frame_titles
-from exudyn_crawler.views.report.heading import bouncing_lines, provenance
-from exudyn_crawler.views.report.packing import thinned
-from exudyn_crawler.views.report.page import LONGEST_TABLE, report_page, write_report
-from exudyn_crawler.views.series import history_series
+from exudyn_crawler.views.figures.series import history_series
+from exudyn_crawler.views.pages.page import Section, page, paragraph
+from exudyn_crawler.views.pages.report import (
+    LONGEST_TABLE,
+    bouncing_lines,
+    provenance,
+    report_page,
+    write_report,
+)
+from exudyn_crawler.views.scenes.shoes import first_frame, frame_titles
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
 from studies.reported import reported_values
+from tests.views.test_packing import data_of, unpacked
 
 LIMIT = 20e6
 """Bytes that the report of a stress study may have."""
-
-
-def data_of(page):
-    return json.loads(re.search(r'id="report-data">(.*?)</script>', page, re.DOTALL)[1])
-
-
-def unpacked(text, kind):
-    return np.frombuffer(base64.b64decode(text), dtype=f"<{kind}")
 
 
 def series_of(data, case, label, item, axis):
@@ -51,25 +45,6 @@ def stress_page(stress_folder):
     return report_page(stress_folder)
 
 
-@given(arrays(np.float64, st.integers(1, 500), elements=st.floats(-1e6, 1e6)), st.integers(10, 300))
-def test_a_thinned_series_keeps_ends_and_extremes(values, points):
-    kept = thinned(values, points)
-    assert np.all(np.diff(kept) > 0)
-    assert {0, len(values) - 1} <= set(kept.tolist())
-    assert values[kept].min() == values.min()
-    assert values[kept].max() == values.max()
-    assert len(kept) <= max(points, 3)
-    if len(values) <= points:
-        assert len(kept) == len(values)
-
-
-def test_a_short_spike_survives_anywhere():
-    for place in range(0, 20_000, 611):
-        values = np.sin(np.arange(20_000) * 1e-3)
-        values[place] = 7.0
-        assert place in thinned(values, 900)
-
-
 def test_series_on_the_page_are_those_of_the_history(flexible_run, stress_page):
     history, stress, _ = flexible_run
     data = data_of(stress_page)
@@ -78,11 +53,12 @@ def test_series_on_the_page_are_those_of_the_history(flexible_run, stress_page):
     assert velocity == pytest.approx(history.velocity.sel(shoe=13, axis="x").values, rel=1e-6)
     _, force = series_of(data, "stress", "contact force", "shoe 7", "z")
     contacts = history.contacts_by_shoe().contact_force.sel(shoe=7, axis="z")
-    assert force == pytest.approx(contacts.values, rel=1e-6)
+    assert force == pytest.approx(1e-3 * contacts.values, rel=1e-6)
     _, highest = series_of(data, "stress", "highest von Mises stress", "shoe 7", "")
     assert highest == pytest.approx(stress.highest_von_mises.sel(shoe=7).values / 1e6, rel=1e-6)
     _, pin = series_of(data, "stress", "pin force", "link 12-13 left", "x")
-    assert pin == pytest.approx(history.pin_force.sel(joint=12, pin="left", axis="x").values, rel=1e-6)
+    expected = 1e-3 * history.pin_force.sel(joint=12, pin="left", axis="x").values
+    assert pin == pytest.approx(expected, rel=1e-6)
 
 
 def test_the_page_knows_the_phases_of_each_case_that_has_several(phased, translation, tmp_path):
@@ -113,7 +89,7 @@ def test_the_page_has_every_section_and_its_numbers(stress_folder, stress_page):
     for verdict, name in (("yes", "within"), ("no", "outside"), ("", "none")):
         assert stress_page.count(f'<tr class="{name}">') == (table["within"] == verdict).sum() > 0
     spots = pd.read_csv(stress_folder / "hot_spots_shoe_13.csv")
-    assert f"<td>{spots['von Mises in MPa'][0]:.5g}</td>" in stress_page
+    assert f">{spots['von Mises in MPa'][0]:.5g}</td>" in stress_page
     assert stress_page.count("data:image/webp;base64,") == 2
     assert "{&#34;wall time&#34;: &#34;&lt;1 s&#34;}" in stress_page
     assert "Every stored time is drawn." in stress_page
@@ -243,7 +219,7 @@ def test_a_studys_page_shows_the_flexible_shoes_of_its_run(stress_folder, tmp_pa
     for heading in ("Paper against computed", "Time histories", "Hot spots", "Flexible shoes in 3D"):
         assert f"<h2>{heading}</h2>" in page
     assert page.count("data:image/webp;base64,") == 2
-    assert data_of(page)["shoes"] == data_of(report_page(stress_folder))["shoes"]
+    assert data_of(page)["scenes"]["shoe"] == data_of(report_page(stress_folder))["scenes"]["shoe"]
 
 
 def test_a_comparison_alone_is_a_report_even_if_nothing_was_judged(tmp_path):
@@ -313,3 +289,26 @@ def test_a_report_touches_nothing_that_the_record_names(translation, tmp_path):
     note_file(write_report(folder))
     assert json.loads((folder / "run.json").read_text())["files"] == ["report.html"]
     assert (tmp_path / "precious.csv").read_text() == "mine"
+
+
+def test_no_name_breaks_a_page(translation, tmp_path):
+    name = "a <!--<script> </script> $x_1$ name"
+    History(translation.case.model_copy(update={"name": name}), translation.dataset).save(
+        tmp_path / "history.nc"
+    )
+    text = report_page(tmp_path)
+    assert list(data_of(text)["cases"]) == [name]
+    assert "<h1>Crawler track: a &lt;!--&lt;script&gt; &lt;/script&gt; $x_1$" in text
+    own = re.sub(r"<script>.*?</script>", "", text, flags=re.DOTALL)
+    assert "<!--" not in own
+
+
+def test_sections_without_content_are_left_out_and_so_are_control_characters():
+    text = page(
+        "a \x07 title", ["lead"], [Section("a", "First", paragraph("<b>")), Section("b", "Second", "")]
+    )
+    assert '<section id="a">' in text
+    assert "<h1>a \N{REPLACEMENT CHARACTER} title</h1>" in text
+    assert "<p>&lt;b&gt;</p>" in text
+    assert "Second" not in text
+    assert "plotly" not in text.lower()

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import History
-from exudyn_crawler.views.report.page import write_report
-from exudyn_crawler.views.report.track import packed_undercarriage
-from exudyn_crawler.views.undercarriage import frame_pose, rollers_surface
+from exudyn_crawler.views.pages.packing import SceneArrays
+from exudyn_crawler.views.pages.report import packed_track, write_report
+from exudyn_crawler.views.scenes.shoes import STRESS, TRUST
+from exudyn_crawler.views.scenes.track import rollers
+from fem.trust import VERDICTS
 from tests.views.browser import Reader
 
 
@@ -48,7 +50,7 @@ def test_quantities_axes_and_shoes_can_be_picked(reader, flexible_run):
     assert drawn == pytest.approx((position - position[0]).values, rel=1e-5, abs=1e-12)
     plot.locator(".items").get_by_text("all").click()
     assert reader.shown("data.length") == 26
-    plot.get_by_label("quantity").select_option(label="spherical joint reaction in N")
+    plot.get_by_label("quantity").select_option(label="spherical joint reaction in kN")
     assert reader.shown("data.map((trace) => trace.name)")[:5] == [
         f"link {n}-{n + 1}" for n in (1, 4, 7, 10, 12)
     ]
@@ -120,14 +122,14 @@ def test_the_whole_track_moves(reader, flexible_run):
     """Boxes of rigid and flexible shoes stand where the history has them, and go on when it is played."""
     history, _, _ = flexible_run
     reader.page.locator("#track-view").scroll_into_view_if_needed()
-    reader.page.wait_for_function("() => report.track !== null && document.querySelector('#track-view').data")
+    reader.page.wait_for_function("() => report.views.track && document.querySelector('#track-view').data")
     view = "#track-view"
     names = reader.shown("data.map((trace) => trace.name)", view)
     assert names == ["rigid shoes", "flexible shoes", "ground", "contact forces", "contact forces"]
     assert reader.shown("[data[0].x.length, data[1].x.length]", view) == [11 * 8, 2 * 8]
     x0, x1, y0, y1, z0 = history.case.shoe.footprint
     middle = 0.5 * np.array([x0 + x1, y0 + y1, z0 + history.case.shoe.load_point[2]])
-    count = reader.page.evaluate("report.track.track.times.length")
+    count = reader.page.evaluate("report.views.track.scene.titles.length")
     for number in (0, count - 1):
         reader.page.locator("#track-time").fill(str(number))
         drawn = np.array(reader.shown("['x', 'y', 'z'].map((a) => Array.from(data[1][a]))", view))
@@ -138,7 +140,7 @@ def test_the_whole_track_moves(reader, flexible_run):
     reader.page.locator("#track-time").fill(str(count - 3))
     reader.page.locator("#track-play").click()
     reader.page.wait_for_function(
-        f"() => Number(report.track.time.value) === {count - 1} && !report.track.playing"
+        f"() => report.views.track.now() === {count - 1} && !report.views.track.playing"
     )
     reader.page.locator("#track-forces").uncheck()
     assert reader.shown("data.length", view) == 3
@@ -149,22 +151,28 @@ def test_the_whole_track_moves(reader, flexible_run):
 
 
 def test_rollers_stand_where_the_frame_has_them(reader, rolled):
-    """What the page's script makes of a packed side frame, as the pictures have it."""
-    now = rolled.dataset.isel(time=-1)
-    pose = frame_pose(now)
-    frame = {"origin": pose.origin.tolist(), "turn": pose.frame.ravel().tolist()}
-    given = [packed_undercarriage(rolled.case), frame]
-    script = "([shape, frame]) => { const { x, y, z, i, j, k } = rollerSurface(shape, frame, 'red');"
+    """What the page's script makes of a packed solid is what pictures draw."""
+    shared = SceneArrays()
+    track = packed_track(rolled, shared)
+    packed = next(one for one in track["solids"] if one["name"] == "rollers")
     drawn = reader.page.evaluate(
-        script + " return [x, y, z, i, j, k].map((one) => Array.from(one)); }", given
+        """([solid, arrays, time]) => {
+          const own = data.arrays;
+          data.arrays = arrays;
+          unpacked.clear();
+          const { nodes, corners } = solidMesh(solid, time);
+          data.arrays = own;
+          unpacked.clear();
+          return [...nodes, ...corners].map((one) => Array.from(one));
+        }""",
+        [packed, shared.packed, len(track["titles"]) - 1],
     )
-    points, triangles = rollers_surface(now, rolled.case)
-    places, corners = np.transpose(drawn[:3]), np.transpose(drawn[3:])
-    assert places == pytest.approx(points, abs=1e-5)
-    assert (corners == triangles).all()
-    first = "(x) => x < " + repr(float(pose.origin[0]) - 0.5)
-    one = reader.page.evaluate(f"([s, f]) => rollerSurface(s, f, 'red', {first}).x.length", given)
-    assert one == len(points) // 3
+    treads, _ = rollers(rolled.case, rolled.dataset.isel(time=[-1]))
+    surface = treads.at()
+    assert np.transpose(drawn[:3]) == pytest.approx(surface.points, abs=1e-5)
+    triangles = np.transpose(drawn[3:])
+    assert (np.sort(triangles.ravel()) == np.sort(surface.triangles.ravel())).all()
+    assert set(map(tuple, triangles.tolist())) == set(map(tuple, surface.triangles.tolist()))
 
 
 @pytest.mark.slow
@@ -173,12 +181,12 @@ def test_the_time_of_the_shoes_can_be_chosen(reader, flexible_run):
     used = np.unique(stress.triangle.values)
     step = float(stress.frame_von_mises.max()) / 1e6 / 65535  # a page holds stresses as whole numbers of it
     view = "#shoe-view"
-    reader.page.locator("#shoes").scroll_into_view_if_needed()
+    show_shoes(reader)
     pictures = []
     titles = ["t = 0 s, begin", "t = 0.06 s, end of constant"]
     # the highest stress is shown first
     first = int(stress.frame_von_mises.max(["shoe", "node"]).values.argmax())
-    assert reader.page.evaluate("report.shoes.shoes.first") == first
+    assert reader.page.evaluate("report.views.shoe.scene.first") == first
     for number, frame in enumerate(stress.frame.values):
         reader.page.locator("#shoe-time").fill(str(number))
         assert reader.page.locator("#shoe-time-shown").text_content() == titles[number]
@@ -192,11 +200,17 @@ def test_the_time_of_the_shoes_can_be_chosen(reader, flexible_run):
     assert pictures[0] != pictures[1]
     assert (
         reader.shown("[data[0].cmax, data[1].cmax]", view)
-        == [reader.page.evaluate("report.shoes.shoes.limit")] * 2
+        == [reader.page.evaluate("report.views.shoe.scene.solids[0].colourings[0].high")] * 2
     )
 
 
+def show_shoes(reader):
+    reader.page.locator("#shoes").scroll_into_view_if_needed()
+    reader.page.wait_for_function("() => report.views.shoe && document.querySelector('#shoe-view').data")
+
+
 def test_shoes_stand_where_the_history_has_them_and_bend_as_asked(reader, flexible_run):
+    show_shoes(reader)
     history, stress, _ = flexible_run
     used = np.unique(stress.triangle.values)
     last = len(stress.frame) - 1
@@ -217,17 +231,30 @@ def test_shoes_stand_where_the_history_has_them_and_bend_as_asked(reader, flexib
 
 
 def test_shoes_can_be_coloured_by_how_far_to_trust_them(reader, flexible_run):
+    """Verdicts have colours of their own, the worst of a face's nodes; low stresses are not judged."""
     _, stress, _ = flexible_run
+    show_shoes(reader)
     used, view = np.unique(stress.triangle.values), "#shoe-view"
-    reader.page.locator("#shoe-trust").check()
-    for place, shoe in enumerate((7, 13)):
-        expected = stress.peak_verdict.sel(shoe=shoe).values[used]
-        known = [int(number) if number >= 0 else None for number in expected]
-        drawn = f"Array.from(data[{place}].intensity, (one) => Number.isNaN(one) ? null : one)"
-        assert reader.shown(drawn, view) == known
+    corners = np.searchsorted(used, stress.triangle.values)
+    highest = float(stress.peak_von_mises.isel(node=used).max())
+    reader.page.locator("#shoe-colouring").select_option(TRUST)
     words = reader.shown("data[0].colorbar.ticktext", view)
-    assert reader.shown("data[1].text[0]", view) == f"shoe 13: {words[int(expected[0])]}"
-    reader.page.locator("#shoe-trust").uncheck()
+    assert words == [*VERDICTS, "low: below 10 % of the highest"]
+    assert reader.shown("data[0].intensitymode", view) == "cell"
+    for place, shoe in enumerate((7, 13)):
+        chosen = stress.sel(shoe=shoe).isel(node=used)
+        known = np.where(chosen.peak_verdict < 0, np.nan, chosen.peak_verdict)
+        judged = np.where(chosen.peak_von_mises >= 0.1 * highest, known, np.nan)
+        assert 0.0 < np.isfinite(judged).mean() < 0.9
+        faces = judged[corners]
+        seen = np.isfinite(faces).any(axis=1)
+        drawn = f"Array.from(data[{place}].intensity, (one) => Number.isNaN(one) ? null : one)"
+        found = np.array(reader.shown(drawn, view), dtype=float)
+        assert found[seen] == pytest.approx(np.nanmax(faces[seen], axis=1))
+        assert set(found[~seen]) <= {len(VERDICTS), np.nan}
+    first = f"shoe 13, node {used[0]}: "
+    assert reader.shown("data[1].text[0]", view).startswith(first)
+    reader.page.locator("#shoe-colouring").select_option(STRESS)
     assert "von Mises" in reader.shown("data[0].colorbar.title.text", view)
 
 

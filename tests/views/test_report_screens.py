@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from exudyn_crawler.views.report.page import write_report
+from exudyn_crawler.views.pages.report import write_report
 from tests.views.browser import Reader
 
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
@@ -103,12 +103,12 @@ def test_colour_bars_of_a_narrow_screen_are_as_wide_as_it(phone):
         assert view["left"] <= whole["left"] < whole["right"] <= view["right"]
         assert canvas["bottom"] - 1.0 <= whole["top"] < whole["bottom"] <= view["bottom"] + 1.0
     # the words of the verdicts have room, too
-    phone.page.locator("#shoe-trust").check()
+    phone.page.locator("#shoe-colouring").select_option(index=1)
     words = phone.page.evaluate(BOXES, "#shoe-view .colorbar .cbaxis text")
     assert len(words) == 3
     assert all(view["left"] <= word["left"] < word["right"] <= view["right"] for word in words)
     assert not any(overlap(one, other) for one, other in pairwise(words))
-    phone.page.locator("#shoe-trust").uncheck()
+    phone.page.locator("#shoe-colouring").select_option(index=0)
 
 
 def test_views_step_back_as_a_screen_becomes_narrow(browser, stress_folder, tmp_path):

@@ -9,17 +9,18 @@ from matplotlib.colorbar import Colorbar
 from PIL import Image
 
 from exudyn_crawler import Case
-from exudyn_crawler.views.paraview import write_paraview
-from exudyn_crawler.views.placement import Pose, instant, shoe_forces, touching
-from exudyn_crawler.views.scales import Scales
-from exudyn_crawler.views.scenes import opengl_works
-from exudyn_crawler.views.stress_pictures import (
+from exudyn_crawler.views.scenes.drawing import opengl_works
+from exudyn_crawler.views.scenes.paraview import write_paraview
+from exudyn_crawler.views.scenes.poses import shoe_forces, shoe_pose
+from exudyn_crawler.views.scenes.shoes import Scales, stress_scene
+from exudyn_crawler.views.scenes.stress_pictures import (
     picture_name,
     picture_time,
-    shoe_scene,
+    shoes_apart,
     stress_picture,
     write_stress_pictures,
 )
+from tests.views.test_track_scene import axes_of_rollers
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def run(flexible_run):
             "opengl",
             marks=pytest.mark.skipif(not opengl_works(), reason="this machine has no OpenGL or EGL"),
         ),
-        "plain",
+        "painted",
     ],
 )
 def test_every_chosen_time_gets_a_picture(run, backend, tmp_path):
@@ -60,7 +61,7 @@ def test_all_pictures_share_one_scale_and_say_the_highest_stress(run):
     greatest = float(stress.frame_von_mises.isel(node=surface).max())
     assert greatest <= scales.stress < 1.6 * greatest
     for frame in stress.frame.values:
-        figure = stress_picture(stress, history, float(frame), backend="plain")
+        figure = stress_picture(stress, history, float(frame), backend="painted")
         texts = [text.get_text() for text in figure.texts]
         for shoe in (7, 13):
             highest = float(stress.frame_von_mises.sel(shoe=shoe, frame=frame).max()) / 1e6
@@ -74,25 +75,24 @@ def test_all_pictures_share_one_scale_and_say_the_highest_stress(run):
 def test_a_shoe_is_bent_by_its_magnified_displacement_and_pressed_by_its_contacts(run):
     history, stress = run
     frame = float(stress.frame[-1])
-    now = instant(history, frame)
-    points, forces = touching(now, 13)
-    pose = Pose.of(now, 13)
+    now = history.dataset.sel(time=frame, method="nearest")
+    place = shoe_pose(now, 13)
     scales = Scales.of(stress, history)
-    scene = shoe_scene(stress, frame, 13, scales, pose.inside(points), pose.components(forces))
+    scene = shoes_apart(stress_scene(stress.sel(frame=[frame]), history, scales))[1]
+    surface, arrows = scene.solids[0].at(), scene.arrows[0].at()
     used = np.unique(stress.triangle.values)
     chosen = stress.sel(shoe=13, frame=frame).isel(node=used)
-    moved = scene.points - chosen.node_position.values
+    moved = surface.points - chosen.node_position.values
     assert moved == pytest.approx(scales.displacement * chosen.frame_displacement.values, abs=1e-12)
-    assert scene.values == pytest.approx(chosen.frame_von_mises.values / 1e6)
+    assert surface.values == pytest.approx(chosen.frame_von_mises.values / 1e6)
     assert np.linalg.norm(moved, axis=1).max() < 0.05
     # arrows end at the underside and push the shoe up
-    assert scene.arrows[:, 1, 2] == pytest.approx(-history.case.shoe.com_height, abs=0.05)
-    pushes = (scene.arrows[:, 1] - scene.arrows[:, 0]) / scales.pair_force
-    total = pose.turn(pushes).sum(axis=0)
+    assert arrows[:, 1, 2] == pytest.approx(-history.case.shoe.com_height, abs=0.05)
+    total = place.turn @ (arrows[:, 1] - arrows[:, 0]).sum(axis=0) / scales.pair_force
     own = history.contact_shoe.values == 13
     expected = (now.normal_force + now.friction_force).isel(contact=own).sum("contact").values
     assert total == pytest.approx(expected, rel=1e-9)
-    assert shoe_forces(now)[1][12] == pytest.approx(expected, rel=1e-9)
+    assert shoe_forces(now.expand_dims("time"))[1][0, 12] == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_time_that_was_not_chosen_is_refused(run):
@@ -110,14 +110,14 @@ def test_paraview_reads_the_track_back_in_place(run, tmp_path):
     last = {e["name"]: tmp_path / e["file"] for e in entries if float(e["timestep"]) == times[-1]}
     assert set(last) == {"shoe 7", "shoe 13", "rigid shoes", "terrain", "contacts"}
 
-    now = instant(history, times[-1])
+    now = history.dataset.sel(time=times[-1], method="nearest")
     shoe = meshio.read(last["shoe 13"])
     assert [block.type for block in shoe.cells] == ["tetra10"]
     chosen = stress.sel(shoe=13, frame=times[-1])
     assert shoe.point_data["von mises"] == pytest.approx(chosen.frame_von_mises.values, rel=1e-6)
-    pose = Pose.of(now, 13)
-    assert pose.inside(shoe.points) == pytest.approx(stress.node_position.values, abs=1e-9)
-    bent = pose.components(shoe.point_data["displacement"])
+    place = shoe_pose(now, 13)
+    assert place.inside(shoe.points) == pytest.approx(stress.node_position.values, abs=1e-9)
+    bent = place.components(shoe.point_data["displacement"])
     assert bent == pytest.approx(chosen.frame_displacement.values, abs=1e-9)
 
     terrain = meshio.read(last["terrain"])
@@ -141,7 +141,7 @@ def test_units_of_uneven_ground_are_as_high_as_their_faces(run, tmp_path):
     write_paraview(stress.isel(frame=[0]), uneven, tmp_path)
     written = meshio.read(tmp_path / "track_parts" / "terrain_000.vtu")
     corners = written.points[written.cells[0].data]
-    now = instant(history, 0.0)
+    now = history.dataset.sel(time=0.0, method="nearest")
     bottom, top = corners[:, :4, 2].mean(axis=1), corners[:, 4:, 2].mean(axis=1)
     assert top == pytest.approx(terrain.top_heights + now.unit_heave.values, abs=1e-4)
     assert bottom == pytest.approx(now.unit_heave.values - terrain.unit_height, abs=1e-4)
@@ -154,3 +154,28 @@ def test_stresses_of_another_mesh_are_refused(run, tmp_path):
     rigid = type(history)(Case.translation(), history.dataset)
     with pytest.raises(ValueError, match="no flexible shoes"):
         write_paraview(stress, rigid, tmp_path)
+
+
+def test_paraview_has_frame_rollers_and_treads(bent, bent_stress, tmp_path):
+    series = ElementTree.parse(write_paraview(bent_stress, bent, tmp_path)).getroot()
+    last = float(bent_stress.frame[-1])
+    files = {
+        entry.attrib["name"]: tmp_path / entry.attrib["file"]
+        for entry in series.iter("DataSet")
+        if float(entry.attrib["timestep"]) == last
+    }
+    assert {"side frame", "rollers", "treads"} <= set(files)
+    now = bent.dataset.sel(time=[last], method="nearest")
+    rollers, hubs = meshio.read(files["rollers"]), axes_of_rollers(bent, now)
+    whose = rollers.cell_data["roller"][0]
+    for number, hub in enumerate(hubs, 1):
+        own = rollers.points[np.unique(rollers.cells[0].data[whose == number])]
+        assert own.mean(axis=0) == pytest.approx(hub, abs=1e-4)
+        force = rollers.cell_data["force"][0][whose == number][0]
+        assert force == pytest.approx(now.roller_force.sel(roller=number).sum("rail").values[0])
+    frame = meshio.read(files["side frame"])
+    ends = bent.case.undercarriage.ends
+    assert np.linalg.norm(frame.points[1] - frame.points[0]) == pytest.approx(ends[1] - ends[0])
+    treads = meshio.read(files["treads"])
+    total = now.roller_force.sum(("roller", "rail")).values[0]
+    assert treads.point_data["force"].sum(axis=0) == pytest.approx(total)

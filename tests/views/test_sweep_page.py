@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from exudyn_crawler.views import sweep_page as page
-from exudyn_crawler.views.sweep_page import Best, SweepView
-from exudyn_crawler.views.sweep_page import sweep_page as html_of
+from exudyn_crawler.views.pages import sweep as page
+from exudyn_crawler.views.pages.sweep import Best, SweepView
+from exudyn_crawler.views.pages.sweep import sweep_page as html_of
 
 
 def view_of(is_grid=True, **changes):
@@ -98,7 +98,8 @@ def test_the_page_links_to_runs_and_tells_of_failures_without_their_markup():
     assert 'href="runs/a/report.html">1</a>' in text
     assert "it &lt;b&gt;sank&lt;/b&gt;" in text
     assert "<p>None: design &#39;grid&#39; needs all runs to have finished.</p>" in text
-    assert "1 N" in text
+    assert "0.001 kN" in text
+    assert "force in kN" in text
 
 
 def test_a_sweep_without_a_finished_run_has_a_page_without_figures():

@@ -139,6 +139,18 @@ class FatigueMaterial(Parameters):
             scatter=1.4,
         )
 
+    def provenance(self) -> str:
+        """Source of the values; of a ready material that was changed, which values are not of that source."""
+        for ready in (self.a36(), self.cast_nicrmo(), self.cast_manganese()):
+            changed = [
+                name
+                for name in type(self).model_fields
+                if name != "name" and getattr(self, name) != getattr(ready, name)
+            ]
+            if self.source == ready.source and changed:
+                return f"{', '.join(changed)} as the duty gives; all else: {self.source}"
+        return self.source
+
     def factors(self) -> dict[str, float]:
         """What makes the strength: fatigue_strength (Pa), roughness, support, design, mean_sensitivity.
 

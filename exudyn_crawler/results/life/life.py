@@ -30,6 +30,7 @@ from exudyn_crawler.results.life.life_table import (
     worst_nodes,
 )
 from exudyn_crawler.results.stress.hot_spots import shoe_regions
+from exudyn_crawler.results.stress.recovery import flat_triangles
 from fem import Shapes
 from fem.critical_plane import critical_planes, damage_on_planes, plane_normals, surface_normals
 from fem.damage import damage_between, recover_damage
@@ -249,7 +250,7 @@ def _dataset(
         "verdict": trust.verdict,
         "life_factor": trust.factor,
         "node_position": whole.nodes,
-        "triangle": whole.mesh.boundary[:, :3],
+        "triangle": flat_triangles(whole.mesh.boundary),
         "in_spider": np.isin(np.arange(len(whole.nodes)), whole.spider_nodes),
     }
     dataset = xr.Dataset({name: variable(name, value) for name, value in values.items()})

@@ -1,0 +1,109 @@
+"""Two runs on one page: what differs in their cases, in their results, and their main curves together."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+
+from exudyn_crawler.case.files.changes import parameter_differences
+from exudyn_crawler.results.history.catalogue import select
+from exudyn_crawler.results.history.history import History, common_phases
+from exudyn_crawler.results.history.tables import compared, difference_table
+from exudyn_crawler.views.figures.curves import panel_figure
+from exudyn_crawler.views.figures.series import Series, history_series, overlay
+from exudyn_crawler.views.pages.page import (
+    Section,
+    figure_picture,
+    page,
+    paragraph,
+    table,
+    together,
+    write_page,
+)
+
+MAIN = sorted(
+    (one for one in select(compared=True).values() if one.compared != "table"), key=lambda one: one.compared
+)
+"""Quantities that the page draws, as far as both runs have them."""
+SAME_CASES = "Nothing differs in the cases."
+SAME_RESULTS = "Nothing that both runs have differs in the results, beyond rounding."
+"""What stands in place of tables without rows."""
+ITEMS = 3
+"""Shoes that a figure draws at most: the ends and the middle of those that both runs have."""
+
+
+def comparison_figures(
+    histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
+) -> dict[str, Figure]:
+    """Overlays of the main curves of two runs by name, by the label of the quantity."""
+    first, second = (history_series(one, stresses.get(name)) for name, one in histories.items())
+    both = [one.label for one in MAIN if one.label in first and one.label in second]
+    figures, phases = {}, common_phases(*histories.values())
+    for label in both:
+        items = _common_items(first[label], second[label])
+        panels = overlay(dict(zip(histories, (first[label], second[label]), strict=True)), items)
+        is_of_one = len(items) == 1 and items != ["track"]
+        figures[label] = panel_figure(f"{items[0]}: {label}" if is_of_one else label, panels, phases)
+    return figures
+
+
+def _common_items(one: Series, other: Series) -> list[str]:
+    """Some of the items that both series have: the ends and the middle."""
+    both = [item for item in one.values["item"].values.tolist() if item in other.values["item"].values]
+    return sorted({both[round(k * (len(both) - 1) / (ITEMS - 1))] for k in range(ITEMS)}, key=both.index)
+
+
+def comparison_tables(
+    histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """What differs in the cases and in the results of two runs by name, the first A and the second B."""
+    first, second = histories.values()
+    results = difference_table(*(compared(one, stresses.get(name)) for name, one in histories.items()))
+    differences = parameter_differences(first.case, second.case)
+    return pd.DataFrame(differences, columns=["key", "A", "B", "unit"]), results
+
+
+def write_comparison(
+    histories: Mapping[str, History],
+    path: Path,
+    stresses: Mapping[str, xr.Dataset] | None = None,
+    overwrite: bool = False,
+) -> Path:
+    """Write a page, to be read offline, of two runs: differences of cases and results, and main curves.
+
+    Parameters
+    ----------
+    histories : mapping
+        Two histories by name; the first is A, the second B.
+    path : Path
+        File to write (`.html`).
+    stresses : mapping, optional
+        Datasets of `StressResults` by the same names.
+
+    Raises
+    ------
+    ValueError
+        If there are not two histories.
+    FileExistsError
+        If the file exists and `overwrite` is false.
+    """
+    if len(histories) != 2:
+        raise ValueError(f"histories must be two, got {list(histories)}")
+    parameters, results = comparison_tables(histories, stresses or {})
+    a, b = histories
+    lead = [
+        f"{letter} is {name}: case {one.case.name!r}, {one.duration:.4g} s"
+        for letter, (name, one) in zip("AB", histories.items(), strict=True)
+    ]
+    magnitudes = paragraph("Greatest magnitudes of A and B, and of B less A over the time that both have.")
+    drawn = comparison_figures(histories, stresses or {})
+    in_cases = paragraph(SAME_CASES) if parameters.empty else table(parameters)
+    in_results = paragraph(SAME_RESULTS) if results.empty else together(magnitudes, table(results))
+    sections = [
+        Section("parameters", "What differs in the cases", in_cases),
+        Section("results", "What differs in the results", in_results),
+        Section("curves", "Main curves", together(*(figure_picture(*one) for one in drawn.items()))),
+    ]
+    return write_page(page(f"{a} and {b}", lead, sections), path, overwrite)

@@ -1,0 +1,203 @@
+"""Self-contained pages, to be read offline in a browser: sections of text, tables, plots, pictures and 3D."""
+
+import base64
+import io
+import json
+import re
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+from PIL import Image
+from plotly.offline import get_plotlyjs
+
+from exudyn_crawler.files import whole_file
+
+_TEMPLATES = files("exudyn_crawler.views.pages").joinpath("templates")
+SCRIPTS = ("data.js", "camera.js", "scene.js", "phases.js", "page.js")
+PICTURE_WIDTH = 1500
+"""Pixels of a picture on a page."""
+CONTROLS = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
+"""Characters that no page may have, whatever names a user has given."""
+
+
+class Section(NamedTuple):
+    """Part of a page below a heading; it is left out if its body is empty."""
+
+    anchor: str
+    heading: str
+    body: Markup
+
+
+class Cell(NamedTuple):
+    """Cell of a table: what it says, whether it is a number, and where a click leads."""
+
+    text: str
+    number: bool = False
+    link: str | None = None
+
+
+def page(
+    title: str,
+    lead: Sequence[str],
+    sections: Sequence[Section],
+    data: Mapping[str, Any] | None = None,
+    top: str = "",
+) -> str:
+    """HTML of a page.
+
+    Parameters
+    ----------
+    lead : sequence of str
+        Lines below the title.
+    data : mapping, optional
+        What the page's own scripts draw: time histories and 3D views.
+    top : Markup
+        What stands between these and the list of sections.
+    """
+    shown = [one for one in sections if one.body]
+    has_plots = any("plotly-graph-div" in one.body for one in shown) or bool(data and data["scenes"])
+    return (
+        _environment()
+        .get_template("page.html")
+        .render(
+            title=title,
+            lead=lead,
+            top=top,
+            sections=shown,
+            style=_text("page.css"),
+            plotly=_library() if has_plots else "",
+            data=None if data is None else _json(data),
+            scripts=[_text(name) for name in SCRIPTS],
+        )
+    )
+
+
+def write_page(html: str, path: Path, overwrite: bool = False) -> Path:
+    """Write a page, whole or not at all.
+
+    Raises
+    ------
+    FileExistsError
+        If it exists and `overwrite` is false.
+    """
+    with whole_file(path, overwrite) as temporary:
+        temporary.write_text(html, encoding="utf-8")
+    return path
+
+
+def part(name: str, *values: object) -> Markup:
+    """Part of a section, made by the macro of that name."""
+    return Markup(getattr(_environment().get_template("parts.html").module, name)(*values))
+
+
+def paragraph(text: str) -> Markup:
+    """Text of its own."""
+    return part("paragraph", text)
+
+
+def together(*parts: Markup) -> Markup:
+    """Parts one below the other."""
+    return Markup("\n").join(parts)
+
+
+def table(
+    frame: pd.DataFrame,
+    *,
+    digits: int = 4,
+    kinds: Sequence[str] | None = None,
+    anchor: str = "",
+    compact: bool = False,
+    headed: bool = True,
+) -> Markup:
+    """Table of a frame, whose cells are values or `Cell`.
+
+    Parameters
+    ----------
+    digits : int
+        Of a number.
+    kinds : sequence of str, optional
+        CSS class of each row.
+    """
+    rows = [[_cell(value, digits) for value in row] for row in frame.itertuples(index=False, name=None)]
+    classes = [""] * len(rows) if kinds is None else kinds
+    filled = [{"kind": kind, "cells": row} for kind, row in zip(classes, rows, strict=True)]
+    return part("table", list(frame.columns) if headed else [], filled, anchor, compact)
+
+
+def _cell(value: object, digits: int) -> Cell:
+    if isinstance(value, Cell):
+        return value
+    if isinstance(value, float | np.floating):
+        return Cell("" if np.isnan(value) else f"{value:.{digits}g}", True)
+    return Cell(str(value), isinstance(value, int | np.integer) and not isinstance(value, bool))
+
+
+def plot(figure: go.Figure) -> Markup:
+    """Plotly's figure; its library stands on the page once."""
+    return Markup(figure.to_html(full_html=False, include_plotlyjs=False))
+
+
+def picture_file(path: Path) -> str:
+    """Address that holds the picture of a file, no wider than a page needs."""
+    with Image.open(path) as opened:
+        image = opened.convert("RGB")
+    if image.width > PICTURE_WIDTH:
+        size = (PICTURE_WIDTH, round(image.height * PICTURE_WIDTH / image.width))
+        image = image.resize(size, Image.Resampling.LANCZOS)
+    memory = io.BytesIO()
+    image.save(memory, format="webp", quality=85)
+    return embedded(memory.getvalue(), "webp")
+
+
+def embedded(content: bytes, kind: str) -> str:
+    """Address that holds a picture itself; `kind` is its format: "png", "webp"."""
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def figure_picture(title: str, figure: Any) -> Markup:
+    """Figure of matplotlib as a picture."""
+    memory = io.BytesIO()
+    figure.savefig(memory, format="png", dpi=110)
+    return part("picture", title, embedded(memory.getvalue(), "png"))
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=FileSystemLoader(str(_TEMPLATES)),
+        autoescape=select_autoescape(default=True),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        finalize=_printable,
+    )
+
+
+def _printable(value: object) -> object:
+    """Value without control characters, which names may have; markup has none."""
+    if isinstance(value, str) and not isinstance(value, Markup):
+        return CONTROLS.sub("\N{REPLACEMENT CHARACTER}", value)
+    return value
+
+
+@cache
+def _library() -> Markup:
+    return Markup(get_plotlyjs())
+
+
+@cache
+def _text(name: str) -> Markup:
+    """Text of a file beside the templates, to stand on a page as it is."""
+    return Markup(_TEMPLATES.joinpath(name).read_text(encoding="utf-8"))
+
+
+def _json(data: Mapping[str, Any]) -> Markup:
+    """Data for a script; nothing in it can end or begin one, such as a name with ``<!--<script>``."""
+    return Markup(json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"))

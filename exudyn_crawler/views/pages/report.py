@@ -1,0 +1,345 @@
+"""One self-contained page of a run's folder, to be read offline in a browser."""
+
+import json
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from markupsafe import Markup
+
+from exudyn_crawler.case.files.text import case_rows
+from exudyn_crawler.files import refuse_existing
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.summary import BAND, bouncing, key_results
+from exudyn_crawler.views import style
+from exudyn_crawler.views.figures.series import history_series
+from exudyn_crawler.views.pages import folder as finding
+from exudyn_crawler.views.pages import page, plots
+from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
+from exudyn_crawler.views.pages.page import Section, part, table, together
+from exudyn_crawler.views.scenes import poses, shoes, stress_pictures
+from exudyn_crawler.views.scenes.track import shown_box, track_scene
+from exudyn_crawler.views.tables import within_by_class
+
+REPORT, RECORD = "report.html", "run.json"
+LONGEST_TABLE = 300
+"""Rows of a table on the page; longer ones are series, which plots show."""
+INSTANTS = 101
+"""Of the run that the moving track shows, evenly spread."""
+MARGIN = (0.6, 0.4, 0.3)
+"""m that it shows beyond the track, beside it and below the ground."""
+VERDICTS = {"yes": "within", "no": "outside"}
+WITHOUT_VERDICT = "none"
+HOT_SPOTS = (
+    "Highest von Mises stresses over the run and where they are. A jump as large as the value means that the "
+    "mesh makes the peak."
+)
+
+
+def write_report(
+    folder: Path,
+    out: Path | None = None,
+    overwrite: bool = False,
+    say: Callable[[str], None] = lambda _text: None,
+) -> Path:
+    """Write the report of a run's folder: whatever of comparison, histories, stresses and case is there.
+
+    Of a study's folder the runs in its folders are shown together; pictures, hot spots and the 3D view are
+    those of the first run with flexible shoes.
+
+    Parameters
+    ----------
+    folder : Path
+        What a study or a run left.
+    out : Path, optional
+        File to write; `report.html` in the folder if not given.
+    overwrite : bool
+        Replace an earlier report.
+    say : callable
+        Is told of the files beside the histories that cannot be read; the report goes on without them.
+
+    Returns
+    -------
+    Path
+        The report.
+
+    Raises
+    ------
+    NotADirectoryError
+        If there is no such folder.
+    FileNotFoundError
+        If it holds neither a history nor a comparison.
+    FileExistsError
+        If the report exists and `overwrite` is false.
+    ValueError
+        If a history cannot be read, or nothing else can.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise NotADirectoryError(f"no folder {folder}")
+    out = folder / REPORT if out is None else Path(out)
+    refuse_existing(out, overwrite)
+    return page.write_page(report_page(folder, say), out, overwrite)
+
+
+def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -> str:
+    """HTML of the report; raises as `write_report`."""
+    folders, left_out = finding.run_folders(folder), finding.LeftOut()
+    histories, homes = finding.histories_in(folders, left_out)
+    stressed = next((one for one in folders if (one / finding.STRESSES).is_file()), folder)
+    stress = left_out.unless_broken(stressed / finding.STRESSES, lambda _: finding.stress_of(stressed))
+    comparison = left_out.unless_broken(folder / "comparison.csv", _comparison)
+    if not histories and comparison is None:
+        if left_out:
+            raise ValueError("; ".join(left_out))
+        raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
+    bent = next((n for n in histories if homes[n] == stressed and histories[n].case.flexible), None)
+    owner = None if bent is None else histories[bent]
+    stresses = {} if bent is None or stress is None else {bent: stress}
+    arrays, scenes = SceneArrays(), {}
+    if histories:
+        scenes["track"] = {name: packed_track(one, arrays) for name, one in histories.items()}
+    bodies = left_out.unless_broken(
+        stressed / finding.STRESSES, lambda _: packed_shoes(stress, owner, arrays)
+    )
+    if bodies is not None:
+        scenes["shoe"] = {"": bodies}
+    curves, thinned = _curves(histories, stresses)
+    pictures, first = _pictures(stressed, stress, owner, left_out)
+    rolled = any(one.case.propel == "rolled" for one in histories.values())
+    sections = [
+        Section("comparison", "Paper against computed", _compared(comparison)),
+        Section("histories", "Time histories", part("histories", thinned) if histories else Markup()),
+        Section("track", "Track in motion", part("track", rolled) if histories else Markup()),
+        Section("hot-spots", "Hot spots", _hot_spots(stressed, left_out)),
+        Section("shoes", "Flexible shoes in 3D", part("shoes") if "shoe" in scenes else Markup()),
+        Section("pictures", "Stress pictures", pictures),
+        Section("tables", "Further tables", _further(folder, folders, left_out)),
+        Section("case", "Case", _cases(folder, histories, left_out)),
+    ]
+    for line in left_out:
+        say(f"{line}; left out")
+    title = " and ".join(histories) if histories else folder.resolve().name
+    lead = [*provenance(folder, histories), *bouncing_lines(histories)]
+    data = {
+        "first_picture": first,
+        "scenes": scenes,
+        "arrays": arrays.packed,
+        "bands": style.PHASE_BANDS,
+        "phase_name": style.PHASE_NAME,
+    }
+    return page.page(
+        f"Crawler track: {title}",
+        [*lead, *(f"Left out: {line}" for line in left_out)],
+        sections,
+        curves | data,
+        _key_table(histories, stresses),
+    )
+
+
+def packed_track(history: History, arrays: SceneArrays) -> dict[str, Any]:
+    """Track in evenly spread instants of a run, for a view in 3D."""
+    case, window = history.case, shown_box(history, MARGIN)
+    shown = poses.instants(history, np.linspace(0.0, history.duration, INSTANTS))
+    x, half = case.terrain.middles[:, 0], 0.5 * case.terrain.unit_length
+    near = np.flatnonzero((x + half >= window[0][0]) & (x - half <= window[0][1]))
+    return packed_scene(track_scene(case, shown, shoes.shoe_force_scale(history), near), arrays, window)
+
+
+def packed_shoes(
+    stress: xr.Dataset | None, history: History | None, arrays: SceneArrays
+) -> dict[str, Any] | None:
+    """Flexible shoes at the chosen times, for a view in 3D; None without them."""
+    if stress is None or history is None:
+        return None
+    scene = shoes.stress_scene(stress, history, shoes.Scales.of(stress, history))
+    return packed_scene(scene, arrays, first=shoes.first_frame(stress))
+
+
+def _curves(
+    histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
+) -> tuple[dict[str, Any], str]:
+    """Time histories for the page, and what a reader has to know about them."""
+    found = {name: list(history_series(one, stresses.get(name)).values()) for name, one in histories.items()}
+    points = plots.points_a_series(found)
+    cases = {
+        name: plots.packed_case(one, points) | {"phases": plots.packed_phases(histories[name])}
+        for name, one in found.items()
+    }
+    first = plots.first_plots(found) if found else []
+    return {"cases": cases, "first": first}, plots.thinning(histories.values(), points)
+
+
+def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
+    """Lines that say what the page shows: times of the cases, versions, and when run and page were made."""
+    lines = [
+        "; ".join(
+            f"{name}: {one.duration:.4g} s, {one.time.size} stored times" for name, one in histories.items()
+        )
+    ]
+    made = f"page made {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
+    record = _record(folder)
+    ran = record.get("commit")
+    commit = [f"commit {ran}"] if ran and isinstance(ran, str) else []
+    with suppress(KeyError, TypeError, ValueError):
+        finished = datetime.fromisoformat(record["finished"])
+        made = f"{record['status']} {finished:%Y-%m-%d %H:%M} UTC after {record['wall_time_s']:.0f} s, {made}"
+    programs = {
+        f"{program} {version}"
+        for one in histories.values()
+        for program in ("exudyn-crawler", "exudyn")
+        if (version := one.dataset.attrs.get(f"{program.replace('-', '_')}_version"))
+    }
+    return [line for line in (*lines, "; ".join([*sorted(programs, reverse=True), *commit, made])) if line]
+
+
+def bouncing_lines(histories: Mapping[str, History]) -> list[str]:
+    """A line for each case whose contact forces show that its shoes bounce."""
+    found = {name: bouncing(history) for name, history in histories.items()}
+    return [
+        f"{name}: the shoes bounce at {one.frequency:.3g} Hz; the vertical force of the ground on a shoe "
+        f"varies by {100.0 * one.size:.2g} % of its mean about that (root mean square), "
+        f"{100.0 * one.share:.2g} % of all that varies above {BAND[0]:g} Hz"
+        for name, one in found.items()
+        if one is not None
+    ]
+
+
+def _record(folder: Path) -> dict[str, Any]:
+    """Record of the run in a folder; nothing where it cannot be read."""
+    try:
+        found = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _key_table(histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]) -> Markup:
+    """Key results: a row a result, with value and unit, where and when for each case."""
+    columns: dict[str, dict[str, page.Cell | str]] = {}
+    for name, history in histories.items():
+        for _, one in key_results(history, stresses.get(name)).iterrows():
+            row = columns.setdefault(one["result"], {})
+            row[name] = page.Cell(f"{one['value']:.4g} {one['unit']}", True)
+            row[f"where, {name}"] = ", ".join(filter(None, (one["of"], f"t = {one['at']:.4g} s")))
+    if not columns:
+        return Markup()
+    shown = pd.DataFrame.from_dict(columns, orient="index").fillna("").reset_index()
+    heads = ["", *("" if name.startswith("where, ") else name for name in shown.columns[1:])]
+    several = len(histories) > 1
+    return table(shown.set_axis(heads, axis=1), anchor="key-results", compact=True, headed=several)
+
+
+def _comparison(path: Path) -> pd.DataFrame | None:
+    if not path.is_file():
+        return None
+    found = pd.read_csv(path, dtype={"within": str})
+    missing = [name for name in ("class", "within") if name not in found]
+    if missing:
+        raise ValueError(f"{path} has no column {missing[-1]!r} and is no comparison")
+    return found.assign(within=found["within"].fillna(""))
+
+
+def _compared(comparison: pd.DataFrame | None) -> Markup:
+    """How many rows of a comparison are within, and all of them with their verdicts."""
+    if comparison is None:
+        return Markup()
+    verdicts = comparison["within"]
+    shown = comparison.assign(within=verdicts.map(lambda one: VERDICTS.get(one, one) or "no verdict"))
+    kinds = [VERDICTS.get(one, WITHOUT_VERDICT) for one in verdicts]
+    summary = within_by_class(comparison)
+    return together(
+        Markup() if summary.empty else table(summary, compact=True),
+        part("verdict_filter"),
+        table(shown, kinds=kinds, anchor="comparison-table"),
+    )
+
+
+def _hot_spots(folder: Path, left_out: finding.LeftOut) -> Markup:
+    """Tables of the hot spots in a folder, in the order of the shoes."""
+    paths = sorted(folder.glob("hot_spots_*.csv"), key=lambda path: (len(path.name), path.name))
+
+    def titled(path: Path) -> Markup:
+        title = path.stem.removeprefix("hot_spots_").replace("_", " ")
+        return part("titled", title, table(pd.read_csv(path), digits=5))
+
+    tables = left_out.of_all(paths, titled)
+    return together(page.paragraph(HOT_SPOTS), *tables) if tables else Markup()
+
+
+def _further(folder: Path, folders: list[Path], left_out: finding.LeftOut) -> Markup:
+    """Tables that have no section of their own and are short enough to be read."""
+
+    def folded(path: Path) -> Markup | None:
+        if path.name == "comparison.csv" or path.name.startswith("hot_spots_"):
+            return None
+        own = pd.read_csv(path)
+        title = path.relative_to(folder).as_posix()
+        return part("folded", title, table(own, digits=5)) if len(own) <= LONGEST_TABLE else None
+
+    return together(
+        *left_out.of_all([path for one in folders for path in sorted(one.glob("[!.]*.csv"))], folded)
+    )
+
+
+def _cases(folder: Path, histories: Mapping[str, History], left_out: finding.LeftOut) -> Markup:
+    """Resolved cases with units, and files about the run as they are."""
+
+    def text(path: Path) -> Markup | None:
+        if not path.is_file():
+            return None
+        content = path.read_text(encoding="utf-8")
+        if path.suffix == ".json":
+            json.loads(content)
+        return part("folded", path.name, part("preformatted", content))
+
+    resolved = [
+        part(
+            "folded",
+            name,
+            table(pd.DataFrame(case_rows(one.case)).rename(columns={"key": "parameter"})),
+            not at,
+        )
+        for at, (name, one) in enumerate(histories.items())
+    ]
+    none = page.paragraph("The folder keeps no resolved case.")
+    return together(*(resolved or [none]), *left_out.of_all([folder / "case.toml", folder / RECORD], text))
+
+
+def _pictures(
+    folder: Path, stress: xr.Dataset | None, history: History | None, left_out: finding.LeftOut
+) -> tuple[Markup, int]:
+    """Stress pictures of the folder, or new ones where it has none, and which of them is shown first.
+
+    That is the picture of the highest stress.
+    """
+    with TemporaryDirectory() as temporary:
+        paths = sorted(folder.glob(stress_pictures.PICTURES))
+        if not paths and stress is not None and history is not None:
+            paths = stress_pictures.write_stress_pictures(stress, history, Path(temporary))
+        found = {path: left_out.unless_broken(path, page.picture_file) for path in paths}
+    uris = {stress_pictures.picture_time(path): uri for path, uri in found.items() if uri is not None}
+    if not uris:
+        return Markup(), 0
+    times, titles = list(uris), [_picture_title(time, stress) for time in uris]
+    pictures = [
+        part("picture", f"von Mises stress at {title}", uri, "picture")
+        for title, uri in zip(titles, uris.values(), strict=True)
+    ]
+    shown = times[0] if stress is None else float(stress.frame[shoes.first_frame(stress)])
+    return together(part("buttons", titles), *pictures), int(np.abs(np.array(times) - shown).argmin())
+
+
+def _picture_title(time: float, stress: xr.Dataset | None) -> str:
+    """What the time of a picture is, as far as that is known."""
+    if stress is not None:
+        at = int(np.abs(stress.frame.values - time).argmin())
+        if abs(float(stress.frame[at]) - time) < 1e-4:
+            return shoes.frame_titles(stress)[at]
+    return f"t = {time:.6g} s"

@@ -1,0 +1,236 @@
+"""Page of a sweep: its runs in parallel coordinates, response curves, effects, best and worst runs."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Self
+
+import pandas as pd
+import plotly.graph_objects as go
+from markupsafe import Markup
+from plotly.subplots import make_subplots
+
+from exudyn_crawler.views.pages.page import Cell, Section, page, paragraph, plot, table, together
+from exudyn_crawler.views.style import READ_IN
+
+LONGEST_TABLE = 500
+"""Runs that the page has in its table."""
+MOST_DRAWN = 5000
+"""Runs that are drawn."""
+MOST_CURVES = 12
+"""Levels of what is not on the axis that have a curve each."""
+HEIGHT = 420
+"""Pixels of a plot."""
+
+
+class Best(NamedTuple):
+    """Best or worst run of an answer."""
+
+    answer: str
+    which: str
+    run: int
+    folder: str
+    value: float
+
+
+@dataclass(frozen=True)
+class SweepView:
+    """What a page shows of a sweep.
+
+    Attributes
+    ----------
+    title : str
+    lead : tuple of str
+        Lines below the title.
+    table : pandas.DataFrame
+        A row a run, with `attrs` "units" and "meanings" of its columns.
+    varied, answers : tuple of str
+        Columns of what varies and of the answers.
+    logarithmic : frozenset of str
+        Columns whose axes are.
+    is_grid : bool
+        Whether every value of what varies is with every other.
+    effects : pandas.DataFrame
+        Columns answer, varied, level, mean, least, greatest.
+    indices : pandas.DataFrame
+        Columns answer, varied, first, first_conf, total, total_conf; may be empty.
+    method : str
+        How the indices were found, or why there are none.
+    best : list of Best
+    links : mapping
+        Address of a run by its folder, as far as it has one.
+    """
+
+    title: str
+    lead: tuple[str, ...]
+    table: pd.DataFrame
+    varied: tuple[str, ...]
+    answers: tuple[str, ...]
+    logarithmic: frozenset[str]
+    is_grid: bool
+    effects: pd.DataFrame
+    indices: pd.DataFrame
+    method: str
+    best: list[Best]
+    links: Mapping[str, str]
+
+    def label(self, name: str) -> str:
+        """Column with its unit."""
+        unit = self.table.attrs["units"].get(name, "")
+        return f"{name} in {unit}" if unit else name
+
+    def in_units_for_reading(self) -> Self:
+        """Same with forces in kN and stresses in MPa, angles in degrees."""
+        units = self.table.attrs["units"]
+        read = {name: READ_IN.get(units.get(name, ""), (units.get(name, ""), 1.0)) for name in self.table}
+        factors = {name: factor for name, (_, factor) in read.items() if factor != 1.0}
+        table = self.table.assign(**{name: factor * self.table[name] for name, factor in factors.items()})
+        table.attrs = self.table.attrs | {"units": {name: unit for name, (unit, _) in read.items()}}
+        effects = self.effects.copy()
+        by_answer = effects["answer"].map(lambda name: factors.get(name, 1.0))
+        for column in ("mean", "least", "greatest"):
+            effects[column] *= by_answer
+        for name in factors.keys() & set(self.varied):
+            effects.loc[effects["varied"] == name, "level"] *= factors[name]
+        best = [one._replace(value=one.value * factors.get(one.answer, 1.0)) for one in self.best]
+        return replace(self, table=table, effects=effects, best=best)
+
+    @property
+    def done(self) -> pd.DataFrame:
+        """Runs that have all answers; of very many, some that lie evenly among them."""
+        done = self.table.dropna(subset=list(self.answers))
+        return done.iloc[:: -(-len(done) // MOST_DRAWN) or 1]
+
+
+def sweep_page(view: SweepView) -> str:
+    """HTML of the page; it needs no other file but the runs it links to."""
+    view = view.in_units_for_reading()
+    indices = [paragraph(f"None: {view.method}.")]
+    if not view.indices.empty:
+        said = f"Shares of the variance that each makes alone (first) and in all (total): {view.method}."
+        indices = [paragraph(said), plot(index_figure(view))]
+    sections = [
+        Section("best", "Best and worst runs", _best(view)),
+        Section("indices", "Sobol indices", together(*indices)),
+        Section("runs", "Runs", _runs(view)),
+    ]
+    if not view.done.empty:
+        lines = paragraph("A line a run; draw along an axis to choose some of them.")
+        means = paragraph("Means over all else that varies; bars reach to the least and the greatest.")
+        responses = [plot(response_curves(view, answer)) for answer in view.answers]
+        effects = [plot(effect_figure(view, answer)) for answer in view.answers]
+        sections[1:1] = [
+            Section("parallel", "All runs", together(lines, plot(parallel_coordinates(view)))),
+            Section("responses", "Response curves", together(*responses)),
+            Section("effects", "Main effects", together(means, *effects)),
+        ]
+    return page(view.title, view.lead, sections)
+
+
+def _best(view: SweepView) -> Markup:
+    """Best and worst run of every answer."""
+    if not view.best:
+        return paragraph("No run has finished.")
+    units, meanings = view.table.attrs["units"], view.table.attrs["meanings"]
+    rows = {
+        "answer": [one.answer for one in view.best],
+        "": [one.which for one in view.best],
+        "run": [Cell(str(one.run), True, view.links.get(one.folder)) for one in view.best],
+        "value": [Cell(f"{one.value:.4g} {units[one.answer]}", True) for one in view.best],
+        " ": [meanings[one.answer] for one in view.best],
+    }
+    return table(pd.DataFrame(rows), compact=True)
+
+
+def _runs(view: SweepView) -> Markup:
+    """Table of the runs, which links to them."""
+    shown = view.table.head(LONGEST_TABLE)
+    rows = shown[[*view.varied, *view.answers, "status", "reason"]].rename(columns=view.label)
+    pairs = zip(shown["run"], shown["folder"], strict=True)
+    rows.insert(0, "run", [Cell(str(number), True, view.links.get(folder)) for number, folder in pairs])
+    left_out = len(view.table) - len(shown)
+    more = [paragraph(f"{left_out} more are in results.csv.")] if left_out else []
+    return together(*more, table(rows))
+
+
+def parallel_coordinates(view: SweepView) -> go.Figure:
+    """A line a run through what varies and the answers, coloured by the first of these."""
+    done = view.done
+    dimensions: list[dict[str, Any]] = []
+    for name in (*view.varied, *view.answers):
+        column = done[name]
+        if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
+            dimensions.append({"label": view.label(name), "values": column})
+        else:
+            texts = list(dict.fromkeys(column.astype(str)))
+            places = column.astype(str).map(texts.index)
+            ticks = {"tickvals": list(range(len(texts))), "ticktext": texts}
+            dimensions.append({"label": view.label(name), "values": places} | ticks)
+    colour = {"color": done[view.answers[0]], "colorscale": "Viridis", "showscale": True}
+    figure = go.Figure(go.Parcoords(line=colour, dimensions=dimensions))
+    return figure.update_layout(height=HEIGHT, margin={"t": 80, "b": 30})
+
+
+def response_curves(view: SweepView, answer: str) -> go.Figure:
+    """An answer over everything that varies, a panel each.
+
+    On a grid there is a curve a level of what varies next, means over the rest; else a point a run.
+    """
+    done, panels = view.done, []
+    for k, name in enumerate(view.varied):
+        others = (*view.varied[k + 1 :], *view.varied[:k])
+        if not (view.is_grid and others and done[others[0]].nunique() <= MOST_CURVES):
+            points = go.Scatter(x=done[name], y=done[answer], mode="markers", showlegend=False, name=answer)
+            panels.append([points])
+            continue
+        levels = {
+            f"{others[0]} = {_cell(level)}": part.groupby(name, sort=True)[answer].mean()
+            for level, part in done.groupby(others[0], sort=True)
+        }
+        lines = {"mode": "lines+markers", "legendgroup": others[0]}
+        panels.append([go.Scatter(x=one.index, y=one, name=curve, **lines) for curve, one in levels.items()])
+    return _panels(view, answer, panels)
+
+
+def effect_figure(view: SweepView, answer: str) -> go.Figure:
+    """Main effects on an answer, a panel for everything that varies: means, and extremes as bars."""
+    panels = []
+    for name in view.varied:
+        rows = view.effects[(view.effects["answer"] == answer) & (view.effects["varied"] == name)]
+        upper, lower = rows["greatest"] - rows["mean"], rows["mean"] - rows["least"]
+        bars = {"type": "data", "symmetric": False, "array": upper, "arrayminus": lower, "thickness": 1}
+        line = {"mode": "lines+markers", "showlegend": False, "error_y": bars}
+        panels.append([go.Scatter(x=rows["level"], y=rows["mean"], **line)])
+    return _panels(view, answer, panels)
+
+
+def index_figure(view: SweepView) -> go.Figure:
+    """Sobol indices: bars of first order and total, with their confidence, a panel an answer."""
+    answers = list(dict.fromkeys(view.indices["answer"]))
+    figure = make_subplots(cols=len(answers), shared_yaxes=True, subplot_titles=answers)
+    for k, answer in enumerate(answers):
+        own = view.indices[view.indices["answer"] == answer]
+        for kind, colour in (("first", "#1c5fb0"), ("total", "#c98a1b")):
+            if own[kind].isna().all():
+                continue
+            known = own[f"{kind}_conf"].notna().any()
+            error = {"type": "data", "array": own[f"{kind}_conf"]} if known else None
+            how = {"marker_color": colour, "error_y": error, "showlegend": k == 0}
+            figure.add_trace(go.Bar(x=own["varied"], y=own[kind], name=kind, **how), row=1, col=k + 1)
+    shown = {"height": HEIGHT, "barmode": "group", "margin": {"t": 40}}
+    return figure.update_layout(yaxis_title="share of the variance", **shown)
+
+
+def _panels(view: SweepView, answer: str, panels: list[list[go.Scatter]]) -> go.Figure:
+    """Traces in a row of panels, one for everything that varies."""
+    figure = make_subplots(cols=len(view.varied), shared_yaxes=True)
+    for k, (name, traces) in enumerate(zip(view.varied, panels, strict=True), 1):
+        for trace in traces:
+            figure.add_trace(trace, row=1, col=k)
+        kind = "log" if name in view.logarithmic else None
+        figure.update_xaxes(title_text=view.label(name), type=kind, row=1, col=k)
+    figure.update_yaxes(title_text=view.label(answer), row=1, col=1)
+    return figure.update_layout(height=HEIGHT, margin={"t": 30})
+
+
+def _cell(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,293 @@
+"""The one description of what is seen in space: solids with their places over time, colours, and arrows.
+
+Pictures, films, ParaView and the pages' views in 3D all draw it. The first dimension of what changes over
+time is `times`; its length is 1 where nothing changes.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+HIDDEN = 0.002
+"""m by which something has to lie before a point to hide it."""
+BOX = np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))], dtype=float)
+"""Corners of a hexahedron in VTK's order, from -1 to 1."""
+BOX_FACES = (np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]),)
+"""Its faces in outward sense."""
+SIDES = 32
+"""Of the prism that a round solid is drawn as."""
+
+
+@dataclass(frozen=True)
+class View:
+    """Direction of a parallel projection: unit vectors (3,) that lie rightward and upward in the picture."""
+
+    right: NDArray
+    up: NDArray
+
+    @classmethod
+    def seen_from(cls, azimuth: float, elevation: float) -> Self:
+        """View of somebody who stands at an azimuth about z from +x and an elevation, degrees."""
+        around, above = np.radians([azimuth, elevation])
+        right = np.array([-np.sin(around), np.cos(around), 0.0])
+        toward = np.array([np.cos(above) * np.cos(around), np.cos(above) * np.sin(around), np.sin(above)])
+        return cls(right, np.cross(toward, right))
+
+    @property
+    def toward(self) -> NDArray:
+        """Unit vector from the scene to the viewer."""
+        return np.cross(self.right, self.up)
+
+    def project(self, points: NDArray) -> NDArray:
+        """Points (..., 3) as right, up and toward the viewer: array of their shape, m."""
+        return points @ np.column_stack((self.right, self.up, self.toward))
+
+
+class Placement(NamedTuple):
+    """Pose of a body: `origin` (3,), m, and `turn` (3, 3), whose columns are its axes, both global."""
+
+    origin: NDArray
+    turn: NDArray
+
+    def place(self, points: NDArray) -> NDArray:
+        """Points (..., 3) of the body's axes in the global ones."""
+        return points @ self.turn.T + self.origin
+
+    def inside(self, points: NDArray) -> NDArray:
+        """Global points (..., 3) in the body's axes."""
+        return (points - self.origin) @ self.turn
+
+    def components(self, vectors: NDArray) -> NDArray:
+        """Global vectors (..., 3) in the body's axes."""
+        return vectors @ self.turn
+
+
+@dataclass(frozen=True)
+class Colouring:
+    """Values on a solid and the colours that they have.
+
+    Attributes
+    ----------
+    title : str
+        Of the colour bar, with the unit.
+    values : array (times, copies, points) or (times, copies)
+        Not a number where there is no value.
+    low, high : float
+        Values at the ends of the colours.
+    colours : str or tuple of str
+        Colour map of matplotlib, or a colour for each whole number from 0.
+    words : tuple of str
+        What whole numbers mean.
+    name : str
+        In a list of several colourings of one solid.
+    decades : bool
+        Whether values are powers of ten; at `high` and beyond they are told as "beyond" it.
+    """
+
+    title: str
+    values: NDArray
+    low: float
+    high: float
+    colours: str | tuple[str, ...]
+    words: tuple[str, ...] = ()
+    name: str = ""
+    decades: bool = False
+
+
+@dataclass(frozen=True)
+class Solid:
+    """One shape that stands in one place or several.
+
+    Attributes
+    ----------
+    name : str
+    points : array (n, 3)
+        m, in the body's axes.
+    faces : tuple of int array (m, k)
+        Corners of convex faces in outward sense, arrays of faces with as many corners each; curved faces are
+        cut into triangles. With eight points they are those of a box.
+    colour : str
+    origin, turn : arrays (times, copies, 3) and (times, copies, 3, 3)
+        Place of the body's axes (m), and their directions as columns. What is not a number is not there.
+    opacity : float
+    edges : str
+        Colour of the edges of faces with more than three corners; with edges there is no shade. "" for none.
+    labels : tuple of str
+        What each copy is called.
+    notes : tuple of str
+        What is written beside the name at each time.
+    lift : array (times, copies), optional
+        m upward, beyond the place.
+    bend : array (times, copies, n, 3), optional
+        Displacement of the points in the body's axes, m, drawn `larger` times larger.
+    colourings : tuple of Colouring
+        The first is drawn; a page offers all.
+    nodes : int array (n,), optional
+        Numbers of the points in a mesh.
+    """
+
+    name: str
+    points: NDArray
+    faces: tuple[NDArray, ...]
+    colour: str
+    origin: NDArray = field(default_factory=lambda: np.zeros((1, 1, 3)))
+    turn: NDArray = field(default_factory=lambda: np.eye(3)[None, None])
+    opacity: float = 1.0
+    edges: str = ""
+    labels: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    lift: NDArray | None = None
+    bend: NDArray | None = None
+    larger: float = 1.0
+    colourings: tuple[Colouring, ...] = ()
+    nodes: NDArray | None = None
+
+    @cached_property
+    def triangles(self) -> NDArray:
+        """Faces cut into triangles: int array (m, 3)."""
+        return triangulated(self.faces)
+
+    @property
+    def values(self) -> NDArray:
+        """Values (n,) of the drawn colouring at the only time; zeros if there is none."""
+        return self.colourings[0].values.ravel() if self.colourings else np.zeros(len(self.points))
+
+    def placed(self, row: int) -> tuple[NDArray, NDArray]:
+        """Places of the copies at one of the times: origins (copies, 3), m, and turns (copies, 3, 3)."""
+        origin, turn = _row(self.origin, row), _row(self.turn, row)
+        return origin if self.lift is None else origin + upward(_row(self.lift, row)), turn
+
+    def at(self, row: int = 0) -> "Solid":
+        """All copies in one, as they are at one of the times, in global axes."""
+        origin, turn = self.placed(row)
+        there = np.flatnonzero(np.isfinite(origin).all(axis=1))
+        shape = np.broadcast_to(self.points, (len(there), *self.points.shape))
+        if self.bend is not None:
+            shape = shape + self.larger * _row(self.bend, row)[there]
+        placed = np.einsum("cij,cnj->cni", turn[there], shape) + origin[there, None]
+        starts = len(self.points) * np.arange(len(there))[:, None, None]
+        faces = tuple((one + starts).reshape(-1, one.shape[1]) for one in self.faces)
+        shown = []
+        for one in self.colourings[:1]:
+            own = _row(one.values, row)[there].reshape(len(there), -1)
+            shown.append(replace(one, values=np.broadcast_to(own, placed.shape[:2]).reshape(1, 1, -1)))
+        merged = Solid(self.name, placed.reshape(-1, 3), faces, self.colour)
+        return replace(merged, opacity=self.opacity, edges=self.edges, colourings=tuple(shown))
+
+    def seen_in(self, axes: Placement, row: int) -> "Solid":
+        """Itself at one of the times, in the axes of a body."""
+        origin, turn = self.placed(row)
+        return replace(
+            self,
+            origin=axes.inside(origin)[None],
+            turn=(axes.turn.T @ turn)[None],
+            notes=self.notes[row : row + 1],
+            lift=None,
+            bend=None if self.bend is None else _row(self.bend, row)[None],
+            colourings=tuple(replace(one, values=_row(one.values, row)[None]) for one in self.colourings),
+        )
+
+    def shifted(self, shift: NDArray) -> "Solid":
+        """Same shape elsewhere, by one vector (3,) or one a point (n, 3), m."""
+        return replace(self, points=self.points + shift)
+
+    def shows(self, point: int, view: View) -> bool:
+        """Whether a point is seen, or something of the solid lies before it."""
+        projected, triangles = view.project(self.points), self.triangles
+        here = projected[point]
+        others = projected[triangles[(triangles != point).all(axis=1)]]
+        around = (others.min(axis=1) <= here) & (others.max(axis=1) >= here)
+        others = others[around[:, :2].all(axis=1)]
+        origin = others[:, 0, :2]
+        sides = np.stack((others[:, 1, :2] - origin, others[:, 2, :2] - origin), axis=-1)
+        shares = np.linalg.pinv(sides) @ (here[:2] - origin)[:, :, None]
+        u, v = shares[:, 0, 0], shares[:, 1, 0]
+        depth = others[:, 0, 2] * (1.0 - u - v) + others[:, 1, 2] * u + others[:, 2, 2] * v
+        covers = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+        return not bool((covers & (depth > here[2] + HIDDEN)).any())
+
+
+@dataclass(frozen=True)
+class Arrows:
+    """Forces of one kind.
+
+    Attributes
+    ----------
+    name, colour : str
+    heads, forces : arrays (times, arrows, 3)
+        Where they act (m) and what acts there (N). An arrow that is not a number somewhere is not there.
+    scale : float
+        m that are drawn for 1 N.
+    solid : str
+        Name of the solid that they go along with where solids are drawn apart.
+    through : float
+        m beyond the heads, along a force, where pages draw it again: a solid hides the one or the other.
+    """
+
+    name: str
+    colour: str
+    heads: NDArray
+    forces: NDArray
+    scale: float
+    solid: str = ""
+    through: float = 0.0
+
+    def at(self, row: int = 0) -> NDArray:
+        """Tail and head of each arrow that is there at one of the times: array (arrows, 2, 3), m."""
+        heads, forces = _row(self.heads, row), self.scale * _row(self.forces, row)
+        there = np.isfinite(heads).all(axis=1) & forces.any(axis=1)
+        return np.stack((heads[there] - forces[there], heads[there]), axis=1)
+
+    def seen_in(self, axes: Placement, row: int) -> "Arrows":
+        """Itself at one of the times, in the axes of a body."""
+        heads, forces = axes.inside(_row(self.heads, row)), axes.components(_row(self.forces, row))
+        return replace(self, heads=heads[None], forces=forces[None])
+
+
+class Scene(NamedTuple):
+    """What is seen at some times, each with a title."""
+
+    titles: tuple[str, ...]
+    solids: tuple[Solid, ...]
+    arrows: tuple[Arrows, ...] = ()
+
+    def seen_in(self, axes: Placement, row: int = 0) -> "Scene":
+        """What it is at one of the times, in the axes of a body."""
+        solids = tuple(one.seen_in(axes, row) for one in self.solids)
+        return Scene((self.titles[row],), solids, tuple(one.seen_in(axes, row) for one in self.arrows))
+
+
+def triangulated(faces: Sequence[NDArray]) -> NDArray:
+    """Triangles (m, 3) of convex faces, arrays (m, k) of their corners."""
+    if len(faces) == 1 and faces[0].shape[1] == 3:
+        return faces[0]
+    return np.concatenate([one[:, [0, k, k + 1]] for one in faces for k in range(1, one.shape[1] - 1)])
+
+
+def box(low: NDArray, high: NDArray) -> NDArray:
+    """Corners (8, 3) of a box between two places, those of `BOX_FACES`."""
+    return 0.5 * (low + high) + 0.5 * (high - low) * BOX
+
+
+def disc(radius: float, width: float, sides: int = SIDES) -> tuple[NDArray, tuple[NDArray, ...]]:
+    """Points (2 sides, 3) of a disc about the y axis, m, and its faces: rim and both flat sides."""
+    around = 2.0 * np.pi * np.arange(sides) / sides
+    rim = radius * np.column_stack((np.sin(around), np.zeros(sides), np.cos(around)))
+    half, right = np.array([0.0, 0.5 * width, 0.0]), np.arange(sides)
+    after = np.roll(right, -1)
+    faces = triangulated([np.column_stack((right, after, after + sides, right + sides))])
+    return np.concatenate((rim - half, rim + half)), (faces, np.stack((right[::-1], right + sides)))
+
+
+def upward(heights: NDArray) -> NDArray:
+    """Vectors (..., 3) of heights (...)."""
+    return heights[..., None] * np.array([0.0, 0.0, 1.0])
+
+
+def _row(values: NDArray, row: int) -> NDArray:
+    """Values at one of the times, of what changes or does not."""
+    return values[row if len(values) > 1 else 0]

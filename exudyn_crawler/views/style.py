@@ -1,0 +1,94 @@
+"""What all figures, pictures and pages share: colours, style of figures, units for reading, round numbers."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.colors import Colormap, ListedColormap
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from exudyn_crawler.files import whole_file
+
+GROUND, GROUND_EDGE = "#e2d3b3", "#8a7748"
+SHOE, FLEXIBLE_SHOE, SHOE_EDGE = "#9fb1bd", "#d98c3f", "#3c4a54"
+ROLLER, ROLLER_EDGE, SIDE_FRAME = "#6c7a52", "#333d22", "#b9bfa6"
+CONTACT_FORCE, ROLLER_FORCE = "#1f4fd8", "#8a1fb0"
+STRESS_MAP = "YlOrRd"
+"""Colour map of stresses: pale where there is little, so that shading shows the shape."""
+HEAVE_MAP = "cividis"
+"""Colour map of the units' heave."""
+PHASE_BANDS, PHASE_NAME = ("#eef2f6", "#fbfaf4"), "#66727d"
+"""Bands of a run's phases, in turn, behind curves over time, and the names of the phases."""
+
+MEGA, KILO, MILLI = 1e6, 1e3, 1e-3
+READ_IN = {
+    "N": ("kN", 1.0 / KILO),
+    "N m": ("kN m", 1.0 / KILO),
+    "Pa": ("MPa", 1.0 / MEGA),
+    "m/s2": ("m/s²", 1.0),
+    "rad": ("deg", float(np.degrees(1.0))),
+    "rad/s": ("deg/s", float(np.degrees(1.0))),
+    "rad/s2": ("deg/s²", float(np.degrees(1.0))),
+}
+"""Units in which quantities are read, and factors to them, by those of the catalogue; others stay."""
+NEGLIGIBLE, NEGLIGIBLE_FORCE = 1e-6, 1e-3
+"""Half the least range of an axis in units for reading: rounding must not look like motion or a force."""
+
+STYLE: dict[Any, Any] = {
+    "axes.formatter.limits": (-4, 5),
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "figure.constrained_layout.use": True,
+    "font.size": 9,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "lines.linewidth": 0.9,
+    "savefig.dpi": 130,
+}
+
+
+def in_figure_unit(values: xr.DataArray) -> xr.DataArray:
+    """Values of a quantity in the unit for reading, which stands among their attributes."""
+    unit = values.attrs.get("units", "")
+    drawn, factor = READ_IN.get(unit, (unit, 1.0))
+    return values if drawn == unit else (factor * values).assign_attrs(values.attrs | {"units": drawn})
+
+
+def negligible(unit: str) -> float:
+    """Half the least range of an axis in a unit for reading."""
+    return NEGLIGIBLE_FORCE if unit in ("kN", "kN m") else NEGLIGIBLE
+
+
+def save_figure(figure: Figure, path: Path, overwrite: bool = False) -> Path:
+    """Write a figure as the file type that its name says, whole or not at all."""
+    with mpl.rc_context(STYLE), whole_file(path, overwrite) as temporary:
+        figure.savefig(temporary)
+    return path
+
+
+def colour_map(colours: str | tuple[str, ...]) -> Colormap:
+    """Colour map of a name, or of a colour for each whole number from 0."""
+    return mpl.colormaps[colours] if isinstance(colours, str) else ListedColormap(colours)
+
+
+def round_down(value: float) -> float:
+    """Greatest of 1, 2, 5 times a power of ten that is not above a positive value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12)))
+
+
+def round_up(value: float) -> float:
+    """Least of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten that is not below a positive value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+    return float(power * min(step for step in steps if step * power >= value * (1.0 - 1e-12)))
+
+
+def drawn_scale(values: ArrayLike, length: float) -> float:
+    """Round factor that draws the greatest magnitude of `values` at most `length` long; 1 if all are zero."""
+    greatest = float(np.abs(values).max(initial=0.0))
+    return round_down(length / greatest) if greatest > 0.0 else 1.0
