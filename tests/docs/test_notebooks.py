@@ -7,6 +7,7 @@ import nbformat
 import pytest
 
 from docs.notebooks import NOTEBOOKS, executed
+from tests.docs.test_examples import public_names_by_module
 
 PATHS = sorted(NOTEBOOKS.glob("*.ipynb"))
 NAMES = [path.stem for path in PATHS]
@@ -40,10 +41,9 @@ def test_a_notebook_is_kept_executed_and_small(path):
 
 
 @pytest.mark.parametrize("path", PATHS, ids=NAMES)
-def test_a_notebook_needs_the_public_names_alone(path):
+def test_a_notebook_takes_public_names_from_the_package(path):
     source = "\n".join(re.sub(r"(?m)^%.*$", "", cell.source) for cell in code_of(path))
-    imported = {node.module for node in ast.walk(ast.parse(source)) if isinstance(node, ast.ImportFrom)}
-    assert imported == {"exudyn_crawler"}
+    assert not public_names_by_module(list(ast.walk(ast.parse(source))))
 
 
 @pytest.mark.parametrize("path", PATHS, ids=NAMES)

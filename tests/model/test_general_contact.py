@@ -175,12 +175,13 @@ def test_terrain_needs_no_other_formulation():
 
 
 def test_forces_study_refuses_histories_of_the_other_model(general, tmp_path):
-    general.save(tmp_path / "translation.nc")
-    before = (tmp_path / "translation.nc").read_bytes()
+    (tmp_path / "translation").mkdir()
+    path = general.save(tmp_path / "translation" / "history.nc")
+    before = path.read_bytes()
     out = tmp_path / "forces"
     with pytest.raises(ValueError, match=r"other parameters: contact\.model is spheres, not pair"):
         forces_study(out, ["translation"], duration=general.duration, reuse=tmp_path)
-    assert (tmp_path / "translation.nc").read_bytes() == before
+    assert path.read_bytes() == before
     assert not out.exists()
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from benchmarks.track_modes import SPEED, even_ground, with_friction, with_shoes
 from exudyn_crawler import Case, SphereContact
+from exudyn_crawler.model.formulation import track_system
 from exudyn_crawler.run.solve.integration import integrate_from
 from exudyn_crawler.run.solve.steady_sliding import steady_sliding
 from exudyn_crawler.run.solve.track_modes import eigenmodes, linearized_track, track_modes
@@ -92,11 +93,19 @@ def test_tension_is_the_friction_behind_the_link():
     assert state.normal_force.sum() == pytest.approx(total, rel=1e-9)
 
 
+def row_of(case, q, q_t, q_tt):
+    """Row of a state at 2 s; a run finds its multipliers itself."""
+    layout = track_system(case).layout
+    none = np.zeros(layout.equation_count - layout.coordinate_count)
+    parts = {"coordinates": q, "coordinates rate": q_t, "coordinates acceleration": q_tt}
+    return layout.pack(parts | {"time": 2.0, "multipliers": none})
+
+
 def test_a_run_from_steady_sliding_stays_there():
     case = with_steady_drive(sliding_case(0.3))
     state = steady_sliding(case, SPEED)
     still = np.zeros_like(state.q)
-    row = np.concatenate(([2.0], state.q, state.q_t, still, state.multipliers))
+    row = row_of(case, state.q, state.q_t, still)
     run = integrate_from(case, row, 0.02).dataset
     assert run.joint_force.sel(axis="x")[-1].values == pytest.approx(state.tension, rel=1e-4)
     assert np.abs(run.velocity.sel(axis="z").values).max() < 1e-4
@@ -144,7 +153,7 @@ def test_a_small_disturbance_grows_in_the_simulation_as_predicted():
 
     def heights(size):
         q, q_t, q_tt = (size * (value**k * shape).real for k in range(3))
-        row = np.concatenate(([2.0], state.q + q, state.q_t + q_t, q_tt, state.multipliers))
+        row = row_of(case, state.q + q, state.q_t + q_t, q_tt)
         return integrate_from(case, row, 0.8).dataset.position.sel(axis="z")
 
     size = 1e-5
