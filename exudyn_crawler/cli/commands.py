@@ -85,10 +85,10 @@ def info(
 
     Example: exudyn-crawler info soft_ground.toml
     """
-    from exudyn_crawler.case.files.changes import rows_beside_base
     from exudyn_crawler.case.files.files import read_case
-    from exudyn_crawler.case.files.text import shoe_weights
+    from exudyn_crawler.case.files.text import nearest_base, shoe_weights
     from exudyn_crawler.case.parameters.checks import warn_implausible
+    from exudyn_crawler.case.parameters.paths import case_rows
     from exudyn_crawler.views.tables import print_rows
 
     if case in registered(CASES):
@@ -99,8 +99,9 @@ def info(
         case_file = read_case(case, changes or ())
     else:
         raise ValueError(f"case must be a case file or a study of {sorted(registered(CASES))}, got {case!r}")
-    base, rows = rows_beside_base(case_file)
-    differing = sum(row.in_the_base != "" for row in rows)
+    base, of_base = nearest_base(case_file.case)
+    rows = [(*row[:2], of_base.get(row.key, ""), *row[2:]) for row in case_rows(case_file)]
+    differing = sum(row[2] != "" for row in rows)
     columns = ("key", "value", "in the base", "unit", "meaning")
     print_rows(columns, rows, f"{case}: {differing} of {len(rows)} values differ from the case {base!r}")
     if weights := shoe_weights(case_file.case):

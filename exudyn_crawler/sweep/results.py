@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.case.files.text import value_text
+from exudyn_crawler.case.parameters.paths import value_text
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep, salib_problem
 from exudyn_crawler.sweep.worker import DONE, Outcome

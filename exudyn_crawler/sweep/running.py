@@ -11,7 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.case import CaseFile, write_case
-from exudyn_crawler.case.parameters.checks import NUMBER, stored_numbers
+from exudyn_crawler.case.files.case_file import NUMBER, stored_numbers
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.netcdf import write_netcdf
 from exudyn_crawler.run.folder.progress import progress_bar

@@ -12,15 +12,17 @@ from pydantic import Field, ValidationError, model_validator
 from exudyn_crawler.case import Case, CaseFile, PairContact, SphereContact
 from exudyn_crawler.case.files.errors import faults, shown
 from exudyn_crawler.case.parameters.base import Name, Parameters
-from exudyn_crawler.case.parameters.fields import Entry, entry_at, is_table
 from exudyn_crawler.case.parameters.loads import with_equal_loads
 from exudyn_crawler.case.parameters.paths import (
     EVERY,
     TAG,
+    Entry,
+    entry_at,
+    is_table,
     likely_cause,
     parse_path,
     plausible_range,
-    with_change_in,
+    with_change,
 )
 
 MOST_FAULTS = 3
@@ -184,7 +186,7 @@ class Vary(Parameters):
 
         for path, put in zip(self.keys, self._put(value), strict=True):
             try:
-                content = with_change_in(CaseFile, content, parse_path(path), partial(change, put=put))
+                content = with_change(content, parse_path(path), partial(change, put=put), CaseFile)
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
         return content

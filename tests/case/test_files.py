@@ -20,8 +20,8 @@ from exudyn_crawler import (
     write_case,
 )
 from exudyn_crawler.case import Outputs
-from exudyn_crawler.case.files.text import case_rows, case_text, number_text
-from exudyn_crawler.case.parameters.paths import key_paths, named_values
+from exudyn_crawler.case.files.text import case_text
+from exudyn_crawler.case.parameters.paths import case_rows, key_paths, named_values, number_text
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed

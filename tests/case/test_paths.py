@@ -3,13 +3,12 @@
 import pytest
 
 from exudyn_crawler import Case, CaseFile, LoadCycle
-from exudyn_crawler.case.parameters.fields import entry_at
 from exudyn_crawler.case.parameters.paths import (
+    entry_at,
     parse_path,
     path_text,
-    with_change_at,
-    with_change_in,
-    with_value_at,
+    with_change,
+    with_value,
 )
 from exudyn_crawler.errors import ParameterError
 
@@ -36,10 +35,10 @@ def test_what_is_no_path_is_refused(text):
 
 
 def test_changes_are_copies_and_reach_all_items():
-    changed = with_change_at(CONTENT, parse_path("loads.phases[*].end"), lambda end: end + 1.0)
+    changed = with_change(CONTENT, parse_path("loads.phases[*].end"), lambda end: end + 1.0)
     assert [phase["end"] for phase in changed["loads"]["phases"]] == [1.0, 6.0]
     assert CONTENT["loads"]["phases"][0]["end"] == 0.0
-    assert with_value_at(CONTENT, ("terrain", "grade"), 0.1)["terrain"] == {"grade": 0.1}
+    assert with_value(CONTENT, ("terrain", "grade"), 0.1)["terrain"] == {"grade": 0.1}
 
 
 @pytest.mark.parametrize(
@@ -53,7 +52,7 @@ def test_changes_are_copies_and_reach_all_items():
 )
 def test_paths_that_lead_nowhere_are_refused(path, told):
     with pytest.raises(ValueError, match=f"^{told}$"):
-        with_value_at(CONTENT, parse_path(path), 1.0)
+        with_value(CONTENT, parse_path(path), 1.0)
 
 
 def test_parameters_are_changed_by_paths_and_validated_again():
@@ -73,7 +72,7 @@ def test_a_case_file_is_changed_by_the_paths_that_it_writes():
     changed = case_file.with_({"gravity": 1.62, "outputs.shoes": (1, 2), "duration": 1.0})
     assert (changed.case.gravity, changed.outputs.shoes, changed.duration) == (1.62, (1, 2), 1.0)
     content = case_file.model_dump(mode="json")
-    assert with_change_in(CaseFile, content, ("case",), lambda _: 1.0)["case"]["case"] == 1.0
+    assert with_value(content, ("case",), 1.0, CaseFile)["case"]["case"] == 1.0
 
 
 @pytest.mark.parametrize(

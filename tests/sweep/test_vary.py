@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import CaseFile, simulate
-from exudyn_crawler.case.parameters.paths import parse_path, with_value_in
+from exudyn_crawler.case.parameters.paths import parse_path, with_value
 from exudyn_crawler.sweep.vary import IDLE, Vary, checked_case, content_of, idle
 from tests.sweep.cases import STIFFNESS, small_case
 
@@ -16,7 +16,7 @@ def applied(vary, value):
 def case_with(**values):
     content = content_of(small_case())
     for path, value in values.items():
-        content = with_value_in(CaseFile, content, parse_path(path.replace("__", ".")), value)
+        content = with_value(content, parse_path(path.replace("__", ".")), value, CaseFile)
     return checked_case(content).case
 
 

@@ -7,11 +7,22 @@ import tomlkit
 from pydantic import BaseModel
 from tomlkit.items import Array, Float, InlineTable, Item, Trivia
 
+import meshes
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.files.case_file import CaseFile
 from exudyn_crawler.case.parameters.base import StepProfile
-from exudyn_crawler.case.parameters.fields import Entry, first_line, is_table, walk
-from exudyn_crawler.case.parameters.paths import BASE, NONE, models_of, named_values
+from exudyn_crawler.case.parameters.paths import (
+    BASE,
+    NONE,
+    Entry,
+    first_line,
+    is_table,
+    models_of,
+    named_values,
+    number_text,
+    value_text,
+    walk,
+)
 from meshes.geometry import VOLUMES
 
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
@@ -70,34 +81,6 @@ def _plain(value: object) -> Item:
     raise TypeError(f"no TOML for {value!r}")
 
 
-def number_text(value: float) -> str:
-    """Shortest text that reads back as the same number: ``20e6`` in place of ``20000000.0``."""
-    if abs(value) >= 1e6:
-        for power in (9, 6, 3):
-            text = f"{value / 10.0**power:.6g}e{power}"
-            if abs(value) >= 10.0**power and "e" not in text[:-2] and float(text) == value:
-                return text
-    return repr(value)
-
-
-class Row(NamedTuple):
-    """A value of a case for reading."""
-
-    key: str
-    value: str
-    unit: str
-    meaning: str
-
-
-def case_rows(case: BaseModel) -> list[Row]:
-    """Every value of a case or a case file."""
-    return [
-        Row(entry.path, value_text(entry.value), entry.unit, entry.meaning)
-        for entry in walk(case)
-        if not is_table(entry.value)
-    ]
-
-
 def shoe_weights(case: Case) -> str:
     """What rigid and flexible shoes of a case weigh, in a line; empty without flexible shoes.
 
@@ -110,7 +93,10 @@ def shoe_weights(case: Case) -> str:
     """
     if case.flexible is None:
         return ""
-    mass = _volume(case.flexible.mesh) * case.flexible.density
+    mesh = case.flexible.mesh
+    # a case without a mesh of its own need not wait for one to be read
+    volume = VOLUMES[mesh] if mesh in VOLUMES else meshes.mesh_named(mesh).volume
+    mass = volume * case.flexible.density
     more = 100.0 * (mass / case.shoe.mass - 1.0)
     return (
         f"shoes: rigid ones weigh {case.shoe.mass:.6g} kg each, flexible ones {mass:.6g} kg ({more:+.2g} %), "
@@ -118,26 +104,48 @@ def shoe_weights(case: Case) -> str:
     )
 
 
-def _volume(mesh: str) -> float:
-    """Volume of a mesh of the shoe, m3."""
-    if mesh in VOLUMES:
-        return VOLUMES[mesh]
-    # an own one is read, which a case without it need not wait for
-    from meshes import mesh_named
-
-    return mesh_named(mesh).volume
+ABSENT = "-"
+"""In place of a value that a case does not have."""
 
 
-def value_text(value: object) -> str:
-    """Value for reading; equal numbers once."""
-    if isinstance(value, StepProfile):
-        return ", ".join(f"{v:.8g} at {t:g}" for t, v in zip(value.times, value.values, strict=True))
-    if isinstance(value, tuple):
-        if len(value) > 3 and len(set(value)) == 1:
-            return f"{len(value)} x {value_text(value[0])}"
-        return ", ".join(value_text(one) for one in value)
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return number_text(value) if abs(value) >= 1e6 else f"{value:.8g}"
-    return NONE if value is None else str(value)
+class Difference(NamedTuple):
+    """A value in which two cases differ."""
+
+    key: str
+    first: str
+    second: str
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.key} is {self.first}, not {self.second}"
+
+
+def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
+    """Values in which two cases or case files differ."""
+    a, b = (
+        {entry.path: entry for entry in walk(one) if not is_table(entry.value)} for one in (first, second)
+    )
+    pairs = {key: (a.get(key), b.get(key)) for key in [*a, *b]}
+    return [
+        Difference(key, *_texts(one, other), (a.get(key) or b[key]).unit)
+        for key, (one, other) in pairs.items()
+        if one is None or other is None or one.value != other.value
+    ]
+
+
+def _texts(*entries: Entry | None) -> tuple[str, str]:
+    """Two values that differ for reading, with all digits where fewer would hide it."""
+    one, other = (ABSENT if entry is None else value_text(entry.value) for entry in entries)
+    if one == other:
+        one, other = (ABSENT if entry is None else repr(entry.value) for entry in entries)
+    return one, other
+
+
+def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
+    """Named case from which the fewest values of a case differ, but for its name, and its values of these."""
+    from_bases = {
+        name: {one.key: one.first for one in differences(make(), case) if one.key != "name"}
+        for name, make in named_values(Case).items()
+    }
+    base = min(from_bases, key=lambda name: len(from_bases[name]))
+    return base, from_bases[base]

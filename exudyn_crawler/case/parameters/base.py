@@ -1,9 +1,9 @@
 """What all parameter classes are: checked, frozen, with units; quantities over time among them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 from html import escape
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from annotated_types import Ge, Le, MaxLen, MinLen
@@ -11,41 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from exudyn_crawler.case.files.errors import faults, shown
-from exudyn_crawler.case.parameters.paths import fields_of, parse_path, with_value_in
+from exudyn_crawler.case.parameters.paths import case_rows, fields_of, parse_path, with_value
 from exudyn_crawler.errors import ParameterError
-
-LONGEST = 80
-"""Characters of a value; longer ones are cut."""
-
-
-def parameter_html(model: BaseModel) -> str:
-    """Table of every field with its value, unit and meaning, those of parts after the model's own."""
-    rows = "".join(
-        "<tr>" + "".join(f'<td style="text-align: left">{escape(cell)}</td>' for cell in row) + "</tr>"
-        for row in _rows(model)
-    )
-    head = "".join(f"<th>{name}</th>" for name in ("", "value", "unit", "meaning"))
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-
-
-def _rows(model: BaseModel, start: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """Path, value, unit and meaning of every field."""
-    parts: list[tuple[str, BaseModel]] = []
-    for name, field in type(model).model_fields.items():
-        value = getattr(model, name)
-        if isinstance(value, BaseModel):
-            parts.append((f"{start}{name}.", value))
-        elif isinstance(value, tuple) and value and all(isinstance(one, BaseModel) for one in value):
-            parts += [(f"{start}{name}[{number}].", one) for number, one in enumerate(value)]
-        else:
-            extra = field.json_schema_extra
-            unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
-            text = str(value)
-            shown = text if len(text) <= LONGEST else f"{text[:LONGEST]} ..."
-            yield f"{start}{name}", shown, unit, field.description or ""
-    for prefix, part in parts:
-        yield from _rows(part, prefix)
-
 
 FAR = 1e6
 """m, beyond which places are no longer exact to a tenth of a micrometre."""
@@ -100,14 +67,19 @@ class Parameters(BaseModel):
         values = fields_of(self) | fields
         for path, value in (changes or {}).items():
             try:
-                values = with_value_in(type(self), values, parse_path(path), value)
+                values = with_value(values, parse_path(path), value, type(self))
             except ValueError as error:
                 raise ParameterError(f"{path}: {error}") from None
         return type(self)(**values)
 
     def _repr_html_(self) -> str:
         """Table of every value with unit and meaning, for notebooks."""
-        return parameter_html(self)
+        head = "".join(f"<th>{name}</th>" for name in ("", "value", "unit", "meaning"))
+        rows = "".join(
+            "<tr>" + "".join(f'<td style="text-align: left">{escape(cell)}</td>' for cell in row) + "</tr>"
+            for row in case_rows(self)
+        )
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
 
 
 def quantity(unit: str, description: str, plausible: tuple[float, float] | None = None, **bounds: Any) -> Any:
@@ -133,6 +105,8 @@ class StepProfile(Parameters):
     is zero at every given time (ADAMS STEP).
     """
 
+    is_value: ClassVar[bool] = True
+
     times: Annotated[tuple[float, ...], Field(min_length=1, description="increasing times, s")]
     values: Annotated[
         tuple[Annotated[float, Ge(-1e12), Le(1e12)], ...],
@@ -153,6 +127,9 @@ class StepProfile(Parameters):
         if not joined.all():
             raise ValueError(f"times must be apart enough to be joined in numbers, got {self.times}")
         return self
+
+    def __str__(self) -> str:
+        return ", ".join(f"{v:.8g} at {t:g}" for t, v in zip(self.times, self.values, strict=True))
 
     @classmethod
     def constant(cls, value: float) -> Self:

@@ -1,13 +1,13 @@
-"""Paths of parameters in a case, what files write of parameter classes, and units."""
+"""Fields of the parameter classes: paths, units, and the walk that files, tables and errors share."""
 
 import inspect
 import json
 import math
 import re
 import typing
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from types import UnionType
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -52,12 +52,13 @@ def path_text(path: KeyPath) -> str:
     return text.lstrip(".")
 
 
-def with_value_at(values: Any, path: KeyPath, value: Any) -> Any:
-    """Copy with another value at a path; see `with_change_at`."""
-    return with_change_at(values, path, lambda _before: value)
-
-
-def with_change_at(values: Any, path: KeyPath, change: Callable[[Any], Any], above: KeyPath = ()) -> Any:
+def with_change(
+    values: Any,
+    path: KeyPath,
+    change: Callable[[Any], Any],
+    kind: type[BaseModel] | None = None,
+    above: KeyPath = (),
+) -> Any:
     """Copy in which the value at a path, or each of those that ``*`` means, went through a function.
 
     Parameters
@@ -65,6 +66,8 @@ def with_change_at(values: Any, path: KeyPath, change: Callable[[Any], Any], abo
     values : dict, list, tuple or parameters
         Parameters on the way become tables of their fields, to be validated again. A table that does not
         have a name gets it; the value before is None then.
+    kind : type of BaseModel, optional
+        Class that the values are of; a file may have the fields of a part beside its own.
     above : tuple
         Path of `values` itself, for errors.
 
@@ -84,13 +87,22 @@ def with_change_at(values: Any, path: KeyPath, change: Callable[[Any], Any], abo
         for number in numbers:
             if number >= len(items):
                 raise ValueError(f"{path_text(above)} has {len(items)} items, counted from 0, no [{number}]")
-            items[number] = with_change_at(items[number], below, change, (*above, number))
+            items[number] = with_change(items[number], below, change, above=(*above, number))
         return type(values)(items)
     table = fields_of(values) if isinstance(values, BaseModel) else values
     if not isinstance(table, dict):
         raise ValueError(f"{path_text(above)} must be a table to change a value of it, got {values!r}")
+    fields = {} if kind is None else kind.model_fields
+    for name, field in fields.items():
+        if is_beside(field) and (part == name or part not in fields):
+            return table | {name: with_change(table[name], path, change)}
     before = table.get(part, {} if below and isinstance(below[0], str) and below[0] != EVERY else None)
-    return {**table, part: with_change_at(before, below, change, (*above, part))}
+    return table | {part: with_change(before, below, change, above=(*above, part))}
+
+
+def with_value(values: Any, path: KeyPath, value: Any, kind: type[BaseModel] | None = None) -> Any:
+    """Copy with another value at a path; see `with_change`."""
+    return with_change(values, path, lambda _before: value, kind)
 
 
 def fields_of(model: BaseModel) -> dict[str, Any]:
@@ -112,30 +124,6 @@ BESIDE = object()
 def is_beside(field: FieldInfo) -> bool:
     """Whether a file has the fields of a part beside those of the class that holds it."""
     return BESIDE in field.metadata
-
-
-def with_change_in(
-    kind: type[BaseModel], values: Any, path: KeyPath, change: Callable[[Any], Any]
-) -> dict[str, Any]:
-    """Values of a parameter class, one of them changed at a path as a file has it; see `with_change_at`.
-
-    Parameters
-    ----------
-    kind : type of BaseModel
-        Class that the values are of; a file may have the fields of a part beside its own.
-    values : dict or BaseModel
-    """
-    table = fields_of(values) if isinstance(values, BaseModel) else values
-    for name, field in kind.model_fields.items():
-        if is_beside(field) and (path[0] == name or path[0] not in kind.model_fields):
-            return {**table, name: with_change_at(table[name], path, change)}
-    changed: dict[str, Any] = with_change_at(table, path, change)
-    return changed
-
-
-def with_value_in(kind: type[BaseModel], values: Any, path: KeyPath, value: Any) -> dict[str, Any]:
-    """Values of a parameter class with another one at a path; see `with_change_in`."""
-    return with_change_in(kind, values, path, lambda _before: value)
 
 
 def key_paths(kind: type[BaseModel], start: str = "") -> Iterator[str]:
@@ -179,6 +167,129 @@ def named_values(kind: type[BaseModel]) -> dict[str, Callable[[], BaseModel]]:
         if all(argument.default is not inspect.Parameter.empty for argument in arguments):
             found[name] = method
     return found
+
+
+class Entry(NamedTuple):
+    """A table or a value of a case: its place, its field and what stands there."""
+
+    place: KeyPath
+    field: FieldInfo
+    value: object
+
+    @property
+    def path(self) -> str:
+        """Path as it is written: ``loads.phases[2].end``."""
+        return path_text(self.place)
+
+    @property
+    def unit(self) -> str:
+        """Unit; empty for what has none."""
+        return unit_of(self.field).strip()
+
+    @property
+    def meaning(self) -> str:
+        """Description of the field, or that of the parameter class that it holds."""
+        kinds = [type(self.value)] if isinstance(self.value, BaseModel) else models_of(self.field.annotation)
+        return self.field.description or (first_line(kinds[0]) if kinds else "")
+
+
+def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
+    """Every table and value of a parameter object, in order.
+
+    A table comes before what it holds, its values before its tables. A quantity over time is a value. The
+    fields of a case that a case file holds stand beside that file's own.
+    """
+    entries = [Entry((*place, name), field, value) for name, field, value in _fields(model)]
+    yield from (entry for entry in entries if not (is_table(entry.value) or are_tables(entry.value)))
+    for entry in entries:
+        if isinstance(entry.value, BaseModel) and is_table(entry.value):
+            yield entry
+            yield from walk(entry.value, entry.place)
+        elif isinstance(entry.value, tuple) and are_tables(entry.value):
+            for number, part in enumerate(entry.value):
+                yield Entry((*entry.place, number), entry.field, part)
+                yield from walk(part, (*entry.place, number))
+
+
+def _fields(model: BaseModel) -> Iterator[tuple[str, FieldInfo, object]]:
+    for name, field in type(model).model_fields.items():
+        value = getattr(model, name)
+        if is_beside(field) and isinstance(value, BaseModel):
+            yield from _fields(value)
+        else:
+            yield name, field, value
+
+
+def entry_at(model: BaseModel, path: KeyPath) -> Entry | None:
+    """Table or value at a path, or that holds the list which the path leads into; None if there is none."""
+    wanted = tuple(0 if part == EVERY else part for part in path)
+    within = [entry for entry in walk(model) if wanted[: len(entry.place)] == entry.place]
+    if not within:
+        return None
+    deepest = max(within, key=lambda entry: len(entry.place))
+    return deepest if all(isinstance(part, int) for part in wanted[len(deepest.place) :]) else None
+
+
+def is_table(value: object) -> bool:
+    """Whether a value has a table of its own; a quantity over time has not."""
+    return isinstance(value, BaseModel) and not getattr(value, "is_value", False)
+
+
+def are_tables(value: object) -> bool:
+    """Whether a value is a list of tables."""
+    return isinstance(value, tuple) and bool(value) and all(map(is_table, value))
+
+
+def first_line(kind: type[BaseModel]) -> str:
+    """What a parameter class is, in a line."""
+    return (inspect.getdoc(kind) or "").split("\n\n")[0].replace("\n", " ")
+
+
+def value_text(value: object) -> str:
+    """Value for reading; equal numbers once."""
+    if isinstance(value, tuple):
+        if len(value) > 3 and len(set(value)) == 1:
+            return f"{len(value)} x {value_text(value[0])}"
+        return ", ".join(value_text(one) for one in value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return number_text(value) if abs(value) >= 1e6 else f"{value:.8g}"
+    return NONE if value is None else str(value)
+
+
+def number_text(value: float) -> str:
+    """Shortest text that reads back as the same number: ``20e6`` in place of ``20000000.0``."""
+    if abs(value) >= 1e6:
+        for power in (9, 6, 3):
+            text = f"{value / 10.0**power:.6g}e{power}"
+            if abs(value) >= 10.0**power and "e" not in text[:-2] and float(text) == value:
+                return text
+    return repr(value)
+
+
+def in_units(value: float, units: Mapping[str, float], digits: int = 3) -> str:
+    """Number for reading, in the first of the units (greatest first) that it has one of, else in the last."""
+    unit = next((name for name, size in units.items() if abs(value) >= size), [*units][-1])
+    return f"{value / units[unit]:.{digits}g} {unit}"
+
+
+class Row(NamedTuple):
+    """A value of a case for reading."""
+
+    key: str
+    value: str
+    unit: str
+    meaning: str
+
+
+def case_rows(case: BaseModel) -> list[Row]:
+    """Every value of a case or a case file."""
+    return [
+        Row(entry.path, value_text(entry.value), entry.unit, entry.meaning)
+        for entry in walk(case)
+        if not is_table(entry.value)
+    ]
 
 
 MISTAKEN: dict[str, dict[str, float]] = {

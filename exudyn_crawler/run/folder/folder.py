@@ -13,7 +13,7 @@ from pathlib import Path
 import h5py
 
 from exudyn_crawler.case import CaseFile, read_case, write_case
-from exudyn_crawler.case.files.changes import differences
+from exudyn_crawler.case.files.text import differences
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.files import clear_partial_files, writable_folder
 from exudyn_crawler.run.folder.record import DONE, LOG, RECORD, earlier_record, named_files

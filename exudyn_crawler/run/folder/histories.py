@@ -5,7 +5,7 @@ from pathlib import Path
 import xarray as xr
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.files.changes import differences
+from exudyn_crawler.case.files.text import differences
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.folder import SAME_TIME
 from exudyn_crawler.run.folder.reporting import HISTORY

@@ -5,7 +5,8 @@ from contextlib import nullcontext
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.parameters.checks import check_duration, check_size, warn_implausible
+from exudyn_crawler.case.files.case_file import check_duration, check_size
+from exudyn_crawler.case.parameters.checks import warn_implausible
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.model.formulation import EQUATIONS, track_system
 from exudyn_crawler.model.two_processes import compile_equations

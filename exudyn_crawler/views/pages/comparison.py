@@ -7,7 +7,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case.files.changes import parameter_differences
+from exudyn_crawler.case.files.text import differences
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.history.tables import compared, difference_table
@@ -61,8 +61,8 @@ def comparison_tables(
     """What differs in the cases and in the results of two runs by name, the first A and the second B."""
     first, second = histories.values()
     results = difference_table(*(compared(one, stresses.get(name)) for name, one in histories.items()))
-    differences = parameter_differences(first.case, second.case)
-    return pd.DataFrame(differences, columns=["key", "A", "B", "unit"]), results
+    parameters = differences(first.case, second.case.with_(name=first.case.name))
+    return pd.DataFrame(parameters, columns=["key", "A", "B", "unit"]), results
 
 
 def write_comparison(
