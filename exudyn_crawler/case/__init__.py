@@ -13,12 +13,16 @@ from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.loads import LoadCycle, Phase
-from exudyn_crawler.case.parameters.machine import MachineCycle, MachinePhase, Pose, Shovel
-from exudyn_crawler.case.parameters.shoe import Rails, Shoe
 from exudyn_crawler.case.parameters.solver import Solver
 from exudyn_crawler.case.parameters.terrain import Terrain
-from exudyn_crawler.case.parameters.track import Track
-from exudyn_crawler.case.parameters.undercarriage import Undercarriage
+from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
+from exudyn_crawler.case.parameters.undercarriage import (
+    MachineCycle,
+    MachinePhase,
+    Pose,
+    Shovel,
+    Undercarriage,
+)
 
 __all__ = [
     "Case",

@@ -1,5 +1,6 @@
 """Everything that a run depends on."""
 
+from collections.abc import Iterator
 from typing import Literal, Self, TypeVar
 
 import numpy as np
@@ -12,12 +13,11 @@ from exudyn_crawler.case.parameters.contact import Contact, PairContact, SphereC
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.loads import LoadCycle
-from exudyn_crawler.case.parameters.machine import MachineCycle
-from exudyn_crawler.case.parameters.shoe import Rails, Shoe
 from exudyn_crawler.case.parameters.solver import Solver
 from exudyn_crawler.case.parameters.terrain import Terrain
-from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import (
+    MachineCycle,
     Undercarriage,
     check_length,
     check_rolled,
@@ -69,58 +69,79 @@ class Case(Parameters):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if not self.name.isprintable():
-            raise ValueError(f"name must be printable, got {self.name!r}")
-        if self.loads.shoe_count != self.track.shoe_count:
-            raise ValueError(
-                f"loads must name every shoe of the track ({self.track.shoe_count}), "
-                f"got loads for {self.loads.shoe_count}"
-            )
-        if self.track.pitch + 1e-9 < self.shoe.length:
-            raise ValueError(
-                f"shoe.length must not exceed the track's pitch {self.track.pitch}, "
-                f"got {self.shoe.length}: neighbours would share ground"
-            )
-        if self.flexible is not None:
-            self._check_flexible(self.flexible)
+        for is_wrong, message in self._conflicts():
+            if is_wrong:
+                raise ValueError(message)
         if isinstance(self.contact, SphereContact):
             self._check_spheres(self.contact.radius)
-        elif self.terrain.heights is not None:
-            raise ValueError(
-                "terrain.heights must be None with contact.model 'pair', whose law takes no steps between "
-                "units but a smooth terrain.profile, also with flexible shoes; contact.model 'spheres' takes "
-                "steps, with rigid shoes; ground that slopes as a whole, by terrain.grade and "
-                "terrain.side_slope, goes with both"
-            )
-        if self.terrain.profile is not None:
-            self._check_profile()
         if self.undercarriage is not None:
-            if self.formulation == "engine" or not self._can_be_compiled:
-                raise ValueError(
-                    "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
-                    "not go with an undercarriage, which the compiled equations alone carry"
-                )
             check_rolled(self.undercarriage, self.shoe, self.track, self.drive, self.loads)
             if self.machine is not None:
                 self.machine.check_balance(self.undercarriage, self.gravity_vector())
-        elif self.machine is not None:
-            raise ValueError("machine must be None without an undercarriage, on which it acts")
-        if self.formulation == "compiled" and not self._can_be_compiled:
-            raise ValueError(
-                "formulation must be 'engine' with contact.model 'spheres' or terrain_formulation "
-                "'constrained', which the compiled equations do not carry"
-            )
         self.check_support(0.0)
         return self
+
+    def _conflicts(self) -> Iterator[tuple[bool, str]]:
+        """What of parts does not fit others, and what is said of it."""
+        count, terrain, flexible = self.track.shoe_count, self.terrain, self.flexible
+        spheres, reduced = isinstance(self.contact, SphereContact), self.terrain_formulation == "reduced"
+        yield not self.name.isprintable(), f"name must be printable, got {self.name!r}"
+        yield (
+            self.loads.shoe_count != count,
+            f"loads must name every shoe of the track ({count}), got loads for {self.loads.shoe_count}",
+        )
+        yield (
+            self.track.pitch + 1e-9 < self.shoe.length,
+            f"shoe.length must not exceed the track's pitch {self.track.pitch}, got {self.shoe.length}: "
+            "neighbours would share ground",
+        )
+        if flexible is not None:
+            yield (
+                flexible.shoes[0] < 1 or flexible.shoes[-1] > count,
+                f"flexible.shoes must be in 1..{count}, got {flexible.shoes}",
+            )
+            yield not reduced, "flexible shoes need terrain_formulation 'reduced'"
+            yield (
+                spheres,
+                "flexible must be None with contact.model 'spheres', whose shoes are rigid; flexible shoes "
+                "go with contact.model 'pair' on even ground or a smooth terrain.profile, which both may "
+                "slope as a whole by terrain.grade and terrain.side_slope",
+            )
+        yield (
+            terrain.heights is not None and not spheres,
+            "terrain.heights must be None with contact.model 'pair', whose law takes no steps between "
+            "units but a smooth terrain.profile, also with flexible shoes; contact.model 'spheres' takes "
+            "steps, with rigid shoes; ground that slopes as a whole, by terrain.grade and "
+            "terrain.side_slope, goes with both",
+        )
+        yield (
+            terrain.profile is not None and spheres,
+            "terrain.profile must be None with contact.model 'spheres', which takes terrain.heights; "
+            "contact.model 'pair' takes a profile",
+        )
+        yield (
+            terrain.profile is not None and not reduced,
+            f"terrain_formulation must be 'reduced' on a terrain.profile, got {self.terrain_formulation!r}",
+        )
+        yield (
+            self.undercarriage is not None and not self.is_compiled,
+            "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
+            "not go with an undercarriage, which the compiled equations alone carry",
+        )
+        yield (
+            self.machine is not None and self.undercarriage is None,
+            "machine must be None without an undercarriage, on which it acts",
+        )
+        yield (
+            self.formulation == "compiled" and not self.is_compiled,
+            "formulation must be 'engine' with contact.model 'spheres' or terrain_formulation "
+            "'constrained', which the compiled equations do not carry",
+        )
 
     @property
     def propel(self) -> Literal["dragged", "rolled"]:
         """How the machine moves: a side frame rolls over shoes that stand, or the front shoe is dragged."""
         return "dragged" if self.undercarriage is None else "rolled"
-
-    @property
-    def _can_be_compiled(self) -> bool:
-        return isinstance(self.contact, PairContact) and self.terrain_formulation == "reduced"
 
     @property
     def frame_start(self) -> NDArray:
@@ -134,31 +155,8 @@ class Case(Parameters):
     @property
     def is_compiled(self) -> bool:
         """Whether a run takes the compiled equations of motion."""
-        return self.formulation != "engine" and self._can_be_compiled
-
-    def _check_flexible(self, flexible: FlexibleShoes) -> None:
-        if flexible.shoes[0] < 1 or flexible.shoes[-1] > self.track.shoe_count:
-            raise ValueError(f"flexible.shoes must be in 1..{self.track.shoe_count}, got {flexible.shoes}")
-        if self.terrain_formulation != "reduced":
-            raise ValueError("flexible shoes need terrain_formulation 'reduced'")
-        if isinstance(self.contact, SphereContact):
-            raise ValueError(
-                "flexible must be None with contact.model 'spheres', whose shoes are rigid; flexible shoes "
-                "go with contact.model 'pair' on even ground or a smooth terrain.profile, which both may "
-                "slope as a whole by terrain.grade and terrain.side_slope"
-            )
-
-    def _check_profile(self) -> None:
-        if isinstance(self.contact, SphereContact):
-            raise ValueError(
-                "terrain.profile must be None with contact.model 'spheres', which takes terrain.heights; "
-                "contact.model 'pair' takes a profile"
-            )
-        if self.terrain_formulation != "reduced":
-            raise ValueError(
-                "terrain_formulation must be 'reduced' on a terrain.profile, "
-                f"got {self.terrain_formulation!r}"
-            )
+        can_be = isinstance(self.contact, PairContact) and self.terrain_formulation == "reduced"
+        return can_be and self.formulation != "engine"
 
     def _check_spheres(self, radius: float) -> None:
         """Refuse spheres that cannot carry the shoes."""
@@ -221,15 +219,7 @@ class Case(Parameters):
     def machine_wrench(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
         """Force (N) and moment about a side frame's origin (N m) of the machine beside the frame's weight.
 
-        Parameters
-        ----------
-        time : array (times,)
-            s.
-
-        Returns
-        -------
-        tuple of array (times, 3)
-            Global.
+        Those at each time (s): array (times, 3) each, global.
         """
         if self.machine is None:
             return np.zeros((np.size(time), 3)), np.zeros((np.size(time), 3))
@@ -343,13 +333,7 @@ class Case(Parameters):
         return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + travel
 
     def check_support(self, duration: float) -> None:
-        """Refuse a drive that takes the track off the terrain, or a frame off the track, in `duration` (s).
-
-        Raises
-        ------
-        ValueError
-            With the time, the place and the terrain's extent.
-        """
+        """Refuse, by a `ValueError`, a drive off the terrain, or a frame off the track, in `duration` (s)."""
         if self.undercarriage is not None:
             check_length(self.undercarriage, self.track, self.drive, duration)
         for time in np.linspace(0.0, duration, 101 if duration > 0.0 else 1):

@@ -236,9 +236,9 @@ def test_a_friction_speed_not_above_the_stiction_speed_is_refused(speed):
 
 
 def test_an_inertia_that_no_body_has_is_refused():
-    message = refusal(lambda: Shoe.ph4100c().with_(inertia=(1.0, 1.0, 3.0, 0, 0, 0)), "inertia must be")
+    message = refusal(lambda: Shoe.ph4100c().with_(inertia=(1.0, 1.0, 3.0, 0, 0, 0)), "inertia: must be")
     assert "principal moments [1.0, 1.0, 3.0]" in message
-    refusal(lambda: Shoe.ph4100c().with_(inertia=(1.0, 1.0, 1.0, 2.0, 0, 0)), "inertia must be")
+    refusal(lambda: Shoe.ph4100c().with_(inertia=(1.0, 1.0, 1.0, 2.0, 0, 0)), "inertia: must be")
 
 
 def test_a_pin_ahead_of_the_next_com_is_refused():

@@ -45,7 +45,7 @@ def test_case_file_gives_the_case_again(tmp_path):
         ({"rollers": (-5.6, 0.0)}, "rollers must be within the frame"),
         ({"ends": (5.8, -5.8)}, "ends must be rear and front end in this order"),
         ({"tumbler": 7.0}, "tumbler must be within the frame's ends"),
-        ({"inertia": (1.0, 1.0, 10.0, 0.0, 0.0, 0.0)}, "inertia must be that of a body"),
+        ({"inertia": (1.0, 1.0, 10.0, 0.0, 0.0, 0.0)}, "inertia: must be that of a body"),
         ({"rollers": (0.0,)}, "at least 2"),
     ],
 )

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 from annotated_types import Ge, Le, MaxLen, MinLen
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from exudyn_crawler.case.files.errors import faults, shown
 from exudyn_crawler.case.parameters.paths import case_rows, fields_of, parse_path, with_value
@@ -18,7 +18,30 @@ FAR = 1e6
 """m, beyond which places are no longer exact to a tenth of a micrometre."""
 Place = Annotated[float, Ge(-FAR), Le(FAR)]
 """Coordinate of a place."""
+Component = Annotated[float, Ge(-1e12), Le(1e12)]
+"""Of a force, a moment or an inertia."""
 Name = Annotated[str, MinLen(1), MaxLen(100)]
+Six = tuple[Component, Component, Component, Component, Component, Component]
+
+
+def _of_a_body(inertia: Six) -> Six:
+    principal = np.linalg.eigvalsh(inertia_tensor(inertia))
+    if principal[0] <= 0.0 or principal[2] > principal[0] + principal[1]:
+        raise ValueError(
+            f"must be that of a body (principal moments positive, none above the sum of the other two), "
+            f"got principal moments {principal.tolist()}"
+        )
+    return inertia
+
+
+Inertia = Annotated[Six, AfterValidator(_of_a_body)]
+"""Ixx, Iyy, Izz, Iyz, Ixz, Ixy (tensor components), kg m2."""
+
+
+def inertia_tensor(inertia: Six) -> NDArray:
+    """Tensor of its components: array (3, 3)."""
+    xx, yy, zz, yz, xz, xy = inertia
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 class Parameters(BaseModel):
@@ -109,7 +132,7 @@ class StepProfile(Parameters):
 
     times: Annotated[tuple[float, ...], Field(min_length=1, description="increasing times, s")]
     values: Annotated[
-        tuple[Annotated[float, Ge(-1e12), Le(1e12)], ...],
+        tuple[Component, ...],
         Field(min_length=1, description="value at each time"),
     ]
 

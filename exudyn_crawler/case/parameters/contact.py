@@ -71,29 +71,6 @@ class PairContact(Parameters):
         """Penetration (m) of an evenly carried shoe under each load (N); none where a load lifts."""
         return _impact_depth(load, self.stiffness, self.exponent)
 
-    def as_array(self, underside_area: float) -> NDArray:
-        """Values in the order that `exudyn_crawler.ground.pairs` takes them: array (10,).
-
-        Parameters
-        ----------
-        underside_area : float
-            m2; the last value where pairs share by area, else the last value is zero.
-        """
-        return np.array(
-            [
-                self.stiffness,
-                self.exponent,
-                self.damping,
-                self.damping_depth,
-                self.static_friction,
-                self.dynamic_friction,
-                self.stiction_speed,
-                self.friction_speed,
-                self.edge_width,
-                underside_area if self.sharing == "area" else 0.0,
-            ]
-        )
-
 
 class SphereContact(Parameters):
     """Spheres under each shoe in Exudyn's `GeneralContact`, at the middle of equal parts of the underside.

@@ -1,6 +1,6 @@
 """Machine and dipper loads on the shoes over time."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -21,11 +21,33 @@ Load = Annotated[float, Ge(-1e10), Le(1e10)]
 """Load on a shoe, N."""
 
 
-class Phase(Parameters):
-    """Part of a load cycle: the load on every shoe at its end, and where across the shoes it acts."""
+class PhaseEnd(Parameters):
+    """Part of a cycle, which says what acts at its end."""
 
     name: Name = Field(description="name of the phase")
     end: float = quantity("s", "time at which the phase ends", ge=0, le=1e9)
+
+
+class Cycle(Parameters):
+    """Phases whose ends are joined by cubic STEPs."""
+
+    phases: Annotated[tuple[Any, ...], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _check_ends(self) -> Self:
+        ends = [phase.end for phase in self.phases]
+        if np.any(np.diff(ends) <= 0.0):
+            raise ValueError(f"the phases' ends must increase, got {ends}")
+        return self
+
+    def over_time(self, values: Iterable[float]) -> StepProfile:
+        """Quantity over time of its values at the ends of the phases."""
+        return StepProfile(times=tuple(phase.end for phase in self.phases), values=tuple(values))
+
+
+class Phase(PhaseEnd):
+    """Part of a load cycle: the load on every shoe at its end, and where across the shoes it acts."""
+
     loads: tuple[Load, ...] = quantity(
         "N", "downward load on shoes 1..n at the end of the phase", min_length=1
     )
@@ -39,7 +61,7 @@ class Phase(Parameters):
     )
 
 
-class LoadCycle(Parameters):
+class LoadCycle(Cycle):
     """Downward loads on the shoes, in phases whose ends are joined by cubic STEPs.
 
     Before the end of the first phase the loads are constant at its values, after the last one at the last.
@@ -49,9 +71,6 @@ class LoadCycle(Parameters):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        ends = [phase.end for phase in self.phases]
-        if np.any(np.diff(ends) <= 0.0):
-            raise ValueError(f"the phases' ends must increase, got {ends}")
         counts = {phase.name: len(phase.loads) for phase in self.phases}
         if len(counts) != len(self.phases):
             raise ValueError(f"the phases' names must differ, got {[p.name for p in self.phases]}")
@@ -113,9 +132,7 @@ class LoadCycle(Parameters):
 
     @classmethod
     def from_toml(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
-        """Read a cycle from a TOML file.
-
-        It holds a list of tables ``[[phases]]`` with name, end and loads.
+        """Read a cycle from a TOML file, a list of tables ``[[phases]]`` with name, end and loads.
 
         Parameters
         ----------
@@ -154,18 +171,12 @@ class LoadCycle(Parameters):
         """Load on a shoe (1..n) over time, N."""
         if not 1 <= shoe <= self.shoe_count:
             raise ValueError(f"shoe must be in 1..{self.shoe_count}, got {shoe}")
-        return StepProfile(
-            times=tuple(phase.end for phase in self.phases),
-            values=tuple(phase.loads[shoe - 1] for phase in self.phases),
-        )
+        return self.over_time(phase.loads[shoe - 1] for phase in self.phases)
 
     @property
     def side_shift(self) -> StepProfile:
         """How far beside the load points the loads act over time, m, positive to the left."""
-        return StepProfile(
-            times=tuple(phase.end for phase in self.phases),
-            values=tuple(phase.side_shift for phase in self.phases),
-        )
+        return self.over_time(phase.side_shift for phase in self.phases)
 
     def loads(self, time: ArrayLike) -> NDArray:
         """Loads at each time: array (times, shoes), N downward."""

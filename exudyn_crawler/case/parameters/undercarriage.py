@@ -1,20 +1,27 @@
-"""Side frame of a track that it rolls over, and whether it fits that track."""
+"""What rides on a track: side frame, rollers and drive, whether they fit, and what the machine does on them."""
 
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Sequence
+from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import (
+    Component,
+    Inertia,
+    Parameters,
+    Place,
+    inertia_tensor,
+    quantity,
+)
 from exudyn_crawler.case.parameters.drive import Drive
-from exudyn_crawler.case.parameters.loads import LoadCycle
-from exudyn_crawler.case.parameters.shoe import Moment, Shoe
+from exudyn_crawler.case.parameters.loads import Cycle, LoadCycle, PhaseEnd
 from exudyn_crawler.case.parameters.terrain import Terrain
-from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.case.parameters.track import Shoe, Track
 
 Roller = Annotated[float, Ge(-1e3), Le(1e3)]
 """Place of a roller along the frame, m."""
@@ -31,7 +38,7 @@ class Undercarriage(Parameters):
     mass: float = quantity(
         "kg", "half of the machine without its shoes", plausible=(1e4, 2e6), ge=1.0, le=1e9
     )
-    inertia: tuple[Moment, Moment, Moment, Moment, Moment, Moment] = quantity(
+    inertia: Inertia = quantity(
         "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of this mass about its COM (tensor components)"
     )
     com: tuple[Place, Place, Place] = quantity("m", "its COM", plausible=(-10.0, 10.0))
@@ -74,9 +81,6 @@ class Undercarriage(Parameters):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        principal = np.linalg.eigvalsh(self.inertia_tensor)
-        if principal[0] <= 0.0 or principal[2] > principal[0] + principal[1]:
-            raise ValueError(f"inertia must be that of a body, got principal moments {principal.tolist()}")
         rear, front = self.ends
         if front <= rear:
             raise ValueError(f"ends must be rear and front end in this order, got {self.ends}")
@@ -104,8 +108,7 @@ class Undercarriage(Parameters):
     @property
     def inertia_tensor(self) -> NDArray:
         """Inertia tensor about the COM: array (3, 3), kg m2."""
-        xx, yy, zz, yz, xz, xy = self.inertia
-        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return inertia_tensor(self.inertia)
 
     @property
     def strip_places(self) -> NDArray:
@@ -117,20 +120,9 @@ class Undercarriage(Parameters):
         return 0.5 * self.tread_width * points
 
     def shares_of_links(self, ahead: ArrayLike, links: int, pitch: float) -> NDArray:
-        """Shares of the links in the pull of the tumbler, which change evenly between neighbours.
+        """Shares of the links in the tumbler's pull, which change evenly between neighbours: (times, links).
 
-        Parameters
-        ----------
-        ahead : array (times,)
-            x of the tumbler ahead of the pins of link 1, m.
-        links : int
-            Number of links.
-        pitch : float
-            Of the chain, m.
-
-        Returns
-        -------
-        array (times, links)
+        `ahead` is x of the tumbler ahead of the pins of link 1 (m) at each time, `pitch` the chain's (m).
         """
         place = np.asarray(ahead, dtype=float)[..., None] / pitch
         return np.clip(1.0 - np.abs(place - np.arange(links)), 0.0, None)
@@ -149,13 +141,7 @@ def ground_below(track: Track, terrain: Terrain) -> Terrain:
 
 
 def check_rolled(frame: Undercarriage, shoe: Shoe, track: Track, drive: Drive, loads: LoadCycle) -> None:
-    """Refuse what does not go with a side frame.
-
-    Raises
-    ------
-    ValueError
-        Naming the field and what is allowed.
-    """
+    """Refuse what does not go with a side frame, by a `ValueError` that names the field."""
     rails = shoe.rails
     if rails is None:
         raise ValueError("shoe.rails must be given with an undercarriage, which rolls on them")
@@ -188,13 +174,7 @@ def check_rolled(frame: Undercarriage, shoe: Shoe, track: Track, drive: Drive, l
 
 
 def check_length(frame: Undercarriage, track: Track, drive: Drive, duration: float) -> None:
-    """Refuse a drive that takes rollers or tumbler off the track within `duration` (s).
-
-    Raises
-    ------
-    ValueError
-        With the time, the place and the track's extent.
-    """
+    """Refuse, by a `ValueError`, a drive that takes rollers or tumbler off the track in `duration` (s)."""
     first, last = track.first_com[0], track.first_com[0] + (track.shoe_count - 1) * track.pitch
     pins = first + track.pin_ahead, last - track.pitch + track.pin_ahead
     parts = (
@@ -212,3 +192,164 @@ def check_length(frame: Undercarriage, track: Track, drive: Drive, duration: flo
                     f"x = {x:.4g} m, the shoes reach from {least:.4g} to {greatest:.4g} m; "
                     f"more shoes (track.shoe_count) or another undercarriage.start give it way"
                 )
+
+
+Vector = tuple[Component, Component, Component]
+
+
+TIPPING = 0.24
+"""m, from the middle of the track to that of a rail of the P&H 4100C."""
+
+
+class MachinePhase(PhaseEnd):
+    """Part of a machine's cycle: force and moment on the side frame at its end."""
+
+    force: Vector = quantity("N", "force at the frame's origin beside the frame's weight, global")
+    moment: Vector = quantity("N m", "moment about the frame's origin, global")
+
+
+class Pose(NamedTuple):
+    """Upper structure of a shovel at the end of a phase.
+
+    Attributes
+    ----------
+    name : str
+    end : float
+        s.
+    swing : float
+        rad, of the dipper from straight ahead to the left.
+    reach, height : float
+        Of the dipper from the swing axis and above the rollers' axes, m.
+    payload : float
+        kg in the dipper.
+    bank : tuple of float
+        Force of the bank on the dipper away from the machine and up, N.
+    """
+
+    name: str
+    end: float
+    swing: float
+    reach: float
+    height: float
+    payload: float
+    bank: tuple[float, float] = (0.0, 0.0)
+
+
+class Shovel(NamedTuple):
+    """Masses (kg) of a shovel and their places: m from the swing axis and above the rollers' axes.
+
+    The rest of the whole stands on the swing axis at the height of the lower works.
+    """
+
+    mass: float = ph4100c.SHOVEL["mass"]
+    upper: float = ph4100c.SHOVEL["upper"]
+    upper_place: tuple[float, float] = ph4100c.SHOVEL["upper_place"]
+    front: float = ph4100c.SHOVEL["front"]
+    lower_height: float = ph4100c.SHOVEL["lower_height"]
+
+
+class MachineCycle(Cycle):
+    """Force and moment of the machine on one side frame, in phases whose ends are joined by cubic STEPs."""
+
+    phases: Annotated[tuple[MachinePhase, ...], Field(min_length=1)]
+
+    @classmethod
+    def shovel(
+        cls,
+        frame: Undercarriage | None = None,
+        poses: Sequence[Pose] = tuple(Pose(*one) for one in ph4100c.SHOVEL_POSES),
+        shovel: Shovel | None = None,
+        side: float = 1.0,
+        down: Sequence[float] = (0.0, 0.0, -1.0),
+    ) -> Self:
+        """Cycle of a rope shovel from its weights and what its dipper meets.
+
+        Statics gives this track its share: the resultant of all forces, at y from the middle between the
+        tracks, rests on both in the ratio of their distances. Along x each share stands where the whole does.
+        The lateral moment that is left is the pair of both tracks' forces: none of it is on the side frame.
+
+        Parameters
+        ----------
+        frame : Undercarriage, optional
+            Side frame, of whose weight the machine's share is taken off; that of the P&H 4100C if None.
+        poses : sequence of Pose
+            At the ends of the phases.
+        shovel : Shovel, optional
+            Masses; those of the P&H 4100C if None.
+        side : float
+            1 where the track is the left one, -1 for the right one.
+        down : array (3,)
+            Direction of gravity, as of `Terrain.down`.
+
+        Raises
+        ------
+        ValueError
+            If the machine tips over a track.
+        """
+        own = Undercarriage.ph4100c() if frame is None else frame
+        masses = Shovel() if shovel is None else shovel
+        phases = []
+        for pose in poses:
+            forces, places = _loads(masses, pose, np.asarray(down, dtype=float))
+            whole, moment = forces.sum(axis=0), np.cross(places, forces).sum(axis=0)
+            aside = moment[0] / whole[2]
+            share = 0.5 + side * aside / ph4100c.TRACK_DISTANCE
+            if not 0.0 <= share <= 1.0:
+                raise ValueError(
+                    f"the machine tips sideways at the end of {pose.name!r}: its weight acts {aside:.3g} m "
+                    f"beside the middle, its tracks stand {0.5 * ph4100c.TRACK_DISTANCE:.3g} m beside it"
+                )
+            weight = own.mass * ph4100c.GRAVITY * np.asarray(down, dtype=float)
+            force = share * whole - weight
+            turn = share * moment[1] - np.cross(own.com, weight)[1]
+            phases.append(
+                MachinePhase(
+                    name=pose.name, end=pose.end, force=tuple(force.tolist()), moment=(0.0, float(turn), 0.0)
+                )
+            )
+        return cls(phases=tuple(phases))
+
+    def wrench(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
+        """Force (N) and moment (N m) at each time (s): array (times, 3) each."""
+        t = np.atleast_1d(np.asarray(time, dtype=float))
+        rows = [(*phase.force, *phase.moment) for phase in self.phases]
+        both = np.column_stack([self.over_time(values).value(t) for values in zip(*rows, strict=True)])
+        return both[:, :3], both[:, 3:]
+
+    def check_balance(self, frame: Undercarriage, gravity: NDArray) -> None:
+        """Refuse, by a `ValueError`, a cycle in which a roller would have to pull; gravity (3,) is in m/s2.
+
+        Between the ends of phases force and moment are means of those at the ends, so that these tell.
+        """
+        weight = frame.mass * gravity
+        for phase in self.phases:
+            force = np.array(phase.force) + weight
+            moment = np.array(phase.moment) + np.cross(frame.com, weight)
+            if force[2] >= 0.0:
+                raise ValueError(f"machine: at the end of {phase.name!r} it lifts the side frame")
+            x, y = moment[1] / -force[2], -moment[0] / -force[2]
+            rear, front = frame.rollers[0], frame.rollers[-1]
+            if not rear <= x <= front:
+                raise ValueError(
+                    f"machine: at the end of {phase.name!r} its weight acts at x = {x:.3g} m, the rollers "
+                    f"stand from {rear:g} to {front:g} m: it tips"
+                )
+            if abs(y) > TIPPING:
+                raise ValueError(
+                    f"machine: at the end of {phase.name!r} its weight acts {y:.3g} m beside the middle of "
+                    f"the track, more than {TIPPING} m: the side frame tips"
+                )
+
+
+def _loads(shovel: Shovel, pose: Pose, down: NDArray) -> tuple[NDArray, NDArray]:
+    """Forces on the machine (N) and their places from the swing axis at the rollers (m): (k, 3) each."""
+    ahead = np.array([math.cos(pose.swing), math.sin(pose.swing), 0.0])
+    up = np.array([0.0, 0.0, 1.0])
+    back, height = shovel.upper_place
+    dipper = pose.reach * ahead + pose.height * up
+    lower = shovel.mass - shovel.upper - shovel.front
+    weights = [(lower, shovel.lower_height * up), (shovel.upper, back * ahead + height * up)]
+    weights += [(shovel.front + pose.payload, dipper)]
+    forces = [mass * ph4100c.GRAVITY * down for mass, _ in weights]
+    forces.append(pose.bank[0] * ahead + pose.bank[1] * up)
+    return np.array(forces), np.array([*(place for _, place in weights), dipper])
