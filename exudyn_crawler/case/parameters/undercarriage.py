@@ -1,4 +1,4 @@
-"""What rides on a track: side frame, rollers and drive, whether they fit, and what the machine does on them."""
+"""What rides on a track: side frame, rollers and drive, whether they fit, and what the machine does to it."""
 
 import math
 from collections.abc import Sequence
