@@ -1,8 +1,8 @@
 """The command `exudyn-crawler`: it writes, shows and runs cases and looks at runs; studies add to it."""
 
-from exudyn_crawler.cli.application import call, run_script
-from exudyn_crawler.cli.options import RESULTS, Debug, Out, Overwrite
-from exudyn_crawler.cli.several import app
+from exudyn_crawler.cli import looking  # noqa: F401 - which adds its commands
+from exudyn_crawler.cli.application import RESULTS, Debug, Out, Overwrite, call, run_script
+from exudyn_crawler.cli.commands import app
 
 __all__ = ["RESULTS", "Debug", "Out", "Overwrite", "app", "main", "run_script"]
 

@@ -9,7 +9,7 @@ A package, the studies first of all, registers commands and cases in the metadat
     stress = "studies.cases:stress"
 
 A command is a function as Typer takes it; its options `debug`, `out` and `overwrite` are those of
-`cli.options`. A case is a function without arguments that returns a `CaseFile`, to start from with ``init
+`cli.application`. A case is a function without arguments that returns a `CaseFile`, to start from with ``init
 --study NAME``. Neither is loaded before it is asked for, so that its module of commands should import what
 is heavy in its functions.
 """
@@ -22,12 +22,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from exudyn_crawler.cli.options import Debug
 from exudyn_crawler.errors import (
     ENDED_FROM_OUTSIDE,
     GOES_ON,
@@ -35,6 +35,63 @@ from exudyn_crawler.errors import (
     EquilibriumError,
     SimulationStopped,
 )
+
+if TYPE_CHECKING:
+    from exudyn_crawler.case import CaseFile
+    from exudyn_crawler.results.history.history import History
+
+RESULTS = Path("results")
+"""Folder of the folders of runs and studies, where a command names no other."""
+
+Run = Annotated[Path, typer.Argument(help="folder of a run, or its history (NetCDF)", metavar="RUN")]
+Out = Annotated[Path, typer.Option(help="folder for the results")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace earlier results")]
+Debug = Annotated[bool, typer.Option("--debug", help="show the traceback of an error")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="value in place of the file's, as terrain.spring_stiffness=1e7; repeatable"),
+]
+
+
+def run_folder(run: Path) -> Path:
+    """Folder of a run, named itself or by a file in it; `NotADirectoryError` if there is neither."""
+    if run.is_file():
+        return run.parent
+    if not run.is_dir():
+        raise NotADirectoryError(f"no folder {run}")
+    return run
+
+
+def history_path(run: Path) -> Path:
+    """History of a run, named itself or by its folder; `FileNotFoundError`, with those below, if none."""
+    if run.is_file():
+        return run
+    if not run.is_dir():
+        raise FileNotFoundError(f"no history at {run}")
+    from exudyn_crawler.run.folder.reporting import HISTORY, STOPPED_HISTORY
+
+    for name in (HISTORY, STOPPED_HISTORY):
+        if (run / name).is_file():
+            return run / name
+    below = sorted(str(path.parent) for path in run.glob(f"*/{HISTORY}"))
+    hint = f"; name one of {', '.join(below)}" if below else ""
+    raise FileNotFoundError(f"no history at {run / HISTORY}{hint}")
+
+
+def loaded(run: Path, shoe: int | None = None) -> "History":
+    """History of a run, named itself or by its folder; errors are those of `history_path` and loading.
+
+    A shoe that its track does not have is refused before the results are read.
+    """
+    path = history_path(run)
+    if shoe is not None:
+        from exudyn_crawler.results.history.case_in_file import case_in_file
+
+        case_in_file(path).track.check_shoe(shoe)
+    from exudyn_crawler.results.history.history import History
+
+    return History.load(path)
+
 
 OTHER = 1
 BAD_INPUT = 2
@@ -53,15 +110,10 @@ BAD_INPUT_ERRORS = (
 
 @contextmanager
 def readable_errors(debug: bool = False) -> Iterator[None]:
-    """Turn errors and warnings into readable lines, and errors into an exit code.
+    """Turn errors and warnings into readable lines, and errors into an exit code; `debug` shows tracebacks.
 
-    Exits with 2 for bad input, 3 for a run that stopped early, 130 for an interrupt outside of a run and
-    1 for all else, such as a full disk.
-
-    Parameters
-    ----------
-    debug : bool
-        Show the traceback first.
+    The code is 2 for bad input, 3 for a run that stopped early, 130 for an interrupt outside of a run and 1
+    for all else, such as a full disk.
     """
     try:
         with _readable_warnings():
@@ -128,9 +180,6 @@ def _lines(error: BaseException) -> tuple[list[str], int]:
     return [f"{type(error).__name__}: {text} (unexpected; --debug shows where)"], OTHER
 
 
-if TYPE_CHECKING:
-    from exudyn_crawler.case import CaseFile
-
 COMMANDS = "exudyn_crawler.commands"
 CASES = "exudyn_crawler.cases"
 
@@ -141,13 +190,7 @@ def registered(group: str) -> dict[str, EntryPoint]:
 
 
 def study_case(name: str) -> "CaseFile":
-    """Case that a study registers to start from.
-
-    Raises
-    ------
-    ValueError
-        If there is no such study.
-    """
+    """Case that a study registers to start from; raises `ValueError` if there is no such study."""
     cases = registered(CASES)
     if name not in cases:
         raise ValueError(f"study must be of {sorted(cases)}, got {name!r}")
@@ -193,11 +236,8 @@ def _broken(error: Exception) -> Callable[..., None]:
 def run_script(reference: str) -> None:
     """Run a command as a script, with its arguments and exit codes.
 
-    Parameters
-    ----------
-    reference : str
-        Module and function as packages register them: ``studies.commands:stress``. Its module may import
-        that of the script.
+    It is referred to as packages register it: ``studies.commands:stress``. Its module may import that of the
+    script.
     """
     command = EntryPoint(reference, reference, COMMANDS).load()
     single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)

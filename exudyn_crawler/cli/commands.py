@@ -3,21 +3,26 @@
 Nothing heavy is imported before a command needs it, so that help comes at once.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from exudyn_crawler.cli.application import CASES, Commands, readable, registered, study_case
-from exudyn_crawler.cli.options import (
+from exudyn_crawler.cli.application import (
+    CASES,
     RESULTS,
     Changes,
+    Commands,
     Debug,
     Overwrite,
     Run,
     history_path,
     loaded,
+    readable,
+    registered,
     run_folder,
+    study_case,
 )
 
 START = "kinematics"
@@ -29,6 +34,11 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
+
+
+def command(function: Callable[..., None]) -> Callable[..., None]:
+    """Register a command that reports what goes wrong in a line."""
+    return app.command()(readable(function))
 
 
 def _show_versions(wanted: bool) -> None:
@@ -52,8 +62,7 @@ def common(
     """Options before the name of a command."""
 
 
-@app.command()
-@readable
+@command
 def init(
     name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml", metavar="NAME")],
     study: Annotated[str, typer.Option(help="study whose case to start from, such as stress")] = START,
@@ -72,8 +81,7 @@ def init(
     typer.echo(f"{written}: change it, then: exudyn-crawler run {written}")
 
 
-@app.command()
-@readable
+@command
 def info(
     case: Annotated[
         str, typer.Argument(help="case file, or name of a study", metavar="[CASE.toml|STUDY]")
@@ -113,8 +121,7 @@ def info(
         typer.echo(reductions_line())
 
 
-@app.command()
-@readable
+@command
 def run(
     case: Annotated[Path, typer.Argument(help="case file", metavar="CASE.toml")],
     out: Annotated[Path | None, typer.Option(help=f"folder of the run; {RESULTS}/CASE, if not given")] = None,
@@ -142,8 +149,7 @@ def run(
     typer.echo(f"{case_file.case.name}: {history.duration:g} s; case, log, results and figures are in {out}")
 
 
-@app.command()
-@readable
+@command
 def report(
     run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
     out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
@@ -165,8 +171,7 @@ def report(
     typer.echo(f"{page}: open it in a browser")
 
 
-@app.command()
-@readable
+@command
 def animate(
     run: Run,
     out: Annotated[
