@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.views.figures.series import JOINTS, SHOES
+from exudyn_crawler.views.figures import JOINTS, SHOES
 from studies.comparison import comparison_table, ends, statistic_of, time_mean
 from studies.reported import reported_values
 

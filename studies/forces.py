@@ -19,8 +19,8 @@ from exudyn_crawler import Case, CaseFile, History, simulate
 from exudyn_crawler.results.history.history import common_phases
 from exudyn_crawler.run.folder.histories import matching_history
 from exudyn_crawler.run.folder.reporting import quiet
-from exudyn_crawler.views.figures.curves import Panel, panel_figure
-from exudyn_crawler.views.figures.series import (
+from exudyn_crawler.views.curves import Panel, panel_figure
+from exudyn_crawler.views.figures import (
     CONTACT_SCALARS,
     CONTACT_VECTORS,
     JOINT_VECTORS,

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Unpack
 
 from exudyn_crawler import Case, CaseFile, History
-from exudyn_crawler.views.figures.runs import comparison_figure
-from exudyn_crawler.views.figures.series import KINEMATICS
+from exudyn_crawler.results.history.history import common_phases
+from exudyn_crawler.views.curves import panel_figure
+from exudyn_crawler.views.figures import KINEMATICS, history_series, overlay, shoe_names
 from exudyn_crawler.views.style import save_figure
 from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
@@ -76,10 +77,15 @@ def study(
 
 def write_figures(histories: Mapping[str, History], out: Path) -> None:
     """Draw one shoe turning against translation, a figure a quantity."""
-    for quantity in KINEMATICS if len(histories) > 1 else ():
-        figure = comparison_figure(histories, quantity, COMPARED_SHOE)
-        name = f"shoe_{COMPARED_SHOE}_{quantity.replace(' ', '_')}.png"
-        save_figure(figure, out / name, overwrite=True)
+    if len(histories) < 2:
+        return
+    found = {case: history_series(one) for case, one in histories.items()}
+    phases = common_phases(*histories.values())
+    (shoe,) = shoe_names([COMPARED_SHOE])
+    for quantity, label in KINEMATICS.items():
+        panels = overlay({case: one[label] for case, one in found.items()}, [shoe])
+        name = f"{shoe} {quantity}.png".replace(" ", "_")
+        save_figure(panel_figure(f"{shoe}: {quantity}", panels, phases), out / name, overwrite=True)
 
 
 if __name__ == "__main__":

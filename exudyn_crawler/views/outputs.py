@@ -15,8 +15,7 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import extremes
 from exudyn_crawler.results.history.tables import highest_by_phase, hot_spot_table, load_table, region_table
 from exudyn_crawler.results.stress.recovery import StressResults
-from exudyn_crawler.views.figures.runs import force_figures, kinematic_figure, roller_figures, stress_figures
-from exudyn_crawler.views.figures.series import KINEMATICS
+from exudyn_crawler.views.figures import run_figures, stress_figures
 from exudyn_crawler.views.scenes.paraview import write_paraview
 from exudyn_crawler.views.scenes.projections import ground_figure
 from exudyn_crawler.views.scenes.stress_pictures import write_stress_pictures
@@ -59,16 +58,8 @@ def write_loads(history: History, folder: Path, outputs: Outputs) -> None:
 
 def write_curves(history: History, folder: Path, outputs: Outputs) -> None:
     """Motion, contact and joint forces of some shoes and the links behind them; rollers and side frame."""
-    if not outputs.figures:
-        return
-    case, count = history.case, history.case.track.shoe_count
-    shoes = outputs.drawn_shoes(count)
-    joints = sorted({min(shoe, count - 1) for shoe in shoes})
-    _save({quantity: kinematic_figure(history, quantity, shoes) for quantity in KINEMATICS}, folder, outputs)
-    _save(force_figures(history, shoes, joints), folder, outputs)
-    if case.propel == "rolled":
-        loaded = shoes if case.flexible is None else case.flexible.shoes
-        _save(roller_figures(history, loaded), folder, outputs)
+    if outputs.figures:
+        _save(run_figures(history, outputs.drawn_shoes(history.case.track.shoe_count)), folder, outputs)
 
 
 def write_ground(history: History, folder: Path, outputs: Outputs) -> None:

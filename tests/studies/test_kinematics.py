@@ -8,7 +8,7 @@ import pytest
 
 from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case import CaseFile, read_case
-from exudyn_crawler.views.figures.series import KINEMATICS
+from exudyn_crawler.views.figures import KINEMATICS
 from studies.comparison import compare_kinematics
 from studies.kinematics import study as kinematics_study
 from studies.reported import reported_values

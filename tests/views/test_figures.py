@@ -9,13 +9,7 @@ from matplotlib.colors import to_hex
 from exudyn_crawler.case import MachineCycle, MachinePhase
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.stress.recovery import StressResults
-from exudyn_crawler.views.figures.runs import (
-    force_figures,
-    kinematic_figure,
-    roller_figures,
-    stress_figures,
-)
-from exudyn_crawler.views.figures.series import Series, history_series, link_names, shoe_names
+from exudyn_crawler.views.figures import history_series, link_names, run_figures, shoe_names, stress_figures
 from exudyn_crawler.views.pages.comparison import comparison_figures
 from exudyn_crawler.views.scenes.track_film import TrackPicture
 from exudyn_crawler.views.style import PHASE_BANDS
@@ -23,6 +17,11 @@ from exudyn_crawler.views.style import PHASE_BANDS
 BANDS = [(0.0, 0.04), (0.04, 0.08), (0.08, 0.084), (0.084, 0.12)]
 NAMES = ["propel <b>", "first $dig", "swing & back"]
 """Those that fit; the third is wider than its band."""
+OF_ANY_RUN = {
+    "displacement", "velocity", "acceleration", "angular velocity", "angular acceleration",
+    "normal force", "slip velocity", "friction force", "contact force", "sinkage and friction torque",
+    "spherical joint reaction", "parallel joint torque", "terrain deformation",
+}  # fmt: skip
 
 
 def curves(figure):
@@ -56,21 +55,19 @@ def test_panels_have_a_curve_for_each_item_that_is_asked_for(translation):
     assert [list(panel.curves) for panel in panels] == [["link 1-2", "link 12-13"]] * 3
     drawn = panels[2].curves["link 12-13"].values
     assert drawn == pytest.approx(1e-3 * translation.joint_force.sel(joint=12, axis="z").values)
-    assert isinstance(series, Series)
     assert series.count == len(series.panels()) * len(series.panels()[0].curves) == 36
 
 
 def test_force_figures_draw_the_chosen_shoes_and_links(translation):
-    figures = force_figures(translation, shoes=(2, 5), joints=(3,))
-    assert set(figures) == {
-        "normal force", "slip velocity", "friction force", "contact force", "sinkage and friction torque",
-        "spherical joint reaction", "parallel joint torque", "terrain deformation",
-    }  # fmt: skip
+    figures = run_figures(translation, (2, 5, 13))
+    assert set(figures) == OF_ANY_RUN
     together = curves(figures["sinkage and friction torque"])
     assert list(together) == ["penetration depth in m", "sinkage velocity in m/s", "friction torque in kN m"]
     depth = translation.contacts_by_shoe().penetration.sel(shoe=5).values
     assert together["penetration depth in m"]["shoe 5"] == pytest.approx(depth)
-    assert list(curves(figures["parallel joint torque"])["z parallel joint torque in kN m"]) == ["link 3-4"]
+    assert list(curves(figures["parallel joint torque"])["z parallel joint torque in kN m"]) == [
+        *("link 2-3", "link 5-6", "link 12-13")
+    ]
     (deformation,) = curves(figures["terrain deformation"])["deformation in m"].values()
     assert deformation == pytest.approx(translation.terrain_deformation.values)
 
@@ -110,8 +107,8 @@ def test_dragged_runs_have_none_of_it(translation):
 
 
 def test_figures_draw_forces_on_both_sides_and_the_motion_of_the_frame(rolled):
-    figures = roller_figures(rolled, (4, 5))
-    assert set(figures) == {"roller force", "force of all rollers", "side frame"}
+    figures = run_figures(rolled, (4, 5))
+    assert set(figures) == OF_ANY_RUN | {"roller force", "force of all rollers", "side frame"}
     forces = curves(figures["roller force"])
     both, right, left = (panel["roller 2"] for panel in forces.values())
     assert both == pytest.approx(right + left)
@@ -143,8 +140,7 @@ def assert_banded(figure):
 
 
 def test_every_figure_over_time_has_a_band_a_phase_with_its_name(phased):
-    figures = force_figures(phased, shoes=(1, 13), joints=(1,))
-    figures["velocity"] = kinematic_figure(phased, "velocity", (1, 13))
+    figures = run_figures(phased, (1, 13))
     for figure in figures.values():
         assert_banded(figure)
     first = figures["velocity"].axes[0]
@@ -161,8 +157,7 @@ def test_every_figure_over_time_has_a_band_a_phase_with_its_name(phased):
 def test_a_run_of_one_phase_has_no_bands(translation, flexible_run):
     history, stress, hot_spots = flexible_run
     figures = [
-        *force_figures(translation, shoes=(1,), joints=(1,)).values(),
-        kinematic_figure(translation, "velocity"),
+        *run_figures(translation, (1,)).values(),
         *stress_figures(history, StressResults(stress, hot_spots, {}, whole=None)).values(),
     ]
     assert not any(ax.patches or ax.texts for figure in figures for ax in figure.axes)
@@ -180,10 +175,10 @@ def test_a_rolled_run_has_the_phases_of_its_machine(rolled):
     nothing = {"force": (0.0, 0.0, 0.0), "moment": (0.0, 0.0, 0.0)}
     phases = [MachinePhase(name=name, end=end, **nothing) for name, end in (("roll", 0.1), ("dig", 0.3))]
     digging = History(rolled.case.with_(machine=MachineCycle(phases=tuple(phases))), rolled.dataset)
-    for figure in roller_figures(digging, (4,)).values():
+    for figure in run_figures(digging, (4,)).values():
         assert [pytest.approx(one) for one in bands(figure.axes[0])] == [(0.0, 0.1), (0.1, 0.2)]
         assert names(figure.axes[0]) == ["roll", "dig"]
-    assert not any(ax.patches for figure in roller_figures(rolled, (4,)).values() for ax in figure.axes)
+    assert not any(ax.patches for figure in run_figures(rolled, (4,)).values() for ax in figure.axes)
 
 
 def test_two_runs_have_the_bands_that_both_have(phased, translation):

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
@@ -11,8 +12,8 @@ from exudyn_crawler.case.files.text import differences
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.history.tables import compared, difference_table
-from exudyn_crawler.views.figures.curves import panel_figure
-from exudyn_crawler.views.figures.series import Series, history_series, overlay
+from exudyn_crawler.views.curves import panel_figure
+from exudyn_crawler.views.figures import Series, history_series, overlay
 from exudyn_crawler.views.pages.page import (
     Section,
     figure_picture,
@@ -39,10 +40,11 @@ def comparison_figures(
 ) -> dict[str, Figure]:
     """Overlays of the main curves of two runs by name, by the label of the quantity."""
     first, second = (history_series(one, stresses.get(name)) for name, one in histories.items())
-    both = [one.label for one in MAIN if one.label in first and one.label in second]
     figures, phases = {}, common_phases(*histories.values())
-    for label in both:
+    for label in (one.label for one in MAIN if one.label in first and one.label in second):
         items = _common_items(first[label], second[label])
+        if not items:
+            continue
         panels = overlay(dict(zip(histories, (first[label], second[label]), strict=True)), items)
         is_of_one = len(items) == 1 and items != ["track"]
         figures[label] = panel_figure(f"{items[0]}: {label}" if is_of_one else label, panels, phases)
@@ -51,8 +53,9 @@ def comparison_figures(
 
 def _common_items(one: Series, other: Series) -> list[str]:
     """Some of the items that both series have: the ends and the middle."""
-    both = [item for item in one.values["item"].values.tolist() if item in other.values["item"].values]
-    return sorted({both[round(k * (len(both) - 1) / (ITEMS - 1))] for k in range(ITEMS)}, key=both.index)
+    both = [item for item in one.items if item in other.items]
+    places = np.linspace(0, len(both) - 1, min(ITEMS, len(both)))
+    return [both[round(place)] for place in places]
 
 
 def comparison_tables(

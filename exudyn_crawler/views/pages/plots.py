@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.history.history import History, common_phases
-from exudyn_crawler.views.figures import series as of
-from exudyn_crawler.views.figures.curves import banded
-from exudyn_crawler.views.figures.series import Series
+from exudyn_crawler.views import figures as of
+from exudyn_crawler.views.figures import Series
 from exudyn_crawler.views.pages.packing import packed
 from exudyn_crawler.views.style import negligible
 
@@ -62,7 +61,8 @@ def packed_case(found: list[Series], points: int) -> dict[str, Any]:
 
 def packed_phases(history: History) -> list[dict[str, Any]]:
     """Name, begin and end (s) of every phase of a run that has a band behind the curves."""
-    return [phase._asdict() for phase in banded(common_phases(history))]
+    found = common_phases(history)
+    return [phase._asdict() for phase in found] if len(found) > 1 else []
 
 
 def _packed_series(series: Series, points: int) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from exudyn_crawler.files import refuse_existing
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import BAND, bouncing, key_results
 from exudyn_crawler.views import style
-from exudyn_crawler.views.figures.series import history_series
+from exudyn_crawler.views.figures import history_series
 from exudyn_crawler.views.pages import folder as finding
 from exudyn_crawler.views.pages import page, plots
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.stress.recovery import surface_stress
 from exudyn_crawler.views import style
-from exudyn_crawler.views.figures.curves import draw_phases
+from exudyn_crawler.views.curves import draw_phases
 from exudyn_crawler.views.scenes import poses, shoes
 from exudyn_crawler.views.scenes.drawing import Backend, Window, draw_arrows, draw_solids, usual_backend
 from exudyn_crawler.views.scenes.film_files import Picture, Shown, write_film

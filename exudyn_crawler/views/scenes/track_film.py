@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.views import style
-from exudyn_crawler.views.figures.curves import draw_phases
+from exudyn_crawler.views.curves import draw_phases
 from exudyn_crawler.views.scenes import poses, projections
 from exudyn_crawler.views.scenes.film_files import GIF, Picture, Shown, write_film
 from exudyn_crawler.views.scenes.shoes import shoe_force_scale

@@ -1,7 +1,4 @@
-"""Curves over time in panels one below the other, with the phases of a run as bands behind them.
-
-Phases have light bands, with their names above the first panel.
-"""
+"""Curves over time in panels one below the other, with the phases of a run as light bands behind them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +8,6 @@ import matplotlib as mpl
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 
 from exudyn_crawler.results.history.history import RunPhase
 from exudyn_crawler.views.style import PHASE_BANDS, PHASE_NAME, STYLE, in_figure_unit, negligible
@@ -86,15 +82,11 @@ def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase]
     return figure
 
 
-def banded(phases: Sequence[RunPhase]) -> list[RunPhase]:
-    """Phases that get a band: none where there is but one."""
-    return list(phases) if len(phases) > 1 else []
-
-
 def draw_phases(axes: Sequence[Axes], phases: Sequence[RunPhase]) -> None:
     """Draw a band a phase behind the curves of some panels of a figure over the same time (s).
 
-    Colours alternate. Names stand above the first panel alone; one that is wider than its band is left out.
+    Colours alternate. Names stand above the first panel alone, where no curve can be; one that is wider than
+    its band is left out. A run of one phase has no bands.
 
     Parameters
     ----------
@@ -105,30 +97,25 @@ def draw_phases(axes: Sequence[Axes], phases: Sequence[RunPhase]) -> None:
     """
     for panel, ax in enumerate(axes):
         low, high = ax.get_xlim()
-        for number, phase in enumerate(banded(phases)):
+        for number, phase in enumerate(phases if len(phases) > 1 else ()):
             begin, end = max(phase.begin, low), min(phase.end, high)
             if begin >= end:
                 continue
             colour = PHASE_BANDS[number % len(PHASE_BANDS)]
             ax.axvspan(begin, end, facecolor=colour, edgecolor="none", zorder=0.0)
-            if panel == 0:
-                _write_name(ax, phase.name, begin, end)
-
-
-def _write_name(ax: Axes, name: str, begin: float, end: float) -> None:
-    """Write the name of a phase above its band, where no curve can be, if it is not wider than the band."""
-    text: Text = ax.annotate(
-        name,
-        (begin, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(NAME_INSET, NAME_INSET),
-        textcoords="offset points",
-        va="bottom",
-        fontsize=NAME_SIZE,
-        color=PHASE_NAME,
-        # a phase may have any name, also one that looks like a formula
-        parse_math=False,
-    )
-    right = ax.transData.transform((end, 0.0))[0]
-    if text.get_window_extent().x1 > right:
-        text.remove()
+            if panel > 0:
+                continue
+            text = ax.annotate(
+                phase.name,
+                (begin, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(NAME_INSET, NAME_INSET),
+                textcoords="offset points",
+                va="bottom",
+                fontsize=NAME_SIZE,
+                color=PHASE_NAME,
+                # a phase may have any name, also one that looks like a formula
+                parse_math=False,
+            )
+            if text.get_window_extent().x1 > ax.transData.transform((end, 0.0))[0]:
+                text.remove()

@@ -1,0 +1,240 @@
+"""What a run offers to be drawn over time, in units for reading, and the figures that the papers draw of it.
+
+Figures are by names that can be those of files.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
+from exudyn_crawler.results.history.history import History, common_phases
+from exudyn_crawler.results.stress.recovery import StressResults
+from exudyn_crawler.views.curves import Panel, panel_figure
+from exudyn_crawler.views.style import in_figure_unit
+
+SHOES, JOINTS = (1, 4, 7, 10, 13), (1, 4, 7, 10, 12)
+"""Shoes that the papers draw, and links by their rear shoe: those behind these shoes, and 12-13."""
+GROUPS = ("stress", "motion", "contact", "rollers", "side frame", "links", "track")
+"""Groups of curves, in the order in which they are offered."""
+KINEMATICS = {name.replace("_", " "): one.label for name, one in select(curves="motion").items()}
+"""Figures of kinematic quantities that the papers draw, and the labels of what they show."""
+CONTACT_VECTORS = [one.label for one in select(curves="contact", curve_axes=False).values() if one.is_vector]
+CONTACT_SCALARS = [one.label for one in select(curves="contact").values() if one.label not in CONTACT_VECTORS]
+JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values()]
+"""Labels of forces and sinkage of shoes, and of forces of links."""
+HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
+ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
+PULL = QUANTITIES["drive_pull"].label
+OF_FLEXIBLE_SHOES = {
+    "displacement": KINEMATICS["displacement"],
+    "velocity": "velocity",
+    "angular velocity": "angular velocity",
+    "contact force": "contact force",
+}
+"""Figures of the flexible shoes and what they show."""
+OF_PINS = {"revolute joint reaction": "pin force", "revolute joint torque": "pin torque"}
+"""Same of the pins, a figure for each side."""
+MODES_DRAWN = 6
+"""Lowest modal coordinates in the figure."""
+TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}
+"""Components of angles for reading."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """One quantity over time.
+
+    Attributes
+    ----------
+    group, label, unit : str
+    values : xarray.DataArray
+        Dimensions (time, item, axis); items are named like "shoe 7" or "link 7-8", and without axes the one
+        axis is named "".
+    """
+
+    group: str
+    label: str
+    unit: str
+    values: xr.DataArray
+
+    @property
+    def items(self) -> list[str]:
+        """Names of the items."""
+        return self.values["item"].values.tolist()
+
+    @property
+    def count(self) -> int:
+        """Number of curves."""
+        return self.values.sizes["item"] * self.values.sizes["axis"]
+
+    def panels(self, items: Sequence[str] | None = None) -> list[Panel]:
+        """Panel for each axis, with a curve for each of some items, or of all."""
+        return overlay({"": self}, self.items if items is None else items)
+
+
+def history_series(history: History, stress: xr.Dataset | None = None) -> dict[str, Series]:
+    """Everything over time that a history and its stresses offer to be drawn, by label."""
+    rows = [one for group in GROUPS for one in select(curves=group).values() if history.has(one.name, stress)]
+    values = history.over_time([one.name for one in rows], stress)
+    return {series.label: series for one in rows for series in _series(one, values[one.name])}
+
+
+def overlay(found: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
+    """Panel for each axis of one quantity of some runs by name, with a curve for each of some items.
+
+    Curves are named after what differs, item or run or both.
+    """
+    first = next(iter(found.values()))
+    several = len(items) > 1 or len(found) == 1, len(found) > 1
+    names = {
+        (item, run): ", ".join(name for name, differs in zip((item, run), several, strict=True) if differs)
+        for item in items
+        for run in found
+    }
+    return [
+        Panel(
+            f"{axis} {first.label}".strip(),
+            first.unit,
+            {name: found[run].values.sel(item=item, axis=axis) for (item, run), name in names.items()},
+        )
+        for axis in first.values.axis.values
+    ]
+
+
+def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
+    """Series of a quantity; forces on rails of both sides together, and of each."""
+    values = in_figure_unit(values)
+    unit, axes = values.attrs["units"], list(quantity.curve_axes)
+    if axes:
+        # the friction torque turns about the normal, which is z but for the units' tilt
+        values = values.sel(axis=axes if len(axes) > 1 else axes[0], drop=True)
+    if quantity.name.endswith("angles"):
+        values = values.assign_coords(axis=[TURNS[str(axis)] for axis in values.axis.values])
+    parts = {quantity.label: values}
+    if "rail" in values.dims:
+        sides = {on_rails(str(side)): values.sel(rail=side, drop=True) for side in values.rail.values}
+        parts = {quantity.label: values.sum("rail")} | sides
+    if "pin" in values.dims:
+        # a rigid link has one joint for both pins, whose force is the link's
+        apart = values.isel(joint=values.isel(time=0).notnull().all(("pin", "axis")).values)
+        parts = {quantity.label: apart.stack(place=("joint", "pin"))} if apart.sizes["joint"] else {}
+    for label, part in parts.items():
+        yield Series(quantity.curves, label, unit, _by_item(part, quantity.per))
+
+
+def _by_item(values: xr.DataArray, per: str) -> xr.DataArray:
+    """Values with dimensions (time, item, axis), by the names of what they are of, or of the one thing."""
+    if "axis" not in values.dims:
+        values = values.expand_dims({"axis": [""]})
+    dim = next((one for one in NAMED if one in values.dims), None)
+    if dim is None:
+        values = values.expand_dims({"item": [per]})
+    else:
+        names = [NAMED[dim](one) for one in values[dim].values]
+        dropped = {"place", "joint", "pin", dim} & set(values.coords)
+        values = values.drop_vars(dropped).rename({dim: "item"}).assign_coords(item=names)
+    return values.transpose("time", "item", "axis")
+
+
+def shoe_names(shoes: Iterable[int]) -> list[str]:
+    """Items of shoes by their numbers."""
+    return [f"shoe {shoe}" for shoe in shoes]
+
+
+def link_names(joints: Iterable[int]) -> list[str]:
+    """Items of links by the number of the shoe behind each."""
+    return [f"link {joint}-{joint + 1}" for joint in joints]
+
+
+NAMED: dict[str, Callable[[Any], str]] = {
+    "shoe": lambda shoe: shoe_names([shoe])[0],
+    "joint": lambda joint: link_names([joint])[0],
+    "roller": "roller {}".format,
+    "place": lambda pin: f"{link_names([pin[0]])[0]} {pin[1]}",
+}
+"""Items of what has one of a quantity, by the dimension; a place is that of a pin."""
+
+
+def on_rails(side: str) -> str:
+    """Label of the rollers' force on the rails of a side."""
+    return f"{ROLLER_FORCE} on the {side} rails"
+
+
+def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Figure]:
+    """Motion and contact of some shoes, forces of the links behind them, of rollers, and the side frame."""
+    found, case = history_series(history), history.case
+    items = shoe_names(shoes)
+    links = link_names(sorted({min(shoe, case.track.shoe_count - 1) for shoe in shoes}))
+    panels = {name: found[label].panels(items) for name, label in KINEMATICS.items()}
+    panels |= {label: found[label].panels(items) for label in CONTACT_VECTORS}
+    sinking = [found[label].panels(items) for label in CONTACT_SCALARS]
+    panels["sinkage and friction torque"] = [panel for one in sinking for panel in one]
+    panels |= {label: found[label].panels(links) for label in JOINT_VECTORS}
+    panels |= _deformation(found)
+    if case.propel == "rolled":
+        loaded = items if case.flexible is None else shoe_names(case.flexible.shoes)
+        panels |= _of_rollers(found, loaded, [on_rails(str(side)) for side in history.rail.values])
+    return _figures(case.name, panels, history)
+
+
+def stress_figures(history: History, results: StressResults) -> dict[str, Figure]:
+    """Figures 11 to 17 and 21 of the S-paper: flexible shoes over the cycle."""
+    found, shoes = history_series(history, results.dataset), history.flexible_shoe.values
+    panels = {name: found[label].panels(shoe_names(shoes)) for name, label in OF_FLEXIBLE_SHOES.items()}
+    for name, label in OF_PINS.items():
+        for side in history.pin.values:
+            panels[f"{side} {name}"] = _of_side(found[label], str(side)).panels()
+    panels |= _deformation(found)
+    panels["modal coordinates"] = [_modal_panel(history, int(shoe)) for shoe in shoes]
+    highest = found[HIGHEST_STRESS]
+    curves = {item: highest.values.sel(item=item, axis="") for item in highest.items}
+    panels[HIGHEST_STRESS] = [Panel(item, highest.unit, {item: one}) for item, one in curves.items()]
+    return _figures(f"{history.case.name}, flexible shoes", panels, history)
+
+
+def _figures(title: str, panels: Mapping[str, Sequence[Panel]], history: History) -> dict[str, Figure]:
+    """Figures by their names, which stand in their titles."""
+    phases = common_phases(history)
+    return {name: panel_figure(f"{title}: {name}", one, phases) for name, one in panels.items()}
+
+
+def _of_rollers(
+    found: Mapping[str, Series], items: Sequence[str], sides: Sequence[str]
+) -> dict[str, list[Panel]]:
+    """Forces of rollers, what some shoes carry of them, and motion of the side frame."""
+
+    def vertical(*labels: str) -> list[Panel]:
+        drawn = (replace(found[one], values=found[one].values.sel(axis=["z"])) for one in labels)
+        return [panel for one in drawn for panel in one.panels()]
+
+    # the way along x is an input
+    way, angle = (QUANTITIES[f"side_frame_{name}"].label for name in ("way", "angles"))
+    return {
+        ROLLER_FORCE: vertical(ROLLER_FORCE, *sides),
+        RAIL_FORCE: found[RAIL_FORCE].panels(items),
+        "side frame": [*found[PULL].panels(), *vertical(way), *found[angle].panels()],
+    }
+
+
+def _of_side(pins: Series, side: str) -> Series:
+    """Those of the pins on one side, named after their links."""
+    names = [item for item in pins.items if item.endswith(f" {side}")]
+    links = [item.removesuffix(f" {side}") for item in names]
+    return replace(pins, values=pins.values.sel(item=names).assign_coords(item=links))
+
+
+def _deformation(found: Mapping[str, Series]) -> dict[str, list[Panel]]:
+    """Figure of the terrain's deformation, with a label that fits beside it."""
+    whole = found[QUANTITIES["terrain_deformation"].label]
+    return {"terrain deformation": replace(whole, label="deformation").panels()}
+
+
+def _modal_panel(history: History, shoe: int) -> Panel:
+    """Lowest modal coordinates of a shoe."""
+    lowest = history.modal_coordinate.sel(flexible_shoe=shoe).isel(mode=slice(MODES_DRAWN))
+    curves = {f"{float(mode.frequency):.0f} Hz": mode for mode in lowest.transpose("mode", "time")}
+    return Panel(f"shoe {shoe}", "kg0.5 m", curves)
