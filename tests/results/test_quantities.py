@@ -15,7 +15,7 @@ from exudyn_crawler.results.history.catalogue import CATALOGUE, NEEDS, QUANTITIE
 from exudyn_crawler.results.history.derived import DERIVED
 from exudyn_crawler.results.history.files import packed
 from exudyn_crawler.results.loads.balance import track_imbalance
-from exudyn_crawler.results.loads.rollers import roller_loads
+from exudyn_crawler.results.loads.exports import roller_loads
 from studies.comparison import time_mean
 
 WEIGHT = 13 * (386.4e3 + 4681.67 * 9.81)

@@ -1,11 +1,11 @@
-"""What acts on the shoes of a history, as data: one record for each action, over all stored times.
+"""What acts on the shoes and the side frame of a history, as data: one record for each action, over all times.
 
-Balances of momentum and the modal loads of a flexible shoe sum over these records; a new kind of load is one
-builder in `model` and one record here. All vectors are global, all units SI.
+Balances of momentum and energy and the modal loads of a flexible shoe sum over these records; a new kind of
+load is one force element in `model` and one record here. All vectors are global, all units SI.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,12 +29,8 @@ class AtInterface:
 class OverSurface:
     """Enters a flexible shoe spread over one of its named surfaces.
 
-    Attributes
-    ----------
-    name : str
-    shift : array (times,), optional
-        m by which the load acts beside the surface's middle, to the left: its pressure changes evenly across
-        the shoe; None where it is even.
+    `shift` (times,) is how far beside the surface's middle it acts, to the left, m: its pressure changes
+    evenly across the shoe; None where it is even.
     """
 
     name: str
@@ -45,12 +41,8 @@ class OverSurface:
 class OverRectangle:
     """Enters a flexible shoe spread evenly over a rectangle of its underside.
 
-    Attributes
-    ----------
-    low, high : array (times, 2)
-        Least and greatest x and y, m, in the shoe's frame.
-    pressed : array of bool (times,)
-        When there is a rectangle at all.
+    `low` and `high` (times, 2) are its least and greatest x and y in the shoe's frame, m; `pressed` (times,)
+    says when there is one at all.
     """
 
     low: NDArray
@@ -59,8 +51,15 @@ class OverRectangle:
 
 
 @dataclass(frozen=True)
-class OnFrame:
-    """Enters a flexible shoe through the coordinates of its floating frame: no mode is loaded."""
+class OnRail:
+    """Enters a flexible shoe at x (times,) in its frame, m, along one of its rails.
+
+    `line` is the strip of the treads, counted from 0 over both rails, `roller` the roller's number from 0.
+    """
+
+    line: int
+    x: NDArray
+    roller: int = 0
 
 
 @dataclass(frozen=True)
@@ -69,24 +68,13 @@ class AtDrivePoint:
 
 
 @dataclass(frozen=True)
-class OverMass:
-    """Enters a flexible shoe spread as its mass, to which every elastic mode is orthogonal."""
+class OnFrame:
+    """Enters a flexible shoe through the coordinates of its floating frame: no mode is loaded."""
 
 
 @dataclass(frozen=True)
-class OnRail:
-    """Enters a flexible shoe at a place on one of its rails.
-
-    Attributes
-    ----------
-    line : int
-        Strip of the treads, counted from 0 over both rails.
-    x : array (times,)
-        Place along the rail, m, in the shoe's frame.
-    """
-
-    line: int
-    x: NDArray
+class OverMass:
+    """Enters a flexible shoe spread as its mass, to which every elastic mode is orthogonal."""
 
 
 Entry = AtInterface | OverSurface | OverRectangle | AtDrivePoint | OnFrame | OverMass | OnRail
@@ -94,21 +82,21 @@ Entry = AtInterface | OverSurface | OverRectangle | AtDrivePoint | OnFrame | Ove
 
 @dataclass(frozen=True)
 class Action:
-    """One thing that acts on one shoe.
+    """One thing that acts on one body.
 
     Attributes
     ----------
     kind : str
         "joint", "weight", "load", "contact", "drive"; under a side frame "roller" and "chain" (pull of the
-        drive and tension of the ends).
+        drive and tension of the ends). On the side frame "weight", "machine", "roller" and "pull".
     shoe : int
-        Number of the shoe.
+        Number of the shoe; 0 is the side frame.
     where : str
         Place in words, such as "front right" (a pin) or "unit 12" (what the shoe stands on).
     point : array (times, 3)
         Where the force acts, m. On a flexible shoe, points of the body are those of the unbent one.
     force, moment : array (times, 3)
-        Force (N) and moment beside that of the force (N m), on the shoe.
+        Force (N) and moment beside that of the force (N m), on the body.
     entry : Entry
         How it enters the shoe if that is flexible.
     """
@@ -268,7 +256,8 @@ def _rollers(history: History, shoe: int, position: NDArray, frames: NDArray) ->
         if force.any():
             x = np.einsum("ti,ti->t", foot - position, frames[:, :, 0])
             where = f"roller {roller + 1} {SIDES[rail]}"
-            yield Action("roller", shoe, where, foot, force, zero, OnRail(rail * strips + strip, x))
+            entry = OnRail(rail * strips + strip, x, roller)
+            yield Action("roller", shoe, where, foot, force, zero, entry)
 
 
 def _chain(
@@ -276,8 +265,9 @@ def _chain(
 ) -> Iterator[Action]:
     """Pull of the drive at the shoe's front pins, and the tension of the chain at the outermost ones."""
     track, zero = history.case.track, np.zeros_like(position)
-    pull = -history.drive_pull.values * pulled_shares(history, frame)[:, shoe - 1]
-    pulls = {"front": pull + frame.end_tension * (shoe == track.shoe_count), "rear": zero[:, 0]}
+    pulls = {"front": -drive_pulls(history, frame)[:, shoe - 1], "rear": zero[:, 0]}
+    if shoe == track.shoe_count:
+        pulls["front"] = pulls["front"] + frame.end_tension
     if shoe == 1:
         pulls["rear"] = pulls["rear"] - frame.end_tension
     for where, center in track.joint_centers.items():
@@ -287,10 +277,52 @@ def _chain(
             yield Action("chain", shoe, where, position + frames @ center, force, zero, AtInterface(where))
 
 
-def pulled_shares(history: History, frame: Undercarriage) -> NDArray:
-    """Share of each shoe's front pins in the pull of the drive: array (times, shoes)."""
+def drive_pulls(history: History, frame: Undercarriage) -> NDArray:
+    """Pull of the drive at each shoe's front pins, backward, N: array (times, shoes)."""
     track = history.case.track
     first = history.position.sel(shoe=1, axis="x").values + track.pin_ahead
     tumbler = history.side_frame_position.sel(axis="x").values + frame.tumbler
     shares = frame.shares_of_links(tumbler - first, track.shoe_count - 1, track.pitch)
-    return np.column_stack((shares, np.zeros(len(shares))))
+    return history.drive_pull.values[:, None] * np.column_stack((shares, np.zeros(len(shares))))
+
+
+def middle_pins(history: History, end: str) -> NDArray:
+    """Middle between the pins at an end, "front" or "rear", of every shoe: array (times, shoes, 3), m."""
+    centers = history.case.track.joint_centers
+    place = np.mean([center for name, center in centers.items() if name.startswith(end)], axis=0)
+    return history.position.values + rotation_matrices(history.angles.values) @ place
+
+
+def frame_of(history: History) -> Undercarriage:
+    """Undercarriage of the history's case.
+
+    Raises
+    ------
+    ValueError
+        If it has none.
+    """
+    frame = history.case.undercarriage
+    if frame is None:
+        raise ValueError(
+            f"the history must be of a case with an undercarriage, {history.case.name!r} has none"
+        )
+    return frame
+
+
+def frame_actions(history: History) -> Iterator[Action]:
+    """All that acts on the side frame of a history that has one, but for what holds its y and its yaw."""
+    case, frame = history.case, frame_of(history)
+    origin = history.side_frame_position.values
+    zero = np.zeros_like(origin)
+    center = origin + rotation_matrices(history.side_frame_angles.values) @ np.array(frame.com)
+    weight = zero + frame.mass * case.gravity_vector()
+    yield Action("weight", 0, "COM", center, weight, zero, OnFrame())
+    yield Action("machine", 0, "origin", origin, *case.machine_wrench(history.time.values), OnFrame())
+    pulls, pins = drive_pulls(history, frame), middle_pins(history, "front")
+    for shoe in case.track.shoes.tolist():
+        position = history.position.sel(shoe=shoe).values
+        frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+        for one in _rollers(history, shoe, position, frames):
+            yield replace(one, shoe=0, force=-one.force)
+        pull = pulls[:, shoe - 1, None] * np.array((1.0, 0.0, 0.0))
+        yield Action("pull", 0, f"pins of shoe {shoe}", pins[:, shoe - 1], pull, zero, OnFrame())

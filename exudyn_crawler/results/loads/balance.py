@@ -4,22 +4,93 @@ Nothing here knows the solver: forces, positions and motion come from the stored
 vanish or add up is returned. All vectors are global, all units SI.
 """
 
+from collections import defaultdict
+
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.case import Undercarriage
+from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.actions import actions, shoe_mass
-from exudyn_crawler.results.loads.rollers import frame_energies, frame_powers
-
-FORCE = {"units": "N"}
-MOMENT = {"units": "N m"}
-
+from exudyn_crawler.results.loads.actions import (
+    Action,
+    OnRail,
+    actions,
+    frame_actions,
+    frame_of,
+    middle_pins,
+    shoe_mass,
+)
 
 KINDS = ("weight", "load", "contact", "drive", "joint")
 ROLLED_KINDS = (*KINDS, "roller", "chain")
 """Kinds of actions on shoes, in the order in which they are added; under a side frame."""
+
+
+class _Motion:
+    """Motion of the shoes, arrays (times, shoes, 3), or of the side frame, (times, 3).
+
+    Attributes
+    ----------
+    origin, velocity, acceleration, omega, alpha : array (..., 3)
+        Of the body's frame.
+    axes : array (..., 3, 3)
+        Of the body, a column each.
+    center : array (..., 3)
+        COM from the origin.
+    mass : array (...)
+    inertia : array (3, 3)
+        About the COM, in the body's axes.
+    """
+
+    def __init__(
+        self, history: History, prefix: str, mass: ArrayLike, center: ArrayLike, inertia: NDArray
+    ) -> None:
+        names = ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration")
+        motion = (history.dataset[f"{prefix}{name}"].values for name in names)
+        self.origin, self.velocity, self.acceleration, self.omega, self.alpha = motion
+        self.axes = rotation_matrices(history.dataset[f"{prefix}angles"].values)
+        self.center = _times(self.axes, np.asarray(center))
+        self.mass, self.inertia = np.asarray(mass), inertia
+
+    def momentum_rates(self) -> tuple[NDArray, NDArray]:
+        """Rates of momentum (N) and of angular momentum about the origin (N m): arrays (..., 3)."""
+        inertia = self.axes @ self.inertia @ np.swapaxes(self.axes, -1, -2)
+        turning = np.cross(self.omega, np.cross(self.omega, self.center))
+        rate = self.mass[..., None] * (self.acceleration + np.cross(self.alpha, self.center) + turning)
+        spin = _times(inertia, self.alpha) + np.cross(self.omega, _times(inertia, self.omega))
+        return rate, spin + np.cross(self.center, rate)
+
+    def energies(self, gravity: NDArray) -> tuple[NDArray, NDArray]:
+        """Kinetic energy and that of gravity, from the origin of coordinates on, of each body: arrays (...)."""
+        omega = _times(np.swapaxes(self.axes, -1, -2), self.omega)
+        velocity = self.velocity + np.cross(self.omega, self.center)
+        twice = self.mass * np.sum(velocity**2, axis=-1) + np.sum(omega * (omega @ self.inertia), axis=-1)
+        return 0.5 * twice, -self.mass * ((self.origin + self.center) @ gravity)
+
+    def velocity_at(self, points: NDArray, shoe: int = 0) -> NDArray:
+        """Velocity (times, 3) of a shoe, or of the side frame, at points (times, 3), m/s."""
+        at = (slice(None), shoe - 1) if shoe else slice(None)
+        return self.velocity[at] + np.cross(self.omega[at], points - self.origin[at])
+
+    def power(self, action: Action) -> NDArray:
+        """Power (times,) of an action on a body, W."""
+        omega = self.omega[:, action.shoe - 1] if action.shoe else self.omega
+        moved = action.force * self.velocity_at(action.point, action.shoe)
+        return np.sum(moved + action.moment * omega, axis=-1)
+
+
+def _shoes(history: History) -> _Motion:
+    """Motion of the shoes; of a flexible one that of its frame, with the mass of its mesh."""
+    case = history.case
+    masses = [shoe_mass(case, shoe) for shoe in case.track.shoes.tolist()]
+    mass, center = [one.mass for one in masses], [one.center for one in masses]
+    return _Motion(history, "", mass, center, case.shoe.inertia_tensor)
+
+
+def _side_frame(history: History, frame: Undercarriage) -> _Motion:
+    return _Motion(history, "side_frame_", frame.mass, frame.com, frame.inertia_tensor)
 
 
 def shoe_actions(history: History) -> xr.Dataset:
@@ -40,16 +111,7 @@ def shoe_actions(history: History) -> xr.Dataset:
         source, shoe = kinds.index(action.kind), action.shoe - 1
         forces[source, :, shoe] += action.force
         moments[source, :, shoe] += action.moment_about(position[:, shoe])
-    dims = ("source", "time", "shoe", "axis")
-    return xr.Dataset(
-        {"force": (dims, forces, FORCE), "moment": (dims, moments, MOMENT)},
-        coords={
-            "source": list(kinds),
-            "time": history.time,
-            "shoe": history.shoe,
-            "axis": history.axis,
-        },
-    )
+    return _of_shoes(history, forces, moments, source=list(kinds))
 
 
 def shoe_momentum_rates(history: History) -> xr.Dataset:
@@ -58,21 +120,17 @@ def shoe_momentum_rates(history: History) -> xr.Dataset:
     The elastic modes of a flexible shoe carry no momentum. They do carry angular momentum, whose rate takes
     accelerations of modes that a history does not keep: its moments are NaN.
     """
-    case = history.case
-    masses = [shoe_mass(case, shoe) for shoe in case.track.shoes.tolist()]
-    frames = rotation_matrices(history.angles.values)
-    inertia = frames @ case.shoe.inertia_tensor @ np.swapaxes(frames, -1, -2)
-    omega, alpha = history.angular_velocity.values, history.angular_acceleration.values
-    spin = _times(inertia, alpha) + np.cross(omega, _times(inertia, omega))
-    if case.flexible is not None:
-        spin[:, [shoe - 1 for shoe in case.flexible.shoes]] = np.nan
-    center = _times(frames, np.array([one.center for one in masses]))
-    rate = history.acceleration.values + np.cross(alpha, center) + np.cross(omega, np.cross(omega, center))
-    rate *= np.array([one.mass for one in masses])[:, None]
-    dims = ("time", "shoe", "axis")
+    rate, spin = _shoes(history).momentum_rates()
+    if history.case.flexible is not None:
+        spin[:, [shoe - 1 for shoe in history.case.flexible.shoes]] = np.nan
+    return _of_shoes(history, rate, spin)
+
+
+def _of_shoes(history: History, force: NDArray, moment: NDArray, **coords: object) -> xr.Dataset:
+    dims = (*coords, "time", "shoe", "axis")
     return xr.Dataset(
-        {"force": (dims, rate, FORCE), "moment": (dims, spin, MOMENT)},
-        coords={"time": history.time, "shoe": history.shoe, "axis": history.axis},
+        {"force": (dims, force, {"units": "N"}), "moment": (dims, moment, {"units": "N m"})},
+        coords=coords | {name: history.dataset[name] for name in ("time", "shoe", "axis")},
     )
 
 
@@ -85,8 +143,8 @@ def shoe_imbalance(history: History) -> xr.Dataset:
         `force` (N) and `moment` about the shoe's frame (N m), both (time, shoe, axis); moments of flexible
         shoes are NaN, see `shoe_momentum_rates`.
     """
-    difference = shoe_momentum_rates(history) - shoe_actions(history).sum("source")
-    return _with_units(difference)
+    with xr.set_options(keep_attrs=True):
+        return shoe_momentum_rates(history) - shoe_actions(history).sum("source")
 
 
 def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.Dataset:
@@ -105,18 +163,45 @@ def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.
         `force` (N) and `moment` about the point (N m), both (time, axis); with flexible shoes the moment is
         NaN, see `shoe_momentum_rates`.
     """
-    outside = shoe_actions(history).drop_sel(source="joint").sum("source")
-    one_by_one = shoe_momentum_rates(history) - outside
-    arm = history.position.values - np.asarray(about, dtype=float)
-    moment = one_by_one["moment"] + np.cross(arm, one_by_one["force"].values)
-    return _with_units(xr.Dataset({"force": one_by_one["force"], "moment": moment}).sum("shoe", skipna=False))
+    with xr.set_options(keep_attrs=True):
+        outside = shoe_actions(history).drop_sel(source="joint").sum("source")
+        one_by_one = shoe_momentum_rates(history) - outside
+        arm = history.position.values - np.asarray(about, dtype=float)
+        one_by_one["moment"] += np.cross(arm, one_by_one["force"].values)
+        return one_by_one.sum("shoe", skipna=False)
+
+
+def frame_imbalance(history: History) -> xr.Dataset:
+    """Rate of the side frame's momentum less all that acts on it: zero where mechanics holds.
+
+    Its y and its yaw are held and have reactions, which are left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        `travel` and `heave` (N) along x and z, `roll` and `pitch` (N m) about the axes of these angles and
+        the frame's origin, each (time,).
+
+    Raises
+    ------
+    ValueError
+        If no side frame rolls over the history's track.
+    """
+    motion = _side_frame(history, frame_of(history))
+    force, moment = motion.momentum_rates()
+    for action in frame_actions(history):
+        force, moment = force - action.force, moment - action.moment_about(motion.origin)
+    angles = moments_on_angles(history.side_frame_angles.values, moment)
+    forces = _over_time(history, "N", travel=force[:, 0], heave=force[:, 2])
+    return forces.assign(_over_time(history, "N m", roll=angles[:, 0], pitch=angles[:, 1]))
 
 
 def energies(history: History) -> xr.Dataset:
     """Stored energy of track and terrain over time, J: kinetic, gravitational and of the springs.
 
     Each (time,). Heights count from the origin of the COMs of shoes and from free springs of the units.
-    Under a side frame also those of `rollers.frame_energies`.
+    Under a side frame also `frame_kinetic`; `frame_gravitational`, heights from z = 0; and `treads`, stored
+    in their contacts with rails.
 
     Raises
     ------
@@ -124,33 +209,32 @@ def energies(history: History) -> xr.Dataset:
         For a history with flexible shoes.
     """
     _only_rigid(history)
-    case, terrain = history.case, history.case.terrain
-    shoe = case.shoe
-    frames = rotation_matrices(history.angles.values)
-    omega = history.angular_velocity.values
-    body_omega = _times(np.swapaxes(frames, -1, -2), omega)
-    heave, tilt = history.unit_heave.values, history.unit_tilt.values
-    moving = 0.5 * shoe.mass * np.sum(history.velocity.values**2, axis=(1, 2))
-    moving += 0.5 * np.sum(body_omega * (body_omega @ shoe.inertia_tensor), axis=(1, 2))
-    moving += 0.5 * terrain.unit_mass * np.sum(history.unit_heave_rate.values**2, axis=1)
-    tilting = terrain.unit_inertia[terrain.tilt_axis]
-    moving += 0.5 * tilting * np.sum(history.unit_tilt_rate.values**2, axis=1)
+    case, terrain, frame = history.case, history.case.terrain, history.case.undercarriage
     gravity = case.gravity_vector()
-    weight = shoe.mass * history.position.values.sum(axis=1) @ gravity
-    weight += terrain.unit_mass * heave.sum(axis=1) * gravity[2]
+    kinetic, height = (one.sum(axis=1) for one in _shoes(history).energies(gravity))
+    heave, tilt = history.unit_heave.values, history.unit_tilt.values
+    kinetic += 0.5 * terrain.unit_mass * np.sum(history.unit_heave_rate.values**2, axis=1)
+    tilting = terrain.unit_inertia[terrain.tilt_axis]
+    kinetic += 0.5 * tilting * np.sum(history.unit_tilt_rate.values**2, axis=1)
+    height -= terrain.unit_mass * heave.sum(axis=1) * gravity[2]
     springs = 0.5 * terrain.heave_stiffness * np.sum(heave**2, axis=1)
     springs += 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
-    found = _over_time(history, "J", kinetic=moving, gravitational=-weight, springs=springs)
-    return found if case.undercarriage is None else found.assign(frame_energies(history, case.undercarriage))
+    stored = {"kinetic": kinetic, "gravitational": height, "springs": springs}
+    if frame is not None:
+        motion = _side_frame(history, frame)
+        moving, raised = motion.energies(gravity)
+        treads = _treads(history, frame, motion, _shoes(history))[0]
+        stored |= {"frame_kinetic": moving, "frame_gravitational": raised, "treads": treads}
+    return _over_time(history, "J", **stored)
 
 
 def powers(history: History) -> xr.Dataset:
     """Power of all that stores no energy of its own in `energies`, W, each (time,).
 
-    `drive` and `machine_load` bring power in, under a side frame as `rollers.frame_powers` has it with what
-    its rollers take; `elastic_contact` goes into the contact's stiffness and
-    comes back from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping`
-    take power.
+    `drive` and `machine_load` bring power in; `elastic_contact` goes into the contact's stiffness and comes
+    back from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping` take power.
+    Under a side frame the drive pulls on frame and chain, the machine's load is that on the frame with the
+    tension of the chain's ends, and `rolling_resistance` and `tread_damping` take power, too.
 
     Raises
     ------
@@ -162,14 +246,10 @@ def powers(history: History) -> xr.Dataset:
     case, terrain, law = history.case, history.case.terrain, history.case.contact
     if law.model != "pair":
         raise ValueError("powers need a history of contact.model 'pair', whose law they divide")
-    frames = rotation_matrices(history.angles.values)
-    omega, velocity = history.angular_velocity.values, history.velocity.values
-    # while it acts, its point moves at its speed
-    driven = history.drive_force.values * case.drive.speed.value(history.time.values)
-    driven += history.drive_torque.values * np.sum(frames[:, -1, :, 2] * omega[:, -1], axis=-1)
-    beside = case.loads.side_shift.value(history.time.values)[:, None, None] * frames[..., 1]
-    at_load = velocity + np.cross(omega, frames @ np.array(case.shoe.load_point) + beside)
-    loaded = np.sum(history.shoe_load.values * (at_load @ terrain.down), axis=1)
+    shoes = _shoes(history)
+    supplied: dict[str, NDArray] = defaultdict(lambda: np.zeros(history.time.size))
+    for action in actions(history):
+        supplied[action.kind] += shoes.power(action)
 
     depth, rate = history.penetration.values, history.penetration_rate.values
     normal = np.linalg.norm(history.normal_force.values, axis=-1)
@@ -181,24 +261,71 @@ def powers(history: History) -> xr.Dataset:
     pressed = normal * rate
 
     units = history.contact_unit.values - 1
-    spin = omega[:, history.contact_shoe.values - 1].copy()
+    spin = shoes.omega[:, history.contact_shoe.values - 1].copy()
     spin[..., terrain.tilt_axis] -= history.unit_tilt_rate.values[:, units]
     rubbed = history.friction_force.values * history.slip_velocity.values
     rubbed = rubbed + history.friction_torque.values * spin
 
     absorbed = terrain.heave_stiffness * np.sum(history.unit_heave_rate.values**2, axis=1)
     absorbed += terrain.tilt_stiffness * np.sum(history.unit_tilt_rate.values**2, axis=1)
-    found = _over_time(
-        history,
-        "W",
-        drive=driven,
-        machine_load=loaded,
-        elastic_contact=np.sum(share * pressed, axis=1),
-        contact_damping=np.sum((1.0 - share) * pressed, axis=1),
-        friction=-rubbed.sum(axis=(1, 2)),
-        terrain_damping=terrain.damping_time * absorbed,
+    named = {
+        "drive": supplied["drive"],
+        "machine_load": supplied["load"],
+        "elastic_contact": np.sum(share * pressed, axis=1),
+        "contact_damping": np.sum((1.0 - share) * pressed, axis=1),
+        "friction": -rubbed.sum(axis=(1, 2)),
+        "terrain_damping": terrain.damping_time * absorbed,
+    }
+    if case.undercarriage is not None:
+        named |= _rolled_powers(history, case.undercarriage, shoes, supplied["chain"])
+    return _over_time(history, "W", **named)
+
+
+def _rolled_powers(
+    history: History, frame: Undercarriage, shoes: _Motion, chain: NDArray
+) -> dict[str, NDArray]:
+    """Powers about a side frame over rigid shoes, on whose pins the chain has a power (times,)."""
+    motion = _side_frame(history, frame)
+    on_frame: dict[str, NDArray] = defaultdict(lambda: np.zeros(history.time.size))
+    for action in frame_actions(history):
+        on_frame[action.kind] += motion.power(action)
+    ends = ((history.case.track.shoe_count, "front"), (1, "rear"))
+    front, rear = (
+        shoes.velocity_at(middle_pins(history, end)[:, shoe - 1], shoe)[:, 0] for shoe, end in ends
     )
-    return found if case.undercarriage is None else found.assign(frame_powers(history, case.undercarriage))
+    tension = frame.end_tension * (front - rear)
+    _, resisted, damped = _treads(history, frame, motion, shoes)
+    return {
+        "drive": on_frame["pull"] + chain - tension,
+        "machine_load": on_frame["machine"] + tension,
+        "rolling_resistance": resisted,
+        "tread_damping": damped,
+    }
+
+
+def _treads(
+    history: History, frame: Undercarriage, motion: _Motion, shoes: _Motion
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Energy in the treads (J), and the powers (W) of rolling resistance and damping that they take: (times,)."""
+    energy, resisted, damped = np.zeros((3, history.time.size))
+    rails = history.case.shoe.rails
+    middles = () if rails is None else rails.middles
+    stiffness, power = frame.stiffness / frame.strips, frame.exponent + 1.0
+    for action in actions(history):
+        if not isinstance(action.entry, OnRail):
+            continue
+        rail, strip = divmod(action.entry.line, frame.strips)
+        place = (frame.rollers[action.entry.roller], middles[rail] + frame.strip_places[strip], 0.0)
+        away = motion.origin + motion.axes @ np.array(place) - action.point
+        distance = np.linalg.norm(away, axis=1, keepdims=True)
+        normal, force = away / distance, -action.force
+        depth = np.where(force.any(axis=1), frame.radius - distance[:, 0], 0.0).clip(0.0)
+        slip = motion.velocity_at(action.point) - shoes.velocity_at(action.point, action.shoe)
+        pressed, rate = np.sum(force * normal, axis=1), -np.sum(normal * slip, axis=1)
+        energy += stiffness / power * depth**power
+        damped += (pressed - stiffness * depth**frame.exponent) * rate
+        resisted -= np.sum(force * slip, axis=1) + pressed * rate
+    return energy, resisted, damped
 
 
 def energy_balance(history: History) -> xr.Dataset:
@@ -231,11 +358,6 @@ def _only_rigid(history: History) -> None:
 def _times(matrices: NDArray, vectors: NDArray) -> NDArray:
     """Matrices (..., 3, 3) times vectors (..., 3)."""
     return (matrices @ vectors[..., None])[..., 0]
-
-
-def _with_units(balance: xr.Dataset) -> xr.Dataset:
-    balance["force"].attrs, balance["moment"].attrs = dict(FORCE), dict(MOMENT)
-    return balance
 
 
 def _over_time(history: History, unit: str, **values: NDArray) -> xr.Dataset:

@@ -8,10 +8,11 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.actions import actions, shoe_mass
+from exudyn_crawler.results.loads.actions import OnRail, actions, frame_of, shoe_mass
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
 from exudyn_crawler.results.loads.unit_loads import unit_loads
 from fem import ElasticBody, Interface, Program, write_load_deck
@@ -181,6 +182,48 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
     moved = body.mass_matrix @ rigid
     relief = moved @ np.linalg.solve(rigid.T @ moved, loads.residual)
     return replace(loads, nodal=nodal - relief.reshape(-1, 3))
+
+
+def roller_loads(history: History, shoe: int) -> xr.Dataset:
+    """Forces of the rollers on the rails of a shoe, in its axes.
+
+    Both strips of a tread together: their forces have the same direction and act on a line across the rail.
+
+    Parameters
+    ----------
+    shoe : int
+        Number of the shoe.
+
+    Returns
+    -------
+    xarray.Dataset
+        `force` (time, roller, rail, axis), N; `place` (time, roller, rail, axis), m: where it acts, x
+        along and y across the shoe, z up; NaN while a roller is not on the rail.
+
+    Raises
+    ------
+    ValueError
+        If no side frame rolls over the history's track, or that has no such shoe.
+    """
+    frame = frame_of(history)
+    history.case.track.check_shoe(shoe)
+    axes = rotation_matrices(history.angles.sel(shoe=shoe).values)
+    origin = history.position.sel(shoe=shoe).values
+    shape = (len(axes), len(frame.rollers), len(SIDES), 3)
+    force, weighted, weight = np.zeros(shape), np.zeros(shape), np.zeros((*shape[:3], 1))
+    for action in actions(history, shoe):
+        if isinstance(action.entry, OnRail):
+            at = (slice(None), action.entry.roller, action.entry.line // frame.strips)
+            size = np.linalg.norm(action.force, axis=1, keepdims=True)
+            force[at] += np.einsum("tij,ti->tj", axes, action.force)
+            weighted[at] += size * np.einsum("tij,ti->tj", axes, action.point - origin)
+            weight[at] += size
+    place = np.divide(weighted, weight, out=np.full(shape, np.nan), where=weight > 0.0)
+    dims = ("time", "roller", "rail", "axis")
+    return xr.Dataset(
+        {"force": (dims, force, {"units": "N"}), "place": (dims, place, {"units": "m"})},
+        coords={name: history.dataset[name] for name in dims},
+    )
 
 
 def pin_forces(history: History, shoe: int) -> xr.Dataset:
