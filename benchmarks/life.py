@@ -13,7 +13,7 @@ import pandas as pd
 
 from exudyn_crawler import FatigueMaterial, History
 from exudyn_crawler.results.stress.basis import stress_basis
-from exudyn_crawler.run.folder.histories import HISTORY
+from exudyn_crawler.run.folder.folder import HISTORY
 from exudyn_crawler.views.tables import print_table
 from fem import Counting, critical_planes, damage_on_planes, recover_damage, surface_normals
 from fem.damage import SIGNED_CRITERIA

@@ -18,7 +18,7 @@ from exudyn_crawler.model.state import RATES
 from exudyn_crawler.model.system import build
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import history_of
-from exudyn_crawler.results.loads.unit_loads import unit_loads
+from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.run.folder.checkpoints import Checkpoints

@@ -16,10 +16,9 @@ from exudyn_crawler.model.reductions import reductions_in
 from exudyn_crawler.results.history.history import MOST_IN_MEMORY, History
 from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
-from exudyn_crawler.run.folder.folder import held_of, run_in
-from exudyn_crawler.run.folder.histories import matching_history
+from exudyn_crawler.run.folder.folder import held_of, matching_history, run_in
 from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.run.folder.reporting import (
+from exudyn_crawler.run.folder.record import (
     CHECKPOINTS,
     END,
     HISTORY,

@@ -7,16 +7,15 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.files import refuse_existing, whole_file, writable_folder
-from exudyn_crawler.netcdf import write_netcdf
+from exudyn_crawler.files import refuse_existing, whole_file, writable_folder, write_netcdf
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty, read_duty
 from exudyn_crawler.results.life.life import LifeResults, life_of
 from exudyn_crawler.results.life.life_table import in_words
 from exudyn_crawler.results.stress.spread import relative_spread
-from exudyn_crawler.run.folder.histories import spread_beside
+from exudyn_crawler.run.folder.folder import spread_beside
 from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.run.folder.reporting import HISTORY
+from exudyn_crawler.run.folder.record import HISTORY
 from exudyn_crawler.views.pages.life import write_life_page
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu

@@ -8,14 +8,12 @@ import xarray as xr
 from exudyn_crawler.case import Case, CaseFile, PairContact, read_case
 from exudyn_crawler.case.files.case_file import Outputs
 from exudyn_crawler.case_run import run_case
-from exudyn_crawler.files import refuse_existing, writable_folder
-from exudyn_crawler.netcdf import write_netcdf
+from exudyn_crawler.files import refuse_existing, writable_folder, write_netcdf
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.results.stress.spread import Spread, spread_of
-from exudyn_crawler.run.folder.folder import held_of
-from exudyn_crawler.run.folder.histories import SPREAD, SPREAD_FOLDER, matching_history
+from exudyn_crawler.run.folder.folder import SPREAD, SPREAD_FOLDER, held_of, matching_history
 from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.run.folder.reporting import CASE, Holds, quiet
+from exudyn_crawler.run.folder.record import CASE, Holds, quiet
 from exudyn_crawler.views.tables import write_table
 from fem.interrupts import interrupts_wait
 

@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler import Case, CaseFile, History, simulate
 from exudyn_crawler.results.history.history import common_phases
-from exudyn_crawler.run.folder.histories import matching_history
-from exudyn_crawler.run.folder.reporting import quiet
+from exudyn_crawler.run.folder.folder import matching_history
+from exudyn_crawler.run.folder.record import quiet
 from exudyn_crawler.views.curves import Panel, panel_figure
 from exudyn_crawler.views.figures import (
     CONTACT_SCALARS,

@@ -16,9 +16,8 @@ from exudyn_crawler.case import MachineCycle, Undercarriage, ph4100c
 from exudyn_crawler.case.parameters.undercarriage import ground_below
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.results.history.tables import region_table
 from exudyn_crawler.results.loads.balance import energy_balance
-from exudyn_crawler.results.stress.hot_spots import REGIONS, SHARE
+from exudyn_crawler.results.stress.hot_spots import REGIONS, SHARE, region_table
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
 from studies.running import Running, study_runs

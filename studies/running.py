@@ -10,7 +10,7 @@ import pandas as pd
 from exudyn_crawler import CaseFile, History, run_case
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.run.folder.folder import run_in
-from exudyn_crawler.run.folder.reporting import quiet
+from exudyn_crawler.run.folder.record import quiet
 from exudyn_crawler.views.tables import write_table
 
 

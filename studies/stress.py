@@ -16,7 +16,7 @@ from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.parameters.flexible import ADAMS_DAMPING
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.model.flexible_shoes import check_shoe
-from exudyn_crawler.run.folder.reporting import quiet
+from exudyn_crawler.run.folder.record import quiet
 from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
 from studies.running import study_runs

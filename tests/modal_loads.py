@@ -3,8 +3,7 @@
 import numpy as np
 
 from exudyn_crawler import History
-from exudyn_crawler.results.loads.load_map import loads_by_kind
-from exudyn_crawler.results.loads.unit_loads import INERTIA, unit_loads
+from exudyn_crawler.results.loads.load_map import INERTIA, loads_by_kind, unit_loads
 
 
 def modal_loads(history: History, shoe: int) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from exudyn_crawler.netcdf import _Disk, write_netcdf, write_netcdf_along
+from exudyn_crawler.files import _Disk, write_netcdf, write_netcdf_along
 
 
 @pytest.fixture

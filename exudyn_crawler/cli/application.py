@@ -68,7 +68,7 @@ def history_path(run: Path) -> Path:
         return run
     if not run.is_dir():
         raise FileNotFoundError(f"no history at {run}")
-    from exudyn_crawler.run.folder.reporting import HISTORY, STOPPED_HISTORY
+    from exudyn_crawler.run.folder.record import HISTORY, STOPPED_HISTORY
 
     for name in (HISTORY, STOPPED_HISTORY):
         if (run / name).is_file():
@@ -85,7 +85,7 @@ def loaded(run: Path, shoe: int | None = None) -> "History":
     """
     path = history_path(run)
     if shoe is not None:
-        from exudyn_crawler.results.history.case_in_file import case_in_file
+        from exudyn_crawler.results.history.files import case_in_file
 
         case_in_file(path).track.check_shoe(shoe)
     from exudyn_crawler.results.history.history import History

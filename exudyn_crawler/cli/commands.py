@@ -162,7 +162,7 @@ def report(
     """
     folder = run_folder(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder.progress import heartbeat
-    from exudyn_crawler.run.folder.reporting import note_file
+    from exudyn_crawler.run.folder.record import note_file
     from exudyn_crawler.views.pages.report import write_report
 
     with heartbeat(f"report of {folder}"):
@@ -202,7 +202,7 @@ def animate(
     path = default if out is None else out
     history = loaded(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder.progress import heartbeat
-    from exudyn_crawler.run.folder.reporting import note_file
+    from exudyn_crawler.run.folder.record import note_file
 
     with heartbeat(f"animation of {run}"):
         if stress is None:

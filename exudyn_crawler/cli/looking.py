@@ -109,7 +109,7 @@ def shoe_loads(
     """
     history = loaded(run, shoe)
     from exudyn_crawler.results.loads import exports
-    from exudyn_crawler.run.folder.reporting import note_file
+    from exudyn_crawler.run.folder.record import note_file
 
     flexible = history.case.flexible is not None and shoe in history.case.flexible.shoes
     if time is None:
@@ -179,7 +179,7 @@ def _names(first: Path, second: Path) -> tuple[str, str]:
 
 def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
     """Write a table and show where it is."""
-    from exudyn_crawler.run.folder.reporting import note_file
+    from exudyn_crawler.run.folder.record import note_file
     from exudyn_crawler.views.tables import write_table
 
     note_file(write_table(table, path, overwrite))

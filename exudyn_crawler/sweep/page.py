@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from exudyn_crawler.files import note_written, whole_file
-from exudyn_crawler.run.folder.reporting import note_file
+from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.sweep.definition import Sweep
 from exudyn_crawler.sweep.results import main_effects, sobol_indices
 from exudyn_crawler.sweep.worker import DONE, OUTCOME

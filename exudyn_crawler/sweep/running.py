@@ -12,10 +12,9 @@ import xarray as xr
 
 from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.files.case_file import NUMBER, stored_numbers
-from exudyn_crawler.files import whole_file, writable_folder
-from exudyn_crawler.netcdf import write_netcdf
+from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
 from exudyn_crawler.run.folder.progress import progress_bar
-from exudyn_crawler.run.folder.reporting import RunFolder, held, quiet, recorded
+from exudyn_crawler.run.folder.record import RunFolder, held, quiet, recorded
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.page import write_page

@@ -18,8 +18,7 @@ from exudyn_crawler.case_run import run_case
 from exudyn_crawler.errors import CrawlerError, ImplausibleWarning
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.model.reductions import program_digest
-from exudyn_crawler.run.folder.record import timestamp
-from exudyn_crawler.run.folder.reporting import note_file
+from exudyn_crawler.run.folder.record import note_file, timestamp
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS
 

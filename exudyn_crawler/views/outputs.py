@@ -7,13 +7,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case.files.case_file import Outputs
-from exudyn_crawler.files import whole_file
-from exudyn_crawler.netcdf import write_netcdf_along
+from exudyn_crawler.files import blocks, whole_file, write_netcdf_along
 from exudyn_crawler.results.history.catalogue import select
-from exudyn_crawler.results.history.files import blocks
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.summary import extremes
-from exudyn_crawler.results.history.tables import highest_by_phase, hot_spot_table, load_table, region_table
+from exudyn_crawler.results.history.summary import extremes, load_table
+from exudyn_crawler.results.stress.hot_spots import highest_by_phase, hot_spot_table, region_table
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views.figures import run_figures, stress_figures
 from exudyn_crawler.views.scenes.paraview import write_paraview

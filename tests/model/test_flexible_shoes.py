@@ -9,7 +9,7 @@ from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, Terrain, sim
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.shoes import add_flexible, add_shoe_nodes
 from exudyn_crawler.model.system import build
-from exudyn_crawler.results.loads.unit_loads import unit_loads
+from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem import Partition, write_mesh
 from fem.stress import von_mises

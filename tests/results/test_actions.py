@@ -21,7 +21,7 @@ from exudyn_crawler.results.loads.balance import (
     shoe_imbalance,
     track_imbalance,
 )
-from exudyn_crawler.results.loads.unit_loads import unit_loads
+from exudyn_crawler.results.loads.load_map import unit_loads
 from tests.modal_loads import modal_loads
 
 WEIGHT = 13 * 432.3e3  # N, of the loaded track

@@ -8,8 +8,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import History
-from exudyn_crawler.netcdf import write_netcdf_along
-from exudyn_crawler.results.history.case_in_file import with_case
+from exudyn_crawler.files import write_netcdf_along
 from exudyn_crawler.results.history.files import (
     SHAPES,
     TERRAIN_COORDINATES,
@@ -19,6 +18,7 @@ from exudyn_crawler.results.history.files import (
     save_joined,
     unit_motion,
     unpacked,
+    with_case,
 )
 
 

@@ -8,7 +8,7 @@ import xarray as xr
 
 from exudyn_crawler import History
 from exudyn_crawler.model.state import VERSION
-from exudyn_crawler.results.history.case_in_file import LAYOUT_VERSION, UNSIGNED
+from exudyn_crawler.results.history.files import LAYOUT_VERSION, UNSIGNED
 
 
 def test_a_history_comes_back_as_it_was_saved(turning, tmp_path):

@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler import History
 from exudyn_crawler.case.parameters.track import Track
-from exudyn_crawler.results.loads.unit_loads import unit_loads
+from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.results.stress.hot_spots import REGIONS, load_shares, shares, shoe_regions
 from fem import Shapes

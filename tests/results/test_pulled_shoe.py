@@ -7,7 +7,7 @@ from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, simulate
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.unit_loads import unit_loads
+from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from fem import Partition
 from fem.stress import von_mises

@@ -11,8 +11,7 @@ import xarray as xr
 
 import exudyn_crawler.results
 from exudyn_crawler import Case, simulate
-from exudyn_crawler.results.history.catalogue import CATALOGUE, NEEDS, QUANTITIES, select
-from exudyn_crawler.results.history.derived import DERIVED
+from exudyn_crawler.results.history.catalogue import CATALOGUE, DERIVED, NEEDS, QUANTITIES, select
 from exudyn_crawler.results.history.files import packed
 from exudyn_crawler.results.loads.balance import track_imbalance
 from exudyn_crawler.results.loads.exports import roller_loads

@@ -10,10 +10,15 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import shoe_model, whole_reduction
 from exudyn_crawler.results.loads.actions import OverRectangle, actions
 from exudyn_crawler.results.loads.exports import at_instant, shoe_loads
-from exudyn_crawler.results.loads.load_map import loads_by_kind
-from exudyn_crawler.results.loads.static_loads import ground_grid, rail_stations, static_loads
-from exudyn_crawler.results.loads.unit_loads import GROUND, RAILS, unit_loads
-from exudyn_crawler.results.stress.basis import MOST_FIELDS, StressBasis, stress_basis
+from exudyn_crawler.results.loads.load_map import GROUND, RAILS, loads_by_kind, unit_loads
+from exudyn_crawler.results.stress.basis import (
+    MOST_FIELDS,
+    StressBasis,
+    ground_grid,
+    rail_stations,
+    static_loads,
+    stress_basis,
+)
 from exudyn_crawler.results.stress.node_stress import node_stress
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from fem import Partition, field_columns

@@ -6,13 +6,8 @@ import pytest
 
 from exudyn_crawler import Case, History, LoadCycle, Phase
 from exudyn_crawler.results.history.history import phases
-from exudyn_crawler.results.history.tables import (
-    compared,
-    difference_table,
-    highest_by_phase,
-    hot_spot_table,
-    load_table,
-)
+from exudyn_crawler.results.history.summary import compared, difference_table, load_table
+from exudyn_crawler.results.stress.hot_spots import highest_by_phase, hot_spot_table
 from exudyn_crawler.views.tables import write_table
 
 OWN = LoadCycle(

@@ -12,7 +12,7 @@ import pytest
 from exudyn_crawler import Case, CaseFile, History, run_case
 from exudyn_crawler.case import Outputs, write_case
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
-from exudyn_crawler.run.folder.reporting import note_file
+from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.run.solve import integration
 from exudyn_crawler.views import outputs
 from studies.kinematics import study as kinematics_study

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Case, CaseFile
-from exudyn_crawler.run.folder.histories import matching_history
+from exudyn_crawler.run.folder.folder import matching_history
 from studies.force_comparison import (
     compare_forces,
     force_quantity,

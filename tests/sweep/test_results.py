@@ -7,7 +7,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from exudyn_crawler.netcdf import write_netcdf
+from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.sweep.results import (
     BINS,
     main_effects,

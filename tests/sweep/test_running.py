@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from exudyn_crawler.run.folder.reporting import held
+from exudyn_crawler.run.folder.record import held
 from exudyn_crawler.sweep import page, worker
 from exudyn_crawler.sweep.answers import Answer
 from exudyn_crawler.sweep.running import folder_state, run_sweep

@@ -6,7 +6,7 @@ import pytest
 
 from exudyn_crawler import History, simulate
 from exudyn_crawler.errors import SimulationStopped
-from exudyn_crawler.run.folder.reporting import held
+from exudyn_crawler.run.folder.record import held
 from exudyn_crawler.sweep import worker
 from exudyn_crawler.sweep.worker import (
     OUTCOME,

@@ -11,7 +11,7 @@ import xarray as xr
 
 from exudyn_crawler import History, recover_stresses
 from exudyn_crawler.case.ph4100c import STRESS_SHOE_MASS
-from exudyn_crawler.run.folder.reporting import note_file
+from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.views.figures import history_series
 from exudyn_crawler.views.pages.page import Section, page, paragraph
 from exudyn_crawler.views.pages.report import (

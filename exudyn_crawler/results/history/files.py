@@ -1,4 +1,4 @@
-"""Histories as files hold them, whole or in chunks along time.
+"""Histories as files hold them, whole or in chunks along time, with their case.
 
 The units of a terrain in independent coordinates, hundreds of them, move by a few coordinates; a file holds
 these and their shapes, and what reads it has the units' motion with the same bits as the run. Contacts are in
@@ -6,12 +6,15 @@ single precision, rounded to 6e-8 of their values, far below what the solver lea
 leaves a chunk a stage; chunks are joined in memory or in one file.
 """
 
+import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
+import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -19,10 +22,84 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.netcdf import write_netcdf_along
-from exudyn_crawler.results.history.case_in_file import with_case, without_case
+from exudyn_crawler.case.files.files import saved_case
+from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.files import blocks, write_netcdf_along
+from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, select, variable
 from fem.interrupts import interrupts_wait
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+CASE = "case"
+"""Attribute of a file."""
+LAYOUT_VERSION = "layout_version"
+"""Attribute of the version of the states that a history was made of; the first histories have none."""
+UNSIGNED = 1
+"""Version whose modes had the signs that rounding gave them: of flexible shoes it says nothing."""
+
+
+def with_case(dataset: "xr.Dataset", case: Case) -> "xr.Dataset":
+    """Dataset of a history as a file holds it: with its case."""
+    # ASCII, so that the text has a checksum
+    return dataset.assign_attrs({CASE: json.dumps(case.model_dump(mode="json"))})
+
+
+def without_case(dataset: "xr.Dataset") -> "xr.Dataset":
+    """Dataset of a history from that of a file."""
+    attributes = {name: value for name, value in dataset.attrs.items() if name != CASE}
+    return dataset.drop_attrs(deep=False).assign_attrs(attributes)
+
+
+@contextmanager
+def reading_history(path: Path) -> Iterator[None]:
+    """Say of whatever goes wrong in the block that the file does not hold a history, and why.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        For all else.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"no history at {path}")
+    try:
+        yield
+    except ParameterError as error:
+        raise _no_history(path, "; ".join(error.faults)) from error
+    # altered bytes make the readers raise all kinds of errors
+    except Exception as error:
+        raise _no_history(path, str(error) or repr(error)) from error
+
+
+def _no_history(path: Path, reason: str) -> ValueError:
+    return ValueError(f"{path} does not hold a history: {' '.join(reason.split())}")
+
+
+@interrupts_wait()
+def case_in_file(path: Path) -> Case:
+    """Case of a history's file.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the file does not hold a history, or one of states laid out in another version.
+    """
+    with reading_history(path):
+        return _case_of(path)
+
+
+def _case_of(path: Path) -> Case:
+    with h5py.File(path, "r") as file:
+        version = np.asarray(file.attrs.get(LAYOUT_VERSION, UNSIGNED)).item()
+        if version != VERSION and (version != UNSIGNED or "modal_coordinate" in file):
+            raise ValueError(f"its states have layout version {version}, this program reads {VERSION}")
+        return saved_case(file.attrs[CASE])
+
 
 RATES = ("", "_rate", "_acceleration")
 TERRAIN = "terrain_motion"
@@ -30,8 +107,6 @@ SHAPES = {"unit_heave": "heave_shape", "unit_tilt": "tilt_shape"}
 """Shapes of the terrain's coordinates, by what they give."""
 TERRAIN_COORDINATES = tuple(select(per="terrain coordinate"))
 """Coordinates of a history's dataset: what the units' motion is made of."""
-TIMES_AT_ONCE = 1000
-"""Stored times of a file that are held in memory together."""
 
 
 def unit_motion(shape: NDArray, coordinates: NDArray) -> NDArray:
@@ -135,12 +210,6 @@ class _Computed(BackendArray):
         single = tuple(k for k, one in enumerate(key) if isinstance(one, int | np.integer))
         wide = tuple(slice(int(one), int(one) + 1) if k in single else one for k, one in enumerate(key))
         return self._part(wide).squeeze(single)
-
-
-def blocks(dataset: xr.Dataset) -> Iterator[xr.Dataset]:
-    """Consecutive parts of a dataset with a time, each of which fits into memory."""
-    for start in range(0, max(1, dataset.sizes["time"]), TIMES_AT_ONCE):
-        yield dataset.isel(time=slice(start, start + TIMES_AT_ONCE))
 
 
 @dataclass(frozen=True)

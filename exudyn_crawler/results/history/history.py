@@ -12,11 +12,26 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, LoadCycle, MachineCycle
-from exudyn_crawler.netcdf import write_netcdf_along
-from exudyn_crawler.results.history.case_in_file import case_in_file, reading_history, with_case, without_case
-from exudyn_crawler.results.history.catalogue import QUANTITIES, check_dimensions, select
-from exudyn_crawler.results.history.derived import BY_SHOE, DERIVED, by_shoe, with_meaning
-from exudyn_crawler.results.history.files import TERRAIN_COORDINATES, blocks, packed, unpacked
+from exudyn_crawler.files import write_netcdf_along
+from exudyn_crawler.results.history.catalogue import (
+    BY_SHOE,
+    DERIVED,
+    QUANTITIES,
+    by_shoe,
+    check_dimensions,
+    select,
+    with_meaning,
+)
+from exudyn_crawler.results.history.files import (
+    TERRAIN_COORDINATES,
+    blocks,
+    case_in_file,
+    packed,
+    reading_history,
+    unpacked,
+    with_case,
+    without_case,
+)
 from fem.interrupts import interrupts_wait
 
 MOST_IN_MEMORY = 10**9

@@ -16,9 +16,8 @@ from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, StateLayout, pin_name
-from exudyn_crawler.results.history.case_in_file import LAYOUT_VERSION
 from exudyn_crawler.results.history.catalogue import Variable, select, variable
-from exudyn_crawler.results.history.files import TERRAIN_COORDINATES, motion_variables
+from exudyn_crawler.results.history.files import LAYOUT_VERSION, TERRAIN_COORDINATES, motion_variables
 from exudyn_crawler.results.history.history import History
 
 AXES = ["x", "y", "z"]

@@ -63,7 +63,7 @@ class _Motion:
         return rate, spin + np.cross(self.center, rate)
 
     def energies(self, gravity: NDArray) -> tuple[NDArray, NDArray]:
-        """Kinetic energy and that of gravity, from the origin of coordinates on, of each body: arrays (...)."""
+        """Kinetic energy of each body and that of gravity from z = 0 on: arrays (...), J."""
         omega = _times(np.swapaxes(self.axes, -1, -2), self.omega)
         velocity = self.velocity + np.cross(self.omega, self.center)
         twice = self.mass * np.sum(velocity**2, axis=-1) + np.sum(omega * (omega @ self.inertia), axis=-1)
@@ -306,7 +306,7 @@ def _rolled_powers(
 def _treads(
     history: History, frame: Undercarriage, motion: _Motion, shoes: _Motion
 ) -> tuple[NDArray, NDArray, NDArray]:
-    """Energy in the treads (J), and the powers (W) of rolling resistance and damping that they take: (times,)."""
+    """Energy in the treads, J, and the power that their resistance and damping take, W: arrays (times,)."""
     energy, resisted, damped = np.zeros((3, history.time.size))
     rails = history.case.shoe.rails
     middles = () if rails is None else rails.middles

@@ -13,8 +13,7 @@ from exudyn_crawler.files import whole_file
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads.actions import OnRail, actions, frame_of, shoe_mass
-from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
-from exudyn_crawler.results.loads.unit_loads import unit_loads
+from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind, unit_loads
 from fem import ElasticBody, Interface, Program, write_load_deck
 from fem.interfaces import rigid_motion_of_centers
 

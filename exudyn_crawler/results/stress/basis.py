@@ -3,21 +3,154 @@
 The columns are all modes and, where the case asks for them, static fields: what the static answers to the
 loads of this history have beyond those of the modes. Their coordinates are products of those of the shoe's
 unit loads (`results.loads.load_map`) with what each unit load makes of the columns.
+
+Static fields have fewer and smoother unit loads than the shoe, since each takes a static solution of the
+finite elements: a coarser grid of tractions that change evenly between its points, and stations of each rail
+with a pressure about them. `StaticLoads.shares` turns coordinates of the first into these, with the same
+forces.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import block_diag, csr_array, eye_array, hstack, kron, vstack
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.model.flexible_shoes import whole_reduction
+from exudyn_crawler.model.reductions import cached_fields
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.load_map import loads_by_kind
-from exudyn_crawler.results.loads.static_loads import static_loads
-from exudyn_crawler.results.loads.unit_loads import unit_loads
-from fem import Shapes, field_columns
+from exudyn_crawler.results.loads.load_map import (
+    GROUND,
+    INERTIA,
+    JOINTS,
+    RAILS,
+    ShoeUnitLoads,
+    StripStations,
+    loads_by_kind,
+    unit_loads,
+)
+from fem import (
+    CachedReduction,
+    FlatRectangle,
+    Mesh,
+    PressureGrid,
+    Shapes,
+    StaticFields,
+    Stations,
+    UnitLoads,
+    field_columns,
+    flat_parts,
+)
+from fem.patches import Underside
+
+GROUND_SPACING = 0.2
+"""m, at most, between points of the ground's grid: a fifth of a unit."""
+RAIL_REACH = 0.1
+"""m, half the length over which a force on a rail is spread: about an element; a roller's line is shorter."""
+RAIL_SPACING = 0.0375
+"""m, about, between stations of a rail: `Stations` says what it leaves open."""
+
+
+def ground_grid(mesh: Mesh) -> PressureGrid:
+    """Grid of the static fields over the underside of a shoe.
+
+    Raises
+    ------
+    ValueError
+        If the underside is no level rectangle.
+    """
+    under = mesh.nodes[mesh.nodes_of("underside"), :2]
+    low, high = under.min(axis=0), under.max(axis=0)
+    along, across = (1 + int(np.ceil(side / GROUND_SPACING)) for side in high - low)
+    return PressureGrid(FlatRectangle(mesh, "underside", low, high), (along, across))
+
+
+def rail_stations(mesh: Mesh) -> list[Stations]:
+    """Stations of the static fields on each rail of a shoe, from the right to the left.
+
+    Raises
+    ------
+    KeyError
+        If the mesh has no surface "rails".
+    ValueError
+        If a rail is no level rectangle.
+    """
+    rails = flat_parts(mesh, "rails")
+    lengths = [rail.high[0] - rail.low[0] for rail in rails]
+    return [
+        Stations(rail, 1 + round(length / RAIL_SPACING), min(RAIL_REACH, 0.5 * length))
+        for rail, length in zip(rails, lengths, strict=True)
+    ]
+
+
+class StaticLoads(NamedTuple):
+    """Static fields of a shoe's loads, and the shares (k, f) of their f unit loads in the shoe's k."""
+
+    fields: StaticFields
+    shares: csr_array
+
+
+def static_loads(case: Case) -> StaticLoads | None:
+    """Static fields beside all modes of a case's flexible shoes; cached on disk. None if not asked for.
+
+    Raises
+    ------
+    ValueError
+        If the case has no flexible shoes, or the underside of their mesh, or a rail, is no level rectangle.
+    """
+    if not case.flexible_shoes().static_fields:
+        return None
+    lines = 0 if case.undercarriage is None else case.undercarriage.strips
+    return _static_loads(unit_loads(case), whole_reduction(case), lines)
+
+
+@lru_cache(maxsize=2)
+def _static_loads(units: ShoeUnitLoads, whole: CachedReduction, lines: int) -> StaticLoads:
+    mesh, interfaces = units.body.mesh, units.whole.interfaces
+    families = {JOINTS: UnitLoads.at_centers(len(mesh.nodes), interfaces)}
+    blocks = [eye_array(6 * len(interfaces))]
+    for name, family in units.spread.items():
+        if name == GROUND:
+            grid = ground_grid(mesh)
+            weights, shares = grid.weights, csr_array(_ground_shares(units.underside, grid))
+        elif name == RAILS and units.strips is not None:
+            stations = rail_stations(mesh)
+            weights = hstack([one.weights for one in stations])
+            shares = _rail_shares(units.strips, stations, lines)
+        else:
+            weights, shares = family.nodal(len(mesh.nodes)), eye_array(len(family.weights))
+        families[name] = UnitLoads.spread(csr_array(weights), interfaces)
+        blocks.append(kron(shares, eye_array(3)))
+    families[INERTIA] = UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
+    blocks.append(eye_array(len(units.integrated.body.frequencies)))
+    return StaticLoads(cached_fields(units.body, whole, families).fields, csr_array(block_diag(blocks)))
+
+
+def _ground_shares(underside: Underside, grid: PressureGrid) -> NDArray:
+    """Tractions (p, points of a grid) nearest to a unit over each rectangle from the underside's corner."""
+    numbers = np.indices(underside.integral.shape[:2]).reshape(2, -1)
+    sides = numbers.T * underside.cell
+    low = np.tile(underside.corner, (len(sides), 1))
+    forces = np.outer(np.prod(sides, axis=1), (0.0, 0.0, 1.0))
+    return grid.coordinates(forces, low, low + sides)[..., 2]
+
+
+def _rail_shares(strips: StripStations, stations: Sequence[Stations], lines: int) -> csr_array:
+    """Forces at the static fields' stations by one at each station of the strips, `lines` of them a rail.
+
+    A strip presses on the middle of its rail: what it turns that by about its length is left out.
+    """
+    blocks = []
+    for rail in stations:
+        level = rail.rectangle
+        x = np.clip(strips.positions, level.low[0], level.high[0])
+        blocks.append(vstack([csr_array(rail.coordinates(np.ones((len(x), 1)), x)[..., 0])] * lines))
+    return csr_array(block_diag(blocks))
+
 
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""

@@ -5,10 +5,11 @@ from typing import Literal, get_args
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.track import Track
-from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.stress.basis import StressBasis
 from fem import OneOfEach, Peaks, Shapes, hot_spots, judged
 from fem.critical_plane import normal_stress_rows
@@ -28,6 +29,7 @@ WING_BESIDE = 0.5
 """m, from the outer side of a rail."""
 EDGE = 0.01
 """m, by which the roller path is wider than the rails above it."""
+MEGA = 1e6
 SHARE = "share of "
 """What the columns of loads begin with."""
 
@@ -144,3 +146,82 @@ def highest_nodes(
         region=regions[at],
     )
     return pd.concat((table, load_shares(basis, shoe, at, rows)), axis=1)
+
+
+def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
+    """Highest von Mises stress of every flexible shoe in every phase of the load cycle.
+
+    Parameters
+    ----------
+    stress : xarray.Dataset
+        Of `StressResults`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns shoe, phase, begin and end of the phase in s, the stress in MPa, when and at which node it is,
+        and the node's place in the shoe's frame in m.
+    """
+    positions = stress.node_position.transpose("node", "axis").values
+    rows = []
+    for shoe in stress.shoe.values:
+        of_shoe = stress.sel(shoe=shoe)
+        highest = of_shoe.highest_von_mises.values
+        for phase in phases(history.case.loads, history.duration):
+            within = np.flatnonzero(phase.rows(stress.time.values))
+            if len(within) == 0:
+                continue
+            at = within[highest[within].argmax()]
+            node = int(of_shoe.highest_node.values[at])
+            rows.append(
+                {
+                    "shoe": int(shoe),
+                    "phase": phase.name,
+                    "begin in s": phase.begin,
+                    "end in s": phase.end,
+                    "highest von Mises in MPa": highest[at] / MEGA,
+                    "time in s": float(stress.time[at]),
+                    "node": node,
+                    **_place(positions[node]),
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
+    """Hot spots of a shoe: stresses in MPa, positions in shoe and track at t = 0, verdicts, causes."""
+    positions = stress.node_position.transpose("node", "axis").values[hot_spots["node"]]
+    table = pd.DataFrame(
+        {
+            "rank": hot_spots["rank"],
+            "region": hot_spots["region"],
+            "von Mises in MPa": hot_spots["value"] / MEGA,
+            "node": hot_spots["node"],
+            "time in s": hot_spots["time"],
+        }
+    )
+    for axis, values in zip("xyz", positions.T, strict=True):
+        table[f"{axis} in the shoe in m"] = values
+    for axis in "xyz":
+        table[f"{axis} in the track at t = 0 in m"] = hot_spots[axis]
+    for name in ("jump", "error"):
+        table[f"{name} in MPa"] = hot_spots[name] / MEGA
+    shares = hot_spots.filter(like=SHARE).to_dict("series")
+    return table.assign(flag=hot_spots["flag"], verdict=hot_spots["verdict"], **shares)
+
+
+def region_table(by_region: Mapping[int, pd.DataFrame], stress: xr.Dataset) -> pd.DataFrame:
+    """Highest node of every region of all flexible shoes as of `hot_spot_table`, and of which shoe it is.
+
+    A load that nothing on a shoe comes from has the share 0 there.
+    """
+    tables = [hot_spot_table(table, stress).assign(shoe=shoe) for shoe, table in by_region.items()]
+    whole = pd.concat(tables, ignore_index=True)
+    shares = whole.filter(like=SHARE).fillna(0.0)
+    first = ["shoe", "region"]
+    others = [name for name in whole if name not in (*first, "rank", *shares)]
+    return pd.concat((whole[[*first, *others]], shares), axis=1)
+
+
+def _place(place: np.ndarray) -> dict[str, float]:
+    return {f"{axis} in the shoe in m": float(value) for axis, value in zip("xyz", place, strict=True)}

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.results.history.case_in_file import case_in_file
+from exudyn_crawler.results.history.files import case_in_file
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads.load_map import loads_by_kind
 from exudyn_crawler.results.stress.basis import unit_stress

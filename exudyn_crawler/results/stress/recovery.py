@@ -9,8 +9,8 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.drive_point import pulled_node
-from exudyn_crawler.netcdf import write_netcdf
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, variable
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.loads.load_map import check_flexible

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.history.catalogue import Variable, variable
-from exudyn_crawler.results.history.tables import MEGA, hot_spot_table
+from exudyn_crawler.results.stress.hot_spots import MEGA, hot_spot_table
 from exudyn_crawler.results.stress.recovery import StressResults
 from fem import judged
 from fem.trust import verdict_numbers

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from exudyn_crawler.case.files.text import differences
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History, common_phases
-from exudyn_crawler.results.history.tables import compared, difference_table
+from exudyn_crawler.results.history.summary import compared, difference_table
 from exudyn_crawler.views.curves import panel_figure
 from exudyn_crawler.views.figures import Series, history_series, overlay
 from exudyn_crawler.views.pages.page import (
