@@ -5,9 +5,10 @@ all of them.
 """
 
 import difflib
-from typing import Annotated, ClassVar, Literal, Self
+import math
+from collections.abc import Callable
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-import numpy as np
 import xarray as xr
 from pydantic import Field, TypeAdapter, model_validator
 
@@ -16,41 +17,47 @@ from exudyn_crawler.case.parameters.base import Name, Parameters
 from exudyn_crawler.case.parameters.base import quantity as measured
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
-from exudyn_crawler.results.life.duty import Duty, DutyRun, Survival
-from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
+from exudyn_crawler.results.life.duty import Damage, Duty, DutyRun, Often, Survival
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.stress.hot_spots import HOT_SPOTS, Region, shoe_regions
 from exudyn_crawler.run.folder.folder import SAME_TIME
-from fem.fatigue import Miner
 
-COUNTED = {
-    "shoe": "shoes",
-    "flexible shoe": "flexible shoes",
-    "link": "links",
-    "pin": "links",
-    "unit": "units",
-    "roller": "rollers",
-    "side frame": "",
-    "track": "",
-}
-"""What an answer can be of, and how several are called; nothing where there is one of it."""
+COUNTED = ("shoe", "flexible shoe", "link", "pin", "unit", "roller", "side frame", "track")
+"""What an answer can be of."""
 DIMENSIONS = ("shoe", "joint", "unit", "flexible_shoe", "roller")
 """Of what an answer is of."""
 
+STATISTICS: dict[str, Callable[[xr.DataArray], xr.DataArray]] = {
+    "greatest": xr.DataArray.max,
+    "least": xr.DataArray.min,
+    "largest": lambda values: abs(values).max(),
+    "mean": xr.DataArray.mean,
+    "rms": lambda values: (values**2).mean() ** 0.5,
+    "range": lambda values: values.max() - values.min(),
+    "end": lambda values: values.isel(time=-1).mean(),
+}
 Statistic = Literal["greatest", "least", "largest", "mean", "rms", "range", "end"]
 
 
 class AnyAnswer(Parameters):
     """What all answers have.
 
-    A kind of answer adds a field `model` with its name, `label`, `unit` and `meaning` of its column,
-    ``check(case_file)``, which refuses what runs of a case cannot give, and ``of_run(run)``, its number.
+    A kind of answer adds a field `model` with its name, `default_label`, `unit` and `meaning` of its column,
+    ``check(case_file)``, which refuses what runs of a case cannot give by a `ValueError` that names the
+    answer, and ``of_run(run)``, its number, NaN where a run has none.
     """
 
     name: Name | None = Field(default=None, description="column of the table; made of the rest, if not given")
     better: Literal["less", "more"] = Field(
         default="less", description="which runs are the best ones: those with less or with more of it"
     )
+
+    default_label: ClassVar[Any]
+
+    @property
+    def label(self) -> str:
+        """Name of the column."""
+        return self.name or self.default_label
 
 
 class Answer(AnyAnswer):
@@ -95,10 +102,9 @@ class Answer(AnyAnswer):
         return self
 
     @property
-    def label(self) -> str:
-        """Name of the column."""
-        parts = [self.quantity, self.axis, self.statistic, *map(str, self.of or ())]
-        return self.name or "_".join(part for part in parts if part)
+    def default_label(self) -> str:
+        """Name of the column, if no other is given."""
+        return "_".join(filter(None, [self.quantity, self.axis, self.statistic, *map(str, self.of or ())]))
 
     @property
     def unit(self) -> str:
@@ -112,41 +118,34 @@ class Answer(AnyAnswer):
         return f"{self.statistic} of {QUANTITIES[self.quantity].meaning}{axis}"
 
     def check(self, case_file: CaseFile) -> None:
-        """Refuse what runs of a case cannot give.
-
-        Raises
-        ------
-        ValueError
-            Naming the answer.
-        """
+        """Refuse what runs of a case cannot give."""
         case, quantity = case_file.case, QUANTITIES[self.quantity]
         if lacking := quantity.lacking(case):
             near = " (joint_force is that of whole links)" if self.quantity == "pin_force" else ""
             raise ValueError(f"{self.label}: {self.quantity} needs {lacking}{near}")
         _check_within(self.label, case_file, start=self.start, end=self.end)
-        what, numbers = COUNTED[_per(quantity)], _numbers(quantity, case)
+        what, numbers = _counted(quantity, case)
         wrong = [one for one in self.of or () if one not in numbers]
         if wrong and not what:
             raise ValueError(
                 f"{self.label}: of must be left out, {self.quantity} is of the whole {quantity.per}"
             )
         if wrong:
-            raise ValueError(f"{self.label}: of must be {what} of {_span(numbers)}, got {wrong}")
-
-    @property
-    def _window(self) -> slice:
-        return slice(self.start - SAME_TIME, None if self.end is None else self.end + SAME_TIME)
+            whole = numbers == [*range(1, len(numbers) + 1)]
+            span = f"1..{len(numbers)}" if whole else ", ".join(map(str, numbers))
+            raise ValueError(f"{self.label}: of must be {what} of {span}, got {wrong}")
 
     def of_run(self, run: CaseRun) -> float:
-        """Number of a run; NaN where it is of nothing."""
+        """Number of a run."""
         stress = run.recovered().dataset if "stress" in QUANTITIES[self.quantity].files else None
-        values = run.history.over_time([self.quantity], stress)[self.quantity].sel(time=self._window)
+        window = slice(self.start - SAME_TIME, None if self.end is None else self.end + SAME_TIME)
+        values = run.history.over_time([self.quantity], stress)[self.quantity].sel(time=window)
         if "axis" in values.dims:
             values = ((values**2).sum("axis") ** 0.5) if self.axis is None else values.sel(axis=self.axis)
         item = next((dim for dim in DIMENSIONS if dim in values.dims), None)
         if item is not None and self.of is not None:
             values = values.sel({item: list(self.of)})
-        return _reduced(values, self.statistic)
+        return float(STATISTICS[self.statistic](values)) if values.notnull().any() else math.nan
 
 
 class HotSpot(AnyAnswer):
@@ -159,9 +158,9 @@ class HotSpot(AnyAnswer):
     unit: ClassVar[str] = "Pa"
 
     @property
-    def label(self) -> str:
-        """Name of the column."""
-        return self.name or f"hot_spot_{self.rank}_shoe_{self.shoe}"
+    def default_label(self) -> str:
+        """Name of the column, if no other is given."""
+        return f"hot_spot_{self.rank}_shoe_{self.shoe}"
 
     @property
     def meaning(self) -> str:
@@ -169,44 +168,30 @@ class HotSpot(AnyAnswer):
         return f"von Mises stress of hot spot {self.rank} of shoe {self.shoe}"
 
     def check(self, case_file: CaseFile) -> None:
-        """Refuse what runs of a case cannot give; raises as `Answer.check`."""
+        """Refuse what runs of a case cannot give."""
         flexible = case_file.case.flexible
         if flexible is None or self.shoe not in flexible.shoes:
             there = "none" if flexible is None else ", ".join(map(str, flexible.shoes))
             raise ValueError(f"{self.label}: shoe must be a flexible one ({there}), got {self.shoe}")
 
     def of_run(self, run: CaseRun) -> float:
-        """Number of a run; NaN where it has fewer hot spots."""
+        """Stress in a run."""
         table = run.recovered().hot_spots[self.shoe]
         stress = table.loc[table["rank"] == self.rank, "value"]
-        return float(stress.iloc[0]) if len(stress) else float("nan")
+        return float(stress.iloc[0]) if len(stress) else math.nan
 
 
-class Life(AnyAnswer):
+class Life(AnyAnswer, Damage, Often):
     """Shortest life of the flexible shoes where all machine hours are like the run, or as a share of them."""
 
     model: Literal["life"] = "life"
     better: Literal["less", "more"] = Field(
         default="more", description="which runs are the best ones: those with less or with more of it"
     )
-    material: FatigueMaterial = Field(description="of the shoes against cyclic stress")
     region: Region | None = Field(
         default=None, description="part of the shoe whose shortest life counts; all, if not given"
     )
     survival: Survival = Field(default=0.975, description="part of the shoes that survive it")
-    begin: float = measured("s", "time at which the repeated part of the run begins", ge=0, default=0.0)
-    end: float | None = measured("s", "time at which it ends; the run's end, if not given", default=None)
-    an_hour: float | None = measured(
-        "1/h", "times a machine hour that it happens; or its share", gt=0, le=1e6, default=None
-    )
-    share: float | None = measured(
-        "1", "part of the machine hours that it takes; all, if neither is given", gt=0, le=1, default=None
-    )
-    criterion: Literal["signed von mises", "signed principal"] = Field(
-        default="signed von mises", description="stress whose cycles are counted"
-    )
-    miner: Miner = Field(default="elementary", description="what cycles below the knee do")
-
     unit: ClassVar[str] = "h"
 
     @model_validator(mode="after")
@@ -215,9 +200,9 @@ class Life(AnyAnswer):
         return self
 
     @property
-    def label(self) -> str:
-        """Name of the column."""
-        return self.name or "_".join(filter(None, ("life", self.region and self.region.replace(" ", "_"))))
+    def default_label(self) -> str:
+        """Name of the column, if no other is given."""
+        return f"life_{self.region}".replace(" ", "_") if self.region else "life"
 
     @property
     def meaning(self) -> str:
@@ -227,26 +212,15 @@ class Life(AnyAnswer):
 
     def duty(self) -> Duty:
         """Duty that is made of the run alone; raises `ParameterError` as that does."""
-        often = {"an_hour": self.an_hour, "share": self.share}
-        if often == {"an_hour": None, "share": None}:
-            often["share"] = 1.0
-        return Duty(
-            runs=(DutyRun(name="run", folder=".", begin=self.begin, end=self.end, **often),),
-            material=self.material,
-            criterion=self.criterion,
-            miner=self.miner,
-            survivals=(self.survival,),
-            plane_nodes=0,
-        )
+        repeated = {name: getattr(self, name) for name in Often.model_fields}
+        if self.an_hour is None and self.share is None:
+            repeated["share"] = 1.0
+        run = DutyRun(name="run", folder=".", **repeated)
+        damage = {name: getattr(self, name) for name in Damage.model_fields}
+        return Duty(runs=(run,), survivals=(self.survival,), plane_nodes=0, **damage)
 
     def check(self, case_file: CaseFile) -> None:
-        """Refuse what runs of a case cannot give.
-
-        Raises
-        ------
-        ValueError
-            Naming the answer.
-        """
+        """Refuse what runs of a case cannot give."""
         if case_file.case.flexible is None:
             raise ValueError(f"{self.label}: life needs flexible shoes, the case has none")
         _check_within(self.label, case_file, begin=self.begin, end=self.end)
@@ -268,13 +242,7 @@ ANSWERS: TypeAdapter[tuple[Answers, ...]] = TypeAdapter(tuple[Answers, ...])
 
 
 def _check_within(label: str, case_file: CaseFile, **times: float | None) -> None:
-    """Refuse times that lie beyond a run.
-
-    Raises
-    ------
-    ValueError
-        Naming the answer and the time.
-    """
+    """Refuse times that lie beyond a run."""
     for name, time in times.items():
         if time is not None and time > case_file.duration:
             raise ValueError(
@@ -285,50 +253,24 @@ def _check_within(label: str, case_file: CaseFile, **times: float | None) -> Non
 def _is_answer(quantity: Quantity) -> bool:
     """Whether a quantity over time has statistics: real numbers of what is counted, no matrix."""
     is_real = quantity.numbers in ("double", "single") and "body_axis" not in quantity.dimensions
-    return is_real and _per(quantity) in COUNTED
+    return is_real and (bool(quantity.by_shoe) or quantity.per in COUNTED)
 
 
-def _per(quantity: Quantity) -> str:
-    """What an answer has one of: contacts count by shoe, since two runs need not have the same pairs."""
-    return "shoe" if quantity.by_shoe else quantity.per
+def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
+    """What a quantity is of in a case, and their numbers; nothing where there is one of it.
 
-
-def _numbers(quantity: Quantity, case: Case) -> tuple[int, ...]:
-    """Numbers of the shoes, links, units or rollers of a case that a quantity is of."""
+    Contacts count by shoe, since two runs need not have the same pairs.
+    """
     flexible = () if case.flexible is None else case.flexible.shoes
     joints = case.track.joints.tolist()
     rollers = () if case.undercarriage is None else case.undercarriage.rollers
     counted = {
-        "shoe": case.track.shoes.tolist(),
-        "flexible shoe": flexible,
-        "link": joints,
+        "shoe": ("shoes", case.track.shoes.tolist()),
+        "flexible shoe": ("flexible shoes", [*flexible]),
+        "link": ("links", joints),
         # a link has two pins where one of its shoes is flexible
-        "pin": [one for one in joints if {one, one + 1} & set(flexible)],
-        "unit": case.terrain.units.tolist(),
-        "roller": range(1, len(rollers) + 1),
+        "pin": ("links", [one for one in joints if {one, one + 1} & set(flexible)]),
+        "unit": ("units", case.terrain.units.tolist()),
+        "roller": ("rollers", [*range(1, len(rollers) + 1)]),
     }
-    return tuple(counted.get(_per(quantity), ()))
-
-
-def _span(numbers: tuple[int, ...]) -> str:
-    """Numbers for reading: 1..13, or each."""
-    if numbers == tuple(range(1, len(numbers) + 1)):
-        return f"1..{len(numbers)}"
-    return ", ".join(map(str, numbers))
-
-
-def _reduced(values: xr.DataArray, statistic: Statistic) -> float:
-    """One number of all values; NaN of none."""
-    if not bool(values.notnull().any()):
-        return float("nan")
-    if statistic == "end":
-        return float(values.isel(time=-1).mean())
-    if statistic == "largest":
-        return float(abs(values).max())
-    if statistic == "rms":
-        return float(np.sqrt((values**2).mean()))
-    if statistic == "range":
-        return float(values.max() - values.min())
-    if statistic == "mean":
-        return float(values.mean())
-    return float(values.max() if statistic == "greatest" else values.min())
+    return counted.get("shoe" if quantity.by_shoe else quantity.per, ("", []))

@@ -17,13 +17,9 @@ ROUNDING = 1e-9
 Survival = Annotated[float, Field(gt=0.0, lt=1.0)]
 
 
-class DutyRun(Parameters):
-    """Run, or a part of one, that is repeated in a shovel's hours."""
+class Often(Parameters):
+    """Part of a run, and how often it happens: by its number in a machine hour, or by its share of all."""
 
-    name: Name = Field(description="of what happens in it")
-    folder: str = Field(
-        min_length=1, description="folder of the run; in a file it counts from that of the file"
-    )
     begin: float = quantity("s", "time in the run at which the repeated part begins", ge=0, default=0.0)
     end: float | None = quantity("s", "time at which it ends; none: the run's end", gt=0, default=None)
     an_hour: float | None = quantity(
@@ -31,6 +27,15 @@ class DutyRun(Parameters):
     )
     share: float | None = quantity(
         "1", "part of the machine hours that it takes; or how often an hour", gt=0, le=1, default=None
+    )
+
+
+class DutyRun(Often):
+    """Run, or a part of one, that is repeated in a shovel's hours."""
+
+    name: Name = Field(description="of what happens in it")
+    folder: str = Field(
+        min_length=1, description="folder of the run; in a file it counts from that of the file"
     )
 
     @model_validator(mode="after")
@@ -46,12 +51,10 @@ class DutyRun(Parameters):
         return self.an_hour if self.an_hour is not None else (self.share or 0.0) * HOUR / duration
 
 
-class Duty(Parameters):
-    """Mix of runs that a shovel's hours are made of, its shoes' material and how damage is summed up."""
+class Damage(Parameters):
+    """Material of the shoes, and how the damage of its cycles is summed up."""
 
-    name: Name = Field(default="duty", description="of the duty")
-    runs: Annotated[tuple[DutyRun, ...], Field(min_length=1)]
-    material: FatigueMaterial
+    material: FatigueMaterial = Field(description="of the shoes against cyclic stress")
     criterion: Literal["signed von mises", "signed principal"] = Field(
         default="signed von mises",
         description="stress whose cycles are counted at all nodes: von Mises with the sign of the "
@@ -62,6 +65,13 @@ class Duty(Parameters):
         description="what cycles below the knee do: elementary as much as the slope says (the safest), "
         "haibach less (slope 2 k - 1), original nothing",
     )
+
+
+class Duty(Damage):
+    """Mix of runs that a shovel's hours are made of, its shoes' material and how damage is summed up."""
+
+    name: Name = Field(default="duty", description="of the duty")
+    runs: Annotated[tuple[DutyRun, ...], Field(min_length=1)]
     survivals: tuple[Survival, ...] = Field(
         default=(0.5, 0.9, 0.975),
         min_length=1,
