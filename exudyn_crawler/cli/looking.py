@@ -273,7 +273,7 @@ def sweep(
         raise ValueError(f"sweeps need {', '.join(missing)}: pip install 'exudyn-crawler[sweep]'")
     if scheduler is not None and workers is not None:
         raise ValueError("--workers must be left out with --scheduler, whose workers there are")
-    from exudyn_crawler.sweep.files import read_sweep
+    from exudyn_crawler.sweep.definition import read_sweep
 
     plan = read_sweep(file)
     out = RESULTS / file.stem if out is None else out

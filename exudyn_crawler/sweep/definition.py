@@ -1,8 +1,9 @@
-"""What a sweep is: a case, what of it varies, by which design, and the answers that are wanted."""
+"""What a sweep is: a case, what of it varies, by which design, and the answers that are wanted; its file."""
 
 import hashlib
 import itertools
 import json
+import math
 import warnings
 from collections import Counter
 from collections.abc import Sequence
@@ -17,12 +18,17 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 from scipy.stats import qmc
 
-from exudyn_crawler.case import CaseFile, Outputs
+from exudyn_crawler.case import Case, CaseFile, Outputs, read_case
+from exudyn_crawler.case.files.errors import toml_content
+from exudyn_crawler.case.files.files import case_of, faults_named, from_content, with_base
 from exudyn_crawler.case.parameters.base import Parameters
+from exudyn_crawler.case.parameters.paths import BASE, TAG, named_values
 from exudyn_crawler.errors import ImplausibleWarning
+from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import Answers
-from exudyn_crawler.sweep.vary import Vary, checked_case, content_of, idle
+from exudyn_crawler.sweep.vary import Vary, checked_case, idle
+from meshes import SHOE_SIZES
 
 Design = Literal["grid", "list", "latin_hypercube", "sobol", "saltelli"]
 """Names of the designs."""
@@ -44,17 +50,9 @@ OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
 
 
 class PlannedRun(NamedTuple):
-    """A run of a sweep.
+    """A run of a sweep: its number (from 1), its values, one of every `Vary`, and its digest.
 
-    Attributes
-    ----------
-    number : int
-        From 1, in the order of the design.
-    values : tuple
-        One of every `Vary`.
-    digest : str
-        SHA-256 of its case, duration and outputs and of the versions: the name of its folder. Runs of the
-        same case are the same run.
+    This SHA-256 of case, duration, outputs and versions names its folder: runs of the same case are the same.
     """
 
     number: int
@@ -93,12 +91,9 @@ class Sweep(Parameters):
         paths = Counter(path for one in self.vary for path in one.keys)
         if again := [path for path, count in paths.items() if count > 1]:
             raise ValueError(f"a path must vary once, got {', '.join(again)} again")
-        if self.design not in SAMPLED and self.runs is None:
-            count = 1
-            for one in self.vary:
-                count *= len(one.values) if one.values is not None else one.count or 1
-                if self.design == "grid" and count > MOST_RUNS:
-                    raise ValueError(f"runs must be at most {MOST_RUNS}, got a grid of at least {count}")
+        sizes = [len(one.values) if one.values is not None else one.count or 1 for one in self.vary]
+        if self.design == "grid" and self.runs is None and (count := math.prod(sizes)) > MOST_RUNS:
+            raise ValueError(f"runs must be at most {MOST_RUNS}, got a grid of at least {count}")
         for one in self.vary:
             one.check(self.case)
         for answer in self.answers:
@@ -123,10 +118,7 @@ class Sweep(Parameters):
     def case_of(self, values: Row) -> tuple[CaseFile, str]:
         """Case, duration and outputs of a run, and their digest, with which the case's name ends.
 
-        Raises
-        ------
-        ValueError
-            Naming everything at fault.
+        Raises `ValueError` naming everything at fault.
         """
         content = json.loads(self._text)
         for one, value in zip(self.vary, values, strict=True):
@@ -139,17 +131,9 @@ class Sweep(Parameters):
 
     @cached_property
     def planned(self) -> tuple[PlannedRun, ...]:
-        """All runs, each of which was checked.
+        """All runs, each of which was checked; warns of what varies without any effect.
 
-        Raises
-        ------
-        ValueError
-            Naming runs whose values do not fit each other, or answers that one cannot give.
-
-        Warns
-        -----
-        ImplausibleWarning
-            Of what varies without any effect.
+        Raises `ValueError` naming runs whose values do not fit each other, or answers that one cannot give.
         """
         planned, faults, idling = [], [], Counter[str]()
         for number, values in enumerate(self.rows, 1):
@@ -191,7 +175,7 @@ class Sweep(Parameters):
 
 def run_digest(case_file: CaseFile) -> str:
     """SHA-256 of what a run depends on: its case but for the name, duration, outputs, mesh and versions."""
-    content = content_of(case_file)
+    content = case_file.model_dump(mode="json")
     del content["case"]["name"]
     content["versions"] = _versions()
     mesh = None if case_file.case.flexible is None else Path(case_file.case.flexible.mesh)
@@ -212,7 +196,7 @@ def _versions() -> list[str]:
 
 
 def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: int) -> list[Row]:
-    """Values of all runs.
+    """Values of all runs; raises `ValueError` if their number does not fit the design.
 
     Parameters
     ----------
@@ -225,11 +209,6 @@ def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: 
         Points that are drawn; None for grids and lists.
     seed : int
         Of the random numbers: the same gives the same points.
-
-    Raises
-    ------
-    ValueError
-        If the number of runs does not fit the design.
     """
     if design in SAMPLED:
         if runs is None:
@@ -266,8 +245,74 @@ def _points(design: Design, dimensions: int, runs: int, seed: int) -> NDArray:
 
 def salib_problem(dimensions: int) -> dict[str, Any]:
     """What is varied as SALib takes it, in the unit cube."""
-    return {
-        "num_vars": dimensions,
-        "names": [str(k) for k in range(dimensions)],
-        "bounds": [[0.0, 1.0]] * dimensions,
-    }
+    names = [str(k) for k in range(dimensions)]
+    return {"num_vars": dimensions, "names": names, "bounds": [[0.0, 1.0]] * dimensions}
+
+
+MESH = "flexible.mesh"
+
+
+def read_sweep(path: str | Path) -> Sweep:
+    """Read a sweep file; paths of cases and meshes count from its folder.
+
+    `case` is a case file, the name of a case such as "translation", or a table with the content of a case
+    file; the other keys are those of `Sweep`, tables ``[[vary]]`` and ``[[answers]]`` among them.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file, or no such case file.
+    CaseFileError
+        Naming everything at fault by its path, and what is allowed there.
+    """
+    path = Path(path)
+    with faults_named(path, Sweep):
+        content = toml_content(path, "sweep file")
+        if "case" not in content:
+            raise ValueError("case must be a case file, the name of a case, or a table of one")
+        case_file = _case(content["case"], path)
+        for one in content["vary"] if isinstance(content.get("vary"), list) else ():
+            _resolve_meshes(one, path.parent)
+        whole = content | {"case": case_file.model_dump(mode="json")}
+        if isinstance(content.get("answers"), list):
+            whole["answers"] = [_answer(one, number) for number, one in enumerate(content["answers"])]
+        return from_content(Sweep, whole)
+
+
+def _case(entry: Any, path: Path) -> CaseFile:
+    """Case of a sweep file."""
+    if isinstance(entry, str) and entry in named_values(Case):
+        entry = {BASE: entry}
+    if isinstance(entry, dict):
+        return case_of(entry, path)
+    if not isinstance(entry, str):
+        raise ValueError(f"case must be a case file, the name of a case, or a table of one, got {entry!r}")
+    return read_case(path.parent / entry)
+
+
+def _answer(entry: Any, number: int) -> Any:
+    """Answer of a sweep file; one that does not say what it is, is a quantity."""
+    if not isinstance(entry, dict):
+        return entry
+    if isinstance(entry.get("material"), dict):
+        place = ("answers", number, "material")
+        entry = entry | {"material": with_base(entry["material"], (FatigueMaterial,), {}, place)}
+    return {TAG: "quantity", **entry}
+
+
+def _resolve_meshes(varied: Any, folder: Path) -> None:
+    """Put whole paths in place of names of mesh files that vary."""
+    if not isinstance(varied, dict):
+        return
+    if varied.get("key") == MESH and isinstance(varied.get("values"), list):
+        varied["values"] = [_resolved(one, folder) for one in varied["values"]]
+    if isinstance(varied.get("key"), list) and MESH in varied["key"]:
+        place = varied["key"].index(MESH)
+        for row in varied["settings"] if isinstance(varied.get("settings"), list) else ():
+            if isinstance(row, list) and len(row) > place:
+                row[place] = _resolved(row[place], folder)
+
+
+def _resolved(mesh: Any, folder: Path) -> Any:
+    """Whole path of a mesh that is a file."""
+    return mesh if mesh in SHOE_SIZES or not isinstance(mesh, str) else str((folder / mesh).resolve())

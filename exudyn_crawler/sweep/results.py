@@ -1,6 +1,7 @@
-"""Results of a sweep: a row a run, with units, answers over the grid, and what the answers depend on."""
+"""Results of a sweep: a row a run, answers over the grid, what they depend on, and its page."""
 
-from collections.abc import Mapping
+import os
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.paths import value_text
-from exudyn_crawler.files import whole_file
+from exudyn_crawler.files import note_written, whole_file
+from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep, salib_problem
-from exudyn_crawler.sweep.worker import DONE, Outcome
+from exudyn_crawler.sweep.worker import DONE, OUTCOME, Outcome
+from exudyn_crawler.views.pages.report import REPORT, write_report
+from exudyn_crawler.views.pages.sweep import Best, SweepView, sweep_page
 from exudyn_crawler.views.tables import write_table
 
 MISSING = "missing"
@@ -23,7 +27,8 @@ LEAST_RUNS = 64
 """Finished runs of a sample from which first-order indices are estimated."""
 SMALL = 1e-12
 """Of an answer's size: spread below which it does not vary."""
-COLUMNS = ("answer", "varied", "first", "first_conf", "total", "total_conf")
+EFFECTS = ("answer", "varied", "level", "mean", "least", "greatest", "runs")
+INDICES = ("answer", "varied", "first", "first_conf", "total", "total_conf")
 
 
 def results_table(
@@ -142,24 +147,17 @@ def main_effects(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
         Of samples the levels are means of bins with as many runs each.
     """
     done = table[table["status"] == DONE]
-    rows: list[dict[str, Any]] = []
+    frames = [pd.DataFrame(columns=list(EFFECTS))]
     for name in sweep.columns if len(done) else ():
         values, texts = numbers_of(done, name)
         groups = _binned(values) if len(np.unique(values)) > 2 * BINS else values
+        levels = pd.Series(values).groupby(groups).mean()
         for answer in sweep.answers:
-            numbers = done[answer.label].to_numpy(dtype=float)
-            for group in np.unique(groups):
-                chosen = numbers[(groups == group) & np.isfinite(numbers)]
-                level = float(values[groups == group].mean())
-                if len(chosen):
-                    spread = {"mean": chosen.mean(), "least": chosen.min(), "greatest": chosen.max()}
-                    at = texts[round(level)] if texts else level
-                    rows.append(
-                        {"answer": answer.label, "varied": name, "level": at} | spread | {"runs": len(chosen)}
-                    )
-    return pd.DataFrame(
-        rows, columns=["answer", "varied", "level", "mean", "least", "greatest", "runs"], dtype=object
-    ).infer_objects()
+            numbers = done[answer.label].where(np.isfinite(done[answer.label])).groupby(groups)
+            by_level = numbers.agg(mean="mean", least="min", greatest="max", runs="count")
+            by_level["level"] = [texts[round(level)] if texts else level for level in levels]
+            frames.append(by_level[by_level["runs"] > 0].assign(answer=answer.label, varied=name))
+    return pd.concat(frames[1:] or frames, ignore_index=True)[list(EFFECTS)]
 
 
 def _binned(values: NDArray) -> NDArray:
@@ -183,72 +181,140 @@ def sobol_indices(sweep: Sweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]
     method : str
         How they were computed, or why there are none.
     """
-    done = table["status"] == DONE
+    none = pd.DataFrame(columns=list(INDICES))
+    done = table[table["status"] == DONE]
     varying = [
         answer.label
         for answer in sweep.answers
-        if table.loc[done, answer.label].notna().all() and _varies(table.loc[done, answer.label])
+        if done[answer.label].notna().all() and _varies(done[answer.label])
     ]
     if not varying:
-        return pd.DataFrame(columns=list(COLUMNS)), "no answer varies"
-    if sweep.design in ("grid", "saltelli") and not done.all():
-        return pd.DataFrame(columns=list(COLUMNS)), f"design {sweep.design!r} needs all runs to have finished"
-    if sweep.design == "grid":
-        rows = [row for name in varying for row in _of_grid(sweep, table, name)]
-        return pd.DataFrame(rows, columns=list(COLUMNS)), "variance of the grid's points"
-    if sweep.design == "saltelli":
-        rows = [row for name in varying for row in _of_saltelli(sweep, table, name)]
-        return pd.DataFrame(rows, columns=list(COLUMNS)), "Saltelli's estimators"
-    if sweep.design == "list" or int(done.sum()) < LEAST_RUNS:
-        return (
-            pd.DataFrame(columns=list(COLUMNS)),
-            f"they need a grid, or at least {LEAST_RUNS} finished runs of a sample",
-        )
-    rows = [row for name in varying for row in _of_sample(sweep, table[done], name)]
-    return pd.DataFrame(rows, columns=list(COLUMNS)), "RBD-FAST, first order"
+        return none, "no answer varies"
+    if sweep.design in ("grid", "saltelli"):
+        if len(done) < len(table):
+            return none, f"design {sweep.design!r} needs all runs to have finished"
+    elif sweep.design == "list" or len(done) < LEAST_RUNS:
+        return none, f"they need a grid, or at least {LEAST_RUNS} finished runs of a sample"
+    methods = {
+        "grid": (_of_grid, "variance of the grid's points"),
+        "saltelli": (_of_saltelli, "Saltelli's estimators"),
+    }
+    indices, method = methods.get(sweep.design, (_of_sample, "RBD-FAST, first order"))
+    frames = [
+        pd.DataFrame({"answer": name, "varied": sweep.columns} | indices(sweep, done, done[name].to_numpy()))
+        for name in varying
+    ]
+    return pd.concat(frames, ignore_index=True).reindex(columns=list(INDICES)), method
 
 
 def _varies(values: pd.Series) -> bool:
     return bool(values.max() - values.min() > SMALL * values.abs().max())
 
 
-def _of_grid(sweep: Sweep, table: pd.DataFrame, answer: str) -> list[dict[str, Any]]:
-    shape = [len(one.levels()) for one in sweep.vary]
-    values = table[answer].to_numpy(dtype=float).reshape(shape)
-    whole, axes = values.var(), tuple(range(len(shape)))
-    rows = []
-    for axis, name in enumerate(sweep.columns):
-        first = values.mean(axis=tuple(one for one in axes if one != axis)).var() / whole
-        total = 1.0 - values.mean(axis=axis).var() / whole
-        rows.append({"answer": answer, "varied": name, "first": first, "total": total})
-    return rows
+def _of_grid(sweep: Sweep, _done: pd.DataFrame, answer: NDArray) -> dict[str, Any]:
+    values = answer.reshape([len(one.levels()) for one in sweep.vary])
+    axes = range(values.ndim)
+    alone = [values.mean(axis=tuple(one for one in axes if one != axis)).var() for axis in axes]
+    others = [values.mean(axis=axis).var() for axis in axes]
+    return {"first": alone / values.var(), "total": 1.0 - others / values.var()}
 
 
-def _of_saltelli(sweep: Sweep, table: pd.DataFrame, answer: str) -> list[dict[str, Any]]:
+def _of_saltelli(sweep: Sweep, _done: pd.DataFrame, answer: NDArray) -> dict[str, Any]:
     from SALib.analyze.sobol import analyze
 
-    values = table[answer].to_numpy(dtype=float)
-    indices = analyze(salib_problem(len(sweep.vary)), values, calc_second_order=False, seed=sweep.seed)
-    return [
-        {
-            "answer": answer,
-            "varied": name,
-            "first": indices["S1"][k],
-            "first_conf": indices["S1_conf"][k],
-            "total": indices["ST"][k],
-            "total_conf": indices["ST_conf"][k],
-        }
-        for k, name in enumerate(sweep.columns)
-    ]
+    found = analyze(salib_problem(len(sweep.vary)), answer, calc_second_order=False, seed=sweep.seed)
+    names = {"first": "S1", "first_conf": "S1_conf", "total": "ST", "total_conf": "ST_conf"}
+    return {name: found[theirs] for name, theirs in names.items()}
 
 
-def _of_sample(sweep: Sweep, done: pd.DataFrame, answer: str) -> list[dict[str, Any]]:
+def _of_sample(sweep: Sweep, done: pd.DataFrame, answer: NDArray) -> dict[str, Any]:
     from SALib.analyze.rbd_fast import analyze
 
     points = np.column_stack([numbers_of(done, name)[0] for name in sweep.columns])
-    values = done[answer].to_numpy(dtype=float)
-    indices = analyze(salib_problem(len(sweep.vary)), points, values, seed=sweep.seed)
-    return [
-        {"answer": answer, "varied": name, "first": indices["S1"][k], "first_conf": indices["S1_conf"][k]}
-        for k, name in enumerate(sweep.columns)
-    ]
+    found = analyze(salib_problem(len(sweep.vary)), points, answer, seed=sweep.seed)
+    return {"first": found["S1"], "first_conf": found["S1_conf"]}
+
+
+def write_page(
+    sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, say: Callable[[str], None]
+) -> Path:
+    """Write the page of a sweep's results into its folder.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Of `results_table`.
+    runs : Path
+        Folder of the folders of runs.
+    say : callable
+        Gets a line about each report that cannot be written.
+    """
+    best = best_and_worst(sweep, table)
+    for name in dict.fromkeys(one.folder for one in best):
+        _report_of(runs / name, say)
+    indices, method = sobol_indices(sweep, table)
+    view = SweepView(
+        title=f"Sweep of {sweep.case.case.name}",
+        lead=(_lead(sweep, table),),
+        table=table,
+        varied=sweep.columns,
+        answers=tuple(answer.label for answer in sweep.answers),
+        logarithmic=frozenset(one.label for one in sweep.vary if one.scale == "log"),
+        is_grid=sweep.design == "grid",
+        effects=main_effects(sweep, table),
+        indices=indices,
+        method=method,
+        best=best,
+        links={name: _link(folder, runs / name) for name in table["folder"]},
+    )
+    path = folder / REPORT
+    with whole_file(path, overwrite=True) as temporary:
+        temporary.write_text(sweep_page(view), encoding="utf-8")
+    return path
+
+
+def best_and_worst(sweep: Sweep, table: pd.DataFrame) -> list[Best]:
+    """Best and worst finished run of every answer."""
+    done = table[table["status"] == DONE]
+    ends_of_all = []
+    for answer in sweep.answers:
+        values = done[answer.label].dropna()
+        if values.empty:
+            continue
+        ends = [("best", values.idxmin()), ("worst", values.idxmax())]
+        if answer.better == "more":
+            ends = [("best", values.idxmax()), ("worst", values.idxmin())]
+        for which, index in ends:
+            row = done.loc[index]
+            ends_of_all.append(
+                Best(answer.label, which, int(row["run"]), str(row["folder"]), float(values[index]))
+            )
+    return ends_of_all
+
+
+def _lead(sweep: Sweep, table: pd.DataFrame) -> str:
+    counts = table["status"].value_counts().to_dict()
+    by_status = ", ".join(f"{count} {status}" for status, count in counts.items())
+    drawn = f", {sweep.runs} points drawn with seed {sweep.seed}" if sweep.runs else ""
+    return f"{len(table)} runs of {sweep.case.duration:g} s, design {sweep.design}{drawn}: {by_status}"
+
+
+def _report_of(run: Path, say: Callable[[str], None]) -> None:
+    """Write the report of a run, unless it is there and as new as the run."""
+    report = run / REPORT
+    outcome = run / OUTCOME
+    if report.is_file() and outcome.is_file() and report.stat().st_mtime >= outcome.stat().st_mtime:
+        note_written(report)
+        return
+    try:
+        write_report(run, overwrite=True)
+        note_file(report)
+    # altered bytes make the readers raise all kinds of errors
+    except Exception as error:
+        say(f"no report of {run}: {' '.join(str(error).split())}")
+
+
+def _link(folder: Path, run: Path) -> str:
+    """Address of a run's report from the page, or of its folder where it has none."""
+    there = run / REPORT if (run / REPORT).is_file() else run
+    return Path(os.path.relpath(there, folder.resolve())).as_posix()

@@ -13,12 +13,18 @@ import xarray as xr
 from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.files.case_file import NUMBER, stored_numbers
 from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
+from exudyn_crawler.case.parameters.paths import in_units
 from exudyn_crawler.run.folder.progress import progress_bar
 from exudyn_crawler.run.folder.record import RunFolder, held, quiet, recorded
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
-from exudyn_crawler.sweep.page import write_page
-from exudyn_crawler.sweep.results import results_dataset, results_table, write_parquet, write_units_csv
+from exudyn_crawler.sweep.results import (
+    results_dataset,
+    results_table,
+    write_page,
+    write_parquet,
+    write_units_csv,
+)
 from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome
 
 RUNS = "runs"
@@ -37,6 +43,7 @@ ROLLED, ROLLED_FLEXIBLE = 2.5, 1.0e-3
 one there."""
 RECOVERY = 1.0e-3
 """s a stored time of a flexible shoe, whose stresses are recovered."""
+TIMES = {"days": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
 PACKED = 0.75
 """Size of a history on disk to that in memory."""
 
@@ -120,50 +127,29 @@ def run_sweep(
         missing = _missing(sweep, planned, stored, retry)
         work.say(_progress(planned, stored, len(missing)))
         if missing:
+            # planning a sweep and looking at its results do without Dask
+            from exudyn_crawler.sweep.cluster import connected, outcomes
+
             shared = None if scheduler is None else folder / REDUCTIONS
             tasks = tasks_of(sweep, missing, runs, shared, retry)
             with (
                 work.timed("runs"),
-                _outcomes(tasks, scheduler, workers, runs, work.say) as coming,
+                connected(scheduler, workers, runs, work.say) as client,
                 progress_bar("sweep", len(missing), progress, unit="runs") as tell,
             ):
-                for count, outcome in enumerate(coming, 1):
+                for count, outcome in enumerate(outcomes(client, tasks), 1):
                     stored[outcome["digest"]] = outcome
-                    _report_failure(outcome, work)
+                    if outcome["status"] == FAILED:
+                        work.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
                     tell(count)
         with work.timed("tables and page"):
-            return _gathered(sweep, results_table(sweep, planned, stored), folder, runs, work)
-
-
-@contextmanager
-def _outcomes(
-    tasks: Iterator[Task],
-    scheduler: str | None,
-    workers: int | None,
-    runs: Path,
-    say: Callable[[str], None],
-) -> Iterator[Iterator[Outcome]]:
-    """Outcomes of tasks as they come from a cluster, which lives as long as the block."""
-    # planning a sweep and looking at its results do without Dask
-    from exudyn_crawler.sweep.cluster import connected, outcomes
-
-    with connected(scheduler, workers, runs, say) as client:
-        yield outcomes(client, tasks)
-
-
-def _report_failure(outcome: Outcome, work: RunFolder) -> None:
-    if outcome["status"] == FAILED:
-        work.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
-
-
-def _gathered(sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, work: RunFolder) -> SweepRun:
-    """Results in all forms, and the page."""
-    dataset = results_dataset(sweep, table)
-    write_units_csv(table, folder / TABLE)
-    write_parquet(table, folder / COLUMNS)
-    write_netcdf(dataset, folder / DATASET, overwrite=True)
-    write_page(sweep, table, folder, runs, work.say)
-    return SweepRun(sweep, table, dataset, folder)
+            table = results_table(sweep, planned, stored)
+            dataset = results_dataset(sweep, table)
+            write_units_csv(table, folder / TABLE)
+            write_parquet(table, folder / COLUMNS)
+            write_netcdf(dataset, folder / DATASET, overwrite=True)
+            write_page(sweep, table, folder, runs, work.say)
+            return SweepRun(sweep, table, dataset, folder)
 
 
 def folder_state(sweep: Sweep, out: Path, *, storage: str | None, workers: int | None, retry: bool) -> str:
@@ -196,12 +182,8 @@ def _held_folder(folder: Path, sweep: Sweep, say: Callable[[str], None]) -> Iter
 
 def _stored_outcomes(planned: tuple[PlannedRun, ...], runs: Path) -> dict[str, Outcome]:
     """Outcomes that a folder has of planned runs, by digest, failed ones among them."""
-    stored = {}
-    for digest in dict.fromkeys(one.digest for one in planned):
-        outcome = read_outcome(runs, digest)
-        if outcome is not None:
-            stored[digest] = outcome
-    return stored
+    read = {one.digest: read_outcome(runs, one.digest) for one in planned}
+    return {digest: outcome for digest, outcome in read.items() if outcome is not None}
 
 
 def _missing(
@@ -228,12 +210,7 @@ def tasks_of(
 ) -> Iterator[Task]:
     """Tasks of planned runs by digest, each made when it is asked for: all cases take too much memory.
 
-    Parameters
-    ----------
-    reductions : Path, optional
-        Folder of reductions that workers share.
-    retry : bool
-        Run those anew that have failed.
+    Workers may share a folder of `reductions`; `retry` runs those anew that have failed.
     """
     answers = ANSWERS.dump_json(sweep.answers).decode()
     for digest, one in missing.items():
@@ -278,13 +255,7 @@ def run_bytes(case_file: CaseFile) -> float:
 
 
 def estimate(case_file: CaseFile, missing: int, workers: int | None, stored: Iterable[Outcome]) -> str:
-    """Time and disk space of the missing runs in a line.
-
-    Parameters
-    ----------
-    stored : iterable
-        Outcomes that are there; finished runs show how long one takes.
-    """
+    """Time and disk space of the missing runs in a line; finished runs show how long one takes."""
     times = [float(one["wall_time_s"]) for one in stored if one.get("status") == DONE]
     each = sum(times) / len(times) if times else run_time(case_file)
     whence = f"as {len(times)} finished ones took" if times else "by a rule of thumb"
@@ -292,13 +263,6 @@ def estimate(case_file: CaseFile, missing: int, workers: int | None, stored: Ite
     whole = each * missing / min(count, max(missing, 1))
     size = run_bytes(case_file) * missing
     return (
-        f"{missing} runs of about {each:.2g} s each ({whence}): {_time(whole)} on {count} workers, "
+        f"{missing} runs of about {each:.2g} s each ({whence}): {in_units(whole, TIMES)} on {count} workers, "
         f"{each * missing / 3600:.2g} core hours, {size / 1e9:.2g} GB"
     )
-
-
-def _time(seconds: float) -> str:
-    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
-        if seconds >= size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.3g} s"

@@ -1,16 +1,16 @@
 """What of a case the runs of a sweep have otherwise, and values that change nothing."""
 
-import json
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
-from exudyn_crawler.case import Case, CaseFile, PairContact, SphereContact
+from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.files.errors import faults, shown
+from exudyn_crawler.case.files.files import from_content
 from exudyn_crawler.case.parameters.base import Name, Parameters
 from exudyn_crawler.case.parameters.loads import with_equal_loads
 from exudyn_crawler.case.parameters.paths import (
@@ -22,6 +22,7 @@ from exudyn_crawler.case.parameters.paths import (
     likely_cause,
     parse_path,
     plausible_range,
+    value_text,
     with_change,
 )
 
@@ -35,26 +36,13 @@ Puts = tuple[Any, ...]
 Key = Annotated[str, Field(min_length=1, max_length=200)]
 
 
-def content_of(case_file: CaseFile) -> Content:
-    """Everything of a case file, as JSON has it."""
-    content: Content = json.loads(case_file.model_dump_json())
-    return content
-
-
 def checked_case(content: Content) -> CaseFile:
-    """Case file of a content.
-
-    Raises
-    ------
-    ValueError
-        Naming everything at fault by its path, and what is allowed there.
-    """
+    """Case file of a content; raises `ValueError` naming a few of the faults by their paths."""
     case = content["case"]
     loads = with_equal_loads(case["loads"], case["track"]["shoe_count"])
     content = content | {"case": case | {"loads": loads}}
     try:
-        # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
-        return CaseFile.model_validate_json(json.dumps(content), strict=True)
+        return from_content(CaseFile, content)
     except ValidationError as error:
         named = list(faults(error, CaseFile))
         more = f"; {len(named) - MOST_FAULTS} more" if len(named) > MOST_FAULTS else ""
@@ -131,19 +119,8 @@ class Vary(Parameters):
         names = [part for part in parse_path(self.keys[0]) if isinstance(part, str) and part != EVERY]
         return self.name or names[-1]
 
-    @property
-    def is_continuous(self) -> bool:
-        """Whether there are bounds, and anything between them."""
-        return self.values is None
-
     def levels(self) -> tuple[Any, ...]:
-        """Values of a grid.
-
-        Raises
-        ------
-        ValueError
-            If there are bounds without a count.
-        """
+        """Values of a grid; raises `ValueError` if there are bounds without a count."""
         if self.values is not None:
             return self.values
         if self.count is None:
@@ -171,10 +148,7 @@ class Vary(Parameters):
     def applied(self, content: Content, value: Any) -> Content:
         """Content of a case with a value, or what it stands for, or with what is there times a factor.
 
-        Raises
-        ------
-        ValueError
-            If a path leads to an item that a list does not have, or a factor to what is no number.
+        Raises `ValueError` if a path leads to no item of a list, or a factor to what is no number.
         """
 
         def change(before: Any, put: Any) -> Any:
@@ -182,29 +156,21 @@ class Vary(Parameters):
                 return _multiplied(before, put)
             # a count between bounds is a whole number, too
             whole = isinstance(before, int) and not isinstance(before, bool) and isinstance(put, float)
-            return round(put) if whole and self.is_continuous else put
+            return round(put) if whole and self.values is None else put
 
-        for path, put in zip(self.keys, self._put(value), strict=True):
+        settings, values = self.settings, self.values
+        puts = (
+            (value,) * len(self.keys) if settings is None or values is None else settings[values.index(value)]
+        )
+        for path, put in zip(self.keys, puts, strict=True):
             try:
                 content = with_change(content, parse_path(path), partial(change, put=put), CaseFile)
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
         return content
 
-    def _put(self, value: Any) -> Puts:
-        """What a value puts at each path."""
-        if self.settings is None or self.values is None:
-            return (value,) * len(self.keys)
-        return self.settings[self.values.index(value)]
-
     def check(self, case_file: CaseFile) -> None:
-        """Refuse what does not fit a case: unknown paths, another unit, values that it cannot have.
-
-        Raises
-        ------
-        ValueError
-            Naming the path.
-        """
+        """Refuse, naming the path, what does not fit a case: unknown paths, another unit, wrong values."""
         for path in self.keys:
             entry = entry_at(case_file, parse_path(path))
             if entry is not None and is_table(entry.value):
@@ -216,7 +182,7 @@ class Vary(Parameters):
                 self._check_unit(path, entry)
         for value in self.values or (self.low, self.high):
             try:
-                checked_case(self.applied(content_of(case_file), value))
+                checked_case(self.applied(case_file.model_dump(mode="json"), value))
             except ValueError as error:
                 # whether values fit each other depends on what else varies
                 if not _only_together(error):
@@ -226,10 +192,10 @@ class Vary(Parameters):
 
     def _check_multiplies(self, case_file: CaseFile) -> None:
         """Refuse factors of what is zero."""
-        content = content_of(case_file)
+        before = content = case_file.model_dump(mode="json")
         for value in (self.values or (self.low, self.high))[:2]:
             content = self.applied(content, value)
-        if content == content_of(case_file):
+        if content == before:
             raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
 
     def _check_unit(self, path: str, entry: Entry) -> None:
@@ -240,7 +206,10 @@ class Vary(Parameters):
         if self.unit is not None or self.factor:
             return
         for value in self.values or (self.low, self.high):
-            if not isinstance(value, int | float) or isinstance(value, bool) or _plausible(value, entry):
+            if not isinstance(value, int | float) or isinstance(value, bool):
+                continue
+            least, greatest = plausible_range(entry.field) or (value, value)
+            if least <= value <= greatest:
                 continue
             if cause := likely_cause(float(value), entry.field):
                 unit = f" {entry.unit}" if entry.unit else ""
@@ -248,12 +217,6 @@ class Vary(Parameters):
                     f"{path}: {value:g}{unit} is beyond what there is{cause}; if it is meant, say "
                     f"unit = {entry.unit!r}"
                 )
-
-
-def _plausible(value: float, entry: Entry) -> bool:
-    """Whether a machine or a ground may have a value."""
-    least, greatest = plausible_range(entry.field) or (value, value)
-    return least <= value <= greatest
 
 
 def _only_together(error: ValueError) -> bool:
@@ -274,51 +237,21 @@ def _multiplied(before: Any, factor: Any) -> Any:
     return round(product) if isinstance(before, int) and product == round(product) else product
 
 
-def _pair(case: Case, test: Callable[[PairContact], bool]) -> bool:
-    return isinstance(case.contact, PairContact) and test(case.contact)
-
-
-def _spheres(case: Case, test: Callable[[SphereContact], bool]) -> bool:
-    return isinstance(case.contact, SphereContact) and test(case.contact)
-
-
-IDLE: tuple[tuple[str, Callable[[Case], bool], str], ...] = (
-    (
-        "contact.edge_width",
-        lambda case: _pair(case, lambda law: law.sharing == "area"),
-        "contact.sharing 'area', by which the law grows with the overlap's area",
-    ),
-    (
-        "contact.damping_depth",
-        lambda case: _pair(case, lambda law: law.damping == 0.0),
-        "contact.damping = 0",
-    ),
-    (
-        "contact.stiction_speed",
-        lambda case: _pair(case, lambda law: law.static_friction == 0.0),
-        "contact.static_friction = 0",
-    ),
-    (
-        "contact.friction_speed",
-        lambda case: (
-            _pair(case, lambda law: law.static_friction == 0.0)
-            or _spheres(case, lambda law: law.friction == 0.0)
-        ),
-        "no friction",
-    ),
-    (
-        "terrain.spring_offset",
-        lambda case: case.terrain.springs_per_unit == 1,
-        "terrain.springs_per_unit = 1, whose spring stands at the centre",
-    ),
-    ("solver.quiet_step", lambda case: case.drive.on is None, "a drive that never goes off"),
-)
-"""Paths, when they are idle, and why."""
+IDLE: dict[str, dict[str, Any]] = {
+    "contact.edge_width": {"contact.sharing": "area"},
+    "contact.damping_depth": {"contact.damping": 0.0},
+    "contact.stiction_speed": {"contact.static_friction": 0.0},
+    "contact.friction_speed": {"contact.static_friction": 0.0, "contact.friction": 0.0},
+    "terrain.spring_offset": {"terrain.springs_per_unit": 1},
+    "solver.quiet_step": {"drive.on": None},
+}
+"""Paths whose values change nothing where one of others has a value."""
 
 
 def idle(paths: Iterable[str], case: Case) -> Iterator[str]:
     """Those of some paths whose values change nothing in a case, a line each."""
-    wanted = set(paths)
-    for path, is_idle, why in IDLE:
-        if path in wanted and is_idle(case):
-            yield f"{path}: it changes nothing with {why}"
+    for path in filter(IDLE.__contains__, paths):
+        for other, value in IDLE[path].items():
+            entry = entry_at(case, parse_path(other))
+            if entry is not None and entry.value == value:
+                yield f"{path}: it changes nothing with {other} = {value_text(value)}"

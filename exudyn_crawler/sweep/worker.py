@@ -39,22 +39,10 @@ class VersionsDiffer(CrawlerError, ValueError):  # noqa: N818 - it says what is 
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker needs to know of a run.
+    """What a worker needs to know of a run, whose case file and answers are JSON.
 
-    Attributes
-    ----------
-    digest : str
-        Of the run.
-    case, answers : str
-        JSON of its case file and of the definitions of its answers.
-    runs : str
-        Folder of the folders of runs.
-    reductions : str or None
-        Folder of reductions of flexible shoes; None leaves it to the worker's machine.
-    versions : mapping
-        Of the client.
-    again : bool
-        Whether a run that has failed is run anew.
+    `runs` is the folder of the folders of runs, `reductions` that of reductions of flexible shoes (None:
+    that of the worker's machine); `versions` are the client's; `again` runs one anew that has failed.
     """
 
     digest: str
@@ -79,13 +67,7 @@ def own_versions() -> dict[str, str]:
 
 
 def check_versions(wanted: Mapping[str, str], there: Mapping[str, str], where: str) -> None:
-    """Refuse a worker whose versions are not the client's.
-
-    Raises
-    ------
-    VersionsDiffer
-        Naming what differs.
-    """
+    """Refuse, by `VersionsDiffer`, a worker whose versions are not the client's."""
     differing = [
         f"{name} {there.get(name, 'missing')} there, {here} here"
         for name, here in wanted.items()
@@ -98,30 +80,22 @@ def check_versions(wanted: Mapping[str, str], there: Mapping[str, str], where: s
 def run_task(task: Task) -> Outcome:
     """Run a case into its folder, or what is missing of it, and answer; what goes wrong is the outcome, too.
 
-    Raises
-    ------
-    VersionsDiffer
-        If this worker has other versions than the client.
+    Only a worker that has other versions than the client raises: `VersionsDiffer`.
     """
     check_versions(task.versions, own_versions(), socket.gethostname())
     begun = time.perf_counter()
-    outcome: Outcome = {
-        "digest": task.digest,
-        "host": socket.gethostname(),
-        "process": os.getpid(),
-        "asked": json.loads(task.answers),
-    }
     failed_before = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
     folder = folder_of(task.runs, task.digest)
     folder.mkdir(parents=True, exist_ok=True)
+    outcome: Outcome
     try:
         answers = _answered(task, folder, overwrite=task.again and failed_before)
-        outcome |= {"status": DONE, "reason": "", "answers": answers}
+        outcome = {"status": DONE, "reason": "", "answers": answers}
     except Exception as error:
-        outcome |= {"status": FAILED, "reason": reason_of(error), "answers": {}}
-    took = time.perf_counter() - begun
-    outcome |= {"wall_time_s": round(took, 3), "finished": timestamp()}
-    _write_outcome(folder, outcome)
+        outcome = {"status": FAILED, "reason": reason_of(error), "answers": {}}
+    outcome |= {"host": socket.gethostname(), "process": os.getpid()}
+    outcome |= {"wall_time_s": round(time.perf_counter() - begun, 3)}
+    outcome = _written(task, folder, outcome)
     note_file(folder / OUTCOME)
     return outcome
 
@@ -141,9 +115,12 @@ def read_outcome(runs: str | Path, digest: str) -> Outcome | None:
     return outcome if whole and isinstance(outcome.get("answers"), dict) else None
 
 
-def _write_outcome(folder: Path, outcome: Outcome) -> None:
+def _written(task: Task, folder: Path, outcome: Outcome) -> Outcome:
+    """Outcome of a task, written into its folder."""
+    outcome = {"digest": task.digest, "asked": json.loads(task.answers), **outcome, "finished": timestamp()}
     with whole_file(folder / OUTCOME, overwrite=True) as temporary:
         temporary.write_text(json.dumps(outcome, indent=2) + "\n", encoding="utf-8")
+    return outcome
 
 
 def reason_of(error: BaseException) -> str:
@@ -155,18 +132,9 @@ def reason_of(error: BaseException) -> str:
 
 def failed_outcome(task: Task, error: BaseException) -> Outcome:
     """Outcome of a run whose worker could not report it: it died, say."""
-    outcome: Outcome = {
-        "digest": task.digest,
-        "asked": json.loads(task.answers),
-        "status": FAILED,
-        "reason": reason_of(error),
-        "answers": {},
-        "finished": timestamp(),
-    }
     folder = folder_of(task.runs, task.digest)
     folder.mkdir(parents=True, exist_ok=True)
-    _write_outcome(folder, outcome)
-    return outcome
+    return _written(task, folder, {"status": FAILED, "reason": reason_of(error), "answers": {}})
 
 
 def _answered(task: Task, folder: Path, overwrite: bool) -> dict[str, float | None]:

@@ -11,7 +11,7 @@ from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.stress.hot_spots import shoe_regions
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.sweep.answers import Answer, HotSpot, Life
-from exudyn_crawler.sweep.files import read_sweep
+from exudyn_crawler.sweep.definition import read_sweep
 from tests.sweep.cases import STIFFNESS, small_case, small_sweep
 
 

@@ -5,7 +5,7 @@ import pytest
 from exudyn_crawler import write_case
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.sweep.answers import Answer, HotSpot
-from exudyn_crawler.sweep.files import read_sweep
+from exudyn_crawler.sweep.definition import read_sweep
 from exudyn_crawler.sweep.vary import Vary
 from tests.sweep.cases import STIFFNESS, small_case, small_sweep
 

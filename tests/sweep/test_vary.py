@@ -5,16 +5,16 @@ import pytest
 
 from exudyn_crawler import CaseFile, simulate
 from exudyn_crawler.case.parameters.paths import parse_path, with_value
-from exudyn_crawler.sweep.vary import IDLE, Vary, checked_case, content_of, idle
+from exudyn_crawler.sweep.vary import IDLE, Vary, checked_case, idle
 from tests.sweep.cases import STIFFNESS, small_case
 
 
 def applied(vary, value):
-    return checked_case(vary.applied(content_of(small_case()), value)).case
+    return checked_case(vary.applied(small_case().model_dump(mode="json"), value)).case
 
 
 def case_with(**values):
-    content = content_of(small_case())
+    content = small_case().model_dump(mode="json")
     for path, value in values.items():
         content = with_value(content, parse_path(path.replace("__", ".")), value, CaseFile)
     return checked_case(content).case
@@ -123,12 +123,12 @@ def test_values_that_only_others_allow_are_left_to_the_runs():
 
 def test_a_content_is_the_same_case():
     case = small_case()
-    assert checked_case(content_of(case)) == case
+    assert checked_case(case.model_dump(mode="json")) == case
 
 
 def test_values_are_changed_in_tables_lists_and_beside_the_case():
     before = small_case()
-    content = content_of(before)
+    content = before.model_dump(mode="json")
     for vary, value in (
         (Vary(key="duration", values=(2.0,), factor=True), 2.0),
         (Vary(key="loads.phases[*].loads", values=(4e5,)), 4e5),
@@ -140,13 +140,13 @@ def test_values_are_changed_in_tables_lists_and_beside_the_case():
     # one number is that of every shoe
     assert found.case.loads.phases[0].loads == (4e5, 4e5, 4e5)
     assert found.case.shoe.load_point == (*before.case.shoe.load_point[:2], 0.2)
-    assert content_of(small_case()) == content_of(before)
+    assert small_case().model_dump(mode="json") == before.model_dump(mode="json")
 
 
 def test_items_that_a_list_does_not_have_are_refused():
     vary = Vary(key="loads.phases[3].loads", values=(1.0,))
     with pytest.raises(ValueError, match=r"loads\.phases has 1 items, counted from 0, no \[3\]"):
-        vary.applied(content_of(small_case()), 1.0)
+        vary.applied(small_case().model_dump(mode="json"), 1.0)
 
 
 def test_few_of_many_faults_are_named():
@@ -196,7 +196,7 @@ PAIRS = (
 
 
 def test_every_idle_value_is_tried():
-    assert [path for path, *_ in IDLE] == [path for path, *_ in PAIRS]
+    assert [*IDLE] == [path for path, *_ in PAIRS]
 
 
 @pytest.mark.simulation
@@ -210,5 +210,5 @@ def test_idle_values_change_nothing(path, one, other, given):
 
 def test_what_counts_is_not_idle():
     case = small_case().case
-    paths = [path for path, *_ in IDLE if path != "solver.quiet_step"]
+    paths = [path for path in IDLE if path != "solver.quiet_step"]
     assert list(idle([*paths, "terrain.spring_stiffness"], case)) == []
