@@ -12,8 +12,8 @@ import xarray as xr
 
 from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.files.case_file import NUMBER, stored_numbers
-from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
 from exudyn_crawler.case.parameters.paths import in_units
+from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
 from exudyn_crawler.run.folder.progress import progress_bar
 from exudyn_crawler.run.folder.record import RunFolder, held, quiet, recorded
 from exudyn_crawler.sweep.answers import ANSWERS
