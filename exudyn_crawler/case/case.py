@@ -10,10 +10,9 @@ from pydantic import Field, model_validator
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
 from exudyn_crawler.case.parameters.contact import Contact, PairContact, SphereContact
-from exudyn_crawler.case.parameters.drive import Drive
+from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.loads import LoadCycle
-from exudyn_crawler.case.parameters.solver import Solver
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import (

@@ -29,25 +29,12 @@ LEAST_AHEAD, AHEAD = 64, 4
 def connected(
     scheduler: str | None, workers: int | None, runs: Path, report: Callable[[str], None]
 ) -> Iterator[Client]:
-    """Client of a cluster whose workers can do what a sweep asks for.
+    """Client of a cluster whose workers can do what a sweep asks for, and see the folder of its runs.
 
-    It is not made the process's own scheduler: one that never answered would stay that, and whoever saves a
-    dataset afterwards would be sent to it.
-
-    Parameters
-    ----------
-    scheduler : str, optional
-        Address (``tcp://host:8786``) or scheduler file; None starts a cluster on this machine, of one
-        process a core with one thread each.
-    workers : int, optional
-        Processes of the cluster on this machine.
-    runs : Path
-        Folder of the folders of runs, which workers have to see.
-
-    Raises
-    ------
-    ValueError
-        If no scheduler answers, no worker is there, or one has other versions or does not see the folder.
+    The scheduler is given by its address (``tcp://host:8786``) or file; None starts a cluster on this
+    machine, of one process a core with one thread each, or of so many workers. It is not made the process's
+    own scheduler: one that never answered would stay that, and whoever saves a dataset afterwards would be
+    sent to it. Raises `ValueError` if no scheduler answers, or its workers are not fit.
     """
     with warnings.catch_warnings():
         # check_versions says it in a line, and of what matters
@@ -152,19 +139,8 @@ def outcomes(
 ) -> Iterator[Outcome]:
     """Outcomes of tasks as they come; a task whose worker dies goes to another one, a few times.
 
-    The scheduler holds a few tasks a worker at a time.
-
-    Parameters
-    ----------
-    run : callable
-        What a worker does with a task.
-
-    Raises
-    ------
-    VersionsDiffer
-        If a worker that came later has other versions.
-    ConnectionError
-        If the scheduler is lost.
+    The scheduler holds a few tasks a worker at a time, and a worker does `run` with a task. Raises
+    `VersionsDiffer` for a worker that came later, `ConnectionError` if the scheduler is lost.
     """
     running = as_completed(loop=client.loop, raise_errors=False)
     held: dict[str, Task] = {}

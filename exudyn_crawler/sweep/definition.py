@@ -63,11 +63,7 @@ class PlannedRun(NamedTuple):
 class Sweep(Parameters):
     """A case, what of it varies, by which design, and the answers that are wanted of every run.
 
-    Raises
-    ------
-    ParameterError
-        Where something does not fit: unknown paths, bounds in another unit or order, answers that the runs
-        cannot give.
+    Unknown paths, other units and answers that the runs cannot give are refused when it is made.
     """
 
     case: CaseFile
@@ -198,17 +194,9 @@ def _versions() -> list[str]:
 def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: int) -> list[Row]:
     """Values of all runs; raises `ValueError` if their number does not fit the design.
 
-    Parameters
-    ----------
-    design : str
-        "grid": every value with every other; "list": the first values of all, the second ones and so on;
-        "latin_hypercube" and "sobol": points of `scipy.stats.qmc`; "saltelli": those by which Sobol indices
-        are estimated best (Saltelli 2002, of SALib), `runs` points and as many again for every `Vary` and
-        once more.
-    runs : int, optional
-        Points that are drawn; None for grids and lists.
-    seed : int
-        Of the random numbers: the same gives the same points.
+    A grid has every value with every other; a list the first values of all, the second ones and so on. The
+    others draw `runs` points with a seed: by `scipy.stats.qmc`, or (saltelli) those of SALib by which Sobol
+    indices are estimated best (Saltelli 2002), as many again for every `Vary` and once more.
     """
     if design in SAMPLED:
         if runs is None:
@@ -256,14 +244,8 @@ def read_sweep(path: str | Path) -> Sweep:
     """Read a sweep file; paths of cases and meshes count from its folder.
 
     `case` is a case file, the name of a case such as "translation", or a table with the content of a case
-    file; the other keys are those of `Sweep`, tables ``[[vary]]`` and ``[[answers]]`` among them.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file, or no such case file.
-    CaseFileError
-        Naming everything at fault by its path, and what is allowed there.
+    file; the other keys are those of `Sweep`, tables ``[[vary]]`` and ``[[answers]]`` among them. Raises
+    `FileNotFoundError`, or `CaseFileError` naming everything at fault by its path.
     """
     path = Path(path)
     with faults_named(path, Sweep):

@@ -34,13 +34,9 @@ INDICES = ("answer", "varied", "first", "first_conf", "total", "total_conf")
 def results_table(
     sweep: Sweep, planned: tuple[PlannedRun, ...], outcomes: Mapping[str, Outcome]
 ) -> pd.DataFrame:
-    """A row a run.
+    """A row a run: run, folder, what varies, answers (NaN if there is none), status, reason, wall_time_s.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns run, folder, what varies, answers (NaN where there is none), status, reason and wall_time_s;
-        `attrs` has "units" and "meanings" by column.
+    Its `attrs` have "units" and "meanings" by column.
     """
     rows: list[dict[str, Any]] = []
     for one in planned:
@@ -75,13 +71,7 @@ def _number(value: Any) -> float:
 
 
 def results_dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
-    """Answers over what varies if the design is a grid, else over the runs; with units and meanings.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Of `results_table`.
-    """
+    """Answers of a table over what varies if the design is a grid, else over the runs; with units."""
     names = [answer.label for answer in sweep.answers]
     if sweep.design == "grid":
         levels = {one.label: [_cell(value) for value in one.levels()] for one in sweep.vary}
@@ -138,13 +128,9 @@ def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:
 
 
 def main_effects(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
-    """Mean and extremes of every answer at the levels of what varies, over all else.
+    """Mean and extremes of every answer at the levels of what varies, over all else: columns `EFFECTS`.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns answer, varied, level (number, or text of what has none), mean, least, greatest and runs.
-        Of samples the levels are means of bins with as many runs each.
+    A level is a number, or the text of what has none; of samples it is the mean of a bin with as many runs.
     """
     done = table[table["status"] == DONE]
     frames = [pd.DataFrame(columns=list(EFFECTS))]
@@ -167,19 +153,12 @@ def _binned(values: NDArray) -> NDArray:
 
 
 def sobol_indices(sweep: Sweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]:
-    """Shares of every answer's variance that what varies makes, alone (first) and in all (total).
+    """Shares of every answer's variance that what varies makes, alone (first) and in all (total): `INDICES`.
 
     On a whole grid they are those of its points, exactly: the variance of the means over all else, and what
     is left when one is averaged over. Saltelli's points give estimates with their 95 % confidence (SALib,
-    Saltelli 2010), other samples first-order ones by RBD-FAST (Tarantola 2006).
-
-    Returns
-    -------
-    table : pandas.DataFrame
-        Columns answer, varied, first, first_conf, total, total_conf; NaN where the design gives none. Empty
-        where it gives no indices at all.
-    method : str
-        How they were computed, or why there are none.
+    Saltelli 2010), other samples first-order ones by RBD-FAST (Tarantola 2006). With them comes how they were
+    computed, or why there are none.
     """
     none = pd.DataFrame(columns=list(INDICES))
     done = table[table["status"] == DONE]
@@ -238,16 +217,9 @@ def _of_sample(sweep: Sweep, done: pd.DataFrame, answer: NDArray) -> dict[str, A
 def write_page(
     sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, say: Callable[[str], None]
 ) -> Path:
-    """Write the page of a sweep's results into its folder.
+    """Write the page of a sweep's results into its folder, and reports of its best and worst runs.
 
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Of `results_table`.
-    runs : Path
-        Folder of the folders of runs.
-    say : callable
-        Gets a line about each report that cannot be written.
+    `runs` is the folder of their folders; `say` gets a line about each report that cannot be written.
     """
     best = best_and_worst(sweep, table)
     for name in dict.fromkeys(one.folder for one in best):

@@ -50,18 +50,10 @@ PACKED = 0.75
 
 @dataclass(frozen=True)
 class SweepRun:
-    """A sweep that was run.
+    """A sweep that was run into a folder.
 
-    Attributes
-    ----------
-    sweep : Sweep
-    table : pandas.DataFrame
-        A row a run: its number and folder, what varies, the answers, status, reason of a failure and wall
-        time; `attrs["units"]` holds the units of the columns.
-    dataset : xarray.Dataset
-        Answers over what varies if the design is a grid, else over the runs.
-    folder : Path
-        Of the sweep.
+    `table` has a row a run, as of `results_table`; `dataset` the answers over what varies if the design is a
+    grid, else over the runs.
     """
 
     sweep: Sweep

@@ -27,12 +27,7 @@ A_UNIT = 20e3
 
 
 def check_duration(duration: object) -> None:
-    """Refuse a duration that is no number of seconds above zero.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Refuse, by a `ValueError`, a duration that is no number of seconds above zero."""
     if not isinstance(duration, SupportsFloat):
         raise ValueError(f"duration must be a number in s, got {duration!r}")
     if not 0.0 < float(duration) < math.inf:
@@ -40,18 +35,7 @@ def check_duration(duration: object) -> None:
 
 
 def check_size(case: Case, duration: float) -> None:
-    """Refuse a run that would take more memory than the machine has, or a history that no disk holds.
-
-    Parameters
-    ----------
-    duration : float
-        s.
-
-    Raises
-    ------
-    ValueError
-        With what is too large and what it would take.
-    """
+    """Refuse, by a `ValueError`, a run (s) that no memory of this machine or no disk would hold."""
     terrain, units = case.terrain, case.terrain.unit_count
     if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
         needed = A_UNIT * units

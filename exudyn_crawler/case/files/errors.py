@@ -25,12 +25,7 @@ from exudyn_crawler.case.parameters.paths import (
 def toml_content(path: str | Path, kind: str) -> dict[str, Any]:
     """Content of a TOML file; `kind` is what a file that is not there was to hold.
 
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If it is not TOML, without the path.
+    Raises `FileNotFoundError` or, without the path, `ValueError` if it is not TOML.
     """
     path = Path(path)
     if not path.is_file():
@@ -49,12 +44,7 @@ SHOWN = 60
 def faults(error: ValidationError, model: type[BaseModel], in_file: bool = True) -> Iterator[str]:
     """Every fault that a validation found, a line each: the key's path, what is wrong and what is allowed.
 
-    Parameters
-    ----------
-    model : type of BaseModel
-        Parameter class that was to be made.
-    in_file : bool
-        Whether the values were a file's; else they were arguments.
+    `model` is the class that was to be made, of values in a file or of arguments.
     """
     found = error.errors(include_url=False)
     for one in found:
@@ -66,10 +56,10 @@ def faults(error: ValidationError, model: type[BaseModel], in_file: bool = True)
 
 
 class _Spot(NamedTuple):
-    """Where a fault is.
+    """Where a fault is: its `place` as a file has it, and the class of the `table` there.
 
-    `place` is as a file has it, `table` the class of the table there, `others` are those that it might be of
-    instead, `held` those of the field; `around` is the class whose file has the table's keys beside its own.
+    The table might be of `others` instead, the field holds one of `held`; `around` is the class whose file
+    has the table's keys beside its own.
     """
 
     place: KeyPath

@@ -66,18 +66,34 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     """
     path = Path(path)
     with faults_named(path, CaseFile):
-        asked = parsed(changes)
-        content = toml_content(path, "case file")
-        for change in asked:
-            content = content if change.is_of_item else change.made_in(content)
-        of_items = [change for change in asked if change.is_of_item]
-        return from_content(CaseFile, _resolved(content, path.parent, of_items))
+        asked = [_change(change) for change in changes]
+        return case_of(toml_content(path, "case file"), path, asked)
 
 
-def case_of(content: dict[str, Any], path: Path) -> CaseFile:
+class Change(NamedTuple):
+    """A value and its path in a case file; `key` is the path as it was written."""
+
+    key: str
+    path: KeyPath
+    value: Any
+
+    def made_in(self, content: dict[str, Any], kind: type[CaseFile] | None = None) -> dict[str, Any]:
+        """Content with the change: tables of a file or, of a `kind`, with what bases give."""
+        try:
+            changed: dict[str, Any] = with_value(content, self.path, self.value, kind)
+        except ValueError as error:
+            raise ValueError(f"{self.key}: {error}") from error
+        return changed
+
+
+def case_of(content: dict[str, Any], path: Path, changes: Iterable[Change] = ()) -> CaseFile:
     """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
     with faults_named(path, CaseFile):
-        return from_content(CaseFile, _resolved(content, path.parent))
+        # lists may come from a base
+        of_items = [change for change in changes if len(_names(change.path)) < len(change.path)]
+        for change in changes:
+            content = content if change in of_items else change.made_in(content)
+        return from_content(CaseFile, _resolved(content, path.parent, of_items))
 
 
 @contextmanager
@@ -94,13 +110,7 @@ def faults_named(path: Path, kind: type[BaseModel]) -> Iterator[None]:
 
 
 def from_content(kind: type[Model], content: dict[str, Any]) -> Model:
-    """Parameter object of the values of a file.
-
-    Raises
-    ------
-    ValidationError
-        For what is not allowed, a text for a number, say.
-    """
+    """Parameter object of the values of a file; `ValidationError` for what is not allowed."""
     # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers
     return kind.model_validate_json(json.dumps(content, default=_untyped), strict=True)
 
@@ -120,102 +130,46 @@ def write_case(case_file: CaseFile, path: str | Path, overwrite: bool = False) -
 
 
 def saved_case(text: str | bytes) -> Case:
-    """Case from the JSON in a history or a checkpoint.
-
-    Raises
-    ------
-    ParameterError
-        If the text is not that of a case.
-    """
+    """Case from the JSON in a history or a checkpoint; `ParameterError` if it is none."""
     try:
         return Case.model_validate_json(text)
     except ValidationError as error:
         raise ParameterError("\n".join(faults(error, Case))) from None
 
 
-class Change(NamedTuple):
-    """A value and its path in a case file; `key` is the path as it was written."""
+def _change(text: str) -> Change:
+    """Change from a key, "=" and a value as TOML writes it; text needs no quotes.
 
-    key: str
-    path: KeyPath
-    value: Any
-
-    @property
-    def is_of_item(self) -> bool:
-        """Whether the value is an item of a list, or in one: lists may come from a base."""
-        return len(_names(self.path)) < len(self.path)
-
-    def made_in(self, content: dict[str, Any], kind: type[CaseFile] | None = None) -> dict[str, Any]:
-        """Content with the change: tables of a file or, of a `kind`, with what bases give.
-
-        Raises
-        ------
-        ValueError
-            If the path leads to an item that a list does not have, or into what is no table or list.
-        """
-        try:
-            changed: dict[str, Any] = with_value(content, self.path, self.value, kind)
-        except ValueError as error:
-            raise ValueError(f"{self.key}: {error}") from error
-        return changed
-
-
-def parsed(changes: Iterable[str]) -> list[Change]:
-    """Changes from text.
-
-    Parameters
-    ----------
-    changes : iterable of str
-        Each a key, "=" and a value as TOML writes it; text needs no quotes. A key is the path of a value, or
-        its last names where no other value of a case has them. Items of lists count from 0: `phases[0].end`;
-        `phases[*].end` means all of them.
-
-    Raises
-    ------
-    ValueError
-        If a change is none, or its key could be several.
+    A key is the path of a value, or its last names where no other value of a case has them.
     """
-    return [_parsed(change) for change in changes]
-
-
-def _parsed(change: str) -> Change:
-    key, equals, text = change.partition("=")
+    key, equals, value = text.partition("=")
+    key = key.strip()
     try:
-        path = parse_path(key.strip())
+        path = parse_path(key)
     except ValueError:
         equals = ""
     if not equals:
         raise ValueError(
-            f"a change must be like terrain.spring_stiffness=1e7 or loads.phases[0].end=15, got {change!r}"
+            f"a change must be like terrain.spring_stiffness=1e7 or loads.phases[0].end=15, got {text!r}"
         )
-    return Change(key.strip(), _as_far_as_known(_whole(path, key.strip())), _value(text.strip()))
+    known = list(key_paths(CaseFile))
+    if path[0] not in {BASE, *Case.model_fields, *CaseFile.model_fields}:
+        end = "." + ".".join(_names(path))
+        meant = [one for one in known if one.endswith(end)]
+        if len(meant) > 1:
+            raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
+        path = (*parse_path(meant[0].removesuffix(end)), *path) if meant else path
+    # up to the first name that no case file has, of which the check of the content tells
+    for count, part in enumerate(path, 1):
+        above = ".".join(_names(path[:count])) + "."
+        if part != BASE and not any(f"{one}.".startswith(above) for one in known):
+            path = path[:count]
+            break
+    return Change(key, path, _value(value.strip()))
 
 
 def _names(path: KeyPath) -> list[str]:
     return [part for part in path if isinstance(part, str) and part != EVERY]
-
-
-def _whole(path: KeyPath, key: str) -> KeyPath:
-    """Path of the one value that last names alone mean; any other as it is."""
-    if path[0] in {BASE, *Case.model_fields, *CaseFile.model_fields}:
-        return path
-    end = "." + ".".join(_names(path))
-    found = [one for one in key_paths(CaseFile) if one.endswith(end)]
-    if len(found) > 1:
-        raise ValueError(f"{key}: which one is meant? {', '.join(found)}")
-    return (*parse_path(found[0].removesuffix(end)), *path) if found else path
-
-
-def _as_far_as_known(path: KeyPath) -> KeyPath:
-    """Path up to the first name that no case file has, of which the check of the content tells."""
-    known = [f"{one}." for one in key_paths(CaseFile)]
-    above = ""
-    for done, part in enumerate(path, 1):
-        if part in _names(path[:done]):
-            above += f"{part}."
-            if part != BASE and not any(one.startswith(above) for one in known):
-                return path[:done]
-    return path
 
 
 def _value(text: str) -> Any:
@@ -232,7 +186,10 @@ def _resolved(content: dict[str, Any], folder: Path, of_items: Iterable[Change] 
     own = {name: content.pop(name) for name in CaseFile.model_fields if name in content and name != "case"}
     cycle = _cycle_file(content.get("loads"), folder)
     if cycle is not None:
-        content["loads"] = _content_of_cycle(cycle)
+        try:
+            content["loads"] = cycle_content(cycle)
+        except OSError as error:
+            raise ValueError(f"loads.{CYCLE}: {error}") from error
     case = with_base(content, (Case,), {}, ())
     if _spread_equal_loads(case) and cycle is not None:
         with faults_named(cycle, LoadCycle):
@@ -258,13 +215,6 @@ def _cycle_file(loads: object, folder: Path) -> Path | None:
     if len(loads) > 1 or not isinstance(loads[CYCLE], str):
         raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {loads!r}")
     return folder / loads[CYCLE]
-
-
-def _content_of_cycle(path: Path) -> dict[str, Any]:
-    try:
-        return cycle_content(path)
-    except OSError as error:
-        raise ValueError(f"loads.{CYCLE}: {error}") from error
 
 
 def _spread_equal_loads(case: dict[str, Any]) -> bool:

@@ -84,12 +84,7 @@ def _plain(value: object) -> Item:
 def shoe_weights(case: Case) -> str:
     """What rigid and flexible shoes of a case weigh, in a line; empty without flexible shoes.
 
-    Rigid shoes have the mass that the case says, flexible ones that of their mesh.
-
-    Raises
-    ------
-    FileNotFoundError, fem.MeshError
-        If there is no such mesh.
+    Rigid shoes have the mass that the case says, flexible ones that of their mesh; raises if there is none.
     """
     if case.flexible is None:
         return ""

@@ -108,12 +108,8 @@ class Parameters(BaseModel):
 def quantity(unit: str, description: str, plausible: tuple[float, float] | None = None, **bounds: Any) -> Any:
     """Pydantic field of a physical quantity.
 
-    Parameters
-    ----------
-    plausible : tuple of float, optional
-        Least and greatest value of machines and ground as there are; beyond, a run warns.
-    bounds :
-        As of `pydantic.Field` (gt, ge, lt, le): beyond, no machine could be meant or numbers fail.
+    A run warns of values outside of those `plausible` of machines and ground as there are. Outside of the
+    `bounds` (gt, ge, lt, le of `pydantic.Field`) no machine could be meant, or numbers fail.
     """
     extra: dict[str, Any] = {"unit": unit}
     if plausible is not None:

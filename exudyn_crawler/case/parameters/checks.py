@@ -132,18 +132,7 @@ CHECKS: tuple[Callable[[Case], Iterator[str]], ...] = (
 
 
 def warn_implausible(case: Case, duration: float | None = None) -> None:
-    """Warn of everything in a case that no machine and no ground is known to have.
-
-    Parameters
-    ----------
-    duration : float, optional
-        s, of the run that is to come.
-
-    Warns
-    -----
-    ImplausibleWarning
-        For each such thing, with the likely cause.
-    """
+    """Warn, by an `ImplausibleWarning` each, of what no machine and no ground is known to have."""
     for line in implausible(case, duration):
         logger.info("warning: %s", line)
         warnings.warn(line, ImplausibleWarning, stacklevel=3)

@@ -21,13 +21,7 @@ NUMBER = re.compile(r"\[(\d+|\*)\]")
 
 
 def parse_path(text: str) -> KeyPath:
-    """Names and numbers of a path: ("loads", "phases", "*", "end") of ``loads.phases[*].end``.
-
-    Raises
-    ------
-    ValueError
-        If the text is not a path.
-    """
+    """Names and numbers of a path: ("loads", "phases", "*", "end") of ``loads.phases[*].end``."""
     path: list[int | str] = []
     for part in text.split("."):
         match = NAME.fullmatch(part)
@@ -61,20 +55,9 @@ def with_change(
 ) -> Any:
     """Copy in which the value at a path, or each of those that ``*`` means, went through a function.
 
-    Parameters
-    ----------
-    values : dict, list, tuple or parameters
-        Parameters on the way become tables of their fields, to be validated again. A table that does not
-        have a name gets it; the value before is None then.
-    kind : type of BaseModel, optional
-        Class that the values are of; a file may have the fields of a part beside its own.
-    above : tuple
-        Path of `values` itself, for errors.
-
-    Raises
-    ------
-    ValueError
-        If the path leads to an item that a list does not have, or into what is no table or list.
+    Parameters on the way become tables of their fields, to be validated again; a table that does not have a
+    name gets it, and the value before is None. A file may have fields of a part of the class `kind` beside
+    its own. Raises `ValueError`, with the path `above`, if there is no such item or no such table.
     """
     if not path:
         return change(values)
