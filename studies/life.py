@@ -12,8 +12,7 @@ import pandas as pd
 
 from exudyn_crawler import Duty, FatigueMaterial, History, life
 from exudyn_crawler.results.life.duty import DutyRun
-from exudyn_crawler.results.life.life import LifeResults
-from exudyn_crawler.results.life.life_table import in_words
+from exudyn_crawler.results.life.life import LifeResults, in_words
 from exudyn_crawler.run.folder.record import HISTORY
 from exudyn_crawler.views.tables import write_table
 from studies.stress import RUN

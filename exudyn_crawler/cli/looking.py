@@ -203,7 +203,7 @@ def life(
 
     asked = read_duty(duty)  # wrong files end the command before all that counts and draws is loaded
     from exudyn_crawler.life_run import life as life_into
-    from exudyn_crawler.results.life.life_table import in_words
+    from exudyn_crawler.results.life.life import in_words
     from exudyn_crawler.views.tables import print_table
 
     folder = RESULTS / duty.stem if out is None else out

@@ -18,18 +18,15 @@ from numpy.typing import NDArray
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty
-from exudyn_crawler.results.life.duty_runs import UsedRun, positions_of, pulled_nodes, used_runs
-from exudyn_crawler.results.life.life_table import (
-    BETWEEN,
-    BEYOND,
+from exudyn_crawler.results.life.duty_runs import (
     NodeLife,
-    life_hours,
+    UsedRun,
     node_lives,
-    shortest_by_region,
-    shortest_lives,
-    worst_nodes,
+    positions_of,
+    pulled_nodes,
+    used_runs,
 )
-from exudyn_crawler.results.stress.hot_spots import shoe_regions
+from exudyn_crawler.results.stress.hot_spots import SHARE, shoe_regions
 from exudyn_crawler.results.stress.recovery import flat_triangles
 from fem import Shapes
 from fem.critical_plane import critical_planes, damage_on_planes, plane_normals, surface_normals
@@ -37,31 +34,12 @@ from fem.damage import damage_between, recover_damage
 from fem.fatigue import SNCurve
 from fem.trust import Resolution, resolution_over, verdict_numbers, verdict_words
 
-
-@dataclass(frozen=True)
-class LifeTrust:
-    """What is open of the lives of n nodes.
-
-    Attributes
-    ----------
-    stress_error : array (n,)
-        Of the changes of stress, over these; not a number where no life is known.
-    factor : array (n,)
-        By which life may be shorter or longer.
-    verdict : int array (n,)
-        Numbers of `fem.trust.VERDICTS`, of the changes of stress.
-    truncation_known : bool
-        Whether what left-out modes do to the stress is in it.
-    """
-
-    stress_error: NDArray
-    factor: NDArray
-    verdict: NDArray
-    truncation_known: bool
-
-    def words(self, nodes: NDArray) -> list[str]:
-        """Verdicts of some nodes in words."""
-        return verdict_words(self.verdict[nodes], self.truncation_known)
+BEYOND = 1e9
+"""h, beyond which lives are not distinguished; damage below one over it is left out."""
+BETWEEN = "between runs"
+"""Part of the damage that no run has alone."""
+LIFE = "life in h"
+"""What the columns of lives begin with."""
 
 
 @dataclass(frozen=True)
@@ -72,25 +50,15 @@ class LifeResults:
     ----------
     duty : Duty
     dataset : xarray.Dataset
-        Dimensions shoe (place in the track), survival, part ("run: phase", or "between runs"), node, axis,
-        face and corner of the surface's triangles. Variables; not a number inside, and where the drive pulls
-        at a single node:
-
-        - damage_an_hour (survival, node), 1/h: mean over the places; place_damage (shoe, survival, node)
-        - life (survival, node), h: its reciprocal; 1e9 stands for all beyond
-        - part_damage (part, node), 1/h: what each part has in the damage at the greatest survival
-        - plane_damage (survival, node), 1/h, and plane_normal (node, axis): on the critical plane, at the
-          worst nodes; without what goes from run to run
-        - stress_error (node), verdict (node), a number of `fem.trust.VERDICTS`, and life_factor (node), by
-          which life may be shorter or longer, as of `trust`
-        - node_position (node, axis), m, triangle (face, corner) and in_spider (node), as of stresses
+        What the catalogue of quantities has of life: dimensions shoe (place in the track), survival, part
+        ("run: phase", or "between runs"), node, axis, face and corner of the surface's triangles. Not a
+        number inside, and where the drive pulls at a single node. `damage_an_hour` is the mean over the
+        places of `place_damage`, `life` its reciprocal; `plane_damage` is known at the worst nodes, without
+        what goes from run to run; `stress_error`, `verdict` and `life_factor` say how far to trust the life.
     table : pandas.DataFrame
-        Of `life_table.shortest_lives`: the shortest life of every region, and its cause; then the chosen
-        nodes.
+        Of `shortest_lives`: the shortest life of every region, and its cause; then the chosen nodes.
     nodes : mapping of int to NodeLife
         Cycles and causes at the nodes of the table.
-    trust : LifeTrust
-        What is open of the lives.
     whole : Shapes
         Modes, and static fields, that the stresses are made of.
     """
@@ -99,7 +67,6 @@ class LifeResults:
     dataset: xr.Dataset
     table: pd.DataFrame
     nodes: Mapping[int, NodeLife]
-    trust: LifeTrust
     whole: Shapes
 
     def _repr_html_(self) -> str:
@@ -111,7 +78,7 @@ def life_of(
     duty: Duty,
     histories: Sequence[History],
     say: Callable[[str], None] = lambda _text: None,
-    spreads: Sequence[xr.DataArray | None] | None = None,
+    spreads: Sequence[xr.DataArray | None] = (),
 ) -> LifeResults:
     """Life over a duty whose runs have these histories.
 
@@ -121,7 +88,7 @@ def life_of(
         One for each run of the duty, in its order.
     say : callable
         Called with a line that says what is going on.
-    spreads : sequence of DataArray (shoe, node) or None, optional
+    spreads : sequence of DataArray (shoe, node) or None
         Spread of each run's peaks over themselves, as of `spread.relative_spread`; None where not known.
 
     Raises
@@ -130,38 +97,52 @@ def life_of(
         As of `duty_runs.used_runs`; or if a chosen node is not of the surface.
     """
     runs = used_runs(duty, histories)
-    inside = sorted(set(duty.nodes) - set(runs[0].basis.shapes.mesh.surface_nodes.tolist()))
+    whole, positions = runs[0].basis.shapes, positions_of(runs)
+    inside = sorted(set(duty.nodes) - set(whole.mesh.surface_nodes.tolist()))
     if inside:
         raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
     curve = duty.material.curve(duty.miner)
-    whole, positions = runs[0].basis.shapes, positions_of(runs)
-    by_place, by_part, amplitudes = [], [], []
+    at_places = []
     for shoe in positions:
         say(f"shoe {shoe}: counting cycles of {len(whole.mesh.surface_nodes)} nodes")
-        found, own_parts, amplitude = _at_place(duty, runs, curve, shoe)
-        by_place.append(found)
-        by_part.append(own_parts)
-        amplitudes.append(amplitude)
-    damage, parts = np.array(by_place), np.mean(by_part, axis=0)
+        at_places.append(_at_place(duty, runs, curve, shoe))
+    damage, parts, amplitude = (np.array(one) for one in zip(*at_places, strict=True))
     mean = damage.mean(axis=0)
-    names = [f"{one.run.name}: {phase}" for one in runs for phase in one.phases]
-    names += [BETWEEN] if len(runs) > 1 else []
     regions = shoe_regions(whole, runs[0].history.case.track)
     shown = list(dict.fromkeys([*shortest_by_region(regions, mean[-1]), *duty.nodes]))
     worst = np.union1d(worst_nodes(mean[-1], duty.plane_nodes), shown)
     say(f"critical planes of the {len(worst)} worst nodes")
     on_plane, directions = _on_critical_planes(duty, runs, curve, worst)
     say("what the mesh leaves open")
-    known = [None] * len(runs) if spreads is None else spreads
-    trust = life_trust(runs, curve, damage[:, -1], np.array(amplitudes), known)
-    dataset = _dataset(whole, damage, parts, on_plane, directions, trust).assign_coords(
-        shoe=positions, survival=list(duty.survivals), part=np.array(names, dtype=object)
+    values = {
+        "place_damage": damage,
+        "damage_an_hour": mean,
+        "life": life_hours(mean),
+        "part_damage": np.where(np.isnan(mean[-1]), np.nan, parts.mean(axis=0)),
+        "plane_damage": on_plane,
+        "plane_normal": directions,
+        **_life_trust(runs, curve, damage[:, -1], amplitude, spreads),
+        "node_position": whole.nodes,
+        "triangle": flat_triangles(whole.mesh.boundary),
+        "in_spider": np.isin(np.arange(len(whole.nodes)), whole.spider_nodes),
+    }
+    names = [f"{one.run.name}: {phase}" for one in runs for phase in one.phases]
+    names += [BETWEEN] if len(runs) > 1 else []
+    dataset = xr.Dataset(
+        {name: variable(name, value) for name, value in values.items()},
+        {
+            "shoe": positions,
+            "survival": list(duty.survivals),
+            "part": np.array(names, dtype=object),
+            "node": np.arange(len(whole.nodes)),
+            "axis": ["x", "y", "z"],
+        },
+        {"duty": duty.model_dump_json()},
     )
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, curve, shown)
-    verdicts = dict(zip(shown, trust.words(np.array(shown)), strict=True))
-    table = shortest_lives(dataset, nodes, whole, regions, verdicts)
-    return LifeResults(duty, dataset.assign_attrs(duty=duty.model_dump_json()), table, nodes, trust, whole)
+    known = all(one.basis.bound is not None for one in runs)
+    return LifeResults(duty, dataset, shortest_lives(dataset, nodes, whole, regions, known), nodes, whole)
 
 
 def _at_place(
@@ -229,42 +210,14 @@ def _on_critical_planes(
     return _spread(planes.damage.T, nodes, count), _spread(directions.T, nodes, count).T
 
 
-def _dataset(
-    whole: Shapes,
-    damage: NDArray,
-    parts: NDArray,
-    on_plane: NDArray,
-    directions: NDArray,
-    trust: LifeTrust,
-) -> xr.Dataset:
-    """Dataset of the damage (places, survivals, nodes), of its parts, on critical planes, and of trust."""
-    mean = damage.mean(axis=0)
-    values = {
-        "place_damage": damage,
-        "damage_an_hour": mean,
-        "life": life_hours(mean),
-        "part_damage": np.where(np.isnan(mean[-1]), np.nan, parts),
-        "plane_damage": on_plane,
-        "plane_normal": directions,
-        "stress_error": trust.stress_error,
-        "verdict": trust.verdict,
-        "life_factor": trust.factor,
-        "node_position": whole.nodes,
-        "triangle": flat_triangles(whole.mesh.boundary),
-        "in_spider": np.isin(np.arange(len(whole.nodes)), whole.spider_nodes),
-    }
-    dataset = xr.Dataset({name: variable(name, value) for name, value in values.items()})
-    return dataset.assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
-
-
-def life_trust(
+def _life_trust(
     runs: Sequence[UsedRun],
     curve: SNCurve,
     damage: NDArray,
     amplitude: NDArray,
     spreads: Sequence[xr.DataArray | None],
-) -> LifeTrust:
-    """What is open of the lives that the stresses of runs make.
+) -> dict[str, NDArray]:
+    """What is open of the lives that the stresses of runs make, by the names of quantities.
 
     What the mesh leaves open is that of the stress less its mean over each run and place, in the mean square
     over all of them; what left-out static fields may do counts against the greatest amplitude. Of spreads the
@@ -275,24 +228,122 @@ def life_trust(
     damage, amplitude : array (places, nodes)
         Damage an hour at each place and half the range of the stress in Pa; not a number inside.
     spreads : sequence of DataArray (shoe, node) or None
-        Spread of each run's peaks over themselves, as of `spread.relative_spread`; None where not known.
+        As of `life_of`.
     """
-    whole = runs[0].basis.shapes
     found = reduce(operator.add, map(_resolved_changes, runs))
     known = ~np.isnan(damage).any(axis=0)
     greatest = np.max(np.where(known, amplitude, 0.0), axis=0)
-    bounds = [one.basis.bound for one in runs]
-    most = max((bound for bound in bounds if bound is not None), default=0.0)
+    most = max(one.basis.bound or 0.0 for one in runs)
     part = found.error + np.divide(most, greatest, out=np.zeros_like(greatest), where=greatest > 0.0)
     worst = np.argmax(np.where(known, damage, 0.0), axis=0)
     known_spreads = [one.values[worst, np.arange(len(part))] for one in spreads if one is not None]
     part = np.where(known, part + np.max([np.zeros_like(part), *known_spreads], axis=0), np.nan)
-    held = np.isin(np.arange(len(part)), whole.spider_nodes) & known
-    verdict = verdict_numbers(part, found.error, found.relative_jump, held)
-    return LifeTrust(part, (1.0 + part) ** curve.steepest, verdict, None not in bounds)
+    held = np.isin(np.arange(len(part)), runs[0].basis.shapes.spider_nodes) & known
+    return {
+        "stress_error": part,
+        "verdict": verdict_numbers(part, found.error, found.relative_jump, held),
+        "life_factor": (1.0 + part) ** curve.steepest,
+    }
 
 
 def _resolved_changes(one: UsedRun) -> Resolution:
     """How far the mesh resolves the stress of a run less its mean at each place."""
     coordinates = one.basis.coordinates.values()
     return resolution_over(one.basis.shapes, np.concatenate([q - q.mean(axis=0) for q in coordinates]))
+
+
+def life_hours(damage: NDArray | float) -> NDArray:
+    """Hours that damages an hour leave; `BEYOND` stands for all beyond."""
+    return np.where(damage * BEYOND <= 1.0, BEYOND, 1.0 / np.maximum(damage, 1.0 / BEYOND))
+
+
+def worst_nodes(damage: NDArray, count: int) -> NDArray:
+    """Numbers of the nodes with the greatest damage (n,) at most `count`; what is not a number has none."""
+    known = np.flatnonzero(damage > 0.0)
+    return known[np.argsort(-damage[known], kind="stable")[:count]]
+
+
+def shortest_by_region(regions: NDArray, damage: NDArray) -> list[int]:
+    """Node of the greatest damage (n,) of each region (n,) that has any known one, the worst first."""
+    found = []
+    for name in dict.fromkeys(regions):
+        own = np.flatnonzero((regions == name) & ~np.isnan(damage))
+        if len(own):
+            found.append(int(own[damage[own].argmax()]))
+    return sorted(found, key=lambda node: -damage[node])
+
+
+def shortest_lives(
+    dataset: xr.Dataset,
+    nodes: Mapping[int, NodeLife],
+    whole: Shapes,
+    regions: NDArray,
+    truncation_known: bool,
+) -> pd.DataFrame:
+    """Table of lives and what makes them, of some nodes such as the worst of every region.
+
+    Parameters
+    ----------
+    regions : array (n,) of str
+        Of `hot_spots.shoe_regions`.
+    truncation_known : bool
+        Whether what left-out modes do to the stress is in the verdicts.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row a node: region, node and its place in the shoe (m); life (h, 1e9 for all beyond) at each
+        survival; the range in which the last of them lies, by what is open of the stress, and the verdict;
+        the place in the track that wears it most and the life of a shoe that stays there; run and phase with
+        the greatest part of the damage, and that part; the load with the greatest part, and the parts of all;
+        life by each criterion at the greatest survival, those signed without what goes from run to run; and
+        whether a joint's rigid spider is near.
+    """
+    rows = []
+    for node, life in nodes.items():
+        own = dataset.sel(node=node)
+        places, parts = own.place_damage.isel(survival=-1), own.part_damage
+        damage, factor = float(own.damage_an_hour[-1]), float(own.life_factor)
+        loads = life.load_shares
+        row: dict[str, object] = {"region": regions[node], "node": node}
+        row |= {f"{axis} in the shoe in m": float(own.node_position.sel(axis=axis)) for axis in "xyz"}
+        row |= {
+            f"{LIFE} that {100.0 * survival:g} % survive": float(own.life.sel(survival=survival))
+            for survival in own.survival.values
+        }
+        row |= {
+            f"{LIFE} at least": float(life_hours(damage * factor)),
+            f"{LIFE} at most": float(life_hours(damage / factor)),
+            "verdict": verdict_words(own.verdict.values[None], truncation_known)[0],
+            "worst place": int(places.shoe[int(np.nanargmax(places.values))]),
+            f"{LIFE} there": float(life_hours(float(places.max()))),
+            "main part": str(parts.part.values[int(parts.values.argmax())]) if damage > 0.0 else "",
+            "its share": float(parts.max()) / damage if damage > 0.0 else 0.0,
+            "main load": max(loads, key=lambda name: loads[name]) if loads else "",
+        }
+        row |= {SHARE + name: share for name, share in loads.items()}
+        row |= {f"{LIFE}, {name}": float(life_hours(one)) for name, one in life.by_criterion.items()}
+        row[f"{LIFE}, critical plane"] = float(life_hours(float(own.plane_damage[-1])))
+        row["flag"] = _flag(whole, node)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _flag(whole: Shapes, node: int) -> str:
+    """Whether a joint's rigid spider makes the stress of a node, in words of the hot spots."""
+    if node in whole.spider_nodes:
+        return "in spider"
+    return "beside spider" if node in whole.nodes_beside_spiders else ""
+
+
+def in_words(table: pd.DataFrame) -> pd.DataFrame:
+    """Same table with lives as they are read: four digits, "beyond 1e9"."""
+    lives = [name for name in table.columns if name.startswith(LIFE)]
+    return table.assign(**{name: table[name].map(life_words) for name in lives})
+
+
+def life_words(hours: float) -> str:
+    """Life in h for reading."""
+    if np.isnan(hours):
+        return "not known"
+    return "beyond 1e9" if hours >= BEYOND else f"{hours:.4g}"

@@ -9,8 +9,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.paths import case_rows
-from exudyn_crawler.results.life.life import LifeResults
-from exudyn_crawler.results.life.life_table import BEYOND, LIFE, in_words, life_hours, life_words
+from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours, life_words
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
 from exudyn_crawler.views.pages.page import (
     Section,
@@ -96,7 +95,7 @@ def life_solid(found: LifeResults) -> Solid:
     position = data.node_position.transpose("node", "axis").values[used]
     life = data.life.isel(survival=-1).values[used]
     trust = verdict_colouring(
-        found.trust.verdict[used], life >= BEYOND, "long: life beyond 1e9 h", "how far to trust it"
+        found.dataset.verdict.values[used], life >= BEYOND, "long: life beyond 1e9 h", "how far to trust it"
     )
     return Solid(
         "shoe",
