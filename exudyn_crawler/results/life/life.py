@@ -27,7 +27,7 @@ from exudyn_crawler.results.life.duty_runs import (
     used_runs,
 )
 from exudyn_crawler.results.stress.hot_spots import SHARE, shoe_regions
-from exudyn_crawler.results.stress.recovery import flat_triangles
+from exudyn_crawler.results.stress.recovery import mesh_dataset
 from fem import Shapes
 from fem.critical_plane import critical_planes, damage_on_planes, plane_normals, surface_normals
 from fem.damage import damage_between, recover_damage
@@ -122,22 +122,12 @@ def life_of(
         "plane_damage": on_plane,
         "plane_normal": directions,
         **_life_trust(runs, curve, damage[:, -1], amplitude, spreads),
-        "node_position": whole.nodes,
-        "triangle": flat_triangles(whole.mesh.boundary),
-        "in_spider": np.isin(np.arange(len(whole.nodes)), whole.spider_nodes),
     }
     names = [f"{one.run.name}: {phase}" for one in runs for phase in one.phases]
     names += [BETWEEN] if len(runs) > 1 else []
-    dataset = xr.Dataset(
-        {name: variable(name, value) for name, value in values.items()},
-        {
-            "shoe": positions,
-            "survival": list(duty.survivals),
-            "part": np.array(names, dtype=object),
-            "node": np.arange(len(whole.nodes)),
-            "axis": ["x", "y", "z"],
-        },
-        {"duty": duty.model_dump_json()},
+    dataset = mesh_dataset(whole).assign({name: variable(name, value) for name, value in values.items()})
+    dataset = dataset.assign_attrs(duty=duty.model_dump_json()).assign_coords(
+        shoe=positions, survival=list(duty.survivals), part=np.array(names, dtype=object)
     )
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, curve, shown)

@@ -170,7 +170,7 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
     ValueError
         If the shoe is not a flexible one of the history or the time is not within the run.
     """
-    check_flexible(history, shoe)
+    check_flexible(history.case, shoe)
     now = at_instant(history, time)
     units = unit_loads(history.case)
     nodal, centers = units.forces(sum(loads_by_kind(now, shoe).values()).toarray()[0])

@@ -296,7 +296,7 @@ def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
     ValueError
         If the shoe is not a flexible one of the history.
     """
-    check_flexible(history, shoe)
+    check_flexible(history.case, shoe)
     units = unit_loads(history.case)
     frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
     by_kind: dict[str, csr_array] = {}
@@ -312,14 +312,14 @@ def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
     return by_kind | {INERTIA: hstack((before, csr_array(momentum)), format="csr")}
 
 
-def check_flexible(history: History, shoe: int) -> None:
-    """Refuse a shoe that is not a flexible one of a history.
+def check_flexible(case: Case, shoe: int) -> None:
+    """Refuse a shoe that is not a flexible one of a history's case.
 
     Raises
     ------
     ValueError
     """
-    flexible = history.case.flexible
+    flexible = case.flexible
     there = [] if flexible is None else list(flexible.shoes)
     if shoe not in there:
         raise ValueError(f"shoe must be a flexible one of the history, of {there}, got {shoe}")

@@ -7,11 +7,10 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.files import case_in_file
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.load_map import loads_by_kind
+from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
 from exudyn_crawler.results.stress.basis import unit_stress
 from fem import Shapes
 from fem.stress import principal, von_mises
@@ -55,7 +54,8 @@ def node_stress(
     """
     # a shoe that is not flexible is reported before a long history is read
     case = history.case if isinstance(history, History) else case_in_file(Path(history))
-    point = _checked(case, shoe, near, node)
+    check_flexible(case, shoe)
+    point = _checked(near, node)
     whole = whole_reduction(case).body
     number = _nearest(whole.nodes, point) if point is not None else _checked_number(whole, node)
     history = history if isinstance(history, History) else History.load(history)
@@ -92,11 +92,8 @@ def node_table(found: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame(columns | {"von Mises in MPa": found.von_mises.values / MEGA})
 
 
-def _checked(case: Case, shoe: int, near: ArrayLike | None, node: int | None) -> NDArray | None:
-    """Point (3,) in m that is asked for; None where a node is. Refuses a shoe that is not flexible."""
-    there = [] if case.flexible is None else list(case.flexible.shoes)
-    if shoe not in there:
-        raise ValueError(f"shoe must be a flexible one of the history, of {there}, got {shoe}")
+def _checked(near: ArrayLike | None, node: int | None) -> NDArray | None:
+    """Point (3,) in m that is asked for; None where a node is."""
     if (near is None) == (node is None):
         raise ValueError("near or node must be given, got neither or both")
     point = None if near is None else np.asarray(near, dtype=float)

@@ -30,23 +30,11 @@ class StressResults:
     Attributes
     ----------
     dataset : xarray.Dataset
-        Dimensions shoe (the flexible ones), time, node, frame (chosen stored instants, s), axis, and face and
-        corner of the surface's triangles. Variables, stresses in Pa:
-
-        - highest_von_mises (time, shoe) and highest_node (time, shoe), away from a pulled node
-        - peak_von_mises, peak_time (s) and least_von_mises (shoe, node)
-        - peak_mesh_error and peak_jump (shoe, node), over the stress and in the mean square of the run, as of
-          `fem.resolution_over`, peak_verdict (shoe, node), a number of `fem.trust.VERDICTS`, and truncation,
-          what left-out static fields may do, not a number where modes alone were used
-        - frame_von_mises (frame, shoe, node), and frame_name (frame): "begin", "end of dig" or "peak", each
-          as far as it is one
-        - frame_mesh_error (frame, shoe, node), what the mesh leaves open of it, as of `fem.mesh_error`
-        - frame_displacement (frame, shoe, node, axis), m, elastic, in the shoe's frame
-        - node_position (node, axis), m in the shoe's frame, and triangle (face, corner), node indices of flat
-          triangles through all nodes of the surface, four a face
-        - in_spider (node), whether a node is held by a joint's rigid spider
-        - at_load (shoe, node), whether it belongs to an element about the node that the drive pulls: the
-          stress that a force on one node makes there grows without limit as the mesh is refined
+        What the catalogue of quantities has of stress: dimensions shoe (the flexible ones), time, node, frame
+        (chosen stored instants, s), axis, and face and corner of the surface's flat triangles, four a face.
+        `highest_von_mises` is that of nodes which are not `at_load`: the stress that a force on one node
+        makes there grows without limit as the mesh is refined. `frame_name` is "begin", "end of dig" or
+        "peak", each as far as the instant is one.
     hot_spots : mapping
         Table of every flexible shoe, as of `fem.hot_spots` and `fem.judged`, of nodes that are not at_load;
         places global, those of the track at t = 0; region as of `hot_spots.shoe_regions`, and the share of
@@ -103,36 +91,33 @@ def recover_stresses(
     named = _named_times(history, times)
     basis = stress_basis(history)
     whole, coordinates = basis.shapes, basis.coordinates
-    reached, found, tables, by_region = {}, [], {}, {}
     regions = shoe_regions(whole, history.case.track)
     pulled = {shoe: near_pull(history, whole, shoe) for shoe in coordinates}
-    for shoe, q in coordinates.items():
-        reached[shoe] = recover_extremes(whole.stress_modes, q, ranked=np.flatnonzero(~pulled[shoe]))
+    reached = {
+        shoe: recover_extremes(whole.stress_modes, q, ranked=np.flatnonzero(~pulled[shoe]))
+        for shoe, q in coordinates.items()
+    }
     if peak:
         highest = np.max([one.highest for one in reached.values()], axis=0)
         named.append((float(history.time[int(highest.argmax())]), "peak"))
     frames, names = _frames(history, named)
+    found, tables, by_region = [], {}, {}
     for shoe, q in coordinates.items():
         extremes, at_load = reached[shoe], pulled[shoe]
+        found.append(_of_shoe(history, whole, q, extremes, frames, at_load))
         away = np.flatnonzero(~at_load)
-        trust = _trust(whole, q, extremes, np.where(at_load, np.nan, basis.bound or 0.0))
-        marked = {"at_load": variable("at_load", at_load, without=("shoe",))}
-        found.append(_of_shoe(history, whole, q, extremes, frames).assign(trust | marked))
         tables[shoe] = highest_nodes(history, basis, shoe, extremes.peaks, regions, away)
         usable = away[regions[away] != BORES]
         each = OneOfEach(regions)
         by_region[shoe] = highest_nodes(history, basis, shoe, extremes.peaks, regions, usable, each)
-    shoes = xr.Variable("shoe", list(coordinates))
-    dataset = xr.concat(found, dim=shoes).transpose("time", "frame", "shoe", ...)
-    spider = np.zeros(len(whole.nodes), dtype=bool)
-    spider[whole.spider_nodes] = True
+    mesh = mesh_dataset(whole)
+    dataset = xr.concat(found, dim=xr.Variable("shoe", list(coordinates)))
+    dataset = dataset.transpose("time", "frame", "shoe", ...).assign(mesh.data_vars)
     dataset = dataset.assign(
-        node_position=variable("node_position", whole.nodes),
-        triangle=variable("triangle", flat_triangles(whole.mesh.boundary)),
-        in_spider=variable("in_spider", spider),
         truncation=variable("truncation", np.array(np.nan if basis.bound is None else basis.bound)),
         frame_name=variable("frame_name", np.array(names, dtype=object)),
-    ).assign_coords(node=np.arange(len(whole.nodes)), axis=["x", "y", "z"])
+    )
+    dataset = dataset.assign(peak_verdict=verdicts(dataset)).assign_coords(mesh.coords)
     return StressResults(dataset, tables, by_region, whole)
 
 
@@ -170,17 +155,23 @@ def near_pull(history: History, whole: Shapes, shoe: int) -> NDArray:
     return marked
 
 
-def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frames: NDArray) -> xr.Dataset:
+def _of_shoe(
+    history: History, whole: Shapes, q: NDArray, found: Extremes, frames: NDArray, at_load: NDArray
+) -> xr.Dataset:
     """Stress of one shoe with coordinates q (times, columns)."""
     time = history.time.values
     displacements = whole.displacement(q[frames])
     errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
+    resolved = resolution_over(whole, q)
     named = {
         "highest_von_mises": found.highest,
         "highest_node": found.highest_nodes,
         "peak_von_mises": found.greatest,
         "peak_time": time[found.greatest_at],
         "least_von_mises": found.least,
+        "peak_mesh_error": resolved.error.astype(np.float32),
+        "peak_jump": resolved.relative_jump.astype(np.float32),
+        "at_load": at_load,
         "frame_von_mises": whole.von_mises(q[frames]).astype(np.float32),
         "frame_mesh_error": np.array(errors, dtype=np.float32),
         "frame_displacement": displacements.astype(np.float32),
@@ -194,19 +185,29 @@ def _of_shoe(history: History, whole: Shapes, q: NDArray, found: Extremes, frame
     )
 
 
-def _trust(whole: Shapes, q: NDArray, found: Extremes, bound: NDArray) -> dict[str, Variable]:
-    """What is open of the greatest stress of each node of a shoe with coordinates q (times, columns).
+def verdicts(stress: xr.Dataset, more: ArrayLike = 0.0) -> Variable:
+    """Verdicts on the greatest stresses of a run with `more` (shoe, node), in Pa, open of them."""
+    ordered = stress.transpose("shoe", ...)
+    size = np.maximum(ordered.peak_von_mises.values, np.finfo(float).tiny)
+    mesh = ordered.peak_mesh_error.values
+    # not a number where no stress is known
+    part = mesh + (np.nan_to_num(float(stress.truncation)) + np.asarray(more)) / size
+    part = np.where(ordered.at_load.values, np.nan, part)
+    held = np.broadcast_to(stress.in_spider.values, part.shape)
+    return variable("peak_verdict", verdict_numbers(part, mesh, ordered.peak_jump.values, held))
 
-    The bound (nodes,) in Pa of what fields leave out is not a number where no stress is known.
-    """
-    mesh, held = resolution_over(whole, q), np.isin(np.arange(len(whole.nodes)), whole.spider_nodes)
-    left_out = bound / np.maximum(found.greatest, np.finfo(float).tiny)
-    named: dict[str, NDArray] = {
-        "peak_mesh_error": mesh.error.astype(np.float32),
-        "peak_jump": mesh.relative_jump.astype(np.float32),
-        "peak_verdict": verdict_numbers(mesh.error + left_out, mesh.error, mesh.relative_jump, held),
+
+def mesh_dataset(whole: Shapes) -> xr.Dataset:
+    """What datasets of stress and life have of the mesh: nodes, flat triangles of the surface, spiders."""
+    named = {
+        "node_position": whole.nodes,
+        "triangle": flat_triangles(whole.mesh.boundary),
+        "in_spider": np.isin(np.arange(len(whole.nodes)), whole.spider_nodes),
     }
-    return {name: variable(name, values, without=("shoe",)) for name, values in named.items()}
+    return xr.Dataset(
+        {name: variable(name, values) for name, values in named.items()},
+        {"node": np.arange(len(whole.nodes)), "axis": ["x", "y", "z"]},
+    )
 
 
 def peak_time(history: History, shoe: int) -> float:
@@ -255,7 +256,7 @@ def surface_stress(history: History, shoe: int, rows: ArrayLike) -> xr.Dataset:
     ValueError
         If the shoe is not a flexible one of the history.
     """
-    check_flexible(history, shoe)
+    check_flexible(history.case, shoe)
     basis = stress_basis(history, [shoe])
     shapes = basis.shapes
     used, corners = np.unique(flat_triangles(shapes.mesh.boundary), return_inverse=True)

@@ -10,16 +10,16 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
-from exudyn_crawler.results.history.catalogue import Variable, variable
+from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.stress.hot_spots import MEGA, hot_spot_table
-from exudyn_crawler.results.stress.recovery import StressResults
+from exudyn_crawler.results.stress.recovery import StressResults, verdicts
 from fem import judged
-from fem.trust import verdict_numbers
 
 FIRST = "start 1"
 """Name of the run that is judged."""
+OPEN_PARTS = ("spread", "choice")
+"""Columns of what is open of a stress by starts and by laws of contact, Pa."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,9 @@ class Spread:
     Attributes
     ----------
     dataset : xarray.Dataset
-        Dimensions shoe and node as of `StressResults`, and run: the names of all runs. Variables, in Pa:
-
-        - run_peak (run, shoe, node), the greatest von Mises stress in each run; that of the first is
-          peak_von_mises (shoe, node)
-        - peak_spread (shoe, node), its range over the starts, and peak_choice (shoe, node), by how much those
-          with other laws of contact are beyond that range
-        - peak_verdict (shoe, node), a number of `fem.trust.VERDICTS` with all of this in it
-        - node_position, triangle and in_spider
+        What the catalogue of quantities has of spread: dimensions shoe and node as of `StressResults`, and
+        run: the names of all runs, that of `peak_von_mises` first. Both spread and choice
+        are in `peak_verdict`.
     hot_spots : mapping
         Tables of the first run's shoes as of `StressResults`, with columns spread and choice (Pa) and the
         verdict that follows.
@@ -50,16 +45,11 @@ class Spread:
         rows = []
         for shoe, table in self.hot_spots.items():
             top = table.iloc[0]
-            own = self.dataset.sel(shoe=shoe, node=int(top["node"]))
-            runs = {
-                f"{run} in MPa": float(own.run_peak.sel(run=run)) / MEGA for run in self.dataset.run.values
-            }
-            relative = {
-                f"{name} in %": 100.0 * float(top[name] / abs(top["value"])) for name in ("spread", "choice")
-            }
-            rows.append(
-                {"shoe": shoe, "node": int(top["node"])} | runs | relative | {"verdict": top["verdict"]}
-            )
+            peaks = self.dataset.run_peak.sel(shoe=shoe, node=int(top["node"])) / MEGA
+            row: dict[str, object] = {"shoe": shoe, "node": int(top["node"])}
+            row |= {f"{run} in MPa": float(peaks.sel(run=run)) for run in self.dataset.run.values}
+            row |= {f"{name} in %": 100.0 * float(top[name] / abs(top["value"])) for name in OPEN_PARTS}
+            rows.append(row | {"verdict": top["verdict"]})
         return pd.DataFrame(rows)
 
     def hot_spot_tables(self) -> dict[int, pd.DataFrame]:
@@ -67,11 +57,10 @@ class Spread:
         tables = {}
         for shoe, table in self.hot_spots.items():
             shown = hot_spot_table(table, self.dataset)
-            parts = {f"{name} in MPa": table[name] / MEGA for name in ("spread", "choice")}
             place = shown.columns.get_loc("flag")
-            tables[shoe] = pd.concat(
-                (shown.iloc[:, :place], pd.DataFrame(parts), shown.iloc[:, place:]), axis=1
-            )
+            for k, name in enumerate(OPEN_PARTS):
+                shown.insert(place + k, f"{name} in MPa", table[name] / MEGA)
+            tables[shoe] = shown
         return tables
 
 
@@ -103,31 +92,17 @@ def spread_of(
     same = runs[: 1 + len(starts)]
     low, high = same.min(axis=0), same.max(axis=0)
     beyond = np.maximum(runs - high, low - runs).max(axis=0)
-    parts = {"peak_spread": high - low, "peak_choice": beyond, "run_peak": runs}
+    spread = high - low
+    parts = {"peak_spread": spread, "peak_choice": beyond, "run_peak": runs}
     dataset = first.dataset[["peak_von_mises", "node_position", "triangle", "in_spider", "truncation"]]
-    verdicts = {"peak_verdict": _verdicts(first.dataset, high - low + beyond)}
-    dataset = dataset.assign({name: variable(name, values) for name, values in parts.items()} | verdicts)
-    dataset = dataset.assign_coords(run=[FIRST, *others])
-    tables = {}
+    dataset = dataset.assign({name: variable(name, values) for name, values in parts.items()})
+    dataset = dataset.assign(peak_verdict=verdicts(first.dataset, spread + beyond))
+    bound, tables = float(first.dataset.truncation), {}
     for row, (shoe, table) in enumerate(first.hot_spots.items()):
         nodes = table["node"].to_numpy()
-        wider = table.assign(spread=(high - low)[row, nodes], choice=beyond[row, nodes])
-        left_out = float(first.dataset.truncation)
-        tables[shoe] = judged(
-            wider, None if np.isnan(left_out) else left_out, wider["spread"], wider["choice"]
-        )
-    return Spread(dataset, tables)
-
-
-def _verdicts(stress: xr.Dataset, more: NDArray) -> Variable:
-    """Verdicts on the greatest stresses of a run with more (shoe, node), in Pa, open of them."""
-    ordered = stress.transpose("shoe", ...)
-    size = np.maximum(ordered.peak_von_mises.values, np.finfo(float).tiny)
-    part = ordered.peak_mesh_error.values + (np.nan_to_num(float(stress.truncation)) + more) / size
-    part = np.where(ordered.at_load.values, np.nan, part)
-    held = np.broadcast_to(stress.in_spider.values, part.shape)
-    numbers = verdict_numbers(part, ordered.peak_mesh_error.values, ordered.peak_jump.values, held)
-    return variable("peak_verdict", numbers)
+        wider = table.assign(spread=spread[row, nodes], choice=beyond[row, nodes])
+        tables[shoe] = judged(wider, None if np.isnan(bound) else bound, wider["spread"], wider["choice"])
+    return Spread(dataset.assign_coords(run=[FIRST, *others]), tables)
 
 
 def relative_spread(dataset: xr.Dataset) -> xr.DataArray:
