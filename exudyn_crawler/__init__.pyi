@@ -25,4 +25,4 @@ from exudyn_crawler.results.life.fatigue_material import FatigueMaterial as Fati
 from exudyn_crawler.results.stress.recovery import recover_stresses as recover_stresses
 from exudyn_crawler.run.solve.simulation import simulate as simulate
 from exudyn_crawler.views.pages.report import write_report as write_report
-from exudyn_crawler.views.scenes.track_film import write_animation as write_animation
+from exudyn_crawler.views.scenes.films import write_animation as write_animation

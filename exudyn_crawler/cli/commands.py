@@ -205,13 +205,8 @@ def animate(
     from exudyn_crawler.run.folder.record import note_file
 
     with heartbeat(f"animation of {run}"):
-        if stress is None:
-            from exudyn_crawler.views.scenes.track_film import write_animation
+        from exudyn_crawler.views.scenes.films import write_animation
 
-            write_animation(history, path, overwrite, scale, speed=speed, start=start, end=end)
-        else:
-            from exudyn_crawler.views.scenes.shoe_film import write_stress_animation
-
-            write_stress_animation(history, stress, path, overwrite, speed=speed, start=start, end=end)
+        write_animation(history, path, overwrite, scale, stress, speed=speed, start=start, end=end)
     note_file(path)
     typer.echo(path)

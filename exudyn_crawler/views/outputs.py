@@ -14,10 +14,9 @@ from exudyn_crawler.results.history.summary import extremes, load_table
 from exudyn_crawler.results.stress.hot_spots import highest_by_phase, hot_spot_table, region_table
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views.figures import run_figures, stress_figures
+from exudyn_crawler.views.scenes.films import write_animation
 from exudyn_crawler.views.scenes.paraview import write_paraview
-from exudyn_crawler.views.scenes.projections import ground_figure
-from exudyn_crawler.views.scenes.stress_pictures import write_stress_pictures
-from exudyn_crawler.views.scenes.track_film import write_animation
+from exudyn_crawler.views.scenes.pictures import ground_figure, write_stress_pictures
 from exudyn_crawler.views.style import save_figure
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu

@@ -9,8 +9,8 @@ from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.results.loads.balance import shoe_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.steady_sliding import check_sliding
-from exudyn_crawler.views.scenes.poses import instants
-from exudyn_crawler.views.scenes.projections import side_solids
+from exudyn_crawler.views.scenes.pictures import side_scene
+from exudyn_crawler.views.scenes.track import instants
 
 SHOES = 4
 
@@ -93,9 +93,9 @@ def test_flexible_and_rigid_shoes_go_over_a_hill_in_balance():
     assert np.abs(history.angles.sel(axis="y")).max() > 0.02
     weight = float(case.pressed(case.loads.loads(0.0)[0]).sum())
     assert np.abs(shoe_imbalance(history).force.values).max() < 1e-6 * weight
-    solids, _ = side_solids(history.case, instants(history, [history.duration]))
+    units = side_scene(history.case, instants(history, [history.duration])).solids[0]
     # corner 3 is the rear edge of a face and 2 the front one
-    faces = solids["units"].points.reshape(-1, 4, 3)
+    faces = units.points.reshape(-1, 4, 3)
     assert faces[1:, 3, 2] == pytest.approx(faces[:-1, 2, 2], abs=1e-3)
 
 

@@ -6,7 +6,7 @@ import pytest
 from exudyn_crawler import History
 from exudyn_crawler.results.stress.hot_spots import hot_spot_table
 from exudyn_crawler.results.stress.recovery import recover_stresses
-from exudyn_crawler.views.scenes.stress_pictures import write_stress_pictures
+from exudyn_crawler.views.scenes.pictures import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
 from studies.forces import study as forces_study

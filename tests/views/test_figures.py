@@ -11,7 +11,7 @@ from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views.figures import history_series, link_names, run_figures, shoe_names, stress_figures
 from exudyn_crawler.views.pages.comparison import comparison_figures
-from exudyn_crawler.views.scenes.track_film import TrackPicture
+from exudyn_crawler.views.scenes.films import TrackPicture
 from exudyn_crawler.views.style import PHASE_BANDS
 
 BANDS = [(0.0, 0.04), (0.04, 0.08), (0.08, 0.084), (0.084, 0.12)]

@@ -8,11 +8,17 @@ import pytest
 from PIL import Image
 
 from exudyn_crawler import History
-from exudyn_crawler.views.scenes.film_files import MOST_PICTURES, film_times
-from exudyn_crawler.views.scenes.poses import acting, shoe_pose, tread_centers
+from exudyn_crawler.views.scenes.films import (
+    MOST_PICTURES,
+    ShoePicture,
+    TrackPicture,
+    film_times,
+    ground_scale,
+    write_animation,
+)
 from exudyn_crawler.views.scenes.scene import SIDES
-from exudyn_crawler.views.scenes.shoe_film import NEAR, ShoePicture, write_stress_animation
-from exudyn_crawler.views.scenes.track_film import TrackPicture, ground_scale, write_animation
+from exudyn_crawler.views.scenes.shoes import BESIDE
+from exudyn_crawler.views.scenes.track import acting, rollers, shoe_pose
 
 SHOE = 5
 
@@ -105,8 +111,8 @@ def picture(by_modes):
 def test_rollers_near_the_shoe_are_where_the_history_has_them(picture, by_modes):
     now = by_modes.dataset.isel(time=[-1])
     place = shoe_pose(now.isel(time=0), SHOE)
-    centers = tread_centers(now, by_modes.case).reshape(-1, 3)
-    near = place.inside(centers[np.abs(centers[:, 0] - place.origin[0]) < NEAR])
+    centers = rollers(by_modes.case, now)[0].origin[0]
+    near = place.inside(centers[np.abs(centers[:, 0] - place.origin[0]) < BESIDE])
     drawn = picture.scene(now).solids[1].at().points.reshape(-1, 2 * SIDES, 3).mean(axis=1)
     assert len(drawn) >= 2
     assert drawn == pytest.approx(near, abs=1e-9)
@@ -120,12 +126,14 @@ def test_the_shoe_bends_and_is_pressed_as_its_stresses_say(picture, by_modes, be
     own = bent_stress.sel(shoe=SHOE).isel(frame=-1, node=nodes)
     assert surface.values == pytest.approx(own.frame_von_mises.values / 1e6, rel=1e-5, abs=1e-6)
     moved = surface.points - own.node_position.values
-    assert moved == pytest.approx(picture.larger * own.frame_displacement.values, rel=1e-4, abs=1e-9)
-    pushes = (arrows[:, 1] - arrows[:, 0]) / picture.force_scale
+    assert moved == pytest.approx(
+        picture.scales.displacement * own.frame_displacement.values, rel=1e-4, abs=1e-9
+    )
+    pushes = (arrows[:, 1] - arrows[:, 0]) / picture.scales.pair_force
     _, forces = acting(now, SHOE)
     total = shoe_pose(now, SHOE).turn @ pushes.sum(axis=0)
     assert total == pytest.approx(forces.sum(axis=0), rel=1e-6, abs=1.0)
-    assert picture.limit >= float(picture._stress.von_mises.max())
+    assert picture.scales.stress >= float(picture.stress.frame_von_mises.max())
 
 
 def test_pictures_differ_in_the_shoe_alone_and_share_one_scale(picture):
@@ -141,7 +149,7 @@ def test_pictures_differ_in_the_shoe_alone_and_share_one_scale(picture):
 
 
 def test_a_film_of_a_shoe_has_a_picture_for_each_time(by_modes, tmp_path):
-    path = write_stress_animation(by_modes, SHOE, tmp_path / "shoe.gif", rate=10, speed=0.5)
+    path = write_animation(by_modes, tmp_path / "shoe.gif", shoe=SHOE, rate=10, speed=0.5)
     with Image.open(path) as film:
         assert film.n_frames == 2
         assert film.info["duration"] == 100
@@ -149,9 +157,9 @@ def test_a_film_of_a_shoe_has_a_picture_for_each_time(by_modes, tmp_path):
 
 def test_what_cannot_be_shown_of_a_shoe_is_refused(by_modes, tmp_path):
     with pytest.raises(ValueError, match=r"of \[5, 6\], got 2"):
-        write_stress_animation(by_modes, 2, tmp_path / "shoe.mp4")
+        write_animation(by_modes, tmp_path / "shoe.mp4", shoe=2)
     with pytest.raises(ValueError, match=r"\.mp4 or \.gif file"):
-        write_stress_animation(by_modes, SHOE, tmp_path / "shoe.png")
+        write_animation(by_modes, tmp_path / "shoe.png", shoe=SHOE)
     with pytest.raises(ValueError, match="speed must be positive, got 0"):
-        write_stress_animation(by_modes, SHOE, tmp_path / "shoe.gif", speed=0.0)
+        write_animation(by_modes, tmp_path / "shoe.gif", shoe=SHOE, speed=0.0)
     assert not list(tmp_path.iterdir())

@@ -11,15 +11,15 @@ from PIL import Image
 from exudyn_crawler import Case
 from exudyn_crawler.views.scenes.drawing import opengl_works
 from exudyn_crawler.views.scenes.paraview import write_paraview
-from exudyn_crawler.views.scenes.poses import shoe_forces, shoe_pose
-from exudyn_crawler.views.scenes.shoes import Scales, stress_scene
-from exudyn_crawler.views.scenes.stress_pictures import (
+from exudyn_crawler.views.scenes.pictures import (
     picture_name,
     picture_time,
     shoes_apart,
     stress_picture,
     write_stress_pictures,
 )
+from exudyn_crawler.views.scenes.shoes import Scales, stress_scene
+from exudyn_crawler.views.scenes.track import shoe_forces, shoe_pose
 from tests.views.test_track_scene import axes_of_rollers
 
 

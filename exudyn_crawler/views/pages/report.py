@@ -23,8 +23,8 @@ from exudyn_crawler.views.pages import folder as finding
 from exudyn_crawler.views.pages import page, plots
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
 from exudyn_crawler.views.pages.page import Section, part, table, together
-from exudyn_crawler.views.scenes import poses, shoes, stress_pictures
-from exudyn_crawler.views.scenes.track import shown_box, track_scene
+from exudyn_crawler.views.scenes import pictures as drawn
+from exudyn_crawler.views.scenes import shoes, track
 from exudyn_crawler.views.tables import within_by_class
 
 REPORT, RECORD = "report.html", "run.json"
@@ -145,11 +145,11 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
 
 def packed_track(history: History, arrays: SceneArrays) -> dict[str, Any]:
     """Track in evenly spread instants of a run, for a view in 3D."""
-    case, window = history.case, shown_box(history, MARGIN)
-    shown = poses.instants(history, np.linspace(0.0, history.duration, INSTANTS))
+    case, window = history.case, track.shown_box(history, MARGIN)
+    shown = track.instants(history, np.linspace(0.0, history.duration, INSTANTS))
     x, half = case.terrain.middles[:, 0], 0.5 * case.terrain.unit_length
     near = np.flatnonzero((x + half >= window[0][0]) & (x - half <= window[0][1]))
-    return packed_scene(track_scene(case, shown, shoes.shoe_force_scale(history), near), arrays, window)
+    return packed_scene(track.track_scene(case, shown, shoes.shoe_force_scale(history), near), arrays, window)
 
 
 def packed_shoes(
@@ -320,11 +320,11 @@ def _pictures(
     That is the picture of the highest stress.
     """
     with TemporaryDirectory() as temporary:
-        paths = sorted(folder.glob(stress_pictures.PICTURES))
+        paths = sorted(folder.glob(drawn.PICTURES))
         if not paths and stress is not None and history is not None:
-            paths = stress_pictures.write_stress_pictures(stress, history, Path(temporary))
+            paths = drawn.write_stress_pictures(stress, history, Path(temporary))
         found = {path: left_out.unless_broken(path, page.picture_file) for path in paths}
-    uris = {stress_pictures.picture_time(path): uri for path, uri in found.items() if uri is not None}
+    uris = {drawn.picture_time(path): uri for path, uri in found.items() if uri is not None}
     if not uris:
         return Markup(), 0
     times, titles = list(uris), [_picture_title(time, stress) for time in uris]

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import refuse_existing, whole_file, writable_folder
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.views.scenes.poses import instants, pressing, rolls, shoe_pose, touching
+from exudyn_crawler.views.scenes import track
 from exudyn_crawler.views.scenes.scene import Solid
-from exudyn_crawler.views.scenes.track import ground_units, rollers, shoe_boxes, side_frame
 from fem import Mesh
 from fem.export import vtu_content
 from meshes import mesh_named
@@ -58,7 +57,7 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
     series = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = ElementTree.SubElement(series, "Collection")
     for number, frame in enumerate(stress.frame.values):
-        moment = instants(history, [float(frame)])
+        moment = track.instants(history, [float(frame)])
         flexible = _flexible_shoes(stress.sel(frame=frame), moment.isel(time=0), mesh)
         for part, (name, content) in enumerate([*flexible, *_track(history.case, moment)]):
             file = parts / f"{name.replace(' ', '_')}_{number:03d}.vtu"
@@ -95,7 +94,7 @@ def _mesh(stress: xr.Dataset, case: Case) -> Mesh:
 def _flexible_shoes(stress: xr.Dataset, now: xr.Dataset, mesh: Mesh) -> Iterator[tuple[str, meshio.Mesh]]:
     """All elements of every flexible shoe, in place."""
     for shoe in stress.shoe.values:
-        place, chosen = shoe_pose(now, int(shoe)), stress.sel(shoe=shoe)
+        place, chosen = track.shoe_pose(now, int(shoe)), stress.sel(shoe=shoe)
         bend = chosen.frame_displacement.transpose("node", "axis").values @ place.turn.T
         fields = {"displacement": bend.astype("f4"), "von mises": chosen.frame_von_mises.values.astype("f4")}
         yield f"shoe {shoe}", vtu_content(mesh, fields, place.place(mesh.nodes))
@@ -104,19 +103,19 @@ def _flexible_shoes(stress: xr.Dataset, now: xr.Dataset, mesh: Mesh) -> Iterator
 def _track(case: Case, moment: xr.Dataset) -> Iterator[tuple[str, meshio.Mesh]]:
     """What is around the flexible shoes in one instant."""
     now = moment.isel(time=0)
-    for solid in shoe_boxes(case, moment):
+    for solid in track.shoe_boxes(case, moment):
         if solid.name == "rigid shoes":
             numbers = [float(label.removeprefix("shoe ")) for label in solid.labels]
             yield solid.name, _cells(solid, {"shoe": np.array(numbers)})
-    yield "terrain", _cells(ground_units(case, moment), {"heave": now.unit_heave.values})
-    yield from _forces("contacts", *touching(now))
-    if rolls(now):
-        yield "side frame", _cells(side_frame(case, moment), {})
+    yield "terrain", _cells(track.ground_units(case, moment), {"heave": now.unit_heave.values})
+    yield from _forces("contacts", *track.touching(now))
+    if track.rolls(now):
+        yield "side frame", _cells(track.side_frame(case, moment), {})
         forces = now.roller_force.sum("rail").transpose("roller", "axis").values
         rails = now.sizes["rail"]
         fields = {"roller": np.repeat(now.roller.values, rails), "force": np.repeat(forces, rails, axis=0)}
-        yield "rollers", _cells(rollers(case, moment)[0], fields)
-        yield from _forces("treads", *pressing(now))
+        yield "rollers", _cells(track.rollers(case, moment)[0], fields)
+        yield from _forces("treads", *track.pressing(now))
 
 
 def _cells(solid: Solid, fields: dict[str, NDArray]) -> meshio.Mesh:

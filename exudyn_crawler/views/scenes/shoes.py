@@ -1,6 +1,8 @@
-"""Flexible shoes in space: bent, coloured by their stress, with what presses on them and the rollers near."""
+"""Flexible shoes in space: bent, coloured by their stress, with what presses on them and the rollers near.
 
-from collections.abc import Sequence
+`stress` is the dataset that the stress study leaves, or part of one; `docs/report.md` lists what it holds.
+"""
+
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -8,12 +10,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes import poses
-from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Scene, Solid
-from exudyn_crawler.views.scenes.track import rollers
+from exudyn_crawler.views.scenes import track
+from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Scene, Solid
 from fem.trust import VERDICTS
 
 LONGEST_OF_SHOE, LONGEST_OF_PAIR = 0.7, 0.4
@@ -36,7 +36,7 @@ LOW = 0.1
 
 @dataclass(frozen=True)
 class Scales:
-    """What all stress pictures of a run have in common.
+    """What all pictures of some stresses have in common.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Scales:
     displacement : float
         Magnification of the elastic displacement.
     pair_force, shoe_force : float
-        m that are drawn for 1 N of a single contact or tread, and of all contacts of a shoe.
+        m that are drawn for 1 N of a single contact or tread on these shoes, and of all contacts of a shoe.
     """
 
     stress: float
@@ -57,101 +57,70 @@ class Scales:
     def of(cls, stress: xr.Dataset, history: History) -> Self:
         """Scales that fit all chosen times of a stress dataset."""
         surface = np.unique(stress.triangle.values)
+        greatest = float(stress.frame_von_mises.isel(node=surface).max())
         chosen = history.dataset.sel(time=stress.frame.values, method="nearest")
-        pairs = [poses.acting(chosen.isel(time=row))[1] for row in range(stress.sizes["frame"])]
+        moments = [chosen.isel(time=row) for row in range(stress.sizes["frame"])]
+        forces = [track.acting(now, int(shoe))[1] for now in moments for shoe in stress.shoe.values]
+        longest = float(np.linalg.norm(np.concatenate(forces), axis=1).max(initial=0.0))
         return cls(
-            stress=end_of_colours(float(stress.frame_von_mises.isel(node=surface).max())),
+            stress=style.round_up(greatest) if greatest > 0.0 else style.MEGA,
             displacement=style.drawn_scale(stress.frame_displacement.values, BENT),
-            pair_force=length_per_newton(LONGEST_OF_PAIR, pairs),
+            pair_force=LONGEST_OF_PAIR / longest if longest > 0.0 else 0.0,
             shoe_force=shoe_force_scale(history),
         )
 
 
 def shoe_force_scale(history: History) -> float:
     """M that are drawn for 1 N of the contact force on a shoe; 0 if there is none in the whole run."""
-    greatest = poses.greatest_shoe_force(history)
+    greatest = track.greatest_shoe_force(history)
     return LONGEST_OF_SHOE / greatest if greatest > 0.0 else 0.0
-
-
-def length_per_newton(length: float, forces: Sequence[NDArray]) -> float:
-    """M that are drawn for 1 N, for the greatest of forces (n, 3) to have a length; 0 if all are zero."""
-    longest = max((float(np.linalg.norm(one, axis=1).max(initial=0.0)) for one in forces), default=0.0)
-    return length / longest if longest > 0.0 else 0.0
-
-
-def end_of_colours(greatest: float) -> float:
-    """Round stress at the end of the colours, Pa, for a greatest one."""
-    return style.round_up(greatest) if greatest > 0.0 else style.MEGA
-
-
-def shoe_solid(
-    shoe: int,
-    shape: tuple[NDArray, NDArray],
-    places: Sequence[Placement],
-    bend: NDArray,
-    von_mises: NDArray,
-    limit: float,
-    larger: float,
-) -> Solid:
-    """Flexible shoe with its stress.
-
-    `shape` are points (n, 3), m, and triangles (m, 3), and `places` where the shoe is at each time; then
-    elastic displacement (times, n, 3), m, drawn `larger` times larger, and stress (times, n), Pa, whose
-    colours end at `limit`.
-    """
-    values, end = von_mises[:, None] / style.MEGA, limit / style.MEGA
-    return Solid(
-        f"shoe {shoe}",
-        shape[0],
-        (shape[1],),
-        "white",
-        np.array([one.origin for one in places])[:, None],
-        np.array([one.turn for one in places])[:, None],
-        labels=(f"shoe {shoe}",),
-        bend=bend[:, None],
-        larger=larger,
-        colourings=(Colouring(f"{STRESS} in MPa", values, 0.0, end, style.STRESS_MAP, name=STRESS),),
-    )
 
 
 def stress_scene(stress: xr.Dataset, history: History, scales: Scales) -> Scene:
     """All flexible shoes at the chosen times of their stresses, with single forces and rollers near them."""
     used, corners = np.unique(stress.triangle.transpose("face", "corner").values, return_inverse=True)
-    shape = stress.node_position.transpose("node", "axis").values[used], corners.reshape(-1, 3)
+    points = stress.node_position.transpose("node", "axis").values[used]
     shown = history.dataset.sel(time=stress.frame.values, method="nearest").load()
     moments = [shown.isel(time=row) for row in range(shown.sizes["time"])]
-    near = [poses.shoe_pose(now, int(shoe)).origin[0] for now in moments for shoe in stress.shoe.values]
     solids, arrows = [], []
     for shoe in map(int, stress.shoe.values):
-        own = stress.sel(shoe=shoe)
+        own, name = stress.sel(shoe=shoe), f"shoe {shoe}"
+        mises = own.frame_von_mises.transpose("frame", "node").values / style.MEGA
         bend = own.frame_displacement.transpose("frame", "node", "axis").values[:, used]
-        mises = own.frame_von_mises.transpose("frame", "node").values
-        places = [poses.shoe_pose(now, shoe) for now in moments]
-        solid = shoe_solid(shoe, shape, places, bend, mises[:, used], scales.stress, scales.displacement)
-        notes = tuple(f"{one / style.MEGA:.1f} MPa" for one in mises.max(axis=1))
-        colourings = (*solid.colourings, *_trust(stress, shoe, used))
-        solids.append(replace(solid, notes=notes, colourings=colourings, nodes=used))
-        forces = forces_on(solid.name, [poses.acting(now, shoe) for now in moments], scales.pair_force)
-        arrows.append(replace(forces, through=float(np.ptp(shape[0][:, 2]))))
-    if poses.rolls(history.dataset):
-        solids.append(rollers_between(history.case, shown, min(near) - BESIDE, max(near) + BESIDE))
+        end = scales.stress / style.MEGA
+        colouring = Colouring(
+            f"{STRESS} in MPa", mises[:, None, used], 0.0, end, style.STRESS_MAP, name=STRESS
+        )
+        poses = [track.shoe_pose(now, shoe) for now in moments]
+        solids.append(
+            Solid(
+                name,
+                points,
+                (corners.reshape(-1, 3),),
+                "white",
+                np.array([one.origin for one in poses])[:, None],
+                np.array([one.turn for one in poses])[:, None],
+                labels=(name,),
+                notes=tuple(f"{one:.1f} MPa" for one in mises.max(axis=1)),
+                bend=bend[:, None],
+                larger=scales.displacement,
+                colourings=(colouring, *_trust(stress, shoe, used)),
+                nodes=used,
+            )
+        )
+        forces = [track.acting(now, shoe) for now in moments]
+        padded = np.full((2, len(forces), max(len(heads) for heads, _ in forces), 3), np.nan)
+        for row, pair in enumerate(forces):
+            padded[:, row, : len(pair[0])] = pair
+        how = (style.CONTACT_FORCE, *padded, scales.pair_force, name, float(np.ptp(points[:, 2])))
+        arrows.append(Arrows("contact forces", *how))
+    if track.rolls(shown):
+        treads, _ = track.rollers(history.case, shown)
+        x = np.array([one.origin[..., 0] for one in solids])
+        away = (treads.origin[..., 0] < x.min() - BESIDE) | (treads.origin[..., 0] > x.max() + BESIDE)
+        near = np.where(away[..., None], np.nan, treads.origin)
+        solids.append(replace(treads, origin=near, opacity=ROLLER_OPACITY))
     return Scene(tuple(frame_titles(stress)), tuple(solids), tuple(arrows))
-
-
-def forces_on(solid: str, forces: Sequence[tuple[NDArray, NDArray]], scale: float) -> Arrows:
-    """Single forces on a solid at some times: points (k, 3), m, and forces (k, 3), N."""
-    count = max(len(points) for points, _ in forces)
-    padded = np.full((2, len(forces), count, 3), np.nan)
-    for row, pair in enumerate(forces):
-        padded[:, row, : len(pair[0])] = pair
-    return Arrows("contact forces", style.CONTACT_FORCE, padded[0], padded[1], scale, solid)
-
-
-def rollers_between(case: Case, dataset: xr.Dataset, rear: float, front: float) -> Solid:
-    """Treads in some instants whose axes lie between two x, m; others are not there."""
-    treads, _ = rollers(case, dataset)
-    away = (treads.origin[..., :1] < rear) | (treads.origin[..., :1] > front)
-    return replace(treads, origin=np.where(away, np.nan, treads.origin), opacity=ROLLER_OPACITY)
 
 
 def _trust(stress: xr.Dataset, shoe: int, used: NDArray) -> list[Colouring]:
@@ -183,7 +152,4 @@ def frame_titles(stress: xr.Dataset) -> list[str]:
 def first_frame(stress: xr.Dataset) -> int:
     """Index of the peak, or of the highest stress among the chosen times where that is not one of them."""
     peaks = [k for k, title in enumerate(frame_titles(stress)) if "peak" in title.split(", ")]
-    if peaks:
-        return peaks[0]
-    highest = stress.frame_von_mises.max([dim for dim in stress.frame_von_mises.dims if dim != "frame"])
-    return int(highest.values.argmax())
+    return peaks[0] if peaks else int(stress.frame_von_mises.max(("shoe", "node")).values.argmax())

@@ -1,18 +1,24 @@
-"""A whole track in space: shoes as boxes, units of the ground, side frame, rollers, forces on the shoes."""
+"""A whole track in instants of a history: where its parts are, what presses on them, and their solids.
+
+Shoes are boxes, units of the ground boxes or faces; side frame and rollers come with a rolled run. `now` is
+one instant without the dimension time, `dataset` some of them, as of `instants`.
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes import poses
-from exudyn_crawler.views.scenes.scene import BOX_FACES, Arrows, Colouring, Scene, Solid, box, disc
+from exudyn_crawler.views.scenes.scene import BOX_FACES, Arrows, Colouring, Placement, Scene, Solid, box, disc
 
+CONTACTS = ("contact", "axis")
+STRIPS = ("roller", "rail", "strip", "neighbour", "axis")
+"""Dimensions of what the ground and what treads press with."""
 BEAM = (0.05, 0.85)
 """m above the rollers' axes that the drawn beam of the side frame reaches from and to: its parameters say how
 long it is, not how high and wide."""
@@ -24,24 +30,126 @@ MARK = 0.012
 """m, width of the line across a roller that shows how far it has rolled."""
 
 
-def track_scene(case: Case, dataset: xr.Dataset, force_scale: float, units: NDArray | None = None) -> Scene:
-    """Shoes, faces of the ground, side frame and rollers in some instants of a history, and forces.
+def instants(history: History, times: ArrayLike) -> xr.Dataset:
+    """States of a history at the stored times nearest to some (s), each once."""
+    rows = history.dataset.get_index("time").get_indexer(np.asarray(times), method="nearest")
+    return history.dataset.isel(time=np.unique(rows)).load()
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Instants of a history, as of `poses.instants`.
-    force_scale : float
-        m that are drawn for 1 N.
-    units : int array, optional
-        Indices of the units that are shown; all if not given.
+
+def shoe_poses(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
+    """Origins (times, shoes, 3), m, and turns (times, shoes, 3, 3) of all shoes."""
+    origin, angles = (
+        one.transpose("time", "shoe", "axis").values for one in (dataset.position, dataset.angles)
+    )
+    return origin, rotation_matrices(angles)
+
+
+def shoe_pose(now: xr.Dataset, shoe: int) -> Placement:
+    """Place of one shoe."""
+    chosen = now.sel(shoe=shoe)
+    return Placement(chosen.position.values, rotation_matrices(chosen.angles.values))
+
+
+def frame_poses(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
+    """Origins (times, 3), m, and turns (times, 3, 3) of the side frame."""
+    return dataset.side_frame_position.values, rotation_matrices(dataset.side_frame_angles.values)
+
+
+def rolls(dataset: xr.Dataset) -> bool:
+    """Whether a side frame rolls over the track of a history."""
+    return "roller_force" in dataset
+
+
+def touching(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray]:
+    """Contacts of one shoe, or of all, with the ground.
+
+    Returns
+    -------
+    points, forces : arrays (contacts, 3)
+        Where they act (m) and what acts on the shoe (N), both global. Pairs that are apart are left out.
     """
-    tall, on_shoes = case.shoe.load_point[2] - case.shoe.footprint[4], poses.shoe_forces(dataset)
+    meets = now.area.values > 0.0
+    if shoe is not None:
+        meets &= now.contact_shoe.values == shoe
+    forces = (now.normal_force + now.friction_force).transpose(*CONTACTS).values
+    return now.point.transpose(*CONTACTS).values[meets], forces[meets]
+
+
+def pressing(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray]:
+    """Strips of treads that press on one shoe, or on all, as of `touching`."""
+    forces, points = (now[name].transpose(*STRIPS).values for name in ("tread_force", "tread_foot"))
+    meets = forces.any(axis=-1)
+    if shoe is not None:
+        number = now.roller_shoe.values[:, None] + np.arange(forces.shape[3])
+        meets &= (number == shoe)[:, None, None, :]
+    return points[meets], forces[meets]
+
+
+def acting(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray]:
+    """Contacts with the ground of one shoe or of all, and the treads that press there, as of `touching`."""
+    if not rolls(now):
+        return touching(now, shoe)
+    points, forces = zip(touching(now, shoe), pressing(now, shoe), strict=True)
+    return np.concatenate(points), np.concatenate(forces)
+
+
+def shoe_forces(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
+    """Contact of each shoe.
+
+    Returns
+    -------
+    centers, forces : arrays (times, shoes, 3)
+        Centre of pressure, m, not a number without contact, and force on the shoe, N.
+    """
+    meets = dataset.area.transpose("time", "contact").values[..., None] > 0.0
+    total = (dataset.normal_force + dataset.friction_force, dataset.point)
+    forces, points = (np.where(meets, one.transpose("time", *CONTACTS).values, 0.0) for one in total)
+    own = dataset.shoe.values[:, None] == dataset.contact_shoe.values
+    moments = np.einsum("sc,tc,tca->tsa", own, forces[..., 2], points, optimize=True)
+    pressed = np.einsum("sc,tc->ts", own, forces[..., 2])
+    return _centers(moments, pressed), np.einsum("sc,tca->tsa", own, forces)
+
+
+def roller_forces(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
+    """Centre of what each roller presses on, array (times, rollers, 3), m, and its force there, N.
+
+    The centre of a roller that presses on nothing is not a number.
+    """
+    names = ("tread_force", "tread_foot")
+    forces, points = (dataset[name].transpose("time", *STRIPS).values for name in names)
+    size = np.linalg.norm(forces, axis=-1)
+    moments = np.einsum("trabn,trabnk->trk", size, points)
+    return _centers(moments, size.sum(axis=(2, 3, 4))), forces.sum(axis=(2, 3, 4))
+
+
+def _centers(moments: NDArray, weights: NDArray) -> NDArray:
+    """Moments (..., 3) over weights (...), not a number where there is no weight."""
+    centers = np.full(moments.shape, np.nan)
+    return np.divide(moments, weights[..., None], out=centers, where=weights[..., None] > 0.0)
+
+
+def greatest_shoe_force(history: History) -> float:
+    """Greatest contact force on a shoe over the run, N."""
+    total = (history.normal_force + history.friction_force).groupby("contact_shoe").sum()
+    return float(np.sqrt((total**2).sum("axis")).max())
+
+
+def unloaded_level(case: Case) -> float:
+    """Heave of units that carry nothing but themselves, m."""
+    return case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
+
+
+def track_scene(case: Case, dataset: xr.Dataset, force_scale: float, units: NDArray | None = None) -> Scene:
+    """Shoes, faces of the ground, side frame and rollers, and forces, drawn `force_scale` m long for 1 N.
+
+    `units` are the indices of the units that are shown; all if not given.
+    """
+    tall, on_shoes = case.shoe.load_point[2] - case.shoe.footprint[4], shoe_forces(dataset)
     arrows = [Arrows("contact forces", style.CONTACT_FORCE, *on_shoes, force_scale, through=tall)]
     solids = [*shoe_boxes(case, dataset), ground_faces(case, dataset, units)]
-    if poses.rolls(dataset):
+    if rolls(dataset):
         solids += [side_frame(case, dataset), *rollers(case, dataset)]
-        on_rails = poses.roller_forces(dataset)
+        on_rails = roller_forces(dataset)
         arrows.append(Arrows("forces of rollers", style.ROLLER_FORCE, *on_rails, force_scale))
     titles = tuple(f"t = {time:.2f} s" for time in dataset.time.values)
     return Scene(titles, tuple(solids), tuple(arrows))
@@ -51,28 +159,21 @@ def shoe_boxes(case: Case, dataset: xr.Dataset) -> list[Solid]:
     """Rigid shoes and flexible shoes, as far as there are any, as boxes."""
     x0, x1, y0, y1, z0 = case.shoe.footprint
     points = box(np.array([x0, y0, z0]), np.array([x1, y1, case.shoe.load_point[2]]))
-    origin, turn = poses.shoe_poses(dataset)
+    origin, turn = shoe_poses(dataset)
     flexible = np.isin(dataset.shoe.values, () if case.flexible is None else case.flexible.shoes)
+    solids = []
     kinds = (("rigid shoes", ~flexible, style.SHOE), ("flexible shoes", flexible, style.FLEXIBLE_SHOE))
-    return [
-        Solid(
-            name,
-            points,
-            BOX_FACES,
-            colour,
-            origin[:, chosen],
-            turn[:, chosen],
-            edges=style.SHOE_EDGE,
-            labels=tuple(f"shoe {shoe}" for shoe in dataset.shoe.values[chosen]),
-        )
-        for name, chosen, colour in kinds
-        if chosen.any()
-    ]
+    for name, chosen, colour in kinds:
+        if chosen.any():
+            placed, edges = (origin[:, chosen], turn[:, chosen]), style.SHOE_EDGE
+            labels = tuple(f"shoe {shoe}" for shoe in dataset.shoe.values[chosen])
+            solids.append(Solid(name, points, BOX_FACES, colour, *placed, edges=edges, labels=labels))
+    return solids
 
 
 def link_pins(case: Case, dataset: xr.Dataset) -> Solid:
     """Pins at both ends of every shoe."""
-    origin, turn = poses.shoe_poses(dataset)
+    origin, turn = shoe_poses(dataset)
     pins = np.array([case.track.rear_pin, case.track.front_pin]) * [1.0, 0.0, 1.0]
     points = origin[:, :, None] + np.einsum("tsij,pj->tspi", turn, pins)
     placed = points.reshape(len(origin), -1, 3), np.repeat(turn, len(pins), axis=1)
@@ -99,21 +200,15 @@ def ground_faces(case: Case, dataset: xr.Dataset, units: NDArray | None = None) 
     chosen = np.arange(terrain.unit_count) if units is None else units
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, 0.0])
     points = half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
-    heave = dataset.unit_heave.transpose("time", "unit").values[:, chosen]
-    shown = heave / style.MILLI
-    colouring = Colouring("heave of the ground in mm", shown, shown.min(), shown.max(), style.HEAVE_MAP)
-    return Solid(
-        "ground",
-        points,
-        (np.array([[0, 1, 2, 3]]),),
-        style.GROUND,
+    placed = (
         np.column_stack((terrain.middles, terrain.top_heights))[None, chosen],
         unit_turns(case)[:, chosen],
-        opacity=0.6,
-        edges=style.GROUND_EDGE,
-        lift=heave,
-        colourings=(colouring,),
     )
+    lift = dataset.unit_heave.transpose("time", "unit").values[:, chosen]
+    heave = lift / style.MILLI
+    colouring = Colouring("heave of the ground in mm", heave, heave.min(), heave.max(), style.HEAVE_MAP)
+    faces, how = (np.array([[0, 1, 2, 3]]),), (0.6, style.GROUND_EDGE)
+    return Solid("ground", points, faces, style.GROUND, *placed, *how, lift=lift, colourings=(colouring,))
 
 
 def unit_turns(case: Case, dataset: xr.Dataset | None = None) -> NDArray:
@@ -126,9 +221,9 @@ def unit_turns(case: Case, dataset: xr.Dataset | None = None) -> NDArray:
 
 def side_frame(case: Case, dataset: xr.Dataset) -> Solid:
     """Beam between the rails that stands for the side frame."""
-    frame, middles = poses.frame_of(case)
+    frame, middles = _frame_of(case)
     half = 0.5 * (max(middles) - min(middles) - frame.tread_width) - GAP
-    (low, high), (origin, turn) = BEAM, poses.frame_poses(dataset)
+    (low, high), (origin, turn) = BEAM, frame_poses(dataset)
     beam = box(np.array([frame.ends[0], -half, low]), np.array([frame.ends[1], half, high]))
     placed = origin[:, None], turn[:, None]
     return Solid("side frame", beam, BOX_FACES, style.SIDE_FRAME, *placed, 0.5, style.ROLLER_EDGE)
@@ -136,32 +231,39 @@ def side_frame(case: Case, dataset: xr.Dataset) -> Solid:
 
 def rollers(case: Case, dataset: xr.Dataset) -> list[Solid]:
     """Treads of all rollers, roller by roller and its right one first, and a line across each."""
-    frame, _ = poses.frame_of(case)
-    centers = poses.tread_centers(dataset, case)
+    frame, middles = _frame_of(case)
+    origin, turn = frame_poses(dataset)
+    on_frame = np.array([(x, y, 0.0) for x in frame.rollers for y in middles])
+    centers = origin[:, None] + np.einsum("tij,nj->tni", turn, on_frame)
     # how far rollers have turned counts from upright, whatever the pitch of the frame
-    axle = poses.frame_poses(dataset)[1][..., 1]
+    axle = turn[..., 1]
     forward = np.cross(axle, [0.0, 0.0, 1.0])
     forward /= np.linalg.norm(forward, axis=1, keepdims=True)
     level = np.stack((forward, axle, np.cross(forward, axle)), axis=-1)
-    rolled = level @ rotation_matrices(poses.rolled_angle(dataset, case)[:, None] * np.eye(3)[1])
-    count = centers.shape[1] * centers.shape[2]
-    placed = centers.reshape(-1, count, 3), np.repeat(rolled[:, None], count, axis=1)
-    labels = tuple(f"roller {1 + k // centers.shape[2]}" for k in range(count))
+    angle = (origin[:, :1] - frame.start) / frame.radius
+    rolled = level @ rotation_matrices(angle * np.eye(3)[1])
+    placed = centers, np.repeat(rolled[:, None], len(on_frame), axis=1)
+    labels = tuple(f"roller {number}" for number in range(1, len(frame.rollers) + 1) for _ in middles)
     half = np.array([0.5 * MARK, 0.5 * frame.tread_width + 0.002, frame.radius])
-    tread = disc(frame.radius, frame.tread_width)
+    tread, edge = disc(frame.radius, frame.tread_width), style.ROLLER_EDGE
     return [
-        Solid("rollers", *tread, style.ROLLER, *placed, edges=style.ROLLER_EDGE, labels=labels),
-        Solid("rollers, marks", box(-half, half), BOX_FACES, style.ROLLER_EDGE, *placed),
+        Solid("rollers", *tread, style.ROLLER, *placed, edges=edge, labels=labels),
+        Solid("rollers, marks", box(-half, half), BOX_FACES, edge, *placed),
     ]
+
+
+def _frame_of(case: Case) -> tuple[Undercarriage, tuple[float, float]]:
+    """Undercarriage and the lateral places of the rails' middles, m."""
+    frame, rails = case.undercarriage, case.shoe.rails
+    if frame is None or rails is None:
+        raise ValueError(f"the case {case.name!r} must have an undercarriage to show one")
+    return frame, rails.middles
 
 
 def shown_box(history: History, margin: Sequence[float]) -> list[list[float]]:
     """Least and greatest x, y and z of what a run is shown in, m.
 
-    Parameters
-    ----------
-    margin : sequence of float (3)
-        m beyond both ends, beside the shoes and below the ground's lowest face.
+    `margin` are the m beyond both ends, beside the shoes and below the ground's lowest face.
     """
     shoe, terrain = history.case.shoe, history.case.terrain
     x, y = (history.position.sel(axis=axis) for axis in "xy")
@@ -171,7 +273,7 @@ def shown_box(history: History, margin: Sequence[float]) -> list[list[float]]:
     near = np.abs(terrain.middles[:, 0] - np.mean(length)) < 0.5 * (np.ptp(length) + terrain.unit_length)
     tops = terrain.top_heights[near]
     top = float(tops.max(initial=0.0)) + 2.0 * (shoe.com_height + shoe.load_point[2])
-    if poses.rolls(history.dataset):
+    if rolls(history.dataset):
         top = max(top, float(history.side_frame_position.sel(axis="z").max()) + BEAM[1])
     beside = [float(y.min()) - sideways, float(y.max()) + sideways]
     return [length, beside, [float(tops.min(initial=0.0)) - margin[2], top]]

@@ -1,0 +1,362 @@
+"""Moving pictures, as MP4 or GIF: a track on its deforming terrain, and a flexible shoe with its stress."""
+
+from abc import ABC, abstractmethod
+from pathlib import Path
+
+import imageio_ffmpeg
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.text import Text
+from numpy.typing import NDArray
+
+from exudyn_crawler.files import refuse_existing, whole_file
+from exudyn_crawler.results.history.history import History, common_phases
+from exudyn_crawler.results.stress.recovery import surface_stress
+from exudyn_crawler.views import style
+from exudyn_crawler.views.curves import draw_phases
+from exudyn_crawler.views.scenes import pictures, shoes, track
+from exudyn_crawler.views.scenes.drawing import Backend, Window, draw_solids, usual_backend
+from exudyn_crawler.views.scenes.scene import Scene, View
+
+RATE = 20
+"""Pictures a second of an animation, where no other number is asked for."""
+MOST_PICTURES = 20_000
+"""Of an animation: 1000 s of it, some hours to draw."""
+PALETTE = "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=none"
+"""For ffmpeg: colours of its own for every picture, since one choice for all would need all in memory."""
+FORMATS = {".mp4": ("libx264", "yuv420p", [], 100), ".gif": ("gif", "pal8", ["-vf", PALETTE], 75)}
+"""Codec, format of colours, further options of ffmpeg and pixels an inch of a track, by the suffix."""
+VIEW_WIDTH, SPEED_HEIGHT, WRITING_HEIGHT = 10.4, 1.55, 1.9
+"""Inches: width of both views of a track, height of the curves, and height of all writing above and below."""
+DEEPEST = 0.25
+"""m that the greatest displacement of the ground is drawn at most."""
+SHOE_SIZE, SHOE_DPI = (9.0, 8.2), 90
+"""Inches, width and height of a picture of a shoe, and pixels an inch."""
+VIEWS = {"above": View.seen_from(azimuth=212.0, elevation=34.0), "below": View.seen_from(212.0, -28.0)}
+PARTS = {"above": (0.02, 0.51, 0.84, 0.41), "below": (0.02, 0.255, 0.84, 0.25)}
+"""Parts of a picture of a shoe: left, bottom, width and height over its own."""
+MARGIN = 0.08
+"""m about the shoe that are shown."""
+
+
+class Picture(ABC):
+    """Figure that can be brought to a time of a history.
+
+    Attributes
+    ----------
+    history : History
+    figure : Figure
+    cursor : Line2D
+        Line at the time in curves over it.
+    title : Text
+    name : str
+        What stands in the title before the time.
+    """
+
+    history: History
+    figure: Figure
+    cursor: Line2D
+    title: Text
+    name: str
+    _drawn: tuple[Artist, ...] = ()
+
+    @abstractmethod
+    def draw(self, now: xr.Dataset) -> list[Artist]:
+        """Draw what changes, of one instant as of `track.instants`; it is returned."""
+
+    def show(self, time: float) -> Figure:
+        """Bring the picture to the stored time nearest to `time` (s)."""
+        now = track.instants(self.history, [time])
+        for artist in self._drawn:
+            artist.remove()
+        self._drawn = tuple(self.draw(now))
+        at = float(now.time[0])
+        self.cursor.set_xdata([at] * 2)
+        self.title.set_text(f"{self.name}: t = {at:.2f} s")
+        return self.figure
+
+    def image(self, time: float) -> NDArray:
+        """Picture at a time as red, green and blue: array (height, width, 3), uint8."""
+        canvas = FigureCanvasAgg(self.show(time))
+        # ticks are chosen when drawn, by the style's size of writing
+        with mpl.rc_context(style.STYLE):
+            canvas.draw()
+        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+class TrackPicture(Picture):
+    """Track from above and from the side, and speeds of its ends or forces of rollers.
+
+    Parameters
+    ----------
+    history : History
+    scale : float
+        Magnification of the ground's displacements in the side view.
+    dpi : float
+        Resolution; the picture is 12 inches wide and as high as the track asks for, about 10.
+    """
+
+    def __init__(self, history: History, scale: float, dpi: float = 100) -> None:
+        if not scale > 0.0:
+            raise ValueError(f"scale must be positive, got {scale:g}")
+        self.history, self.name, self._scale = history, history.case.name, scale
+        self._force_scale = shoes.shoe_force_scale(history)
+        heave = history.unit_heave.values / style.MILLI
+        self._heave = float(heave.min()), float(heave.max())
+        windows = pictures.plan_window(history), pictures.side_window(history)
+        # both views become as wide as the picture has room for
+        ratios = [*(VIEW_WIDTH * (one[3] - one[2]) / (one[1] - one[0]) for one in windows), SPEED_HEIGHT]
+        with mpl.rc_context(style.STYLE):
+            self.figure = Figure(figsize=(12.0, round(sum(ratios) + WRITING_HEIGHT, 1)), dpi=dpi)
+            *views, curves = self.figure.subplots(3, 1, height_ratios=ratios)
+            self._plan, self._side = views
+            for ax, window in zip(views, windows, strict=True):
+                ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
+                ax.grid(False)
+            self._plan.set_ylabel("y in m")
+            self._side.set(xlabel="x in m", ylabel="z in m")
+            colours = ScalarMappable(Normalize(*self._heave), style.HEAVE_MAP)
+            self.figure.colorbar(colours, ax=views, label="heave of units in mm", fraction=0.02, pad=0.01)
+            self._side.set_title(_legend(history, scale), fontsize=9, loc="left")
+            (_draw_rollers if track.rolls(history.dataset) else _draw_speeds)(curves, history)
+            curves.set(xlabel="time in s", xlim=(0.0, history.duration))
+            self.cursor = curves.axvline(0.0, color="black", lw=0.8)
+            self.title = self.figure.suptitle("", x=0.01, ha="left", parse_math=False)
+            self.show(0.0)
+            draw_phases([curves], common_phases(history))
+            # the layout is solved once; solving it anew would take most of the time of a picture
+            self.figure.draw_without_rendering()
+            self.figure.set_layout_engine("none")
+
+    def draw(self, now: xr.Dataset) -> list[Artist]:
+        """Both views of one instant."""
+        case = self.history.case
+        plan = pictures.draw_plan(self._plan, case, now, self._heave)
+        return plan + pictures.draw_side(self._side, case, now, self._scale, self._force_scale)
+
+
+def ground_scale(history: History) -> float:
+    """Round magnification that makes the ground's displacements visible."""
+    moved = history.unit_heave.values - track.unloaded_level(history.case)
+    return max(1.0, style.drawn_scale(moved, DEEPEST))
+
+
+def _legend(history: History, scale: float) -> str:
+    """What has to be known about the side view."""
+    ground = f"displacement of the ground drawn {scale:g} times larger"
+    most = track.greatest_shoe_force(history) / style.KILO
+    greatest = f"contact force on each shoe, the greatest of the run {most:.3g} kN"
+    if track.rolls(history.dataset):
+        return f"{ground}; blue arrows: {greatest}; violet: force of each roller"
+    return f"{ground}, depth of the shoes in it at true scale; arrows: {greatest}"
+
+
+def _draw_speeds(ax: Axes, history: History) -> None:
+    """Draw the x velocity of both ends over time."""
+    shoes = history.shoe.values
+    for shoe, name in ((shoes[0], "rear"), (shoes[-1], "front")):
+        values = history.velocity.sel(shoe=shoe, axis="x")
+        ax.plot(values.time, values, label=f"shoe {shoe} ({name})")
+    ax.set_ylabel("x velocity in m/s")
+    ax.legend(loc="upper left", ncols=2)
+
+
+def _draw_rollers(ax: Axes, history: History) -> None:
+    """Draw what every roller presses with over time."""
+    pressed = -history.roller_force.sel(axis="z").sum("rail") / style.KILO
+    for roller in history.roller.values:
+        ax.plot(pressed.time, pressed.sel(roller=roller), label=f"{roller}")
+    ax.set(ylabel="force of a\nroller in kN", ylim=(0.0, 1.25 * float(pressed.max())))
+    ax.legend(loc="upper left", ncols=len(history.roller), title="", columnspacing=1.0, handlelength=1.2)
+
+
+class ShoePicture(Picture):
+    """Shoe with its stress from above and from below, and its load over time.
+
+    Colours, magnification of the elastic displacement and lengths of arrows are the same at all times.
+
+    Parameters
+    ----------
+    history : History
+    shoe : int
+        Number of a flexible shoe.
+    times : array (n,)
+        s; the stored instants nearest to them can be shown.
+    backend : {"opengl", "painted"}, optional
+        What draws the surface; the usual one of this machine if not given.
+
+    Raises
+    ------
+    ValueError
+        If the shoe is not a flexible one of the history.
+    """
+
+    def __init__(self, history: History, shoe: int, times: NDArray, backend: Backend | None = None) -> None:
+        rows = np.unique(history.dataset.get_index("time").get_indexer(times, method="nearest"))
+        surface = surface_stress(history, shoe, rows).rename(time="frame")
+        fields = {f"frame_{name}": surface[name] for name in ("von_mises", "displacement")}
+        self.stress = surface.assign({name: one.expand_dims(shoe=[shoe]) for name, one in fields.items()})
+        self.history = History(history.case, history.dataset.isel(time=rows).load())
+        self.name, self._shoe = f"{history.case.name}, shoe {shoe}", shoe
+        self._backend: Backend = backend or usual_backend()
+        self.scales = shoes.Scales.of(self.stress, self.history)
+        with mpl.rc_context(style.STYLE | {"figure.constrained_layout.use": False}):
+            self.figure = Figure(figsize=SHOE_SIZE, dpi=SHOE_DPI)
+            self._axes = {name: self.figure.add_axes(place) for name, place in PARTS.items()}
+            for ax in self._axes.values():
+                ax.set_axis_off()
+            self.cursor = self._draw_curves(self.figure.add_axes((0.08, 0.07, 0.8, 0.17)), history)
+            pictures.stress_bar(self.figure, (0.88, 0.34, 0.022, 0.53), self.scales)
+            self.title = self.figure.text(0.02, 0.985, "", va="top", fontsize=13, parse_math=False)
+            larger = f"elastic displacement drawn {self.scales.displacement:g} times larger"
+            said = f"{larger}; arrows: forces on the shoe"
+            self.figure.text(0.02, 0.947, said, va="top", fontsize=8.5, color="#444444")
+
+    def _draw_curves(self, ax: Axes, history: History) -> Line2D:
+        """Draw what presses on the shoe and its highest stress over time, and a cursor, which is returned."""
+        shown = self.stress.frame.values
+        if track.rolls(history.dataset):
+            pressed, name = -history.rail_force.sel(shoe=self._shoe, axis="z").values, "rollers on the shoe"
+        else:
+            alone = history.dataset.sel(shoe=[self._shoe])
+            pressed, name = track.shoe_forces(alone)[1][:, 0, 2], "ground on the shoe"
+        ax.plot(history.time, pressed / style.KILO, color=style.ROLLER_FORCE, label=name)
+        # room for the legend above the curves
+        ax.margins(y=0.35)
+        ax.set(xlabel="time in s", ylabel="force in kN", xlim=(shown[0], shown[-1]))
+        stress = ax.twinx()
+        highest = self.stress.frame_von_mises.max(("node", "shoe")) / style.MEGA
+        stress.plot(shown, highest, color="black", label="highest stress")
+        stress.set(ylabel="stress in MPa", ylim=(0.0, self.scales.stress / style.MEGA))
+        stress.spines["right"].set_visible(True)
+        stress.grid(False)
+        draw_phases([ax], common_phases(history))
+        lines = [*ax.lines, *stress.lines]
+        ax.legend(lines, [str(line.get_label()) for line in lines], loc="upper left", ncols=2)
+        return ax.axvline(shown[0], color="black", lw=0.8)
+
+    def scene(self, now: xr.Dataset) -> Scene:
+        """Shoe in its own axes at an instant, bent, with what presses on it and the rollers near it."""
+        whole = shoes.stress_scene(self.stress.sel(frame=now.time.values), self.history, self.scales)
+        return whole.seen_in(track.shoe_pose(now.isel(time=0), self._shoe))
+
+    def _window(self, view: View, with_rollers: bool) -> Window:
+        """Least and greatest coordinates to the right and upward of what is shown at any time."""
+        points, case = self.stress.node_position.values, self.history.case
+        if with_rollers and case.undercarriage is not None and case.shoe.rails is not None:
+            rails, ends = case.shoe.rails, (-shoes.BESIDE, shoes.BESIDE)
+            top = rails.height + 2.0 * case.undercarriage.radius
+            points = np.vstack((points, [(x, y, top) for x in ends for y in rails.middles]))
+        seen = view.project(points)
+        (left, bottom, _), (right, top, _) = seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN
+        return float(left), float(right), float(bottom), float(top)
+
+    def draw(self, now: xr.Dataset) -> list[Artist]:
+        """Shoe from above with the rollers, and from below without."""
+        scene, drawn = self.scene(now), []
+        for name, view in VIEWS.items():
+            solids = [one.at() for one in scene.solids[: None if name == "above" else 1]]
+            ax, window = self._axes[name], self._window(view, name == "above")
+            drawn += draw_solids(ax, solids, view, window, self._backend, SHOE_DPI)
+            drawn += pictures.draw_forces(ax, scene.arrows, view)
+        return drawn
+
+
+def film_times(
+    duration: float, rate: int = RATE, speed: float = 1.0, start: float = 0.0, end: float | None = None
+) -> NDArray:
+    """Times of a run that the pictures of an animation show, s: arguments and errors of `write_animation`."""
+    end = duration if end is None else end
+    if not 0.0 <= start < end <= duration + 1e-9:
+        raise ValueError(f"start and end must lie in 0..{duration:g} s, got {start:g}..{end:g} s")
+    for name, value in (("rate", rate), ("speed", speed)):
+        if not value > 0.0:
+            raise ValueError(f"{name} must be positive, got {value:g}")
+    least = (end - start) * rate / MOST_PICTURES
+    if speed < least:
+        raise ValueError(
+            f"speed must be at least {least:.3g} for {end - start:g} s at {rate} pictures a second: an "
+            f"animation has at most {MOST_PICTURES} pictures; got {speed:g}"
+        )
+    return np.arange(start, end + 1e-9, speed / rate)
+
+
+def write_animation(
+    history: History,
+    path: Path,
+    overwrite: bool = False,
+    scale: float | None = None,
+    shoe: int | None = None,
+    *,
+    rate: int = RATE,
+    speed: float = 1.0,
+    start: float = 0.0,
+    end: float | None = None,
+) -> Path:
+    """Write an animation of a run as MP4 or GIF, without a display.
+
+    Parameters
+    ----------
+    path : Path
+        File to write; its suffix, `.mp4` or `.gif`, says which.
+    scale : float, optional
+        Magnification of the ground's displacements in the side view; a fitting round one if not given.
+    shoe : int, optional
+        Number of a flexible shoe that is shown with its stress, in place of the track.
+    rate : int
+        Pictures a second of the animation.
+    speed : float
+        Simulated seconds that a second of the animation shows.
+    start, end : float
+        s, first and last time that is shown; the run's end if None.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    ValueError
+        For another suffix, times outside the run, a scale, rate or speed that is not positive, a shoe that is
+        not a flexible one, or more than 20 000 pictures.
+    FileExistsError
+        If the file exists and `overwrite` is false.
+    """
+    if path.suffix not in FORMATS:
+        raise ValueError(f"an animation is an .mp4 or .gif file, got {path}")
+    refuse_existing(path, overwrite)
+    times = film_times(history.duration, rate, speed, start, end)
+    codec, colours, options, dpi = FORMATS[path.suffix]
+    picture: Picture
+    if shoe is None:
+        picture = TrackPicture(history, ground_scale(history) if scale is None else scale, dpi)
+    else:
+        picture = ShoePicture(history, shoe, times)
+    with whole_file(path, overwrite) as temporary:
+        # the ffmpeg that imageio-ffmpeg brings along; players of H.264 want even sides
+        writer = imageio_ffmpeg.write_frames(
+            str(temporary),
+            picture.figure.canvas.get_width_height(physical=True),
+            fps=rate,
+            codec=codec,
+            macro_block_size=2,
+            pix_fmt_out=colours,
+            output_params=options,
+            ffmpeg_log_level="error",
+        )
+        writer.send(None)
+        try:
+            for time in times:
+                writer.send(picture.image(float(time)))
+        finally:
+            writer.close()
+    return path
