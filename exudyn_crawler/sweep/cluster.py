@@ -15,6 +15,7 @@ from distributed.client import FutureCancelledError
 from distributed.scheduler import KilledWorker
 from distributed.versions import VersionMismatchWarning
 
+from exudyn_crawler.errors import CrawlerError
 from exudyn_crawler.sweep.worker import Outcome, Task, check_versions, failed_outcome, own_versions, run_task
 
 CONNECT_WAIT = 20.0
@@ -83,12 +84,11 @@ def _kept_environment() -> Iterator[None]:
 @contextmanager
 def _remote(scheduler: str) -> Iterator[Client]:
     try:
-        if Path(scheduler).suffix == ".json":
-            if not Path(scheduler).is_file():
-                raise FileNotFoundError("no such file")
-            client = Client(scheduler_file=scheduler, timeout=CONNECT_WAIT, set_as_default=False)
-        else:
-            client = Client(scheduler, timeout=CONNECT_WAIT, set_as_default=False)
+        is_file = Path(scheduler).suffix == ".json"
+        if is_file and not Path(scheduler).is_file():
+            raise FileNotFoundError("no such file")
+        where = {"scheduler_file" if is_file else "address": scheduler}
+        client = Client(**where, timeout=CONNECT_WAIT, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ValueError(f"scheduler must be one that answers, got {scheduler}: {reason}") from error
@@ -157,19 +157,11 @@ def outcomes(
         try:
             outcome = future.result()
         except KilledWorker as error:
-            outcome = failed_outcome(task, _KilledError(error))
+            times, last = error.allowed_failures + 1, error.last_worker.address
+            reason = f"{times} workers died while they ran it, the last one {last}"
+            outcome = failed_outcome(task, CrawlerError(reason))
         except FutureCancelledError as error:
             raise ConnectionError(f"the scheduler was lost: {error}") from error
         future.release()
         yield outcome
         submit(1)
-
-
-class _KilledError(RuntimeError):
-    """Why a run whose workers died has failed."""
-
-    def __init__(self, error: KilledWorker) -> None:
-        super().__init__(
-            f"{error.allowed_failures + 1} workers died while they ran it, the last one "
-            f"{error.last_worker.address}"
-        )

@@ -122,9 +122,8 @@ def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:
     values = table[name]
     if pd.api.types.is_numeric_dtype(values) and not pd.api.types.is_bool_dtype(values):
         return values.to_numpy(dtype=float), []
-    texts = values.astype(str)
-    different = list(dict.fromkeys(texts))
-    return texts.map({text: k for k, text in enumerate(different)}).to_numpy(dtype=float), different
+    codes, texts = pd.factorize(values.astype(str))
+    return codes.astype(float), list(texts)
 
 
 def main_effects(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
@@ -248,20 +247,18 @@ def write_page(
 def best_and_worst(sweep: Sweep, table: pd.DataFrame) -> list[Best]:
     """Best and worst finished run of every answer."""
     done = table[table["status"] == DONE]
-    ends_of_all = []
+    rows = []
     for answer in sweep.answers:
         values = done[answer.label].dropna()
         if values.empty:
             continue
-        ends = [("best", values.idxmin()), ("worst", values.idxmax())]
-        if answer.better == "more":
-            ends = [("best", values.idxmax()), ("worst", values.idxmin())]
-        for which, index in ends:
-            row = done.loc[index]
-            ends_of_all.append(
-                Best(answer.label, which, int(row["run"]), str(row["folder"]), float(values[index]))
-            )
-    return ends_of_all
+        ends = (values.idxmin(), values.idxmax())
+        for which, index in zip(
+            ("best", "worst"), ends[:: -1 if answer.better == "more" else 1], strict=True
+        ):
+            run, folder = done.loc[index, ["run", "folder"]]
+            rows.append(Best(answer.label, which, int(run), str(folder), float(values[index])))
+    return rows
 
 
 def _lead(sweep: Sweep, table: pd.DataFrame) -> str:

@@ -115,9 +115,8 @@ def run_sweep(
     folder = writable_folder(Path(out))
     runs = writable_folder(_runs_folder(folder, storage))
     with _held_folder(folder, sweep, say) as work:
-        stored = _stored_outcomes(planned, runs)
-        missing = _missing(sweep, planned, stored, retry)
-        work.say(_progress(planned, stored, len(missing)))
+        stored, missing, line = _state(sweep, runs, retry)
+        work.say(line)
         if missing:
             # planning a sweep and looking at its results do without Dask
             from exudyn_crawler.sweep.cluster import connected, outcomes
@@ -146,11 +145,9 @@ def run_sweep(
 
 def folder_state(sweep: Sweep, out: Path, *, storage: str | None, workers: int | None, retry: bool) -> str:
     """What of a sweep is in a folder, and how long the rest takes; arguments as of `run_sweep`."""
-    planned = sweep.planned
-    stored = _stored_outcomes(planned, _runs_folder(out, storage))
-    missing = _missing(sweep, planned, stored, retry)
-    line = estimate(sweep.case.with_(outputs=sweep.outputs), len(missing), workers, stored.values())
-    return f"{_progress(planned, stored, len(missing))}\n{line}"
+    stored, missing, line = _state(sweep, _runs_folder(out, storage), retry)
+    rest = estimate(sweep.case.with_(outputs=sweep.outputs), len(missing), workers, stored.values())
+    return f"{line}\n{rest}"
 
 
 def _runs_folder(folder: Path, storage: str | None) -> Path:
@@ -172,43 +169,40 @@ def _held_folder(folder: Path, sweep: Sweep, say: Callable[[str], None]) -> Iter
             yield work
 
 
-def _stored_outcomes(planned: tuple[PlannedRun, ...], runs: Path) -> dict[str, Outcome]:
-    """Outcomes that a folder has of planned runs, by digest, failed ones among them."""
-    read = {one.digest: read_outcome(runs, one.digest) for one in planned}
-    return {digest: outcome for digest, outcome in read.items() if outcome is not None}
+def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], list[PlannedRun], str]:
+    """Outcomes that are there, by digest, runs that are missing, each once, and both in a line.
 
-
-def _missing(
-    sweep: Sweep, planned: tuple[PlannedRun, ...], stored: dict[str, Outcome], retry: bool
-) -> dict[str, PlannedRun]:
-    """Runs that have not finished or have other answers, each once, by digest."""
+    Runs are missing that have not finished, or failed and are retried, or have other answers.
+    """
+    different = {one.digest: one for one in sweep.planned}
+    read = {digest: read_outcome(runs, digest) for digest in different}
+    stored = {digest: outcome for digest, outcome in read.items() if outcome is not None}
+    failed = {digest for digest, outcome in stored.items() if outcome["status"] == FAILED}
     asked = ANSWERS.dump_python(sweep.answers, mode="json")
-    missing: dict[str, PlannedRun] = {}
-    for one in planned:
-        outcome = stored.get(one.digest, {})
-        status = outcome.get("status")
-        done = status == DONE and outcome.get("asked") == asked
-        if not (done or (status == FAILED and not retry)):
-            missing.setdefault(one.digest, one)
-    return missing
+    answered = {digest for digest, outcome in stored.items() if outcome.get("asked") == asked} - failed
+    missing = [different[one] for one in different if one not in answered and (retry or one not in failed)]
+    count, there = len(sweep.planned), len(different) - len(missing)
+    same = f", {count - len(different)} of them the same as others" if len(different) < count else ""
+    more = f" ({len(failed)} failed)" if failed else ""
+    return stored, missing, f"{count} runs{same}: {there} are there{more}, {len(missing)} to run"
 
 
 def tasks_of(
     sweep: Sweep,
-    missing: dict[str, PlannedRun],
+    missing: Iterable[PlannedRun],
     runs: Path,
     reductions: Path | None = None,
     retry: bool = False,
 ) -> Iterator[Task]:
-    """Tasks of planned runs by digest, each made when it is asked for: all cases take too much memory.
+    """Tasks of planned runs, each made when it is asked for: all cases take too much memory.
 
     Workers may share a folder of `reductions`; `retry` runs those anew that have failed.
     """
     answers = ANSWERS.dump_json(sweep.answers).decode()
-    for digest, one in missing.items():
+    for one in missing:
         case_file, _ = sweep.case_of(one.values)
         yield Task(
-            digest=digest,
+            digest=one.digest,
             case=case_file.model_dump_json(),
             answers=answers,
             runs=str(runs),
@@ -216,14 +210,6 @@ def tasks_of(
             versions=own_versions(),
             again=retry,
         )
-
-
-def _progress(planned: tuple[PlannedRun, ...], stored: dict[str, Outcome], missing: int) -> str:
-    failed = sum(outcome["status"] == FAILED for outcome in stored.values())
-    different = len({one.digest for one in planned})
-    same = f", {len(planned) - different} of them the same as others" if different < len(planned) else ""
-    there = f"{different - missing} are there" + (f" ({failed} failed)" if failed else "")
-    return f"{len(planned)} runs{same}: {there}, {missing} to run"
 
 
 def run_time(case_file: CaseFile) -> float:
@@ -235,14 +221,13 @@ def run_time(case_file: CaseFile) -> float:
     if case.propel == "rolled":
         step, more = ROLLED * step, ROLLED_FLEXIBLE
     step += more * flexible
-    stored = case_file.duration / max(solver.output_interval, solver.step)
-    return BEGIN + case_file.duration / solver.step * step + RECOVERY * flexible * stored
+    recovered = flexible * solver.stored_times(case_file.duration)
+    return BEGIN + case_file.duration / solver.step * step + RECOVERY * recovered
 
 
 def run_bytes(case_file: CaseFile) -> float:
     """Size of what a run leaves, about."""
-    solver = case_file.case.solver
-    stored = case_file.duration / max(solver.output_interval, solver.step)
+    stored = case_file.case.solver.stored_times(case_file.duration)
     return PACKED * NUMBER * stored * stored_numbers(case_file.case) + 20e3
 
 

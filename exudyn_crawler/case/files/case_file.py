@@ -44,7 +44,7 @@ def check_size(case: Case, duration: float) -> None:
         needed = 4.0 * NUMBER * (2.0 * units) ** 2
     _check_memory(f"terrain: {terrain.columns} x {terrain.rows} units", needed)
     solver = case.solver
-    times = duration / max(solver.output_interval, solver.step)
+    times = solver.stored_times(duration)
     needed = times * stored_numbers(case) * NUMBER
     if needed > GREATEST_HISTORY:
         raise ValueError(

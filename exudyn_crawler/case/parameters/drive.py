@@ -158,3 +158,7 @@ class Solver(Parameters):
         if self.minimum_step > self.step:
             raise ValueError(f"minimum_step must not exceed step = {self.step}, got {self.minimum_step}")
         return self
+
+    def stored_times(self, duration: float) -> float:
+        """Stored states of a run (s), about."""
+        return duration / max(self.output_interval, self.step)
