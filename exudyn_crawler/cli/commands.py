@@ -96,7 +96,7 @@ def info(
     from exudyn_crawler.case.files.files import read_case
     from exudyn_crawler.case.files.text import nearest_base, shoe_weights
     from exudyn_crawler.case.parameters.checks import warn_implausible
-    from exudyn_crawler.case.parameters.paths import case_rows
+    from exudyn_crawler.case.parameters.fields import case_rows
     from exudyn_crawler.views.tables import print_rows
 
     if case in registered(CASES):

@@ -22,7 +22,7 @@ from exudyn_crawler.case import Case, CaseFile, Outputs, read_case
 from exudyn_crawler.case.files.errors import toml_content
 from exudyn_crawler.case.files.files import case_of, faults_named, from_content, with_base
 from exudyn_crawler.case.parameters.base import Parameters
-from exudyn_crawler.case.parameters.paths import BASE, TAG, named_values
+from exudyn_crawler.case.parameters.fields import BASE, TAG, named_values
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from exudyn_crawler.run.folder.record import PROGRAM

@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.case.parameters.paths import value_text
+from exudyn_crawler.case.parameters.fields import value_text
 from exudyn_crawler.files import note_written, whole_file
 from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep, salib_problem

@@ -12,7 +12,7 @@ import xarray as xr
 
 from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.files.case_file import NUMBER, stored_numbers
-from exudyn_crawler.case.parameters.paths import in_units
+from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
 from exudyn_crawler.run.folder.progress import progress_bar
 from exudyn_crawler.run.folder.record import RunFolder, held, quiet, recorded
@@ -39,8 +39,7 @@ STEP, STEP_FLEXIBLE = {True: 0.6e-3, False: 1.2e-3}, {True: 0.1e-3, False: 2.0e-
 equations and without (docs/speed.md, docs/sweeps.md)."""
 SHOES = 13
 ROLLED, ROLLED_FLEXIBLE = 2.5, 1.0e-3
-"""How many times as much a step of rigid shoes takes that a side frame rolls over, and s more of a flexible
-one there."""
+"""How many times as much a step of rigid shoes takes in a rolled case, and s more of a flexible one there."""
 RECOVERY = 1.0e-3
 """s a stored time of a flexible shoe, whose stresses are recovered."""
 TIMES = {"days": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}

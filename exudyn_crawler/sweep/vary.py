@@ -11,20 +11,9 @@ from pydantic import Field, ValidationError, model_validator
 from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.files.errors import faults, shown
 from exudyn_crawler.case.files.files import from_content
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Name, Parameters
 from exudyn_crawler.case.parameters.loads import with_equal_loads
-from exudyn_crawler.case.parameters.paths import (
-    EVERY,
-    TAG,
-    Entry,
-    entry_at,
-    is_table,
-    likely_cause,
-    parse_path,
-    plausible_range,
-    value_text,
-    with_change,
-)
 
 MOST_FAULTS = 3
 """That an error names."""
@@ -77,7 +66,7 @@ class Vary(Parameters):
     @model_validator(mode="after")
     def _check(self) -> Self:
         for path in self.keys:
-            parse_path(path)
+            fields.parse_path(path)
         if not self.keys or len(set(self.keys)) != len(self.keys):
             raise ValueError(f"key must be a path, or different ones, got {list(self.keys)}")
         if self.values is not None:
@@ -116,7 +105,9 @@ class Vary(Parameters):
     @property
     def label(self) -> str:
         """Name of the column."""
-        names = [part for part in parse_path(self.keys[0]) if isinstance(part, str) and part != EVERY]
+        names = [
+            part for part in fields.parse_path(self.keys[0]) if isinstance(part, str) and part != fields.EVERY
+        ]
         return self.name or names[-1]
 
     def levels(self) -> tuple[Any, ...]:
@@ -142,7 +133,7 @@ class Vary(Parameters):
         """Unit of the column; empty for factors and for what has none."""
         if self.settings is not None:
             return self.unit or ""
-        entry = entry_at(case_file, parse_path(self.keys[0]))
+        entry = fields.entry_at(case_file, fields.parse_path(self.keys[0]))
         return "" if self.factor or entry is None else entry.unit
 
     def applied(self, content: Content, value: Any) -> Content:
@@ -164,7 +155,9 @@ class Vary(Parameters):
         )
         for path, put in zip(self.keys, puts, strict=True):
             try:
-                content = with_change(content, parse_path(path), partial(change, put=put), CaseFile)
+                content = fields.with_change(
+                    content, fields.parse_path(path), partial(change, put=put), CaseFile
+                )
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
         return content
@@ -172,10 +165,10 @@ class Vary(Parameters):
     def check(self, case_file: CaseFile) -> None:
         """Refuse, naming the path, what does not fit a case: unknown paths, another unit, wrong values."""
         for path in self.keys:
-            entry = entry_at(case_file, parse_path(path))
-            if entry is not None and is_table(entry.value):
+            entry = fields.entry_at(case_file, fields.parse_path(path))
+            if entry is not None and fields.is_table(entry.value):
                 raise ValueError(f"{path} is a table; key must be the path of a value in it")
-            if entry is not None and entry.place[-1] == TAG:
+            if entry is not None and entry.place[-1] == fields.TAG:
                 raise ValueError(f"{path} cannot vary: each has values of its own; make a sweep of each")
             # settings are computed: their unit is that of what they stand for
             if entry is not None and self.settings is None:
@@ -198,7 +191,7 @@ class Vary(Parameters):
         if content == before:
             raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
 
-    def _check_unit(self, path: str, entry: Entry) -> None:
+    def _check_unit(self, path: str, entry: fields.Entry) -> None:
         """Refuse another unit, and numbers that without a unit are likely in another."""
         if self.unit is not None and self.unit != ("" if self.factor else entry.unit):
             meant = "none with a factor" if self.factor else repr(entry.unit)
@@ -208,10 +201,10 @@ class Vary(Parameters):
         for value in self.values or (self.low, self.high):
             if not isinstance(value, int | float) or isinstance(value, bool):
                 continue
-            least, greatest = plausible_range(entry.field) or (value, value)
+            least, greatest = fields.plausible_range(entry.field) or (value, value)
             if least <= value <= greatest:
                 continue
-            if cause := likely_cause(float(value), entry.field):
+            if cause := fields.likely_cause(float(value), entry.field):
                 unit = f" {entry.unit}" if entry.unit else ""
                 raise ValueError(
                     f"{path}: {value:g}{unit} is beyond what there is{cause}; if it is meant, say "
@@ -252,6 +245,6 @@ def idle(paths: Iterable[str], case: Case) -> Iterator[str]:
     """Those of some paths whose values change nothing in a case, a line each."""
     for path in filter(IDLE.__contains__, paths):
         for other, value in IDLE[path].items():
-            entry = entry_at(case, parse_path(other))
+            entry = fields.entry_at(case, fields.parse_path(other))
             if entry is not None and entry.value == value:
-                yield f"{path}: it changes nothing with {other} = {value_text(value)}"
+                yield f"{path}: it changes nothing with {other} = {fields.value_text(value)}"

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from exudyn_crawler import Case, CaseFile, SphereContact, StepProfile
 from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.parameters.base import Parameters
-from exudyn_crawler.case.parameters.paths import allows_none, models_of, named_values
+from exudyn_crawler.case.parameters.fields import allows_none, models_of, named_values
 from exudyn_crawler.errors import ParameterError
 from meshes import SHOE_SIZES
 

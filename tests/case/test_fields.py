@@ -1,7 +1,7 @@
 """The walk over a case: order, places, units and meanings, and the classes that a field may hold."""
 
 from exudyn_crawler import Case, CaseFile, PairContact, SphereContact, Terrain
-from exudyn_crawler.case.parameters.paths import is_table, key_paths, models_of, walk
+from exudyn_crawler.case.parameters.fields import is_table, key_paths, models_of, walk
 
 WHOLE = CaseFile(case=Case.stress("coarse"))
 

@@ -21,7 +21,7 @@ from exudyn_crawler import (
 )
 from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.files.text import case_text
-from exudyn_crawler.case.parameters.paths import case_rows, key_paths, named_values, number_text
+from exudyn_crawler.case.parameters.fields import case_rows, key_paths, named_values, number_text
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed

@@ -3,7 +3,7 @@
 import pytest
 
 from exudyn_crawler import Case, CaseFile, LoadCycle
-from exudyn_crawler.case.parameters.paths import (
+from exudyn_crawler.case.parameters.fields import (
     entry_at,
     parse_path,
     path_text,

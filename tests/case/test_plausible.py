@@ -6,7 +6,7 @@ import pytest
 
 from exudyn_crawler import Case, LoadCycle, Phase, SphereContact
 from exudyn_crawler.case.parameters.checks import implausible, warn_implausible
-from exudyn_crawler.case.parameters.paths import plausible_range, walk
+from exudyn_crawler.case.parameters.fields import plausible_range, walk
 from exudyn_crawler.errors import ImplausibleWarning, ParameterError
 
 STRAIGHT = Case.translation()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import CaseFile, simulate
-from exudyn_crawler.case.parameters.paths import parse_path, with_value
+from exudyn_crawler.case.parameters.fields import parse_path, with_value
 from exudyn_crawler.sweep.vary import IDLE, Vary, checked_case, idle
 from tests.sweep.cases import STIFFNESS, small_case
 

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters.base import Parameters, quantity
-from exudyn_crawler.case.parameters.paths import BESIDE, in_units
+from exudyn_crawler.case.parameters.fields import BESIDE, in_units
 
 _bytes = partial(in_units, units={"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0})
 NUMBER = 8

@@ -9,17 +9,8 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from exudyn_crawler.case.parameters.paths import (
-    TAG,
-    KeyPath,
-    is_beside,
-    key_paths,
-    likely_cause,
-    models_of,
-    named_values,
-    path_text,
-    tag_of,
-)
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters.fields import KeyPath
 
 
 def toml_content(path: str | Path, kind: str) -> dict[str, Any]:
@@ -77,15 +68,15 @@ def _spot(loc: KeyPath, model: type[BaseModel], in_file: bool) -> _Spot:
         if isinstance(part, int):
             spot = spot._replace(place=(*spot.place, part))
             continue
-        tagged = [kind for kind in spot.held if len(spot.held) > 1 and tag_of(kind) == part]
+        tagged = [kind for kind in spot.held if len(spot.held) > 1 and fields.tag_of(kind) == part]
         if tagged:
             instead = tuple(kind for kind in spot.held if kind not in tagged)
             spot = spot._replace(held=tuple(tagged))
             continue
         table = spot.held[0] if spot.held else spot.table
         field = table.model_fields.get(part)
-        held = models_of(field.annotation) if field else ()
-        if in_file and field and is_beside(field):
+        held = fields.models_of(field.annotation) if field else ()
+        if in_file and field and fields.is_beside(field):
             spot = _Spot(spot.place, table, instead, held, around=table)
         else:
             around = spot.around if spot.held and spot.around is spot.table else None
@@ -95,7 +86,7 @@ def _spot(loc: KeyPath, model: type[BaseModel], in_file: bool) -> _Spot:
 
 
 def _told(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
-    path, given = path_text(spot.place), one["input"]
+    path, given = fields.path_text(spot.place), one["input"]
     head = f"{path}: " if path else ""
     message = one["msg"].removeprefix("Value error, ")
     if one["type"].endswith("_parsing"):
@@ -107,9 +98,9 @@ def _told(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool)
     if one["type"] == "value_error":
         return f"{head}{message}"
     if one["type"] in ("union_tag_invalid", "union_tag_not_found"):
-        tag = given.get(TAG) if isinstance(given, dict) else given
-        allowed = " or ".join(repr(tag_of(kind)) for kind in spot.held)
-        return f"{path}.{TAG}: Input should be {allowed}, got {shown(tag)}"
+        tag = given.get(fields.TAG) if isinstance(given, dict) else given
+        allowed = " or ".join(repr(fields.tag_of(kind)) for kind in spot.held)
+        return f"{path}.{fields.TAG}: Input should be {allowed}, got {shown(tag)}"
     if in_file:
         message = message.replace("be an object", "be a table")
     elif one["type"] in ("model_type", "model_attributes_type"):
@@ -124,7 +115,7 @@ def _missing(one: ErrorDetails, spot: _Spot, in_file: bool) -> str:
     if in_file:
         in_list = any(isinstance(part, int) for part in spot.place)
         return "missing" if in_list else "missing; give it, or a base for what is left out"
-    named = " or ".join(f"{spot.table.__name__}.{name}()" for name in named_values(spot.table))
+    named = " or ".join(f"{spot.table.__name__}.{name}()" for name in fields.named_values(spot.table))
     return f"missing; give it, or change a copy of {named}" if named else "missing"
 
 
@@ -135,7 +126,7 @@ def _cause(one: ErrorDetails, spot: _Spot) -> str:
     beyond = one["type"].startswith(("less_than", "greater_than"))
     if not beyond or field is None or not isinstance(given, int | float):
         return ""
-    return likely_cause(float(given), field)
+    return fields.likely_cause(float(given), field)
 
 
 def _unknown(spot: _Spot, model: type[BaseModel]) -> str:
@@ -143,15 +134,16 @@ def _unknown(spot: _Spot, model: type[BaseModel]) -> str:
     wrong, start = str(spot.place[-1]), spot.place[:-1]
     for other in spot.others:
         if wrong in other.model_fields:
-            return f"unknown key with {TAG} = {tag_of(spot.table)!r}; {TAG} = {tag_of(other)!r} has it"
+            this, that = fields.tag_of(spot.table), fields.tag_of(other)
+            return f"unknown key with {fields.TAG} = {this!r}; {fields.TAG} = {that!r} has it"
     names = list(spot.table.model_fields)
     if spot.around is not None:
-        names += [name for name, field in spot.around.model_fields.items() if not is_beside(field)]
+        names += [name for name, field in spot.around.model_fields.items() if not fields.is_beside(field)]
     near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.7)
     if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
-        return f"unknown key; did you mean {path_text((*start, near[0]))}?"
+        return f"unknown key; did you mean {fields.path_text((*start, near[0]))}?"
     # of several the first
-    elsewhere = {path.rpartition(".")[2]: path for path in reversed([*key_paths(model)])}
+    elsewhere = {path.rpartition(".")[2]: path for path in reversed([*fields.key_paths(model)])}
     if near := difflib.get_close_matches(wrong, elsewhere, n=1, cutoff=0.7):
         return f"unknown key; did you mean {elsewhere[near[0]]}?"
     near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.0) or names[:1]

@@ -19,22 +19,9 @@ from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.files.case_file import CaseFile
 from exudyn_crawler.case.files.errors import faults, toml_content
 from exudyn_crawler.case.files.text import case_text
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters.fields import KeyPath
 from exudyn_crawler.case.parameters.loads import LoadCycle, cycle_content, with_equal_loads
-from exudyn_crawler.case.parameters.paths import (
-    BASE,
-    EVERY,
-    NONE,
-    TAG,
-    KeyPath,
-    allows_none,
-    key_paths,
-    models_of,
-    named_values,
-    parse_path,
-    path_text,
-    tag_of,
-    with_value,
-)
 from exudyn_crawler.case.parameters.track import MOST_SHOES
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.files import whole_file
@@ -80,7 +67,7 @@ class Change(NamedTuple):
     def made_in(self, content: dict[str, Any], kind: type[CaseFile] | None = None) -> dict[str, Any]:
         """Content with the change: tables of a file or, of a `kind`, with what bases give."""
         try:
-            changed: dict[str, Any] = with_value(content, self.path, self.value, kind)
+            changed: dict[str, Any] = fields.with_value(content, self.path, self.value, kind)
         except ValueError as error:
             raise ValueError(f"{self.key}: {error}") from error
         return changed
@@ -145,31 +132,31 @@ def _change(text: str) -> Change:
     key, equals, value = text.partition("=")
     key = key.strip()
     try:
-        path = parse_path(key)
+        path = fields.parse_path(key)
     except ValueError:
         equals = ""
     if not equals:
         raise ValueError(
             f"a change must be like terrain.spring_stiffness=1e7 or loads.phases[0].end=15, got {text!r}"
         )
-    known = list(key_paths(CaseFile))
-    if path[0] not in {BASE, *Case.model_fields, *CaseFile.model_fields}:
+    known = list(fields.key_paths(CaseFile))
+    if path[0] not in {fields.BASE, *Case.model_fields, *CaseFile.model_fields}:
         end = "." + ".".join(_names(path))
         meant = [one for one in known if one.endswith(end)]
         if len(meant) > 1:
             raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
-        path = (*parse_path(meant[0].removesuffix(end)), *path) if meant else path
+        path = (*fields.parse_path(meant[0].removesuffix(end)), *path) if meant else path
     # up to the first name that no case file has, of which the check of the content tells
     for count, part in enumerate(path, 1):
         above = ".".join(_names(path[:count])) + "."
-        if part != BASE and not any(f"{one}.".startswith(above) for one in known):
+        if part != fields.BASE and not any(f"{one}.".startswith(above) for one in known):
             path = path[:count]
             break
     return Change(key, path, _value(value.strip()))
 
 
 def _names(path: KeyPath) -> list[str]:
-    return [part for part in path if isinstance(part, str) and part != EVERY]
+    return [part for part in path if isinstance(part, str) and part != fields.EVERY]
 
 
 def _value(text: str) -> Any:
@@ -195,7 +182,7 @@ def _resolved(content: dict[str, Any], folder: Path, of_items: Iterable[Change] 
         with faults_named(cycle, LoadCycle):
             from_content(LoadCycle, case["loads"])
     for name, field in CaseFile.model_fields.items():
-        kinds = models_of(field.annotation)
+        kinds = fields.models_of(field.annotation)
         if kinds and isinstance(own.get(name), dict):
             own[name] = with_base(own[name], kinds, {}, (name,))
     content = {**own, "case": case}
@@ -248,17 +235,17 @@ def with_base(
 ) -> dict[str, Any]:
     """What a table of one of the classes gives over its base, or over the values `below` it."""
     given = dict(given)
-    tag = given.get(TAG, below.get(TAG))
-    kind = next((one for one in kinds if len(kinds) > 1 and tag_of(one) == tag), kinds[0])
+    tag = given.get(fields.TAG, below.get(fields.TAG))
+    kind = next((one for one in kinds if len(kinds) > 1 and fields.tag_of(one) == tag), kinds[0])
     # values of another class say nothing of this one
-    values = dict(below) if len(kinds) == 1 or below.get(TAG) == tag_of(kind) else {}
-    name = given.pop(BASE, None)
+    values = dict(below) if len(kinds) == 1 or below.get(fields.TAG) == fields.tag_of(kind) else {}
+    name = given.pop(fields.BASE, None)
     if name is not None:
         values = _named(name, kind, path)
     for key, value in given.items():
         field = kind.model_fields.get(key)
-        parts = models_of(field.annotation) if field else ()
-        if field and value == NONE and allows_none(field.annotation):
+        parts = fields.models_of(field.annotation) if field else ()
+        if field and value == fields.NONE and fields.allows_none(field.annotation):
             values[key] = None
         elif parts and isinstance(value, dict):
             under = values.get(key)
@@ -271,13 +258,13 @@ def with_base(
 
 def _named(name: object, kind: type[BaseModel], path: KeyPath) -> dict[str, Any]:
     """Values of a named constructor."""
-    constructors = named_values(kind)
+    constructors = fields.named_values(kind)
     if not isinstance(name, str) or name not in constructors:
         names = list(constructors)
         near = difflib.get_close_matches(str(name), names, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         allowed = ", ".join(map(repr, names)) or "no names at all"
-        raise ValueError(f"{path_text((*path, BASE))}: no {name!r}; {hint}There is {allowed}")
+        raise ValueError(f"{fields.path_text((*path, fields.BASE))}: no {name!r}; {hint}There is {allowed}")
     return constructors[name]().model_dump(mode="json")
 
 

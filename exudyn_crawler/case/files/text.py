@@ -10,19 +10,8 @@ from tomlkit.items import Array, Float, InlineTable, Item, Trivia
 import meshes
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.files.case_file import CaseFile
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import StepProfile
-from exudyn_crawler.case.parameters.paths import (
-    BASE,
-    NONE,
-    Entry,
-    first_line,
-    is_table,
-    models_of,
-    named_values,
-    number_text,
-    value_text,
-    walk,
-)
 from meshes.geometry import VOLUMES
 
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
@@ -31,8 +20,8 @@ HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
 def case_text(case_file: CaseFile) -> str:
     """Case file as TOML with a comment for every value."""
     lines = [f"# {line}" for line in (HEAD, *_bases((Case,)))] + [""]
-    for entry in walk(case_file):
-        if isinstance(entry.value, BaseModel) and is_table(entry.value):
+    for entry in fields.walk(case_file):
+        if isinstance(entry.value, BaseModel) and fields.is_table(entry.value):
             lines += _head(entry, entry.value)
         else:
             words = ", ".join(part for part in (entry.unit, entry.meaning) if part)
@@ -41,7 +30,7 @@ def case_text(case_file: CaseFile) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _head(entry: Entry, table: BaseModel) -> Iterator[str]:
+def _head(entry: fields.Entry, table: BaseModel) -> Iterator[str]:
     """Lines that begin a table: its name, what it is, and the named values that its `base` may take."""
     name = ".".join(part for part in entry.place if isinstance(part, str))
     yield ""
@@ -49,25 +38,25 @@ def _head(entry: Entry, table: BaseModel) -> Iterator[str]:
         yield f"[[{name}]]"
         return
     yield f"[{name}]"
-    yield f"# {entry.field.description or first_line(type(table))}"
-    for line in _bases(models_of(entry.field.annotation)):
+    yield f"# {entry.field.description or fields.first_line(type(table))}"
+    for line in _bases(fields.models_of(entry.field.annotation)):
         yield f"# {line}"
 
 
 def _bases(kinds: tuple[type[BaseModel], ...]) -> Iterator[str]:
-    names = dict.fromkeys(name for kind in kinds for name in named_values(kind))
+    names = dict.fromkeys(name for kind in kinds for name in fields.named_values(kind))
     if names:
-        yield f"{BASE} = " + " or ".join(f'"{name}"' for name in names) + " gives all that is left out"
+        yield f"{fields.BASE} = " + " or ".join(f'"{name}"' for name in names) + " gives all that is left out"
 
 
 def _plain(value: object) -> Item:
     """Value as TOML."""
     if value is None:
-        return tomlkit.string(NONE)
+        return tomlkit.string(fields.NONE)
     if isinstance(value, bool | int | str):
         return tomlkit.item(value)
     if isinstance(value, float):
-        return Float(value, Trivia(), number_text(value))
+        return Float(value, Trivia(), fields.number_text(value))
     if isinstance(value, StepProfile):
         inline: InlineTable = tomlkit.inline_table()
         for name in StepProfile.model_fields:
@@ -118,7 +107,8 @@ class Difference(NamedTuple):
 def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
     """Values in which two cases or case files differ."""
     a, b = (
-        {entry.path: entry for entry in walk(one) if not is_table(entry.value)} for one in (first, second)
+        {entry.path: entry for entry in fields.walk(one) if not fields.is_table(entry.value)}
+        for one in (first, second)
     )
     pairs = {key: (a.get(key), b.get(key)) for key in [*a, *b]}
     return [
@@ -128,9 +118,9 @@ def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
     ]
 
 
-def _texts(*entries: Entry | None) -> tuple[str, str]:
+def _texts(*entries: fields.Entry | None) -> tuple[str, str]:
     """Two values that differ for reading, with all digits where fewer would hide it."""
-    one, other = (ABSENT if entry is None else value_text(entry.value) for entry in entries)
+    one, other = (ABSENT if entry is None else fields.value_text(entry.value) for entry in entries)
     if one == other:
         one, other = (ABSENT if entry is None else repr(entry.value) for entry in entries)
     return one, other
@@ -140,7 +130,7 @@ def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
     """Named case from which the fewest values of a case differ, but for its name, and its values of these."""
     from_bases = {
         name: {one.key: one.first for one in differences(make(), case) if one.key != "name"}
-        for name, make in named_values(Case).items()
+        for name, make in fields.named_values(Case).items()
     }
     base = min(from_bases, key=lambda name: len(from_bases[name]))
     return base, from_bases[base]

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from exudyn_crawler.case.files.errors import faults, shown
-from exudyn_crawler.case.parameters.paths import case_rows, fields_of, parse_path, with_value
+from exudyn_crawler.case.parameters.fields import case_rows, fields_of, parse_path, with_value
 from exudyn_crawler.errors import ParameterError
 
 FAR = 1e6

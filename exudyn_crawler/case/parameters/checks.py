@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters.base import StepProfile
-from exudyn_crawler.case.parameters.paths import in_units, likely_cause, plausible_range, unit_of, walk
+from exudyn_crawler.case.parameters.fields import in_units, likely_cause, plausible_range, unit_of, walk
 from exudyn_crawler.errors import ImplausibleWarning
 
 logger = logging.getLogger("exudyn_crawler")

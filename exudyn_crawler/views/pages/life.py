@@ -8,7 +8,7 @@ import pandas as pd
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from exudyn_crawler.case.parameters.paths import case_rows
+from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours, life_words
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
 from exudyn_crawler.views.pages.page import (

@@ -13,7 +13,7 @@ import pandas as pd
 import xarray as xr
 from markupsafe import Markup
 
-from exudyn_crawler.case.parameters.paths import case_rows
+from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.files import refuse_existing
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import BAND, bouncing, key_results
