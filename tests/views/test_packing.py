@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.views.pages.packing import SceneArrays
-from exudyn_crawler.views.pages.plots import thinned
+from exudyn_crawler.views.pages.packing import SceneArrays, thinned
 from exudyn_crawler.views.pages.report import INSTANTS, packed_shoes, packed_track, report_page
 from exudyn_crawler.views.scenes.track import acting, roller_forces, shoe_forces
 

@@ -22,19 +22,28 @@ class LeftOut(list[str]):
     def unless_broken(self, path: Path, read: Callable[[Path], T]) -> T | None:
         """What a file holds; None, and a line, if it cannot be read."""
         try:
-            return read(path)
-        # altered bytes make the readers of tables, pictures and NetCDF raise all kinds of errors
-        except Exception as error:
-            reason = " ".join(str(error).split()) or repr(error)
+            return _read(path, read)
+        except ValueError as error:
             # a file that is read for several sections is named once
             if not any(line.startswith(f"{path} ") for line in self):
-                self.append(reason if reason.startswith(f"{path} ") else f"{path} cannot be read: {reason}")
+                self.append(str(error))
             return None
 
     def of_all(self, paths: Iterable[Path], read: Callable[[Path], T | None]) -> list[T]:
         """What those of the files hold that can be read."""
         found = [self.unless_broken(path, read) for path in paths]
         return [one for one in found if one is not None]
+
+
+def _read(path: Path, read: Callable[[Path], T]) -> T:
+    """What a file holds; a ValueError that names the file if it cannot be read."""
+    try:
+        return read(path)
+    # altered bytes make the readers of tables, pictures and NetCDF raise all kinds of errors
+    except Exception as error:
+        reason = " ".join(str(error).split()) or repr(error)
+        named = reason if reason.startswith(f"{path} ") else f"{path} cannot be read: {reason}"
+        raise ValueError(named) from error
 
 
 def run_folders(folder: Path) -> list[Path]:
@@ -58,14 +67,6 @@ def histories_in(folders: list[Path], left_out: LeftOut) -> tuple[dict[str, Hist
     return histories, places
 
 
-@interrupts_wait()
-def _holds_a_case(path: Path) -> bool:
-    # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
-    with h5py.File(path, "r") as file:
-        return "case" in file.attrs
-
-
-@interrupts_wait()
 def stress_of(folder: Path) -> xr.Dataset | None:
     """Stresses that a run has left in a folder; None if there are none.
 
@@ -75,14 +76,19 @@ def stress_of(folder: Path) -> xr.Dataset | None:
         Naming the file, if it cannot be read.
     """
     path = folder / STRESSES
-    if not path.is_file():
-        return None
-    try:
-        _holds_a_case(path)
-        dataset = xr.load_dataset(path, engine="h5netcdf")
-        check_dimensions(dataset)
-    # altered bytes make the readers raise all kinds of errors
-    except Exception as error:
-        reason = " ".join(str(error).split()) or repr(error)
-        raise ValueError(f"{path} cannot be read: {reason}") from error
+    return _read(path, _stresses) if path.is_file() else None
+
+
+@interrupts_wait()
+def _holds_a_case(path: Path) -> bool:
+    # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
+    with h5py.File(path, "r") as file:
+        return "case" in file.attrs
+
+
+@interrupts_wait()
+def _stresses(path: Path) -> xr.Dataset:
+    _holds_a_case(path)
+    dataset = xr.load_dataset(path, engine="h5netcdf")
+    check_dimensions(dataset)
     return dataset

@@ -1,19 +1,33 @@
-"""Arrays and scenes as a page's scripts take them.
+"""Arrays, scenes and curves as a page's scripts take them.
 
-Arrays are base64 of little-endian numbers. What only has to be seen is 16-bit steps of its
-greatest magnitude.
+Arrays are base64 of little-endian numbers. What only has to be seen in 3D is 16-bit steps of its greatest
+magnitude. Long curves keep the least and the greatest value of every bin of time, so that no extreme is lost.
 """
 
 import base64
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
+from exudyn_crawler.results.history.history import History, common_phases
+from exudyn_crawler.views import figures
+from exudyn_crawler.views.figures import Series, history_series
 from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Scene, Solid
-from exudyn_crawler.views.style import colour_map
+from exudyn_crawler.views.style import colour_map, negligible
+
+SERIES_BYTES = 4_500_000
+"""Size on the page that all series together may have."""
+BYTES_A_POINT = 6 * 4 / 3
+"""A 16-bit number of the time and a 32-bit value, in base64."""
+LEAST_POINTS, MOST_POINTS = 200, 4000
+"""Points that a series keeps at least and at most."""
+FEW = 5
+"""Items of many that are drawn at first."""
 
 
 def packed(array: NDArray, kind: str) -> str:
@@ -29,8 +43,10 @@ class SceneArrays:
         self._numbers: dict[int, int] = {}
         self._kept: list[NDArray] = []
 
-    def add(self, array: NDArray, kind: str = "f4", rows: int = 1) -> int:
-        """Number of an array; `rows` are the times that it holds."""
+    def add(self, array: NDArray | None, kind: str = "f4", rows: int = 1) -> int | None:
+        """Number of an array, None of none; `rows` are the times that it holds."""
+        if array is None:
+            return None
         if id(array) not in self._numbers:
             self._numbers[id(array)] = len(self.packed)
             self._kept.append(array)
@@ -38,15 +54,13 @@ class SceneArrays:
         return self._numbers[id(array)]
 
     def add_over_time(self, array: NDArray | None, stepped: bool = False) -> int | None:
-        """Same of an array (times, ...), in steps if it is finite; None of none."""
-        if array is None:
-            return None
-        if not stepped or not np.isfinite(array).all():
-            return self.add(array, rows=len(array))
+        """Same of an array (times, ...), in steps if it is finite."""
+        if array is None or not stepped or not np.isfinite(array).all():
+            return self.add(array, rows=0 if array is None else len(array))
         kind, most = ("u2", 65535) if array.min() >= 0.0 else ("i2", 32767)
         step = max(float(np.abs(array).max()), 1e-12) / most
         number = self.add(np.rint(array / step), kind, len(array))
-        self.packed[number]["step"] = step
+        self.packed[-1]["step"] = step
         return number
 
 
@@ -73,15 +87,10 @@ def packed_scene(
 
 def _packed_solid(solid: Solid, arrays: SceneArrays) -> dict[str, Any]:
     return {
-        "name": solid.name,
-        "colour": solid.colour,
-        "opacity": solid.opacity,
-        "labels": solid.labels,
-        "notes": solid.notes,
-        "larger": solid.larger,
+        **_as_they_are(solid, "name", "colour", "opacity", "labels", "notes", "larger"),
         "points": arrays.add(solid.points),
         "triangles": arrays.add(solid.triangles, "u4"),
-        "nodes": None if solid.nodes is None else arrays.add(solid.nodes, "u4"),
+        "nodes": arrays.add(solid.nodes, "u4"),
         "origin": arrays.add_over_time(solid.origin),
         "turn": arrays.add_over_time(solid.turn),
         "lift": arrays.add_over_time(solid.lift, stepped=True),
@@ -92,33 +101,113 @@ def _packed_solid(solid: Solid, arrays: SceneArrays) -> dict[str, Any]:
 
 def _packed_colouring(colouring: Colouring, arrays: SceneArrays) -> dict[str, Any]:
     return {
-        "name": colouring.name,
-        "title": colouring.title,
+        **_as_they_are(colouring, "name", "title", "words", "decades"),
         "low": float(colouring.low),
         "high": float(colouring.high),
-        "colours": colour_scale(colouring.colours),
-        "words": colouring.words,
-        "decades": colouring.decades,
+        "colours": _colour_scale(colouring.colours),
         "nodal": colouring.values.ndim == 3,
         "values": arrays.add_over_time(colouring.values, stepped=not colouring.words),
     }
 
 
 def _packed_arrows(arrows: Arrows, arrays: SceneArrays) -> dict[str, Any]:
-    return {
-        "name": arrows.name,
-        "colour": arrows.colour,
-        "scale": arrows.scale,
-        "solid": arrows.solid,
-        "through": arrows.through,
-        "heads": arrays.add_over_time(arrows.heads),
-        "forces": arrays.add_over_time(arrows.forces),
-    }
+    over_time = {name: arrays.add_over_time(getattr(arrows, name)) for name in ("heads", "forces")}
+    return _as_they_are(arrows, "name", "colour", "scale", "solid", "through") | over_time
 
 
-def colour_scale(colours: str | tuple[str, ...]) -> list[list[Any]]:
+def _as_they_are(one: object, *names: str) -> dict[str, Any]:
+    return {name: getattr(one, name) for name in names}
+
+
+def _colour_scale(colours: str | tuple[str, ...]) -> list[list[Any]]:
     """Colours as Plotly takes them: places from 0 to 1, and a colour at each, of which some are doubled."""
     if isinstance(colours, str):
         return [[float(at), to_hex(colour_map(colours)(at))] for at in np.linspace(0.0, 1.0, 17)]
     edges = np.linspace(0.0, 1.0, len(colours) + 1)
     return [[float(edges[k + end]), colour] for k, colour in enumerate(colours) for end in (0, 1)]
+
+
+def packed_curves(
+    histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
+) -> tuple[dict[str, Any], str]:
+    """Time histories of runs by name for the page, and what a reader has to know about left-out times."""
+    found = {name: list(history_series(one, stresses.get(name)).values()) for name, one in histories.items()}
+    count = sum(series.count for own in found.values() for series in own)
+    points = int(np.clip(SERIES_BYTES / BYTES_A_POINT / max(count, 1), LEAST_POINTS, MOST_POINTS))
+    cases = {}
+    for name, own in found.items():
+        times: list[NDArray] = []
+        quantities = [_packed_series(series, points, times) for series in own]
+        phases = common_phases(histories[name])
+        cases[name] = {
+            "times": [packed(time, "f4") for time in times],
+            "quantities": quantities,
+            "phases": [phase._asdict() for phase in phases] if len(phases) > 1 else [],
+        }
+    most = max((one.time.size for one in histories.values()), default=0)
+    said = (
+        f"Of the {most} stored times each curve keeps the least and the greatest value in every one of "
+        f"{points // 2 - 1} equal parts of the run, so that no extreme is lost; in between it is thinner "
+        "than what was computed."
+    )
+    first = _first_plots({series.label for own in found.values() for series in own}) if found else []
+    return {"cases": cases, "first": first}, said if most > points else "Every stored time is drawn."
+
+
+def thinned(values: NDArray, points: int) -> NDArray:
+    """Indices to keep of a series (n,): ends, and the least and greatest of bins; at most about `points`."""
+    n = len(values)
+    if n <= points:
+        return np.arange(n)
+    bins = max(1, points // 2 - 1)
+    width = -(-n // bins)
+    padded = np.concatenate((values, np.full(-n % width, values[-1]))).reshape(-1, width)
+    starts = width * np.arange(len(padded))
+    kept = np.concatenate(([0, n - 1], starts + padded.argmin(axis=1), starts + padded.argmax(axis=1)))
+    return np.unique(np.minimum(kept, n - 1))
+
+
+def _packed_series(series: Series, points: int, times: list[NDArray]) -> dict[str, Any]:
+    """Quantity for the page: names, and for every item and axis packed indices of time and values.
+
+    Its stored times are those of the same number in `times`, to which they are added where they are new.
+    """
+    time = series.values.time.values
+    same = next((k for k, one in enumerate(times) if np.array_equal(one, time)), len(times))
+    if same == len(times):
+        times.append(time)
+    kind = "u2" if len(time) < 2**16 else "u4"
+    rows = []
+    for item in series.values.transpose("item", "axis", "time").values:
+        kept = [(thinned(values, points), values) for values in item]
+        rows.append([[packed(k, kind), packed(values[k], "f4")] for k, values in kept])
+    return {
+        **_as_they_are(series, "group", "label", "unit", "items"),
+        "floor": negligible(series.unit),
+        "axes": [str(axis) for axis in series.values.axis.values],
+        "index": kind,
+        "drawn": _drawn(series),
+        "series": rows,
+        "time": same,
+    }
+
+
+def _drawn(series: Series) -> list[int]:
+    """Numbers of the items that are drawn at first: those that the papers draw, else some evenly spread."""
+    found = (re.search(r"\d+", item) for item in series.items)
+    numbers = sorted({int(one[0]) for one in found if one})
+    usual = figures.JOINTS if series.group == "links" else figures.SHOES
+    if series.group == "rollers" and series.label != figures.RAIL_FORCE:
+        return numbers
+    if not numbers or (set(usual) <= set(numbers) and numbers[-1] <= figures.SHOES[-1]):
+        return list(usual)
+    places = np.linspace(0, len(numbers) - 1, min(FEW, len(numbers)))
+    return [numbers[round(place)] for place in places]
+
+
+def _first_plots(labels: set[str]) -> list[str]:
+    """Labels of what the plots show first: stress, or else what moves the track, and what it carries."""
+    moving, carried = "velocity", "contact force"
+    if figures.ROLLER_FORCE in labels:
+        moving, carried = figures.PULL, figures.ROLLER_FORCE
+    return [figures.HIGHEST_STRESS if figures.HIGHEST_STRESS in labels else moving, carried]

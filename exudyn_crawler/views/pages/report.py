@@ -18,16 +18,14 @@ from exudyn_crawler.files import refuse_existing
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import BAND, bouncing, key_results
 from exudyn_crawler.views import style
-from exudyn_crawler.views.figures import history_series
-from exudyn_crawler.views.pages import folder as finding
-from exudyn_crawler.views.pages import page, plots
-from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
+from exudyn_crawler.views.pages import page
+from exudyn_crawler.views.pages.folder import STRESSES, LeftOut, histories_in, run_folders, stress_of
+from exudyn_crawler.views.pages.packing import SceneArrays, packed_curves, packed_scene
 from exudyn_crawler.views.pages.page import Section, part, table, together
-from exudyn_crawler.views.scenes import pictures as drawn
-from exudyn_crawler.views.scenes import shoes, track
+from exudyn_crawler.views.scenes import pictures, shoes, track
 from exudyn_crawler.views.tables import within_by_class
 
-REPORT, RECORD = "report.html", "run.json"
+REPORT, RECORD, COMPARISON = "report.html", "run.json", "comparison.csv"
 LONGEST_TABLE = 300
 """Rows of a table on the page; longer ones are series, which plots show."""
 INSTANTS = 101
@@ -35,7 +33,6 @@ INSTANTS = 101
 MARGIN = (0.6, 0.4, 0.3)
 """m that it shows beyond the track, beside it and below the ground."""
 VERDICTS = {"yes": "within", "no": "outside"}
-WITHOUT_VERDICT = "none"
 HOT_SPOTS = (
     "Highest von Mises stresses over the run and where they are. A jump as large as the value means that the "
     "mesh makes the peak."
@@ -90,28 +87,27 @@ def write_report(
 
 def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -> str:
     """HTML of the report; raises as `write_report`."""
-    folders, left_out = finding.run_folders(folder), finding.LeftOut()
-    histories, homes = finding.histories_in(folders, left_out)
-    stressed = next((one for one in folders if (one / finding.STRESSES).is_file()), folder)
-    stress = left_out.unless_broken(stressed / finding.STRESSES, lambda _: finding.stress_of(stressed))
-    comparison = left_out.unless_broken(folder / "comparison.csv", _comparison)
+    folders, left_out = run_folders(folder), LeftOut()
+    histories, homes = histories_in(folders, left_out)
+    stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
+    stress = left_out.unless_broken(stressed / STRESSES, lambda _: stress_of(stressed))
+    comparison = left_out.unless_broken(folder / COMPARISON, _comparison)
     if not histories and comparison is None:
         if left_out:
             raise ValueError("; ".join(left_out))
-        raise FileNotFoundError(f"{folder} holds neither a history nor a comparison.csv to report on")
+        raise FileNotFoundError(f"{folder} holds neither a history nor a {COMPARISON} to report on")
     bent = next((n for n in histories if homes[n] == stressed and histories[n].case.flexible), None)
     owner = None if bent is None else histories[bent]
     stresses = {} if bent is None or stress is None else {bent: stress}
-    arrays, scenes = SceneArrays(), {}
+    arrays = SceneArrays()
+    scenes: dict[str, dict[str, Any]] = {}
     if histories:
         scenes["track"] = {name: packed_track(one, arrays) for name, one in histories.items()}
-    bodies = left_out.unless_broken(
-        stressed / finding.STRESSES, lambda _: packed_shoes(stress, owner, arrays)
-    )
+    bodies = left_out.unless_broken(stressed / STRESSES, lambda _: packed_shoes(stress, owner, arrays))
     if bodies is not None:
         scenes["shoe"] = {"": bodies}
-    curves, thinned = _curves(histories, stresses)
-    pictures, first = _pictures(stressed, stress, owner, left_out)
+    curves, thinned = packed_curves(histories, stresses)
+    shown, first = _pictures(stressed, stress, owner, left_out)
     rolled = any(one.case.propel == "rolled" for one in histories.values())
     sections = [
         Section("comparison", "Paper against computed", _compared(comparison)),
@@ -119,7 +115,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
         Section("track", "Track in motion", part("track", rolled) if histories else Markup()),
         Section("hot-spots", "Hot spots", _hot_spots(stressed, left_out)),
         Section("shoes", "Flexible shoes in 3D", part("shoes") if "shoe" in scenes else Markup()),
-        Section("pictures", "Stress pictures", pictures),
+        Section("pictures", "Stress pictures", shown),
         Section("tables", "Further tables", _further(folder, folders, left_out)),
         Section("case", "Case", _cases(folder, histories, left_out)),
     ]
@@ -127,18 +123,12 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
         say(f"{line}; left out")
     title = " and ".join(histories) if histories else folder.resolve().name
     lead = [*provenance(folder, histories), *bouncing_lines(histories)]
-    data = {
-        "first_picture": first,
-        "scenes": scenes,
-        "arrays": arrays.packed,
-        "bands": style.PHASE_BANDS,
-        "phase_name": style.PHASE_NAME,
-    }
+    bands = {"bands": style.PHASE_BANDS, "phase_name": style.PHASE_NAME}
     return page.page(
         f"Crawler track: {title}",
         [*lead, *(f"Left out: {line}" for line in left_out)],
         sections,
-        curves | data,
+        curves | {"first_picture": first, "scenes": scenes, "arrays": arrays.packed} | bands,
         _key_table(histories, stresses),
     )
 
@@ -162,31 +152,14 @@ def packed_shoes(
     return packed_scene(scene, arrays, first=shoes.first_frame(stress))
 
 
-def _curves(
-    histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
-) -> tuple[dict[str, Any], str]:
-    """Time histories for the page, and what a reader has to know about them."""
-    found = {name: list(history_series(one, stresses.get(name)).values()) for name, one in histories.items()}
-    points = plots.points_a_series(found)
-    cases = {
-        name: plots.packed_case(one, points) | {"phases": plots.packed_phases(histories[name])}
-        for name, one in found.items()
-    }
-    first = plots.first_plots(found) if found else []
-    return {"cases": cases, "first": first}, plots.thinning(histories.values(), points)
-
-
 def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
     """Lines that say what the page shows: times of the cases, versions, and when run and page were made."""
-    lines = [
-        "; ".join(
-            f"{name}: {one.duration:.4g} s, {one.time.size} stored times" for name, one in histories.items()
-        )
-    ]
-    made = f"page made {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
-    record = _record(folder)
-    ran = record.get("commit")
-    commit = [f"commit {ran}"] if ran and isinstance(ran, str) else []
+    runs = [f"{name}: {one.duration:.4g} s, {one.time.size} stored times" for name, one in histories.items()]
+    made, record = f"page made {datetime.now(UTC):%Y-%m-%d %H:%M} UTC", {}
+    # a record that cannot be read leaves its part of the lines out
+    with suppress(OSError, ValueError):
+        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+    commit = record.get("commit") if isinstance(record, dict) else None
     with suppress(KeyError, TypeError, ValueError):
         finished = datetime.fromisoformat(record["finished"])
         made = f"{record['status']} {finished:%Y-%m-%d %H:%M} UTC after {record['wall_time_s']:.0f} s, {made}"
@@ -196,7 +169,8 @@ def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
         for program in ("exudyn-crawler", "exudyn")
         if (version := one.dataset.attrs.get(f"{program.replace('-', '_')}_version"))
     }
-    return [line for line in (*lines, "; ".join([*sorted(programs, reverse=True), *commit, made])) if line]
+    ran = [f"commit {commit}"] if commit and isinstance(commit, str) else []
+    return list(filter(None, ("; ".join(runs), "; ".join([*sorted(programs, reverse=True), *ran, made]))))
 
 
 def bouncing_lines(histories: Mapping[str, History]) -> list[str]:
@@ -209,15 +183,6 @@ def bouncing_lines(histories: Mapping[str, History]) -> list[str]:
         for name, one in found.items()
         if one is not None
     ]
-
-
-def _record(folder: Path) -> dict[str, Any]:
-    """Record of the run in a folder; nothing where it cannot be read."""
-    try:
-        found = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
 
 
 def _key_table(histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]) -> Markup:
@@ -252,7 +217,7 @@ def _compared(comparison: pd.DataFrame | None) -> Markup:
         return Markup()
     verdicts = comparison["within"]
     shown = comparison.assign(within=verdicts.map(lambda one: VERDICTS.get(one, one) or "no verdict"))
-    kinds = [VERDICTS.get(one, WITHOUT_VERDICT) for one in verdicts]
+    kinds = [VERDICTS.get(one, "none") for one in verdicts]
     summary = within_by_class(comparison)
     return together(
         Markup() if summary.empty else table(summary, compact=True),
@@ -261,34 +226,33 @@ def _compared(comparison: pd.DataFrame | None) -> Markup:
     )
 
 
-def _hot_spots(folder: Path, left_out: finding.LeftOut) -> Markup:
+def _hot_spots(folder: Path, left_out: LeftOut) -> Markup:
     """Tables of the hot spots in a folder, in the order of the shoes."""
-    paths = sorted(folder.glob("hot_spots_*.csv"), key=lambda path: (len(path.name), path.name))
 
     def titled(path: Path) -> Markup:
         title = path.stem.removeprefix("hot_spots_").replace("_", " ")
         return part("titled", title, table(pd.read_csv(path), digits=5))
 
+    paths = sorted(folder.glob("hot_spots_*.csv"), key=lambda path: (len(path.name), path.name))
     tables = left_out.of_all(paths, titled)
     return together(page.paragraph(HOT_SPOTS), *tables) if tables else Markup()
 
 
-def _further(folder: Path, folders: list[Path], left_out: finding.LeftOut) -> Markup:
+def _further(folder: Path, folders: list[Path], left_out: LeftOut) -> Markup:
     """Tables that have no section of their own and are short enough to be read."""
 
     def folded(path: Path) -> Markup | None:
-        if path.name == "comparison.csv" or path.name.startswith("hot_spots_"):
+        if path.name == COMPARISON or path.name.startswith("hot_spots_"):
             return None
         own = pd.read_csv(path)
         title = path.relative_to(folder).as_posix()
         return part("folded", title, table(own, digits=5)) if len(own) <= LONGEST_TABLE else None
 
-    return together(
-        *left_out.of_all([path for one in folders for path in sorted(one.glob("[!.]*.csv"))], folded)
-    )
+    paths = [path for one in folders for path in sorted(one.glob("[!.]*.csv"))]
+    return together(*left_out.of_all(paths, folded))
 
 
-def _cases(folder: Path, histories: Mapping[str, History], left_out: finding.LeftOut) -> Markup:
+def _cases(folder: Path, histories: Mapping[str, History], left_out: LeftOut) -> Markup:
     """Resolved cases with units, and files about the run as they are."""
 
     def text(path: Path) -> Markup | None:
@@ -299,47 +263,39 @@ def _cases(folder: Path, histories: Mapping[str, History], left_out: finding.Lef
             json.loads(content)
         return part("folded", path.name, part("preformatted", content))
 
-    resolved = [
-        part(
-            "folded",
-            name,
-            table(pd.DataFrame(case_rows(one.case)).rename(columns={"key": "parameter"})),
-            not at,
-        )
-        for at, (name, one) in enumerate(histories.items())
-    ]
-    none = page.paragraph("The folder keeps no resolved case.")
-    return together(*(resolved or [none]), *left_out.of_all([folder / "case.toml", folder / RECORD], text))
+    resolved = [page.paragraph("The folder keeps no resolved case.")]
+    if histories:
+        rows = {name: pd.DataFrame(case_rows(one.case)) for name, one in histories.items()}
+        tables = {name: table(one.rename(columns={"key": "parameter"})) for name, one in rows.items()}
+        resolved = [part("folded", name, one, not at) for at, (name, one) in enumerate(tables.items())]
+    return together(*resolved, *left_out.of_all([folder / "case.toml", folder / RECORD], text))
 
 
 def _pictures(
-    folder: Path, stress: xr.Dataset | None, history: History | None, left_out: finding.LeftOut
+    folder: Path, stress: xr.Dataset | None, history: History | None, left_out: LeftOut
 ) -> tuple[Markup, int]:
     """Stress pictures of the folder, or new ones where it has none, and which of them is shown first.
 
     That is the picture of the highest stress.
     """
     with TemporaryDirectory() as temporary:
-        paths = sorted(folder.glob(drawn.PICTURES))
+        paths = sorted(folder.glob(pictures.PICTURES))
         if not paths and stress is not None and history is not None:
-            paths = drawn.write_stress_pictures(stress, history, Path(temporary))
+            paths = pictures.write_stress_pictures(stress, history, Path(temporary))
         found = {path: left_out.unless_broken(path, page.picture_file) for path in paths}
-    uris = {drawn.picture_time(path): uri for path, uri in found.items() if uri is not None}
+    uris = {pictures.picture_time(path): uri for path, uri in found.items() if uri is not None}
     if not uris:
         return Markup(), 0
-    times, titles = list(uris), [_picture_title(time, stress) for time in uris]
-    pictures = [
+    times, named, shown = np.array(list(uris)), {}, 0
+    if stress is not None:
+        named = dict(zip(stress.frame.values, shoes.frame_titles(stress), strict=True))
+        shown = int(np.abs(times - float(stress.frame[shoes.first_frame(stress)])).argmin())
+    titles = [
+        next((title for frame, title in named.items() if abs(frame - time) < 1e-4), f"t = {time:.6g} s")
+        for time in times
+    ]
+    figures = [
         part("picture", f"von Mises stress at {title}", uri, "picture")
         for title, uri in zip(titles, uris.values(), strict=True)
     ]
-    shown = times[0] if stress is None else float(stress.frame[shoes.first_frame(stress)])
-    return together(part("buttons", titles), *pictures), int(np.abs(np.array(times) - shown).argmin())
-
-
-def _picture_title(time: float, stress: xr.Dataset | None) -> str:
-    """What the time of a picture is, as far as that is known."""
-    if stress is not None:
-        at = int(np.abs(stress.frame.values - time).argmin())
-        if abs(float(stress.frame[at]) - time) < 1e-4:
-            return shoes.frame_titles(stress)[at]
-    return f"t = {time:.6g} s"
+    return together(part("buttons", titles), *figures), shown

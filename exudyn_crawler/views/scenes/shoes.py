@@ -79,6 +79,7 @@ def shoe_force_scale(history: History) -> float:
 def stress_scene(stress: xr.Dataset, history: History, scales: Scales) -> Scene:
     """All flexible shoes at the chosen times of their stresses, with single forces and rollers near them."""
     used, corners = np.unique(stress.triangle.transpose("face", "corner").values, return_inverse=True)
+    faces = (corners.reshape(-1, 3),)
     points = stress.node_position.transpose("node", "axis").values[used]
     shown = history.dataset.sel(time=stress.frame.values, method="nearest").load()
     moments = [shown.isel(time=row) for row in range(shown.sizes["time"])]
@@ -96,7 +97,7 @@ def stress_scene(stress: xr.Dataset, history: History, scales: Scales) -> Scene:
             Solid(
                 name,
                 points,
-                (corners.reshape(-1, 3),),
+                faces,
                 "white",
                 np.array([one.origin for one in poses])[:, None],
                 np.array([one.turn for one in poses])[:, None],
