@@ -9,13 +9,14 @@ import resource
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from exudyn_crawler import Case, CaseFile, Drive, History, LoadCycle, StepProfile, run_case
 from exudyn_crawler.case import Outputs
-from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints, KeptStage
+from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints
 from exudyn_crawler.views.tables import print_table
 
 SHOES, PERIOD, STAGE = 3, 4.0, 2.5
@@ -51,9 +52,9 @@ def run(duration: float, shoes: int) -> tuple[pd.DataFrame, int]:
     found: list[tuple[float, float]] = []
     save = Checkpoints.save
 
-    def noted(self: Checkpoints, case: Case, checkpoint: Checkpoint) -> KeptStage:
-        kept = save(self, case, checkpoint)
-        found.append((checkpoint.time, memory()))
+    def noted(self: Checkpoints, *stage: Any) -> Checkpoint:
+        kept = save(self, *stage)
+        found.append((kept.time, memory()))
         return kept
 
     nothing = Outputs(figures=False, pictures=False, paraview=False, tables=False, forces=False)

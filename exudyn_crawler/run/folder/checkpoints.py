@@ -8,11 +8,11 @@ its history are enough for a longer one to go on with.
 import json
 import shutil
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from sys import intern
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -30,7 +30,7 @@ VARIABLE = "history "
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """End of a stage.
+    """End of a stage in a file, of which memory holds little however many there are.
 
     Attributes
     ----------
@@ -40,30 +40,9 @@ class Checkpoint:
         s.
     layout : str
         What the numbers of a state are, as JSON with its version.
-    state : array (size of the layout,)
-        From which the run goes on.
-    history : xarray.Dataset
-        What the stage stored.
-    """
-
-    number: int
-    time: float
-    layout: str
-    state: NDArray
-    history: xr.Dataset
-
-
-@dataclass(frozen=True)
-class StoredStage:
-    """Checkpoint in a file, of which memory holds little however many there are.
-
-    Attributes
-    ----------
-    number, time, layout
-        As of `Checkpoint`.
     path : Path
     piece : Chunk
-        Its history, read from the file when it is needed.
+        What the stage stored, read from the file when it is needed.
     """
 
     number: int
@@ -74,8 +53,8 @@ class StoredStage:
 
     @property
     def state(self) -> NDArray:
-        """As of `Checkpoint`, read from the file; ValueError if that was altered."""
-        return _read(self.path)[1].state
+        """State (size of the layout,) from which the run goes on; ValueError if the file was altered."""
+        return _read(self.path).state
 
 
 class Checkpoints:
@@ -92,8 +71,6 @@ class Checkpoints:
     def __init__(self, folder: Path, say: Callable[[str], None] = lambda _text: None) -> None:
         self.folder = Path(folder)
         self.say = say
-        self._found: dict[Path, tuple[tuple[int, int], Case, StoredStage]] = {}
-        self._cases: dict[str, Case] = {}
         self._left_out: set[Path] = set()
 
     @property
@@ -106,8 +83,10 @@ class Checkpoints:
         """History of the shorter run that this one goes on with."""
         return self.folder / "earlier.nc"
 
-    def save(self, case: Case, checkpoint: Checkpoint) -> StoredStage:
-        """Keep the end of a stage of a case.
+    def save(
+        self, case: Case, number: int, time: float, layout: str, state: NDArray, history: xr.Dataset
+    ) -> Checkpoint:
+        """Keep the end of a stage of a case: arguments as of `Checkpoint`, and what the stage stored.
 
         Raises
         ------
@@ -115,11 +94,12 @@ class Checkpoints:
             If it cannot be written.
         """
         writable_folder(self.folder)
-        path = self._file(checkpoint.number)
-        _write(path, case, checkpoint)
-        return _stored(path, checkpoint)
+        path = self._file(number)
+        content = _Content(case.model_dump_json(), number, time, layout, state, history)
+        _write(path, content)
+        return _checkpoint(path, content)
 
-    def load(self, case: Case, layout: str | None = None) -> list[StoredStage]:
+    def load(self, case: Case, layout: str | None = None) -> list[Checkpoint]:
         """Stages of a case that are there one after the other, from the first or the earlier run's end on.
 
         Those from an altered one on are left out.
@@ -130,10 +110,14 @@ class Checkpoints:
             If one comes from other parameters or, where `layout` is given, has states of another layout; or
             if the first one was altered, naming its file.
         """
-        found: list[StoredStage] = []
+        found: list[Checkpoint] = []
+        own = case.model_dump_json()
         for path in self._files():
             try:
-                saved, stage = self._read(path)
+                content = _read(path)
+                if self._file(content.number) != path:
+                    raise ValueError(f"checkpoint {path} is that of stage {content.number}")
+                saved = case if content.case == own else saved_case(content.case)
             except ValueError as error:
                 if not found:
                     raise ValueError(f"{error}; delete {self.folder} to begin anew") from error
@@ -146,15 +130,15 @@ class Checkpoints:
                     f"checkpoint {path} comes from other parameters ({differences(saved, case)[0]}): choose "
                     f"another folder or ask for overwriting (--overwrite)"
                 )
-            if layout is not None and (others := _other_parts(stage.layout, layout)):
+            if layout is not None and (others := _other_parts(content.layout, layout)):
                 raise ValueError(
                     f"checkpoint {path} has states of another layout: {'; '.join(others)}; "
                     f"delete {self.folder} to begin anew"
                 )
-            found.append(stage)
+            found.append(_checkpoint(path, content))
         return found
 
-    def pieces(self, stages: Iterable[StoredStage]) -> list[Chunk]:
+    def pieces(self, stages: Iterable[Checkpoint]) -> list[Chunk]:
         """Pieces of the history that stages of `load` gave, the earlier run's among them."""
         kept = list(stages)
         before = [Chunk.of_file(self._earlier, kept[0].time)] if kept and kept[0].number else []
@@ -169,17 +153,15 @@ class Checkpoints:
         """Go on behind a shorter run of the same case, of which `settle` kept the end."""
         self.remove()
         writable_folder(self.folder)
-        number = _read(end)[1].number
-        for source, path in ((history, self._earlier), (end, self._file(number))):
+        for source, path in ((history, self._earlier), (end, self._file(_read(end).number))):
             with whole_file(path) as temporary:
                 shutil.copyfile(source, temporary)
 
     def settle(self, case: Case, end: Path) -> None:
         """Keep of a run that has ended what a longer one goes on with, in the file `end`; remove the rest."""
         if stages := self.load(case):
-            last = stages[-1]
-            nothing = next(iter(last.piece.parts())).isel(time=slice(0))
-            _write(end, case, Checkpoint(last.number, last.time, last.layout, last.state, nothing))
+            last = _read(stages[-1].path)
+            _write(end, last._replace(history=last.history.isel(time=slice(0))))
         self.remove()
 
     def remove(self) -> None:
@@ -188,19 +170,6 @@ class Checkpoints:
             path.unlink(missing_ok=True)
         if self.folder.is_dir() and not any(self.folder.iterdir()):
             self.folder.rmdir()
-
-    def _read(self, path: Path) -> tuple[Case, StoredStage]:
-        """Case and stage of a file; one that was read and is the same is not read again."""
-        found = path.stat()
-        stamp = (found.st_mtime_ns, found.st_size)
-        if path not in self._found or self._found[path][0] != stamp:
-            text, checkpoint = _read(path)
-            if self._file(checkpoint.number) != path:
-                raise ValueError(f"checkpoint {path} is that of stage {checkpoint.number}")
-            if text not in self._cases:
-                self._cases[text] = saved_case(text)
-            self._found[path] = (stamp, self._cases[text], _stored(path, checkpoint))
-        return self._found[path][1:]
 
     def _files(self) -> list[Path]:
         """Files of consecutive stages."""
@@ -219,24 +188,31 @@ class Checkpoints:
         return self.folder / f"stage_{number:04d}.npz"
 
 
-def _write(path: Path, case: Case, checkpoint: Checkpoint) -> None:
+class _Content(NamedTuple):
+    """What a file holds: as of `Checkpoint`, the case as JSON."""
+
+    case: str
+    number: int
+    time: float
+    layout: str
+    state: NDArray
+    history: xr.Dataset
+
+
+def _write(path: Path, content: _Content) -> None:
     """Write a checkpoint."""
-    history = checkpoint.history
+    history = content.history
     arrays: dict[str, Any] = {
-        "case": np.array(case.model_dump_json()),
-        "number": np.array(checkpoint.number),
-        "time": np.array(checkpoint.time),
-        "layout": np.array(checkpoint.layout),
-        "state": checkpoint.state,
-        "variables": np.array(json.dumps(history.to_dict(data=False))),
+        name: np.asarray(one) for name, one in content._asdict().items() if name != "history"
     }
+    arrays["variables"] = np.array(json.dumps(history.to_dict(data=False)))
     arrays |= {f"{VARIABLE}{name}": variable.values for name, variable in history.variables.items()}
     with whole_file(path, overwrite=True) as temporary, temporary.open("wb") as file:
         np.savez(file, **arrays)
 
 
-def _read(path: Path) -> tuple[str, Checkpoint]:
-    """Case, as JSON, and checkpoint of a file.
+def _read(path: Path) -> _Content:
+    """Content of a checkpoint's file.
 
     Raises
     ------
@@ -249,37 +225,28 @@ def _read(path: Path) -> tuple[str, Checkpoint]:
             wrong = archive.testzip()
         if wrong is not None:
             raise ValueError(f"the checksum of {wrong} is wrong")
-        with path.open("rb") as file, np.load(file) as content:
-            arrays = {name: content[name] for name in content.files}
-        number, time, layout = int(arrays["number"]), float(arrays["time"]), str(arrays["layout"])
-        return str(arrays["case"]), Checkpoint(number, time, layout, arrays["state"], _dataset(arrays))
+        with path.open("rb") as file, np.load(file) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        description: dict[str, Any] = json.loads(str(arrays["variables"]))
+        for kind in ("coords", "data_vars"):
+            for name, variable in description[kind].items():
+                variable["data"] = arrays[f"{VARIABLE}{name}"]
+        case, number, time, layout = (arrays[name].item() for name in _Content._fields[:4])
+        return _Content(case, number, time, layout, arrays["state"], xr.Dataset.from_dict(description))
     # altered bytes make the readers of archives raise all kinds of errors
     except Exception as error:
         raise ValueError(f"checkpoint {path} cannot be read: {' '.join(str(error).split())}") from error
 
 
-def _dataset(arrays: Mapping[str, NDArray]) -> xr.Dataset:
-    """History among the arrays of a file."""
-    content: dict[str, Any] = json.loads(str(arrays["variables"]))
-
-    def filled(kind: str) -> dict[str, tuple[Any, ...]]:
-        return {
-            name: (tuple(one["dims"]), arrays[f"{VARIABLE}{name}"], one["attrs"])
-            for name, one in content[kind].items()
-        }
-
-    return xr.Dataset(filled("data_vars"), coords=filled("coords"), attrs=content["attrs"])
-
-
-def _stored(path: Path, checkpoint: Checkpoint) -> StoredStage:
-    """Stage in a file without what is read from there, and checked, when it is needed."""
-    whole = Chunk.of(checkpoint.history)
-    piece = Chunk(whole.times, whole.pairs, lambda: Chunk.of(_read(path)[1].history).parts())
-    return StoredStage(checkpoint.number, checkpoint.time, intern(checkpoint.layout), path, piece)
+def _checkpoint(path: Path, content: _Content) -> Checkpoint:
+    """Checkpoint in a file without what is read from there, and checked, when it is needed."""
+    whole = Chunk.of(content.history)
+    piece = Chunk(whole.times, whole.pairs, lambda: Chunk.of(_read(path).history).parts())
+    return Checkpoint(content.number, content.time, intern(content.layout), path, piece)
 
 
 def _other_parts(found: str, own: str) -> list[str]:
-    """In what a layout differs from the own one, a phrase each, such as "terrain is 15, not 32"."""
+    """In what a layout differs from that of the run, a phrase each, such as "terrain is 15, not 32"."""
     theirs, wanted = json.loads(found), json.loads(own)
     return [
         f"{name} is {theirs.get(name)}, not {wanted.get(name)}"

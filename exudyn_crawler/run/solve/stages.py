@@ -11,7 +11,7 @@ from exudyn_crawler.model.formulation import TrackSystem
 from exudyn_crawler.results.history.files import Chunk, joined
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import history_of
-from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints, StoredStage
+from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints
 
 TIME_TOLERANCE = 1e-9
 """Relative difference below which two times are the same."""
@@ -111,7 +111,7 @@ class RunStages:
     ) -> None:
         self._system, self._recorder, self._checkpoints = system, recorder, checkpoints
         self._last = len(ends) - 2
-        self._kept: list[StoredStage] = []
+        self._kept: list[Checkpoint] = []
         self._in_memory: list[Chunk] = []
         self.first = 0
         if checkpoints is not None:
@@ -141,8 +141,8 @@ class RunStages:
             self._in_memory.append(Chunk.of(history))
             return
         layout = self._system.layout.to_json()
-        checkpoint = Checkpoint(number, self._recorder.time, layout, state, history)
-        self._kept.append(self._checkpoints.save(self._system.case, checkpoint))
+        case, time = self._system.case, self._recorder.time
+        self._kept.append(self._checkpoints.save(case, number, time, layout, state, history))
 
     @property
     def nothing(self) -> bool:
