@@ -18,13 +18,7 @@ PARTIAL = ".partial-"
 
 
 def refuse_existing(path: Path, overwrite: bool = False) -> None:
-    """Refuse to write over a file.
-
-    Raises
-    ------
-    FileExistsError
-        If `path` exists and `overwrite` is false.
-    """
+    """Refuse to write over a file: FileExistsError if it exists and `overwrite` is false."""
     if path.exists() and not overwrite:
         raise FileExistsError(f"{path} exists; ask for overwriting (--overwrite) to replace it")
 
@@ -110,12 +104,9 @@ def clear_partial_files(folder: Path, below: bool = True) -> None:
 
 
 def writable_folder(path: Path) -> Path:
-    """Make a folder, where needed, and refuse one that cannot be written to.
+    """Make a folder, where needed.
 
-    Raises
-    ------
-    NotADirectoryError, PermissionError
-        Naming the folder.
+    NotADirectoryError or PermissionError, naming it, if it cannot be written to.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -190,21 +181,10 @@ def _in_headers(attributes: Mapping[Any, Any]) -> dict[Any, Any]:
 def write_netcdf_along(
     dimension: str, size: int, parts: "Iterable[xr.Dataset]", path: Path, overwrite: bool = False
 ) -> Path:
-    """Write a dataset that comes in parts along a dimension, holding one at a time.
+    """Write a dataset that comes in parts along a dimension, holding one at a time; raises as `whole_file`.
 
-    Parameters
-    ----------
-    dimension : str
-        The first one of all variables that have it.
-    size : int
-        Length of the dimension, all parts together.
-    parts : iterable of xarray.Dataset
-        One or more, in order; what lacks the dimension is that of the first.
-
-    Raises
-    ------
-    FileExistsError, OSError
-        As of `whole_file`.
+    The dimension is the first one of all variables that have it, `size` its length, all parts together. Parts
+    are one or more, in order; what lacks the dimension is that of the first.
     """
     import h5netcdf
 

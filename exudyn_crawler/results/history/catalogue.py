@@ -164,13 +164,7 @@ def variable(name: str, values: NDArray, without: Iterable[str] = ()) -> Variabl
 
 
 def check_dimensions(dataset: xr.Dataset) -> None:
-    """Refuse a dataset of which a variable does not have its quantity's dimensions.
-
-    Raises
-    ------
-    ValueError
-        Naming the variable.
-    """
+    """Refuse a dataset of which a variable does not have its quantity's dimensions, by a ValueError."""
     for name, one in dataset.data_vars.items():
         quantity = QUANTITIES.get(str(name))
         if quantity is not None and set(one.dims) != set(quantity.dimensions):
@@ -254,15 +248,10 @@ def with_meaning(name: str, values: xr.DataArray) -> xr.DataArray:
 
 
 def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
-    """Quantities of contacts by shoe, over all units that each stands on.
+    """Quantities of contacts by shoe, over all units that each stands on, of those that the catalogue has so.
 
     Forces and torques are summed over the shoe's contacts. Penetration, its rate and the slip velocity are
     those of the contact that penetrates deepest at the time.
-
-    Parameters
-    ----------
-    names : iterable of str
-        Quantities that the catalogue says how to take by shoe.
     """
     wanted = list(names)
     derived = [name for name in wanted if QUANTITIES[name].is_derived]

@@ -54,14 +54,9 @@ def without_case(dataset: "xr.Dataset") -> "xr.Dataset":
 
 @contextmanager
 def reading_history(path: Path) -> Iterator[None]:
-    """Say of whatever goes wrong in the block that the file does not hold a history, and why.
+    """Say of whatever goes wrong in the block that the file does not hold a history, by a ValueError.
 
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        For all else.
+    FileNotFoundError if there is no such file.
     """
     if not path.is_file():
         raise FileNotFoundError(f"no history at {path}")
@@ -82,12 +77,8 @@ def _no_history(path: Path, reason: str) -> ValueError:
 def case_in_file(path: Path) -> Case:
     """Case of a history's file.
 
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If the file does not hold a history, or one of states laid out in another version.
+    FileNotFoundError if there is none; ValueError if the file does not hold a history, or one of states laid
+    out in another version.
     """
     with reading_history(path):
         return _case_of(path)
@@ -118,7 +109,7 @@ def unit_motion(shape: NDArray, coordinates: NDArray) -> NDArray:
 
 
 def motion_variables(heave: NDArray, tilt: NDArray, coordinates: dict[str, NDArray]) -> dict[str, Variable]:
-    """Motion of the units of a terrain in independent coordinates.
+    """Motion of the units of a terrain in independent coordinates: variables of a history by name.
 
     Parameters
     ----------
@@ -126,11 +117,6 @@ def motion_variables(heave: NDArray, tilt: NDArray, coordinates: dict[str, NDArr
         m and rad for a unit of each coordinate.
     coordinates : dict
         Coordinates (times, modes) by rate, as of `RATES`.
-
-    Returns
-    -------
-    dict
-        Variables of a history by name, `TERRAIN_COORDINATES` among them.
     """
     shapes = dict(zip(SHAPES.values(), (heave, tilt), strict=True))
     motion = shapes | {f"{TERRAIN}{rate}": values for rate, values in coordinates.items()}
@@ -264,13 +250,7 @@ def joined(chunks: Sequence[Chunk]) -> xr.Dataset:
 
 
 def save_joined(case: Case, chunks: Sequence[Chunk], path: Path, overwrite: bool = False) -> Path:
-    """Write the history of a case that the chunks make, holding a part of it at a time.
-
-    Raises
-    ------
-    FileExistsError, OSError
-        As of `files.whole_file`.
-    """
+    """Write the history of a case that the chunks make, a part of it at a time; raises as `whole_file`."""
     whole = (with_case(packed(part), case) for part in _parts(chunks))
     times = sum(chunk.times for chunk in chunks)
     return write_netcdf_along("time", times, whole, path, overwrite)

@@ -20,16 +20,8 @@ READ_IN = {"N": ("kN", 1e3), "m": ("mm", 1e-3), "Pa": ("MPa", 1e6)}
 def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFrame:
     """Greatest stress, forces, sinkage and speed of a run, and how far it went.
 
-    Parameters
-    ----------
-    stress : xarray.Dataset, optional
-        Of `StressResults`.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns result, value, unit, of (shoe, link or roller, if it is of one) and at (s). Vectors count by
-        their length, forces by their magnitude.
+    Columns result, value, unit, of (shoe, link or roller, if it is of one) and at (s). Vectors count by their
+    length, forces by their magnitude.
     """
     ranked = sorted(select(key_result=True).values(), key=lambda one: one.key_result)
     named = {one.name: one for one in ranked if history.has(one.name, stress)}
@@ -146,12 +138,9 @@ def _item(history: History, dim: str, index: int) -> str:
 
 
 def load_table(history: History) -> pd.DataFrame:
-    """Loads on the shoes at the run's begin and at the end of every phase, as far as it goes.
+    """Loads on the shoes in N at the run's begin and at the end of every phase that it reaches.
 
-    Returns
-    -------
-    pandas.DataFrame
-        A row a shoe and one of the sums; columns shoe and, in N, one a phase.
+    A row a shoe and one of the sums; columns shoe and one a phase.
     """
     loads = history.case.loads
     columns: dict[str, object] = {"shoe": [*map(str, range(1, loads.shoe_count + 1)), "sum"]}

@@ -103,13 +103,7 @@ class Duty(Damage):
         return self
 
     def times_an_hour(self, durations: list[float]) -> list[float]:
-        """How often an hour each run happens, at their durations in s.
-
-        Raises
-        ------
-        ValueError
-            If all together take more than an hour.
-        """
+        """How often an hour each run happens, at durations in s; ValueError if all take more than an hour."""
         found = [run.times_an_hour(one) for run, one in zip(self.runs, durations, strict=True)]
         check_shares(
             {
@@ -121,12 +115,7 @@ class Duty(Damage):
 
 
 def check_shares(shares: dict[str, float]) -> None:
-    """Refuse shares of the machine hours that are more than one together.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Refuse shares of the machine hours that are more than one together, by a ValueError."""
     whole = sum(shares.values())
     if whole > 1.0 + ROUNDING:
         told = ", ".join(f"{name} {share:.4g}" for name, share in shares.items())

@@ -51,15 +51,7 @@ class ShoeLoads:
     table: pd.DataFrame
 
     def write(self, path: Path, program: Program = "calculix", overwrite: bool = False) -> Path:
-        """Write mesh, joints and loads as a static step for CalculiX or Abaqus, whole or not at all.
-
-        Raises
-        ------
-        FileExistsError
-            If the file exists and `overwrite` is false.
-        ValueError
-            For another program.
-        """
+        """Write mesh, joints and loads as a static step for CalculiX or Abaqus; raises as `whole_file`."""
         remarks = [
             f"shoe {self.shoe} at t = {self.time:.6g} s; N, m, Pa; axes of the shoe, from its nominal COM",
             "loads, contacts, drive, joints, weight and inertia are in balance; the six held degrees of "
@@ -151,19 +143,12 @@ def _frame(now: History, shoe: int) -> NDArray:
 
 
 def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
-    """Loads on the nodes of a flexible shoe at the stored instant nearest to a time, in balance.
+    """Loads on the nodes of a flexible shoe at the stored instant nearest to a time (s), in balance.
 
     Machine load, contacts, drive and joints enter where the run lets them enter. Weight, inertia of the
     rigid motion and what acts on the floating frame alone are spread as the mass, so that all is in balance
     (inertia relief). Inertia and damping of the integrated modes are nodal forces, too, so that a static
     solution with these loads has the stress of the moving shoe.
-
-    Parameters
-    ----------
-    shoe : int
-        Number of a flexible shoe.
-    time : float
-        s.
 
     Raises
     ------
@@ -187,11 +172,6 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
     """Forces of the rollers on the rails of a shoe, in its axes.
 
     Both strips of a tread together: their forces have the same direction and act on a line across the rail.
-
-    Parameters
-    ----------
-    shoe : int
-        Number of the shoe.
 
     Returns
     -------
@@ -227,11 +207,6 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
 
 def pin_forces(history: History, shoe: int) -> xr.Dataset:
     """Forces and moments of the pins on a shoe, in its axes.
-
-    Parameters
-    ----------
-    shoe : int
-        Number of the shoe.
 
     Returns
     -------

@@ -166,13 +166,7 @@ class ShoeUnitLoads:
 
 
 def unit_loads(case: Case) -> ShoeUnitLoads:
-    """Unit loads of a case's flexible shoes; remembered.
-
-    Raises
-    ------
-    ValueError
-        If the case has no flexible shoes or their mesh does not fit the track.
-    """
+    """Unit loads of a case's flexible shoes; remembered. ValueError if there are none or their mesh misfits."""
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
     return _unit_loads(
@@ -255,12 +249,9 @@ def shares_of(units: ShoeUnitLoads, action: Action) -> Shares | None:
 
 
 def coordinates(units: ShoeUnitLoads, action: Action, frames: NDArray) -> csr_array:
-    """Coordinates (times, k) of the unit loads that make an action; of what bends no shoe there are none.
+    """Coordinates (times, k) of the unit loads that make an action on a shoe of axes (times, 3, 3).
 
-    Parameters
-    ----------
-    frames : array (times, 3, 3)
-        Axes of the shoe, its columns global.
+    Of what bends no shoe there are none.
     """
     shared = shares_of(units, action)
     if shared is None:
@@ -286,11 +277,6 @@ def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
     The elastic forces of all modes are then ``f - P P^T f + P k q``: what P cannot move answers its loads at
     once, what it can has the elastic forces that were integrated.
 
-    Parameters
-    ----------
-    shoe : int
-        Number of a flexible shoe.
-
     Raises
     ------
     ValueError
@@ -313,12 +299,7 @@ def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
 
 
 def check_flexible(case: Case, shoe: int) -> None:
-    """Refuse a shoe that is not a flexible one of a history's case.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Refuse a shoe that is not a flexible one of a history's case, by a ValueError."""
     flexible = case.flexible
     there = [] if flexible is None else list(flexible.shoes)
     if shoe not in there:

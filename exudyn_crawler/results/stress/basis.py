@@ -56,13 +56,7 @@ RAIL_SPACING = 0.0375
 
 
 def ground_grid(mesh: Mesh) -> PressureGrid:
-    """Grid of the static fields over the underside of a shoe.
-
-    Raises
-    ------
-    ValueError
-        If the underside is no level rectangle.
-    """
+    """Grid of the static fields over the underside of a shoe; ValueError if that is no level rectangle."""
     under = mesh.nodes[mesh.nodes_of("underside"), :2]
     low, high = under.min(axis=0), under.max(axis=0)
     along, across = (1 + int(np.ceil(side / GROUND_SPACING)) for side in high - low)
@@ -72,12 +66,7 @@ def ground_grid(mesh: Mesh) -> PressureGrid:
 def rail_stations(mesh: Mesh) -> list[Stations]:
     """Stations of the static fields on each rail of a shoe, from the right to the left.
 
-    Raises
-    ------
-    KeyError
-        If the mesh has no surface "rails".
-    ValueError
-        If a rail is no level rectangle.
+    KeyError if the mesh has no surface "rails"; ValueError if a rail is no level rectangle.
     """
     rails = flat_parts(mesh, "rails")
     lengths = [rail.high[0] - rail.low[0] for rail in rails]
@@ -97,10 +86,7 @@ class StaticLoads(NamedTuple):
 def static_loads(case: Case) -> StaticLoads | None:
     """Static fields beside all modes of a case's flexible shoes; cached on disk. None if not asked for.
 
-    Raises
-    ------
-    ValueError
-        If the case has no flexible shoes, or the underside of their mesh, or a rail, is no level rectangle.
+    ValueError if the case has no flexible shoes, or their underside, or a rail, is no level rectangle.
     """
     if not case.flexible_shoes().static_fields:
         return None
@@ -196,12 +182,7 @@ class StressBasis:
         """Coordinates of a shoe at stored times by what makes them: arrays (times, columns).
 
         They add up to those of all. By words of `LOADS` for kinds of actions, or those kinds; "inertia" is
-        that of the integrated modes. Loads that make nothing are left out.
-
-        Parameters
-        ----------
-        rows : int array (times,), optional
-            Indices of stored times; all of them by default.
+        that of the integrated modes. Loads that make nothing are left out. All times, if no `rows` are given.
         """
         found: dict[str, NDArray] = {}
         for kind, loads in self.loads[shoe].items():
@@ -214,10 +195,7 @@ class StressBasis:
 def stress_basis(history: History, shoes: Sequence[int] | None = None) -> StressBasis:
     """Columns and coordinates of the stress of flexible shoes, of all of them if not said otherwise.
 
-    Raises
-    ------
-    ValueError
-        If the history has no flexible shoes, or one of the shoes is not among them.
+    ValueError if the history has no flexible shoes, or one of the shoes is not among them.
     """
     if history.case.flexible is None:
         raise ValueError("the history has no flexible shoes")

@@ -78,21 +78,12 @@ def stress_directions(criterion: SignedCriterion, stress: NDArray) -> NDArray:
 
 
 def load_shares(basis: StressBasis, shoe: int, nodes: NDArray, rows: NDArray) -> pd.DataFrame:
-    """Share of each load in the von Mises stress of nodes, each at a stored time of its own.
+    """Share of each load in the von Mises stress of nodes (k,), each at a stored time (k,) of its own.
 
     A load's share is the projection of its stress on the deviator s of the whole,
     ``3/2 s : sigma_load / von Mises^2``: the part of the von Mises stress that goes with a small part of the
     load. Shares add up to 1; a load that relieves has a negative one. The stress of a load is that of its
     static answer with the inertia of the free shoe; "inertia" is that of the integrated modes.
-
-    Parameters
-    ----------
-    shoe : int
-        One of its shoes.
-    nodes : int array (k,)
-        Numbers of nodes.
-    rows : int array (k,)
-        Indices of stored times.
 
     Returns
     -------
@@ -150,11 +141,6 @@ def highest_nodes(
 
 def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
     """Highest von Mises stress of every flexible shoe in every phase of the load cycle.
-
-    Parameters
-    ----------
-    stress : xarray.Dataset
-        Of `StressResults`.
 
     Returns
     -------

@@ -60,13 +60,7 @@ class StressResults:
         return "".join([*tables, self.dataset._repr_html_()])
 
     def save(self, path: Path, overwrite: bool = False) -> Path:
-        """Write the dataset to a NetCDF file, whole or not at all.
-
-        Raises
-        ------
-        FileExistsError
-            If the file exists and `overwrite` is false.
-        """
+        """Write the dataset to a NetCDF file, whole or not at all; raises as `write_netcdf`."""
         return write_netcdf(self.dataset, path, overwrite)
 
 
@@ -211,39 +205,23 @@ def mesh_dataset(whole: Shapes) -> xr.Dataset:
 
 
 def peak_time(history: History, shoe: int) -> float:
-    """Time (s) of the highest von Mises stress of a flexible shoe.
-
-    Raises
-    ------
-    ValueError
-        If the shoe is not a flexible one of the history.
-    """
+    """Time (s) of the highest von Mises stress of a flexible shoe; ValueError if the history has no such."""
     basis = stress_basis(history, [shoe])
     found = recover_extremes(basis.shapes.stress_modes, basis.coordinates[shoe])
     return float(history.time[int(found.highest.argmax())])
 
 
 def flat_triangles(faces: NDArray) -> NDArray:
-    """Flat triangles through all nodes of faces (k, 6), corners first and then the middles of the sides.
+    """Flat triangles (4 k, 3) through all nodes of faces (k, 6), in their sense.
 
-    Returns
-    -------
-    int array (4 k, 3)
-        In the sense of the faces.
+    The nodes of a face are its corners first and then the middles of its sides.
     """
     quarters = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
     return np.stack([faces[:, list(quarter)] for quarter in quarters], axis=1).reshape(-1, 3)
 
 
 def surface_stress(history: History, shoe: int, rows: ArrayLike) -> xr.Dataset:
-    """Von Mises stress and elastic displacement of a shoe's surface.
-
-    Parameters
-    ----------
-    shoe : int
-        Number of a flexible shoe.
-    rows : int array (instants,)
-        Indices of stored instants.
+    """Von Mises stress and elastic displacement of a shoe's surface at the stored instants of some rows.
 
     Returns
     -------

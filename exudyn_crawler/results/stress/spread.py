@@ -67,12 +67,10 @@ class Spread:
 def spread_of(
     first: StressResults, starts: Mapping[str, xr.DataArray], laws: Mapping[str, xr.DataArray]
 ) -> Spread:
-    """Spread between a run and others.
+    """Spread of the stresses of a run that is judged.
 
     Parameters
     ----------
-    first : StressResults
-        Of the run that is judged.
     starts, laws : mapping of str to DataArray (shoe, node)
         Greatest von Mises stresses in Pa of runs from other starts and with other laws of contact.
 

@@ -88,10 +88,7 @@ class Checkpoints:
     ) -> Checkpoint:
         """Keep the end of a stage of a case: arguments as of `Checkpoint`, and what the stage stored.
 
-        Raises
-        ------
-        NotADirectoryError, PermissionError, OSError
-            If it cannot be written.
+        OSError if it cannot be written.
         """
         writable_folder(self.folder)
         path = self._file(number)

@@ -101,10 +101,7 @@ def run_in(
 def refuse_occupied(out: Path, case_file: CaseFile, overwrite: bool = False) -> None:
     """Refuse a folder that `run_in` would not take for a case, before anything else is loaded.
 
-    Raises
-    ------
-    FileExistsError
-        If the folder holds results of another run, and `overwrite` is false.
+    FileExistsError if the folder holds results of another run, and `overwrite` is false.
     """
     if out.is_dir():
         _taken(out, case_file, {}, overwrite, quiet)
@@ -239,12 +236,8 @@ SPREAD_FOLDER, SPREAD = "spread", "spread.nc"
 def matching_history(folder: Path, case_file: CaseFile) -> History:
     """History of the same case and duration in the folder of an earlier run, or of a study that ran it.
 
-    Raises
-    ------
-    FileNotFoundError
-        If the folder holds none.
-    ValueError
-        If it comes from other parameters or is shorter or longer, naming what differs.
+    FileNotFoundError if the folder holds none; ValueError, naming what differs, if it comes from other
+    parameters or is shorter or longer.
     """
     case = case_file.case
     paths = (folder / HISTORY, folder / case.name / HISTORY)
@@ -262,13 +255,7 @@ def matching_history(folder: Path, case_file: CaseFile) -> History:
 
 @interrupts_wait()
 def spread_beside(run: Path, case: Case) -> xr.Dataset | None:
-    """Spread of the stresses of the run in a folder, or None if there is none.
-
-    Raises
-    ------
-    ValueError
-        If it comes from another case.
-    """
+    """Spread of the stresses of the run in a folder, or None; ValueError if it is of another case."""
     path = run / SPREAD_FOLDER / SPREAD
     if not path.is_file():
         return None

@@ -21,12 +21,8 @@ def progress_bar(
 ) -> Iterator[Callable[[float], None]]:
     """Show simulated time, speed and time left; the block gets a function to tell the time to.
 
-    Parameters
-    ----------
-    unit : str
-        Of the duration, where something else than time is counted.
-    show : bool, optional
-        None shows a bar on a terminal, and a line every `LINE_EVERY` where stderr is something else.
+    The unit is that of the duration, where something else than time is counted. `show` None shows a bar on a
+    terminal, and a line every `LINE_EVERY` where stderr is something else.
     """
     console = Console(stderr=True)
     if show is False:

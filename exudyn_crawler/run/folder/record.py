@@ -25,6 +25,13 @@ from filelock import FileLock, Timeout
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import note_written, noted_files, whole_file
 
+CASE, LOCK = "case.toml", ".lock"
+HISTORY = "history.nc"
+STOPPED_HISTORY = "history_stopped.nc"
+"""In place of the history, of a run that stopped early."""
+CHECKPOINTS = "checkpoints"
+END = "checkpoint.npz"
+"""What a longer run goes on with, where a finished one had more than one stage."""
 RECORD, LOG = "run.json", "run.log"
 DONE = "done"
 """Status of a run that has ended well."""
@@ -32,25 +39,6 @@ PROGRAM = "exudyn-crawler"
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 logger = logging.getLogger("exudyn_crawler")
-
-
-def first_record() -> dict[str, Any]:
-    """What is known of a run when it begins."""
-    return {
-        "status": "running",
-        "command": sys.argv,
-        "process": os.getpid(),
-        "started": timestamp(),
-        "machine": machine(),
-        "versions": versions(),
-        "commit": commit(),
-    }
-
-
-def finished_record(record: dict[str, Any]) -> dict[str, Any]:
-    """When a run ended, and what it took."""
-    took = datetime.now(UTC) - datetime.fromisoformat(record["started"])
-    return {"finished": timestamp(), "wall_time_s": round(took.total_seconds(), 3)}
 
 
 def earlier_record(folder: Path) -> dict[str, Any]:
@@ -64,14 +52,12 @@ def earlier_record(folder: Path) -> dict[str, Any]:
 
 def named_files(record: dict[str, Any]) -> set[str]:
     """Names of files that a record lists, without such as lead out of its folder or are no names."""
-    names = record.get("files")
-    texts = {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
-    return {name for name in texts if _stays(name)}
-
-
-def _stays(name: str) -> bool:
-    path = Path(name)
-    return "\0" not in name and bool(path.parts) and not path.is_absolute() and ".." not in path.parts
+    listed = record.get("files")
+    names = [one for one in listed if isinstance(one, str)] if isinstance(listed, list) else []
+    paths = {name: Path(name) for name in names if "\0" not in name}
+    return {
+        name for name, one in paths.items() if one.parts and not one.is_absolute() and ".." not in one.parts
+    }
 
 
 def write_record(folder: Path, record: dict[str, Any]) -> None:
@@ -104,27 +90,15 @@ def commit() -> str:
     """
     root = Path(__file__).parents[3]
     if (root / ".git").exists():
-        return _commit_of(root)
+        asked = ["git", "-C", str(root), "describe", "--always", "--abbrev=12", "--exclude=*"]
+        asked.append("--dirty=, changed")
+        with suppress(OSError, subprocess.SubprocessError):
+            done = subprocess.run(asked, capture_output=True, text=True, check=True, timeout=10)
+            return done.stdout.strip()
+        return ""
     with suppress(importlib.metadata.PackageNotFoundError, ValueError, TypeError, AttributeError):
         told = json.loads(importlib.metadata.distribution(PROGRAM).read_text("direct_url.json") or "{}")
         return str(told.get("vcs_info", {}).get("commit_id", ""))
-    return ""
-
-
-def _commit_of(root: Path) -> str:
-    """Commit that a checkout is at."""
-    asked = [
-        "git",
-        "-C",
-        str(root),
-        "describe",
-        "--always",
-        "--dirty=, changed",
-        "--abbrev=12",
-        "--exclude=*",
-    ]
-    with suppress(OSError, subprocess.SubprocessError):
-        return subprocess.run(asked, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
     return ""
 
 
@@ -175,15 +149,6 @@ def logged(out: Path) -> Iterator[None]:
         logger.removeHandler(handler)
         logger.setLevel(level)
         handler.close()
-
-
-CASE, LOCK = "case.toml", ".lock"
-HISTORY = "history.nc"
-STOPPED_HISTORY = "history_stopped.nc"
-"""In place of the history, of a run that stopped early."""
-CHECKPOINTS = "checkpoints"
-END = "checkpoint.npz"
-"""What a longer run goes on with, where a finished one had more than one stage."""
 
 
 class Holds(Enum):
@@ -258,7 +223,22 @@ def recorded(folder: RunFolder) -> Iterator[None]:
     out = folder.path
     assert out is not None
     before = named_files(earlier_record(out))
-    record = first_record() | {"overwrites": folder.overwrites}
+    begun = datetime.now(UTC)
+    record = {
+        "status": "running",
+        "command": sys.argv,
+        "process": os.getpid(),
+        "started": timestamp(),
+        "machine": machine(),
+        "versions": versions(),
+        "commit": commit(),
+        "overwrites": folder.overwrites,
+    }
+
+    def finished() -> dict[str, Any]:
+        took = datetime.now(UTC) - begun
+        return {"finished": timestamp(), "wall_time_s": round(took.total_seconds(), 3)}
+
     with logged(out), noted_files() as noted:
 
         def write(outcome: dict[str, Any]) -> None:
@@ -267,7 +247,7 @@ def recorded(folder: RunFolder) -> Iterator[None]:
             write_record(out, record | outcome | known)
 
         folder._record = lambda: write({})
-        logger.info("%s %s, process %d", PROGRAM, record["versions"].get(PROGRAM, ""), record["process"])
+        logger.info("%s %s, process %d", PROGRAM, versions().get(PROGRAM, ""), os.getpid())
         for name in (CASE, LOG):
             note_written(out / name)
         write({})
@@ -279,9 +259,9 @@ def recorded(folder: RunFolder) -> Iterator[None]:
             logger.error("%s", outcome["status"], exc_info=error)
             # what went wrong matters more than a record that cannot be written either
             with suppress(OSError):
-                write(finished_record(record) | outcome)
+                write(finished() | outcome)
             raise
-        write(finished_record(record) | {"status": DONE})
+        write(finished() | {"status": DONE})
         logger.info("done")
 
 
@@ -309,15 +289,7 @@ def note_file(path: Path) -> None:
 def held(out: Path, what: str = "run") -> Iterator[None]:
     """Hold a folder's lock, which the operating system releases when the process ends, however it does.
 
-    Parameters
-    ----------
-    what : str
-        What works there, for the error.
-
-    Raises
-    ------
-    BlockingIOError
-        If another process holds it.
+    BlockingIOError, naming `what` works there, if another process holds it.
     """
     lock = FileLock(out / LOCK)
     try:
