@@ -166,7 +166,7 @@ class ShoeUnitLoads:
 
 
 def unit_loads(case: Case) -> ShoeUnitLoads:
-    """Unit loads of a case's flexible shoes; remembered. ValueError if there are none or their mesh misfits."""
+    """Unit loads of a case's flexible shoes, remembered; ValueError if there are none, or no mesh fits."""
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
     return _unit_loads(
