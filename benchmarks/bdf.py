@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from exudyn_crawler import Case, simulate
-from exudyn_crawler.model.system import System, build
+from exudyn_crawler.ground.coordinates import reduced_coordinates
+from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.views.tables import print_table
 
@@ -36,13 +37,13 @@ class PlanarTrack:
     """
 
     case: Case
-    system: System = field(init=False)
+    system: CompiledSystem = field(init=False)
 
     def __post_init__(self) -> None:
         case = self.case
-        self.system = build(case)
+        self.system = compiled_system(case)
         self.shoes = case.track.shoe_count
-        self.modes = self.system.contact.coordinates.modes
+        self.modes = reduced_coordinates(case).modes
         self.free = 1 + self.shoes + self.modes.size
         self.load = case.loads.loads(0.0)[0]
         self.inertia = np.tile([case.shoe.mass, case.shoe.mass, case.shoe.inertia[1]], self.shoes)

@@ -6,7 +6,6 @@ import time as clock
 import numpy as np
 import pandas as pd
 
-from benchmarks.split import print_split
 from exudyn_crawler import Case, History, SphereContact, simulate
 from exudyn_crawler.views.tables import print_table
 from studies.comparison import time_mean
@@ -110,7 +109,6 @@ def main() -> None:
         f"the same with contact.model 'spheres': median {statistics.median(general) / DURATION:.3f} "
         f"wall s per simulated s (runs: {each} s)"
     )
-    print_split("translation", DURATION)
     print_table(accuracy(history), f"Difference from a tight run {TIGHT}")
 
 

@@ -11,11 +11,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from benchmarks.split import print_split
 from exudyn_crawler import Case, Drive, LoadCycle, simulate
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.state import RATES
-from exudyn_crawler.model.system import build
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import history_of
 from exudyn_crawler.results.loads.load_map import unit_loads
@@ -31,8 +30,6 @@ from studies.stress_comparison import compare_stresses
 
 WINDOW = 0.1
 """s of each window."""
-SPLIT = 3.0
-"""s of propel whose wall time is split; stick-slip sets in after half of it."""
 
 
 def loading_case(mesh: str) -> Case:
@@ -74,7 +71,7 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
         kept = Checkpoints(Path(folder))
         simulate(case, time + case.solver.step, False, kept)
         state = kept.load(case)[-1].state
-    system = build(case)
+    system = compiled_system(case)
     return state, history_of(
         case, system.layout, system.contact, state[None], system.point, system.frequencies
     )
@@ -84,7 +81,7 @@ def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarra
     """State row of the track with all modes: what is not integrated stands where its loads hold it."""
     units, flexible = unit_loads(history.case), history.case.flexible_shoes()
     alone = History(history.case.with_(flexible=flexible.with_(static_fields=False)), history.dataset)
-    few, all_modes = build(history.case).layout, build(whole).layout
+    few, all_modes = compiled_system(history.case).layout, compiled_system(whole).layout
     names = ["time", "multipliers"] + [f"{part}{rate}" for part in ("shoes", "terrain") for rate in RATES]
     parts = {name: few.part(state, name) for name in names}
     # stress is made of one mode more, that of the drive's node, which is not integrated
@@ -139,7 +136,6 @@ def main() -> None:
     """Print the tables."""
     table = study()
     print_table(table, "Stress study: 40 s, study mesh, six flexible shoes, 30 modes each")
-    print_split("stress", SPLIT)
     print_table(windows(), f"Peak von Mises stress over {WINDOW:g} s, MPa, coarse mesh")
 
 

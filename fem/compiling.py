@@ -53,8 +53,11 @@ def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
 
 
 def _add_stamp(file: Any, stamp: str) -> None:
-    """Let a file of numba's cache be valid for some sources only."""
-    file._source_stamp = (file._source_stamp, stamp)
+    """Let a file of numba's cache be valid for some sources only.
+
+    The version is compared before anything else of the file is read, which may name types that are gone.
+    """
+    file._version = f"{file._version} {stamp}"
 
 
 @cache

@@ -247,6 +247,24 @@ def plate_sweep(
     typer.echo(f"the runs, results.csv and report.html are in {out}")
 
 
+def sliding_modes(
+    runs: Annotated[bool, typer.Option("--runs", help="make the 10 s runs, too: ten minutes")] = False,
+    out: Out = RESULTS / "sliding_modes",
+    overwrite: Overwrite = False,
+    debug: Debug = False,
+) -> None:
+    """Show why the shoes bounce: which modes of the sliding track grow, and over what.
+
+    Example: python -m studies.sliding_modes --out results/sliding_modes
+    """
+    from exudyn_crawler.views.tables import print_table
+    from studies.sliding_modes import study
+
+    for title, table in study(out, runs=runs, overwrite=overwrite):
+        print_table(table, title)
+    typer.echo(f"the tables and modes.png are in {out}")
+
+
 def verify(debug: Debug = False) -> None:
     """Solve the two-body problem by hand and by the engine, side by side.
 

@@ -15,10 +15,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import PairContact, Shoe, Terrain
-from exudyn_crawler.ground.coordinates import ConstrainedCoordinates
+from exudyn_crawler.ground.coordinates import UnitCoordinates
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.model.engine import exu, items
-from exudyn_crawler.model.system import add_contact
 from studies.comparison import comparison_table
 from studies.reported import reported_values
 
@@ -145,14 +144,14 @@ def plate_terrain() -> Terrain:
 def engine_solution(law: PairContact) -> TwoBodySolution:
     """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
     start, plate = np.array([BLOCK_START]), plate_terrain()
-    contact = PairGroundContact(start, block_shoe(), plate, law, ConstrainedCoordinates(1, plate.tilt_axis))
+    contact = PairGroundContact(start, block_shoe(), plate, law, UnitCoordinates(1, plate.tilt_axis))
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     displacement = np.array([SPEED * TIME, 0.0, -block_penetration(law), *[0.0] * 9])
     velocity = np.array([SPEED, 0.0, -SINKING, *[0.0] * 9])
     block = _add_body(mbs, start[0], (BLOCK_MASS, BLOCK_INERTIA), displacement[:3], velocity[:3])
     fixed = _add_body(mbs, plate.centers[0], (PLATE_MASS, PLATE_INERTIA), np.zeros(3), np.zeros(3))
-    add_contact(mbs, contact, [block, fixed])
+    _add_contact(mbs, contact, [block, fixed])
     fixing, holds = _add_fixing(mbs, fixed, plate.centers[0]), _add_holds(mbs, block)
     accelerations, multipliers = _initial_state(mbs)
     rows = mbs.systemData.GetObjectLTGAE
@@ -192,6 +191,16 @@ def _add_body(
     com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=number))
     mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0, 0, -mass * GRAVITY]))
     return node
+
+
+def _add_contact(mbs: "exu.MainSystem", contact: PairGroundContact, nodes: list[int]) -> None:
+    """Contact of block and plate; neither turns, so that angles about any axes serve its coordinates."""
+
+    def force(_mbs, _t, _item, q, q_t):
+        return contact.forces(np.array(q), np.array(q_t))
+
+    massless = exu.MatrixContainer()
+    mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=massless, forceUserFunction=force))
 
 
 def _add_fixing(mbs: "exu.MainSystem", node: int, place: NDArray) -> int:

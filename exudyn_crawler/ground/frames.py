@@ -1,4 +1,4 @@
-"""Frames of bodies, wrenches on them and the vectors they are made of; nothing here knows coordinates.
+"""Frames of bodies and the vectors they are made of; nothing here knows coordinates.
 
 Vectors are tuples of three numbers and matrices tuples of three rows, all in global components: compiled
 code keeps them in registers, where arrays would be allocated and counted.
@@ -43,13 +43,6 @@ class Frame(NamedTuple):
     R: Matrix
     v: Vector
     omega: Vector
-
-
-class Wrench(NamedTuple):
-    """Force (N) and moment (N m) about a point that is said with it, global."""
-
-    force: Vector
-    moment: Vector
 
 
 @compiled
@@ -108,12 +101,6 @@ def turned_back(R: Matrix, a: Vector) -> Vector:
 def velocity_at(body: Frame, place: Vector) -> Vector:
     """Velocity of a body's point that is at a place (m/s)."""
     return along(body.v, 1.0, cross(body.omega, along(place, -1.0, body.r)))
-
-
-@compiled
-def about(center: Vector, point: Vector, force: Vector, torque: Vector) -> Wrench:
-    """Wrench about a centre of a force at a point and a torque."""
-    return Wrench(force, along(torque, 1.0, cross(along(point, -1.0, center), force)))
 
 
 def columns_of(record: type, *before: str) -> tuple[dict[str, Any], int]:

@@ -1,28 +1,28 @@
 """Pair contact of the whole track as functions of the generalized coordinates."""
 
 from collections.abc import Sequence
+from math import prod
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import PairContact, Shoe, Terrain
-from exudyn_crawler.ground.coordinates import TerrainCoordinates
+from exudyn_crawler.ground.coordinates import TerrainCoordinates, UnitCoordinates
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.grid import grid_of, units_below
-from exudyn_crawler.ground.laws import COULOMB, IMPACT, Law
+from exudyn_crawler.ground.laws import Law
 from exudyn_crawler.ground.laws.coulomb import Coulomb
 from exudyn_crawler.ground.laws.impact import Impact
 from exudyn_crawler.ground.overlap import overlap_workspace
-from exudyn_crawler.ground.pair_derivatives import PAIR_COORDINATES, pair_derivatives
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
-from exudyn_crawler.ground.pair_sums import Sums, pair_forces
 from exudyn_crawler.ground.pair_track import Bodies, Flexible, Track
-from exudyn_crawler.ground.pairs import Footprint, PairLaw
-from exudyn_crawler.ground.rows import Weights as RowWeights
-from exudyn_crawler.ground.triplets import PairBlocks, Weights, modal_triplets
+from exudyn_crawler.ground.pairs import RESULT, Footprint, PairLaw
+from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
+from exudyn_crawler.ground.rows import Weights
 from fem.patches import Underside
 
-NO_DERIVATIVES = RowWeights(0.0, 0.0, 0.0, False, 1.0)
+NO_DERIVATIVES = Weights(0.0, 0.0, 0.0, False, 1.0)
 """Of forces alone."""
 
 
@@ -30,8 +30,6 @@ def pair_law(law: PairContact, underside_area: float) -> PairLaw:
     """Law of a pair; `underside_area` (m2) is that of a shoe."""
     return PairLaw(
         Law(
-            normal=IMPACT,
-            friction=COULOMB,
             impact=Impact(law.stiffness, law.exponent, law.damping, law.damping_depth),
             coulomb=Coulomb(
                 law.static_friction, law.dynamic_friction, law.stiction_speed, law.friction_speed
@@ -40,6 +38,17 @@ def pair_law(law: PairContact, underside_area: float) -> PairLaw:
         edge_width=law.edge_width,
         whole_area=underside_area if law.sharing == "area" else 0.0,
     )
+
+
+class ContactWrenches(NamedTuple):
+    """Forces (N) and moments about the origins (N m) on shoes and units, global; modal forces.
+
+    `shoes` is (shoes, 6), `units` (units, 6), `modal` (flexible shoes, modes).
+    """
+
+    shoes: NDArray
+    units: NDArray
+    modal: NDArray
 
 
 class PairGroundContact:
@@ -80,7 +89,7 @@ class PairGroundContact:
         underside: Underside | None = None,
         flexible_shoes: Sequence[int] = (),
     ) -> None:
-        if flexible_shoes and coordinates.shapes is None:
+        if flexible_shoes and isinstance(coordinates, UnitCoordinates):
             raise ValueError(
                 "coordinates must be the terrain's independent ones where shoes are flexible, "
                 "got the units' own"
@@ -108,22 +117,9 @@ class PairGroundContact:
         diagonal = float(np.hypot(shoe.length, shoe.width))
         reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)
         contacts = shoes * min(reach, units)
-        # every evaluation reuses this memory
-        self._displacements = np.zeros((units, 4))
-        self._unit_rates = np.zeros((units, 4))
-        self._sums = Sums(
-            np.zeros((shoes, 6)),
-            np.zeros((units, 6)),
-            np.zeros((len(flexible_shoes), modes)),
-        )
         self._contacts = UnitContacts.allocate(contacts, modes)
-        self._blocks = PairBlocks(
-            np.zeros((contacts, 2), dtype=np.int64),
-            np.zeros((contacts, PAIR_COORDINATES, PAIR_COORDINATES)),
-            np.zeros((contacts, 3, modes)),
-        )
         self._work = overlap_workspace()
-        self._first_modal = self.shoe_reference.size + coordinates.size
+        self._modal_shape = (len(flexible_shoes), modes)
 
     @property
     def track(self) -> tuple:
@@ -143,61 +139,84 @@ class PairGroundContact:
     @property
     def size(self) -> int:
         """Number of generalized coordinates: six a shoe, the terrain's, the flexible shoes' modes."""
-        return self._first_modal + self._sums.modal.size
+        return self.shoe_reference.size + self.coordinates.size + prod(self._modal_shape)
 
-    def _bodies(self, q: NDArray, q_t: NDArray) -> Bodies:
-        """Places of all bodies, as the coordinates have them."""
-        split, modal = self.shoe_reference.size, self._first_modal
-        last = modal + self._sums.modal.size
-        self.coordinates.motion(q[split:modal], self._displacements)
-        self.coordinates.motion(q_t[split:modal], self._unit_rates)
+    def bodies(self, shoes: NDArray, shoe_rates: NDArray, q: NDArray, q_t: NDArray) -> Bodies:
+        """Places of all bodies, as the contact takes them.
+
+        Parameters
+        ----------
+        shoes, shoe_rates : array (shoes, 6)
+            Positions (m) and angles (rad), and their rates.
+        q, q_t : array
+            Coordinates of the terrain and, behind them, of the modes, and their rates.
+        """
+        ground = self.coordinates.size
+        modal = slice(ground, ground + prod(self._modal_shape))
         return Bodies(
-            self.shoe_reference + q[:split].reshape(-1, 6),
-            q_t[:split].reshape(-1, 6),
-            self.unit_reference + self._displacements,
-            self._unit_rates,
-            q[modal:last].reshape(self._sums.modal.shape),
-            q_t[modal:last].reshape(self._sums.modal.shape),
+            shoes,
+            shoe_rates,
+            self.unit_reference + self.coordinates.motion(q[:ground]),
+            self.coordinates.motion(q_t[:ground]),
+            q[modal].reshape(self._modal_shape),
+            q_t[modal].reshape(self._modal_shape),
         )
+
+    def bodies_at(self, q: NDArray, q_t: NDArray) -> Bodies:
+        """Places of all bodies at generalized coordinates and their rates."""
+        shoes, rates = (values[: self.shoe_reference.size].reshape(-1, 6) for values in (q, q_t))
+        rest = slice(self.shoe_reference.size, None)
+        return self.bodies(self.shoe_reference + shoes, rates, q[rest], q_t[rest])
+
+    def _touching(self, bodies: Bodies) -> tuple[NDArray, NDArray]:
+        """Contacts (contacts, RESULTS), and how modes move their patches (contacts, 3, modes)."""
+        count = touching_pairs(
+            tuple(bodies), self._track, tuple(NO_DERIVATIVES), tuple(self._contacts), self._work
+        )
+        return self._contacts.results[:count], self._contacts.modes[:count]
+
+    def wrenches(self, bodies: Bodies) -> "ContactWrenches":
+        """Forces of all contacts on the bodies."""
+        rows, modes = self._touching(bodies)
+        shoe, unit = rows[:, RESULT["shoe"]].astype(int), rows[:, RESULT["unit"]].astype(int)
+        point = rows[:, RESULT["point"]]
+        force = rows[:, RESULT["normal_force"]] + rows[:, RESULT["friction_force"]]
+        torque = rows[:, RESULT["friction_torque"]]
+        found = ContactWrenches(
+            np.zeros_like(bodies.shoes), np.zeros((len(bodies.units), 6)), np.zeros(self._modal_shape)
+        )
+        for places, index, sign, out in (
+            (bodies.shoes, shoe, 1.0, found.shoes),
+            (bodies.units, unit, -1.0, found.units),
+        ):
+            moment = torque + np.cross(point - places[index, :3], force)
+            np.add.at(out, index, sign * np.hstack((force, moment)))
+        if found.modal.size:
+            bent = self._row[shoe] >= 0
+            R = rotation_matrices(bodies.shoes[shoe[bent], 3:])
+            local = np.einsum("nji,nj->ni", R, force[bent])
+            np.add.at(found.modal, self._row[shoe[bent]], np.einsum("ncm,nc->nm", modes[bent], local))
+        return found
 
     def forces(self, q: NDArray, q_t: NDArray) -> NDArray:
         """Generalized contact forces: array (size,)."""
-        bodies = self._bodies(q, q_t)
-        pair_forces(tuple(bodies), self._track, tuple(self._sums), self._work)
-        generalized = np.empty(self.size)
-        split, modal = self.shoe_reference.size, self._first_modal
-        generalized[:split] = self._sums.shoes.ravel()
-        self.coordinates.project(self._sums.units, bodies.units, generalized[split:modal])
-        generalized[modal:] = self._sums.modal.ravel()
-        return generalized
+        bodies = self.bodies_at(q, q_t)
+        found = self.wrenches(bodies)
+        found.shoes[:, 3:] = moments_on_angles(bodies.shoes[:, 3:], found.shoes[:, 3:])
+        units = self.coordinates.project(found.units)
+        return np.concatenate((found.shoes.ravel(), units, found.modal.ravel()))
 
-    def derivatives(self, q: NDArray, q_t: NDArray, weights: Weights) -> NDArray:
-        """Triplets (row, column, value) of both derivatives of the forces, as of `GroundContact`."""
-        bodies = tuple(self._bodies(q, q_t))
-        count = pair_derivatives(bodies, self._track, weights.typed(), tuple(self._blocks), self._work)
-        pairs, values, rows = self._blocks
-        found = PairBlocks(pairs[:count], values[:count], rows[:count])
-        triplets = self.coordinates.derivative(found, len(self.shoe_reference))
-        shapes = self.coordinates.shapes
-        if not self._sums.modal.size or shapes is None:
-            return triplets
-        modal = modal_triplets(tuple(shapes), tuple(found), self._row, self._first_modal)
-        return np.concatenate((triplets, modal))
-
-    def results(self, q: NDArray, q_t: NDArray, shoe_forces: NDArray | None = None) -> NDArray:
+    def results(self, q: NDArray, q_t: NDArray, wrenches: NDArray | None = None) -> NDArray:
         """Contacts at a state: array (contacts, RESULTS), columns as in `pairs.RESULT`.
 
-        `shoe_forces` are not needed: the forces in motion are these.
+        `wrenches` are not needed: the forces in motion are these.
         """
-        bodies = tuple(self._bodies(q, q_t))
-        count = touching_pairs(bodies, self._track, tuple(NO_DERIVATIVES), tuple(self._contacts), self._work)
-        return self._contacts.results[:count].copy()
+        return self._touching(self.bodies_at(q, q_t))[0].copy()
 
     def unit_motion(self, q: NDArray) -> NDArray:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
-        out = np.zeros_like(self.unit_reference)
-        self.coordinates.motion(q[self.shoe_reference.size : self._first_modal], out)
-        return out
+        first = self.shoe_reference.size
+        return self.coordinates.motion(q[first : first + self.coordinates.size])
 
     def settled_depth(self, loads: NDArray) -> NDArray:
         """Penetration (m) of shoes that each stand on one unit under these loads (N)."""

@@ -5,24 +5,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.ground.frames import Frame, Vector, Wrench, compiled, inlined, turned_back
+from exudyn_crawler.ground.frames import Frame, compiled, inlined, turned_back
 from exudyn_crawler.ground.grid import Grid
 from exudyn_crawler.ground.laws import named_law
 from exudyn_crawler.ground.overlap import Overlap
 from exudyn_crawler.ground.pairs import (
-    Contact,
     Footprint,
     PairLaw,
-    Patch,
     contact_point,
-    pair_contact,
-    wrench_on_shoe,
 )
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, generalized_moment
+from exudyn_crawler.ground.rotations import FloatArray
 from fem.patches import mean_rows
-
-STATE = 13
-"""Numbers that place a pair: six of the shoe, the unit's position and tilt, the patch's displacement."""
 
 
 class Flexible(NamedTuple):
@@ -67,31 +60,12 @@ class Bodies(NamedTuple):
     modal_rates: FloatArray
 
 
-class PairForces(NamedTuple):
-    """Forces of one pair, generalized for the shoe; on the patch in the shoe's axes."""
-
-    shoe: Wrench
-    unit: Wrench
-    patch: Vector
-
-
 @inlined
 def named(places: tuple, track: tuple) -> tuple[Bodies, Track]:
     """Bodies and track of their values as plain tuples."""
     grid, footprint, flexible, (law, edge_width, whole_area) = track
     law = PairLaw(named_law(law), edge_width, whole_area)
     return Bodies(*places), Track(Grid(*grid), Footprint(*footprint), Flexible(*flexible), law)
-
-
-@inlined
-def gather(bodies: Bodies, s: int, u: int, state: FloatArray) -> None:
-    """Write places and rates of a shoe and a unit into the rows of `state` (2, STATE), with no patch."""
-    for k in range(6):
-        state[0, k], state[1, k] = bodies.shoes[s, k], bodies.shoe_rates[s, k]
-    for k in range(4):
-        state[0, 6 + k], state[1, 6 + k] = bodies.units[u, k], bodies.unit_rates[u, k]
-    for k in range(3):
-        state[0, 10 + k] = state[1, 10 + k] = 0.0
 
 
 @compiled
@@ -118,38 +92,3 @@ def patch_rows(rectangle: tuple[float, float, float, float], track: Track, rows:
     """Write the mean displacement (3, modes) of a rectangle of the underside by the modes."""
     flexible = track.flexible
     mean_rows(flexible.corner, flexible.cell, flexible.integral, rectangle, rows)
-
-
-@inlined
-def bend(bodies: Bodies, f: int, rows: FloatArray, state: FloatArray) -> None:
-    """Write displacement and velocity of a flexible shoe's patch into `state`."""
-    for c in range(3):
-        displacement = 0.0
-        velocity = 0.0
-        for k in range(rows.shape[1]):
-            displacement += rows[c, k] * bodies.modal[f, k]
-            velocity += rows[c, k] * bodies.modal_rates[f, k]
-        state[0, 10 + c], state[1, 10 + c] = displacement, velocity
-
-
-@inlined
-def contact_at(
-    part: Overlap, shoe: Frame, unit: Frame, state: FloatArray, track: Track, ratio: float
-) -> Contact:
-    """Contact of a pair at a known overlap, with the patch of its state."""
-    places, rates = state[0], state[1]
-    patch = Patch((places[10], places[11], places[12]), (rates[10], rates[11], rates[12]))
-    return pair_contact(part, shoe, unit, patch, 0.5 * track.grid.height, track.law, ratio)
-
-
-@inlined
-def forces_of(contact: Contact, shoe: Frame, unit: Frame, at: Attitude) -> PairForces:
-    """Forces of a contact on the coordinates of its shoe, on its unit and on its patch."""
-    on_shoe = wrench_on_shoe(contact, shoe.r)
-    on_unit = wrench_on_shoe(contact, unit.r)
-    force, moment = on_unit.force, on_unit.moment
-    return PairForces(
-        Wrench(on_shoe.force, generalized_moment(on_shoe.moment, at)),
-        Wrench((-force[0], -force[1], -force[2]), (-moment[0], -moment[1], -moment[2])),
-        turned_back(shoe.R, on_shoe.force),
-    )

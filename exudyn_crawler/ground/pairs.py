@@ -11,8 +11,6 @@ from typing import NamedTuple
 from exudyn_crawler.ground.frames import (
     Frame,
     Vector,
-    Wrench,
-    about,
     along,
     columns_of,
     compiled,
@@ -153,13 +151,6 @@ def pair_contact(
         slip,
         along(nothing, torque, normal),
     )
-
-
-@compiled
-def wrench_on_shoe(contact: Contact, center: Vector) -> Wrench:
-    """All that a contact does to the shoe, about a centre; the unit receives the opposite."""
-    force = along(contact.normal_force, 1.0, contact.friction_force)
-    return about(center, contact.point, force, contact.friction_torque)
 
 
 @compiled

@@ -1,9 +1,9 @@
 """From the bodies' coordinates to frames, and from wrenches back to generalized forces.
 
-The coordinates of a body are its position and the successive angles about x, y, z:
-``R = Rx(a) Ry(b) Rz(c)`` turns body components into global ones (Exudyn's `NodeRigidBodyRxyz`,
-Tait-Bryan angles). They are singular at b = 90 degrees, which a shoe on the ground never nears. This is the
-only place that knows the angles: other coordinates, without that limit, would change this file alone.
+The coordinates of a body are its position and the angles roll about x, pitch about y and yaw about z:
+``R = Rz(yaw) Rx(roll) Ry(pitch)`` turns body components into global ones. Yaw and pitch are unlimited; the
+middle angle, roll, is singular at 90 degrees, which no shoe, sprocket or frame nears. This module alone knows
+the sequence.
 """
 
 import math
@@ -12,33 +12,33 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, cross, dot, turned
+from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, cross
 
 FloatArray = NDArray[np.float64]
 
 
 class Attitude(NamedTuple):
-    """Rotation matrix of a body and the global axes that its three angles turn about."""
+    """Rotation matrix of a body and the global axes that roll, pitch and yaw turn about."""
 
     R: Matrix
     axes: Matrix
 
 
 @compiled
-def attitude(a: float, b: float, c: float) -> Attitude:
-    """Attitude at the angles a, b, c about x, y, z (rad).
+def attitude(roll: float, pitch: float, yaw: float) -> Attitude:
+    """Attitude at angles about x, y and z (rad).
 
-    The first angle turns about the global x, the last about the body's own z.
+    Yaw turns about the global z, roll about x as yaw has turned it, pitch about the body's own y.
     """
-    ca, sa = math.cos(a), math.sin(a)
-    cb, sb = math.cos(b), math.sin(b)
-    cc, sc = math.cos(c), math.sin(c)
+    ca, sa = math.cos(roll), math.sin(roll)
+    cb, sb = math.cos(pitch), math.sin(pitch)
+    cc, sc = math.cos(yaw), math.sin(yaw)
     R = (
-        (cb * cc, -cb * sc, sb),
-        (ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb),
-        (sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb),
+        (cb * cc - sb * sc * sa, -sc * ca, sb * cc + cb * sc * sa),
+        (cb * sc + sb * cc * sa, cc * ca, sb * sc - cb * cc * sa),
+        (-sb * ca, sa, cb * ca),
     )
-    return Attitude(R, ((1.0, 0.0, 0.0), (0.0, ca, sa), (sb, -sa * cb, ca * cb)))
+    return Attitude(R, ((cc, sc, 0.0), (-sc * ca, cc * ca, sa), (0.0, 0.0, 1.0)))
 
 
 @compiled
@@ -47,9 +47,9 @@ def tilted(angle: float, axis: int) -> Attitude:
     c, s = math.cos(angle), math.sin(angle)
     if axis == 1:
         R = ((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c))
-        return Attitude(R, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (s, 0.0, c)))
+        return Attitude(R, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
     R = ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))
-    return Attitude(R, ((1.0, 0.0, 0.0), (0.0, c, s), (0.0, -s, c)))
+    return Attitude(R, ((1.0, 0.0, 0.0), (0.0, c, s), (0.0, 0.0, 1.0)))
 
 
 @compiled
@@ -63,13 +63,12 @@ def spin(at: Attitude, rates: Vector) -> Vector:
 def spin_rate(at: Attitude, rates: Vector, accelerations: Vector) -> Vector:
     """Angular acceleration (rad/s2, global) of the angles' first and second derivatives.
 
-    The axis of an angle turns with the angles that come before it.
+    Yaw turns the axis of roll, yaw and roll that of pitch.
     """
-    nothing = (0.0, 0.0, 0.0)
-    first = along(nothing, rates[0], at.axes[0])
-    both = along(first, rates[1], at.axes[1])
-    change = along(spin(at, accelerations), rates[1], cross(first, at.axes[1]))
-    return along(change, rates[2], cross(both, at.axes[2]))
+    by_yaw = along((0.0, 0.0, 0.0), rates[2], at.axes[2])
+    both = along(by_yaw, rates[0], at.axes[0])
+    change = along(spin(at, accelerations), rates[0], cross(by_yaw, at.axes[0]))
+    return along(change, rates[1], cross(both, at.axes[1]))
 
 
 @compiled
@@ -86,51 +85,6 @@ def unit_frame(q: FloatArray, q_t: FloatArray, axis: int, at: Attitude) -> Frame
     return Frame((q[0], q[1], q[2]), at.R, (q_t[0], q_t[1], q_t[2]), omega)
 
 
-@compiled
-def shoe_at(q: FloatArray, q_t: FloatArray) -> Frame:
-    """`shoe_frame` at the shoe's own attitude."""
-    return shoe_frame(q, q_t, attitude(q[3], q[4], q[5]))
-
-
-@compiled
-def unit_at(q: FloatArray, q_t: FloatArray, axis: int) -> Frame:
-    """`unit_frame` at the unit's own tilt."""
-    return unit_frame(q, q_t, axis, tilted(q[3], axis))
-
-
-@compiled
-def generalized_moment(moment: Vector, at: Attitude) -> Vector:
-    """Generalized forces on a body's angles of a moment (N m): its parts along their axes."""
-    return turned(at.axes, moment)
-
-
-@compiled
-def to_angles(block: FloatArray, moment: Vector, factor: float, at: Attitude) -> None:
-    """Turn a derivative by rotations about global x, y, z into one by the angles, in place.
-
-    Parameters
-    ----------
-    block : array (>= 6, >= 6)
-        Derivatives of force and moment (first rows) and what follows them by displacement and rotation
-        (first columns) and what follows them.
-    moment : Vector
-        Moment about the body's centre, N m: its parts along the axes change as these turn.
-    factor : float
-        Of the derivative by places.
-    """
-    for r in range(block.shape[0]):
-        row = (block[r, 3], block[r, 4], block[r, 5])
-        block[r, 3], block[r, 4], block[r, 5] = turned(at.axes, row)
-    for c in range(block.shape[1]):
-        change = (block[3, c], block[4, c], block[5, c])
-        block[3, c], block[4, c], block[5, c] = turned(at.axes, change)
-    (_, _, _), (_, ca, sa), (sb, across, up) = at.axes
-    cb = -sa * across + ca * up
-    block[4, 3] += factor * (ca * moment[2] - sa * moment[1])
-    block[5, 3] += -factor * (up * moment[1] - across * moment[2])
-    block[5, 4] += factor * dot((cb, sa * sb, -ca * sb), moment)
-
-
 def angular_velocity(angles: FloatArray, rates: FloatArray) -> FloatArray:
     """Angular velocities (rad/s, global) of angles and their rates: array (..., 3)."""
     return np.asarray(np.einsum("...kj,...k->...j", _axes(angles), rates), dtype=np.float64)
@@ -142,11 +96,11 @@ def angular_acceleration(angles: FloatArray, rates: FloatArray, accelerations: F
 
 
 def angles_of(axes: FloatArray) -> FloatArray:
-    """Angles (rad) of rotation matrices (..., 3, 3): array (..., 3)."""
-    about_x = np.arctan2(-axes[..., 1, 2], axes[..., 2, 2])
-    about_y = np.arcsin(np.clip(axes[..., 0, 2], -1.0, 1.0))
-    about_z = np.arctan2(-axes[..., 0, 1], axes[..., 0, 0])
-    return np.stack((about_x, about_y, about_z), axis=-1)
+    """Angles (rad) of rotation matrices (..., 3, 3), pitch and yaw within a turn: array (..., 3)."""
+    roll = np.arcsin(np.clip(axes[..., 2, 1], -1.0, 1.0))
+    pitch = np.arctan2(-axes[..., 2, 0], axes[..., 2, 2])
+    yaw = np.arctan2(-axes[..., 0, 1], axes[..., 1, 1])
+    return np.stack((roll, pitch, yaw), axis=-1)
 
 
 def angle_rates(angles: FloatArray, omega: FloatArray) -> FloatArray:
@@ -187,7 +141,7 @@ def _turning_of_axes(angles: FloatArray, rates: FloatArray) -> FloatArray:
 
 
 def rotation_matrices(angles: FloatArray) -> FloatArray:
-    """``Rx(a) Ry(b) Rz(c)`` of many angles (..., 3): array (..., 3, 3)."""
+    """Rotation matrices of many angles (..., 3): array (..., 3, 3)."""
     flat = np.ascontiguousarray(angles).reshape(-1, 3)
     out = np.empty((len(flat), 3, 3))
     _rotation_matrices(flat, out)

@@ -2,18 +2,21 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case, Rails, Undercarriage
 from exudyn_crawler.case.parameters.track import SIDES
-from exudyn_crawler.ground.coordinates import ReducedCoordinates
+from exudyn_crawler.ground.contact import GroundContact, ground_contact
+from exudyn_crawler.ground.coordinates import ReducedCoordinates, reduced_coordinates
 from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.terrain import TerrainModes as ReducedTerrain
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
-from exudyn_crawler.model.drive_point import DrivePoint
+from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.elimination import Fronts, fronts_of
-from exudyn_crawler.model.flexible_shoes import FloatingShoe, shoe_model
+from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
 from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.treads import Rollers
 from exudyn_crawler.model.forces.units import TerrainModes
@@ -80,14 +83,12 @@ class _Builder:
     """Tables of a case as they are made, one after the other."""
 
     def __init__(
-        self, case: Case, contact: PairGroundContact, floating: FloatingShoe | None, point: DrivePoint
+        self, case: Case, terrain: ReducedTerrain, floating: FloatingShoe | None, point: DrivePoint
     ) -> None:
-        self.case, self.contact, self.floating, self.point = case, contact, floating, point
-        if not isinstance(contact.coordinates, ReducedCoordinates):
-            raise ValueError("terrain_formulation must be 'reduced' for the compiled equations")
-        self.terrain = contact.coordinates.modes
+        self.case, self.terrain, self.floating, self.point = case, terrain, floating, point
         self.shoes = case.track.shoe_count
-        self.flexible = contact.flexible_rows >= 0
+        self.flexible = np.zeros(self.shoes, dtype=bool)
+        self.flexible[flexible_shoes(case)] = True
         self.modes = 0 if floating is None else floating.mode_count
         self.markers = _MarkerList(self.modes)
         self.frame = case.undercarriage
@@ -121,15 +122,15 @@ class _Builder:
             chosen = np.flatnonzero(self.flexible)
             mass[chosen], first[chosen], second[chosen] = body.mass, own_first, own_second
         reference = np.zeros((self.count, 6))
-        reference[:n] = self.contact.shoe_reference
+        reference[:n, :3] = case.track.com_positions(shoe.com_height)
         if self.frame is not None:
             com = np.array(self.frame.com)
             mass[n], first[n] = self.frame.mass, self.frame.mass * com
             second[n] = second_moment(self.frame.mass, self.frame.inertia_tensor, com)
             reference[n, :3] = case.frame_start
         modal = np.full(self.count, -1)
-        rows = self.contact.flexible_rows
-        modal[:n][rows >= 0] = self.first_modal + rows[rows >= 0] * self.modes
+        chosen = np.flatnonzero(self.flexible)
+        modal[chosen] = self.first_modal + self.modes * np.arange(len(chosen))
         others = self.first_other + 6 * np.arange(self.count - n)
         coordinate = np.concatenate((6 * np.arange(n), others))
         return Bodies(coordinate, modal, reference, mass, first, second), modes
@@ -186,12 +187,9 @@ class _Builder:
         markers, beside = [], []
         for s in range(self.shoes):
             if self.floating is not None and self.flexible[s]:
-                floating, rows = self.floating, self.floating.modes.reshape(-1, 3, self.modes)
-                right, left = floating.side_nodes
-                top, part = floating.top_node, 0.5 / floating.reach
-                markers.append(self.markers.add(s, floating.positions[top], rows[top]))
-                apart = floating.positions[left] - floating.positions[right]
-                beside.append(self.markers.add(s, part * apart, part * (rows[left] - rows[right])))
+                floating = self.floating
+                markers.append(self.markers.add(s, floating.load_point, floating.load_rows))
+                beside.append(self.markers.add(s, floating.beside, floating.beside_rows))
             else:
                 markers.append(self.markers.add(s, self.case.shoe.load_point))
                 beside.append(self.markers.add(s, (0.0, 1.0, 0.0)))
@@ -284,15 +282,42 @@ def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fron
     )
 
 
-def tables_of(
-    case: Case, contact: PairGroundContact, floating: FloatingShoe | None, point: DrivePoint
+def flexible_shoes(case: Case) -> list[int]:
+    """Indices (from 0) of a case's flexible shoes."""
+    return [] if case.flexible is None else [number - 1 for number in case.flexible.shoes]
+
+
+class Parts(NamedTuple):
+    """What a multibody system of a case is made of; `pins` are link (from 1) and side of each link pin."""
+
+    floating: FloatingShoe | None
+    point: DrivePoint
+    contact: GroundContact
+    tables: Tables
+    pins: list[tuple[int, str]]
+
+
+def parts_of(case: Case) -> Parts:
+    """Flexible shoes, contact and tables of a case."""
+    floating = None if case.flexible is None else floating_shoe(case)
+    bends = case.track.shoe_count - 1 in flexible_shoes(case)
+    point = drive_point(case, floating.reduced if floating is not None and bends else None)
+    contact = ground_contact(case, None if floating is None else floating.underside, flexible_shoes(case))
+    return Parts(floating, point, contact, *_tables_of(case, contact, floating, point))
+
+
+def _tables_of(
+    case: Case, contact: GroundContact, floating: FloatingShoe | None, point: DrivePoint
 ) -> tuple[Tables, list[tuple[int, str]]]:
     """Tables of a case, and of each link pin the link's number (from 1) and its side."""
-    builder = _Builder(case, contact, floating, point)
+    coordinates = contact.coordinates
+    if not isinstance(coordinates, ReducedCoordinates):
+        coordinates = reduced_coordinates(case)
+    terrain = coordinates.modes
+    builder = _Builder(case, terrain, floating, point)
     bodies, modes = builder.bodies()
     joints, names = builder.joints()
     loads, pull = builder.loads(), builder.pull()
-    terrain = builder.terrain
     nothing = np.zeros(0, dtype=np.int64)
     tables = Tables(
         bodies=bodies,
@@ -310,7 +335,7 @@ def tables_of(
             builder.first_terrain,
         ),
         flexible=np.array([builder.first_modal, int(builder.flexible.sum())]),
-        contact=contact.track,
+        contact=contact.track if isinstance(contact, PairGroundContact) else (),
         fronts=Fronts(*[nothing] * len(Fronts._fields)),
         rows=FrontRows(*[nothing] * len(FrontRows._fields)),
         rollers=builder.rollers(),

@@ -12,28 +12,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters.base import StepProfile
-from exudyn_crawler.ground.contact import pair_ground_contact
+from exudyn_crawler.ground.coordinates import ReducedCoordinates
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.rotations import moments_on_angles
 from exudyn_crawler.ground.rows import Weights
-from exudyn_crawler.model.build import tables_of
-from exudyn_crawler.model.drive_point import DrivePoint, drive_point
+from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.equations import STIFFNESS, matrix, residual
 from exudyn_crawler.model.failure import NewtonError
-from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe
+from exudyn_crawler.model.forces.loads import static_friction
 from exudyn_crawler.model.forces.treads import TOUCHED, TreadWorkspace
 from exudyn_crawler.model.inputs import profiles_of, values_at
 from exudyn_crawler.model.integrated import Integrated
 from exudyn_crawler.model.integrator import coordinates_only, predict
 from exudyn_crawler.model.joints import ROWS
-from exudyn_crawler.model.loads import grips
 from exudyn_crawler.model.newton import step
 from exudyn_crawler.model.state import BODY_COORDINATES, RATES, SIDE_FRAME, StateLayout, pin_name
 from exudyn_crawler.model.tables import Inputs, Tables, Workspace
-from exudyn_crawler.model.terrain import reduced_coordinates
 
 AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
 """Of a residual alone."""
@@ -68,14 +65,17 @@ class CompiledSystem(Integrated):
     tables : Tables
         What the equations are made of.
     case, contact, floating, point, layout :
-        As of `model.system.System`.
+        The case, its `GroundContact`, flexible shoe (or None) and drive point, and the layout of states.
     """
 
-    def __init__(
-        self, case: Case, contact: PairGroundContact, floating: FloatingShoe | None, point: DrivePoint
-    ) -> None:
-        self.case, self.contact, self.floating, self.point = case, contact, floating, point
-        self.tables, pins = tables_of(case, contact, floating, point)
+    def __init__(self, case: Case, parts: Parts) -> None:
+        contact = parts.contact
+        if not (
+            isinstance(contact, PairGroundContact) and isinstance(contact.coordinates, ReducedCoordinates)
+        ):
+            raise ValueError("the case needs contact.model 'pair' and terrain_formulation 'reduced'")
+        self.case, self.contact, self.floating, self.point = case, contact, parts.floating, parts.point
+        self.tables, pins = parts.tables, parts.pins
         self._plain = plain(self.tables)
         self.layout = layout_of(case, self.tables, pins)
         size, multipliers = self.layout.coordinate_count, self.tables.multiplier_count
@@ -99,7 +99,7 @@ class CompiledSystem(Integrated):
         return None if self.tables.rollers is None else self._treads
 
     def _treads(self, time: float, q: NDArray, q_t: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-        self.residual(np.stack((q, q_t, np.zeros_like(q))), self._inputs(time))
+        self.residual(np.stack((q, q_t, np.zeros_like(q))), self.inputs(time))
         treads = TreadWorkspace(*(Workspace(*self._workspace).treads or ()))
         shape = (len(treads.rear), -1, TOUCHED, 3)
         touching = (treads.depth > 0.0)[:, None]
@@ -203,11 +203,11 @@ class CompiledSystem(Integrated):
         state = np.zeros_like(self._state)
         state[0] = q
         both = np.concatenate((multipliers, np.zeros(2)))
-        out = self.residual(state, self._inputs(0.0)._replace(active=np.zeros(2)), both)
+        out = self.residual(state, self.inputs(0.0)._replace(active=np.zeros(2)), both)
         if self._down[2] > -1.0:
             shoes = out[: 6 * self.layout.shoes].reshape(-1, 6)
             angles = q[: shoes.size].reshape(-1, 6)[:, 3:]
-            force, moment = grips(self.case, self.tables.bodies.mass[: len(shoes)])
+            force, moment = static_friction(self.case, self.tables.bodies.mass[: len(shoes)])
             shoes[:, :3] -= force
             shoes[:, 3:] -= moments_on_angles(angles, moment)
         along = Workspace(*self._workspace).jacobian[self.pin_rows, 0]
@@ -237,7 +237,7 @@ class CompiledSystem(Integrated):
         h, drag = pace
         self._state[0], self._state[1:] = q, 0.0
         self._multipliers[:] = multipliers
-        inputs = self._inputs(0.0)._replace(speeds=np.zeros(2))
+        inputs = self.inputs(0.0)._replace(speeds=np.zeros(2))
         converged, iterations = self._step(inputs, Weights(1.0, 1.0 / h, drag / h, False, h), limits)
         if not (converged and np.isfinite(self._state).all()):
             return None
@@ -246,7 +246,7 @@ class CompiledSystem(Integrated):
     def calls(self) -> dict[str, list[tuple[Any, tuple]]]:
         """Compiled functions with arguments as a run calls them, by what they make."""
         out, values = self._scratch
-        inputs, weights = tuple(self._inputs(0.0)), (0.0, 0.0, 1.0, False, 1.0)
+        inputs, weights = tuple(self.inputs(0.0)), (0.0, 0.0, 1.0, False, 1.0)
         fronts = tuple(self.tables.fronts)
         both = self._plain, self._state
         return {
@@ -295,14 +295,15 @@ class CompiledSystem(Integrated):
             False,
             beta * h / gamma,
         )
-        converged, _ = self._step(self._inputs(solver.it.currentTime), weights, self._limits)
+        converged, _ = self._step(self.inputs(solver.it.currentTime), weights, self._limits)
         if not converged:
             self._multipliers[:] = start
             return False
         self._hand_over(exu.ConfigurationType.Current)
         return True
 
-    def _inputs(self, time: float) -> Inputs:
+    def inputs(self, time: float) -> Inputs:
+        """Loads and drive at a time, s."""
         shoes, speeds = np.zeros(self.layout.shoes), np.zeros(3)
         values_at(self._loads, time, shoes)
         values_at(self._speeds, time, speeds)
@@ -321,7 +322,7 @@ class CompiledSystem(Integrated):
         """Accelerations and multipliers of a track that starts."""
         self._state[2], self._multipliers[:] = 0.0, 0.0
         out, values = self._scratch
-        inputs, weights = tuple(self._inputs(time)), (0.0, 0.0, 1.0, False, 1.0)
+        inputs, weights = tuple(self.inputs(time)), (0.0, 0.0, 1.0, False, 1.0)
         residual(self._plain, self._state, self._multipliers, inputs, weights, self._workspace, out)
         matrix(self._plain, self._state, inputs, weights, self._workspace, values)
         fronts = tuple(self.tables.fronts)
@@ -343,11 +344,4 @@ class CompiledSystem(Integrated):
 
 def compiled_system(case: Case) -> CompiledSystem:
     """Build the compiled equations of a case."""
-    floating = None if case.flexible is None else floating_shoe(case)
-    coordinates = reduced_coordinates(case)
-    chosen = [] if case.flexible is None else [number - 1 for number in case.flexible.shoes]
-    underside = None if floating is None else floating.underside
-    contact = pair_ground_contact(case, coordinates, underside, chosen)
-    is_front = case.track.shoe_count - 1 in chosen
-    point = drive_point(case, floating.reduced if floating is not None and is_front else None)
-    return CompiledSystem(case, contact, floating, point)
+    return CompiledSystem(case, parts_of(case))

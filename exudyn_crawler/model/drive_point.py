@@ -25,11 +25,6 @@ class DrivePoint:
     place: NDArray
     rows: NDArray
 
-    @property
-    def is_frame(self) -> bool:
-        """Whether it is the origin of the shoe's frame, which no mode moves."""
-        return not (self.place.any() or self.rows.any())
-
     def arm(self, angles: NDArray, modal: NDArray) -> NDArray:
         """From the frame's origin to the point, global: array (..., 3), m.
 
@@ -42,18 +37,6 @@ class DrivePoint:
         """
         local = self.place + modal @ self.rows.T
         return np.einsum("...ij,...j->...i", rotation_matrices(angles), local)
-
-    def gradient(self, angles: NDArray, modal: NDArray) -> NDArray:
-        """Derivatives of the point's global x by the shoe's coordinates: array (6 + m,).
-
-        The first row of the rotation matrix, ``(cos b cos c, -cos b sin c, sin b)``, knows nothing of
-        the angle about x. Times the rates it is the point's velocity along x; times a force along x it is
-        the force on each coordinate, so that the power is force times velocity.
-        """
-        x, y, z = self.place + self.rows @ modal
-        sb, cb, sc, cc = np.sin(angles[1]), np.cos(angles[1]), np.sin(angles[2]), np.cos(angles[2])
-        by_frame = [1.0, 0.0, 0.0, 0.0, sb * (sc * y - cc * x) + cb * z, -cb * (sc * x + cc * y)]
-        return np.concatenate((by_frame, np.array([cb * cc, -cb * sc, sb]) @ self.rows))
 
 
 def pulled_node(case: Case, mesh: Mesh) -> int | None:

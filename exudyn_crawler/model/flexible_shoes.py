@@ -1,11 +1,4 @@
-"""A reduced elastic shoe as Exudyn's floating-frame body takes it.
-
-The integrals over the body are those of the nodal-based floating frame of reference formulation with modal
-reduction (Zwölfer and Gerstmayr, Acta Mechanica 2020, doi 10.1007/s00707-020-02886-2), with the consistent
-mass matrix of the finite elements. Only a few massless nodes go along: four round every joint centre, which
-carry the motion of its spider, and three that move as means of the top face:
-of its right, of its left and of all of it.
-"""
+"""Flexible shoes: their finite elements, the modes that a run integrates, and where loads meet them."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -27,12 +20,6 @@ from meshes.checks import check_surfaces
 MACHINE_LOAD, DRIVE = "machine load", "drive"
 """Loads whose static answers may join the modes."""
 
-ARM = 0.05
-"""m, distance of a joint's massless nodes from its centre."""
-JOINT_OFFSETS = ARM * np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
-"""Corners of a tetrahedron: their mean is the centre, and no axis of rotation is preferred."""
-NODES_A_JOINT = len(JOINT_OFFSETS)
-
 
 @dataclass(frozen=True)
 class FloatingShoe:
@@ -43,54 +30,29 @@ class FloatingShoe:
     reduced : fem.ReducedBody
         Modes, stress modes and surfaces.
     joints : tuple of str
-        Names of the joint centres, in the order of their nodes.
-    positions : array (nodes, 3)
-        Massless nodes, m: `NODES_A_JOINT` of every joint, then the top face's (right, left, whole).
-    modes : array (3 nodes, m)
-        Their displacements.
-    integrals : dict
-        Inertia of the body as Exudyn's `ObjectFFRFreducedOrder` names it.
+        Names of the joint centres, in the order of `reduced.interfaces`.
+    load_point : array (3,)
+        Middle of the loaded surface, m.
+    load_rows : array (3, m)
+        Its mean displacement by the modes.
+    beside, beside_rows : array (3,), (3, m)
+        What both change by per metre that a load over the surface shifts to the left.
     underside : Underside
         Integrated modes of the underside.
     """
 
     reduced: ReducedBody
     joints: tuple[str, ...]
-    positions: NDArray
-    modes: NDArray
-    integrals: dict[str, NDArray | float]
+    load_point: NDArray
+    load_rows: NDArray
+    beside: NDArray
+    beside_rows: NDArray
     underside: Underside
-
-    def joint_nodes(self, joint: str) -> list[int]:
-        """Massless nodes of a joint centre."""
-        first = NODES_A_JOINT * self.joints.index(joint)
-        return list(range(first, first + NODES_A_JOINT))
-
-    @property
-    def top_node(self) -> int:
-        """Massless node that moves as the mean of the top face."""
-        return len(self.positions) - 1
-
-    @property
-    def side_nodes(self) -> tuple[int, int]:
-        """Massless nodes that move as the means of the top face weighted to the right and to the left."""
-        return self.top_node - 2, self.top_node - 1
-
-    @property
-    def reach(self) -> float:
-        """Distance across the shoe of these nodes from the top face's own, m."""
-        right, left = self.side_nodes
-        return float(self.positions[left, 1] - self.positions[right, 1]) / 2.0
-
-    @property
-    def mass(self) -> float:
-        """Mass of the mesh, kg."""
-        return float(self.integrals["mass"])
 
     @property
     def mode_count(self) -> int:
         """Number of modes that answer dynamically."""
-        return self.modes.shape[1]
+        return self.load_rows.shape[1]
 
 
 def _material(flexible: FlexibleShoes) -> Material:
@@ -220,31 +182,21 @@ def _floating_shoe(
     flexible: FlexibleShoes, track: Track, footprint: tuple[float, ...], reduced: ReducedBody
 ) -> FloatingShoe:
     body, interfaces = shoe_model(flexible, track)
-    mesh = body.mesh
-    positions, rows = _massless_nodes(reduced, flexible.load_surface)
-    under = mesh.nodes_of("underside")
+    under = body.mesh.nodes_of("underside")
+    weights = reduced.weights(flexible.load_surface)
+    spread = (*side_weights(weights, reduced.nodes), weights)
+    right, left, middle = (one @ reduced.nodes / one.sum() for one in spread)
+    by_right, by_left, rows = (reduced.mean_rows(one) for one in spread)
+    part = 1.0 / (left[1] - right[1])
     return FloatingShoe(
         reduced=reduced,
         joints=tuple(interface.name for interface in interfaces),
-        positions=positions,
-        modes=rows.reshape(-1, rows.shape[2]),
-        integrals=_integrals(body, reduced.modes),
-        underside=integrate_underside(mesh.nodes[under, :2], reduced.modes[under], np.array(footprint)),
+        load_point=middle,
+        load_rows=rows,
+        beside=part * (left - right),
+        beside_rows=part * (by_left - by_right),
+        underside=integrate_underside(body.mesh.nodes[under, :2], reduced.modes[under], np.array(footprint)),
     )
-
-
-def _massless_nodes(reduced: ReducedBody, loaded: str) -> tuple[NDArray, NDArray]:
-    """Positions (nodes, 3) and mode rows (nodes, 3, modes) of the massless nodes."""
-    positions, rows = [], []
-    for interface, pilot in zip(reduced.interfaces, reduced.pilots, strict=True):
-        for offset in JOINT_OFFSETS:
-            positions.append(interface.center + offset)
-            rows.append(pilot[:3] + np.cross(pilot[3:], offset, axisa=0, axisc=0))
-    weights = reduced.weights(loaded)
-    for one in (*side_weights(weights, reduced.nodes), weights):
-        positions.append(one @ reduced.nodes / one.sum())
-        rows.append(reduced.mean_rows(one))
-    return np.array(positions), np.array(rows)
 
 
 def side_weights(weights: NDArray, nodes: NDArray) -> tuple[NDArray, NDArray]:
@@ -273,37 +225,3 @@ def weights_a_metre(weights: NDArray, nodes: NDArray) -> NDArray:
     right, left = side_weights(weights, nodes)
     apart = left @ nodes[:, 1] / left.sum() - right @ nodes[:, 1] / right.sum()
     return np.asarray((left / left.sum() - right / right.sum()) / apart)
-
-
-def _skew(vectors: NDArray) -> NDArray:
-    """Skew matrices of nodal vectors (nodes, 3, columns), stacked: (3 nodes, 3 columns)."""
-    nodes, _, columns = vectors.shape
-    x, y, z = vectors[:, 0], vectors[:, 1], vectors[:, 2]
-    out = np.zeros((nodes, 3, columns, 3))
-    out[:, 0, :, 1], out[:, 0, :, 2] = -z, y
-    out[:, 1, :, 0], out[:, 1, :, 2] = z, -x
-    out[:, 2, :, 0], out[:, 2, :, 1] = -y, x
-    return out.reshape(3 * nodes, 3 * columns)
-
-
-def _integrals(body: ElasticBody, modes: NDArray) -> dict[str, NDArray | float]:
-    """Inertia integrals of a body and its modes (nodes, 3, m), about the origin of its axes."""
-    nodes, _, count = modes.shape
-    mass = body.mass_matrix
-    translation = np.tile(np.eye(3), (nodes, 1))
-    shapes = modes.reshape(3 * nodes, count)
-    shapes_skew = _skew(modes)
-    place_skew = _skew(body.mesh.nodes[:, :, None])
-    mass_shapes, mass_shapes_skew = mass @ shapes, mass @ shapes_skew
-    mass_translation = mass @ translation
-    return {
-        "mass": body.mass,
-        "inertia": place_skew.T @ (mass @ place_skew),
-        "centerOfMass": mass_translation.T @ body.mesh.nodes.ravel() / body.mass,
-        "mPsiTildePsi": shapes_skew.T @ mass_shapes,
-        "mPsiTildePsiTilde": shapes_skew.T @ mass_shapes_skew,
-        "mPhitTPsi": translation.T @ mass_shapes,
-        "mPhitTPsiTilde": translation.T @ mass_shapes_skew,
-        "mXRefTildePsi": place_skew.T @ mass_shapes,
-        "mXRefTildePsiTilde": place_skew.T @ mass_shapes_skew,
-    }

@@ -7,16 +7,14 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.contact import GroundContact
-from exudyn_crawler.ground.pair_derivatives import pair_derivatives
-from exudyn_crawler.ground.sphere_derivatives import sphere_derivatives
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.equations import residual
+from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.state import StateLayout
-from exudyn_crawler.model.system import build
 
-EQUATIONS = (residual, pair_derivatives, sphere_derivatives)
+EQUATIONS = (residual,)
 """Compiled functions of which every run needs one; each is made of many others."""
 
 
@@ -94,4 +92,4 @@ class TrackSystem(Protocol):
 
 def track_system(case: Case) -> TrackSystem:
     """Build the multibody system of a case."""
-    return compiled_system(case) if case.is_compiled else build(case)
+    return compiled_system(case) if case.is_compiled else ExudynSystem(case)

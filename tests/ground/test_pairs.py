@@ -1,16 +1,16 @@
-"""Contact of the assembled track: balance of action and reaction, derivatives, crossing of edges."""
+"""Contact of the whole track: balance of action and reaction, tangents, crossing of edges."""
 
 import numpy as np
 import pytest
-import scipy.sparse
 
 from exudyn_crawler import Case, Terrain
+from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.laws import normal_force
+from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_contact import pair_law
+from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.pairs import RESULT
-from exudyn_crawler.ground.rotations import moments_of
-from exudyn_crawler.ground.triplets import Weights
-from exudyn_crawler.model.system import build
+from exudyn_crawler.ground.rows import ForceRows, Weights
 
 TERRAINS = {
     f"{name} {tilt}": terrain.with_(tilt=tilt)
@@ -22,9 +22,9 @@ SHOES = 13
 
 @pytest.fixture(scope="module", params=TERRAINS)
 def contacts(request):
-    """Contact of the assembled track in both formulations."""
+    """Contact of the track in both formulations of the terrain."""
     case = Case.translation().with_(terrain=TERRAINS[request.param])
-    return {one: build(case.with_(terrain_formulation=one)).contact for one in ("reduced", "constrained")}
+    return {one: ground_contact(case.with_(terrain_formulation=one)) for one in ("reduced", "constrained")}
 
 
 def spread(contact, seed):
@@ -48,20 +48,15 @@ def as_bodies(contacts, q):
     return np.concatenate((q[: 6 * SHOES], bodies.ravel()))
 
 
-def wrenches(contact, q, forces):
-    """Forces and moments about their centres of all bodies, and where those are."""
-    places = q.reshape(-1, 6)
-    generalized = forces.reshape(-1, 6)
-    moments = moments_of(places[:, 3:], generalized[:, 3:])
-    centers = np.vstack((contact.shoe_reference[:, :3], contact.unit_reference[:, :3])) + places[:, :3]
-    return generalized[:, :3], moments, centers
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_what_shoes_receive_units_give(contacts, seed):
-    full = contacts["constrained"]
+    contact = contacts["constrained"]
     q, q_t = (as_bodies(contacts, x) for x in spread(contacts["reduced"], seed))
-    force, moment, center = wrenches(full, q, full.forces(q, q_t))
+    bodies = contact.bodies_at(q, q_t)
+    found = contact.wrenches(bodies)
+    both = np.vstack((found.shoes, found.units))
+    force, moment = both[:, :3], both[:, 3:]
+    center = np.vstack((bodies.shoes[:, :3], bodies.units[:, :3]))
     assert np.abs(force).max() > 1e5
     assert force.sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-9 * np.abs(force).sum())
     about_origin = moment + np.cross(center, force)
@@ -81,75 +76,33 @@ def test_reduced_forces_are_the_projection_of_the_constrained_ones(contacts, see
     assert forces[6 * SHOES :] == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
-def dense(triplets, size):
-    rows, columns = triplets[:, :2].astype(int).T
-    return scipy.sparse.coo_matrix((triplets[:, 2], (rows, columns)), shape=(size, size)).toarray()
-
-
-def central(function, x, h):
-    columns = []
-    for k in range(len(x)):
-        step = np.zeros_like(x)
-        step[k] = h
-        columns.append((function(x + step) - function(x - step)) / (2.0 * h))
-    return np.column_stack(columns)
-
-
-@pytest.mark.parametrize("by", ["position", "velocity"])
-def test_derivatives_are_those_of_central_differences(contacts, by):
-    reduced = contacts["reduced"]
-    q, q_t = spread(reduced, 11)
-    if by == "position":
-        expected = central(lambda x: reduced.forces(x, q_t), q, 1e-6)
-        given = reduced.derivatives(q, q_t, Weights(1.0, 0.0))
-    else:
-        expected = central(lambda x: reduced.forces(q, x), q_t, 1e-6)
-        given = reduced.derivatives(q, q_t, Weights(0.0, 1.0))
-    assert error(dense(given, reduced.size), expected) < 1e-3
-
-
-def error(given, expected):
-    """Greatest difference relative to its column, where that is more than rounding.
-
-    One-sided steps of 1e-6 m/s on a curve that bends within 1e-2 m/s err by some 4e-4.
-    """
-    scale = np.abs(expected).max(axis=0) + 1e-6 * np.abs(expected).max()
-    return (np.abs(given - expected) / scale).max()
-
-
-def test_constrained_derivatives_hold_what_moves_units(contacts):
-    full = contacts["constrained"]
-    q, q_t = (as_bodies(contacts, x) for x in spread(contacts["reduced"], 11))
-    given = dense(full.derivatives(q, q_t, Weights(1.0, 0.0)), full.size)
-    expected = central(lambda x: full.forces(x, q_t), q, 1e-6)
-    kept = np.zeros(full.size, dtype=bool)
-    kept[: 6 * SHOES] = True
-    units = kept[6 * SHOES :].reshape(-1, 6)
-    units[:, [2, 3 + full.coordinates.tilt_axis]] = True
-    block = np.ix_(kept, kept)
-    assert error(given[block], expected[block]) < 1e-3
-    assert not given[~kept].any()
-    assert not given[:, ~kept].any()
+def tangent(contact, q, q_t, weights):
+    """Weighted derivative of the forces on the shoes by their coordinates, as the kernel has it."""
+    found = UnitContacts.allocate(contact.greatest_count, 0)
+    places = tuple(contact.bodies_at(q, q_t))
+    count = touching_pairs(places, contact.track, tuple(weights), tuple(found), overlap_workspace())
+    rows, out = ForceRows(*found.rows), np.zeros((SHOES, 6, SHOES, 6))
+    for k in range(count):
+        shoe, J = rows.bodies[k, 0], rows.jacobian[k, 0]
+        out[shoe, :, shoe] += J.T @ rows.tangent[k] @ J
+    return out.reshape(6 * SHOES, 6 * SHOES)
 
 
 @pytest.mark.parametrize("factors", [(1.0, 0.0), (0.0, 1.0), (1.0, 250.0)])
 def test_secant_is_the_tangent_at_rest_and_not_beyond_the_stiction_speed(factors):
-    contact = build(Case.translation()).contact
+    contact = ground_contact(Case.translation())
     q, _ = spread(contact, 3)
     q[3 : 6 * SHOES : 6] = q[4 : 6 * SHOES : 6] = 0.0
 
     def both(q_t):
-        return [
-            dense(contact.derivatives(q, q_t, Weights(*factors, secant=one)), contact.size)
-            for one in (True, False)
-        ]
+        return [tangent(contact, q, q_t, Weights(*factors, 0.0, one, 1.0)) for one in (True, False)]
 
     at_rest = both(np.zeros_like(q))
     assert at_rest[0] == pytest.approx(at_rest[1], abs=1e-6 * np.abs(at_rest[1]).max())
     q_t = np.zeros_like(q)
     q_t[: 6 * SHOES : 6] = 0.05
-    secant, tangent = both(q_t)
-    slid = [matrix[0, 0] for matrix in (secant, tangent)]
+    secant, whole = both(q_t)
+    slid = [matrix[0, 0] for matrix in (secant, whole)]
     if factors[1]:
         # falling curve: the tangent pushes, the secant drags
         assert slid[0] < 0.0 < slid[1]
@@ -165,7 +118,7 @@ def settled(contact, shoe, x):
 
 def test_shoe_seven_rests_on_two_units_with_the_pair_laws_force_on_each():
     case = Case.translation()
-    contact = build(case).contact
+    contact = ground_contact(case)
     q, q_t = settled(contact, 7, contact.shoe_reference[6, 0])
     rows = contact.results(q, q_t)
     seven = rows[rows[:, RESULT["shoe"]] == 6]
@@ -179,7 +132,7 @@ def test_shoe_seven_rests_on_two_units_with_the_pair_laws_force_on_each():
 
 
 def test_crossing_an_edge_is_continuous():
-    contact = build(Case.translation()).contact
+    contact = ground_contact(Case.translation())
     seven = slice(36, 42)
 
     def greatest_jump(count):

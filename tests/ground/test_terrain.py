@@ -8,8 +8,10 @@ import scipy.linalg
 import scipy.stats
 
 from exudyn_crawler import Case, Terrain, simulate
+from exudyn_crawler.ground.coordinates import terrain_coordinates
 from exudyn_crawler.ground.terrain import TerrainModes, localized, terrain_joints, terrain_modes, units_near
-from exudyn_crawler.model.system import add_terrain
+from exudyn_crawler.model.build import parts_of
+from exudyn_crawler.model.exudyn.bodies import add_terrain_modes, add_units, coordinate_marker
 from exudyn_crawler.run.solve.integration import set_times, solver_settings
 from tests.model.linearized import linearized
 
@@ -103,8 +105,11 @@ def terrain_alone(terrain, formulation):
     case = Case.translation().with_(terrain=terrain, terrain_formulation=formulation, gravity=0.0)
     container = exu.SystemContainer()
     mbs = container.AddSystem()
-    nodes, coordinates = add_terrain(mbs, case, mbs.AddObject(items.ObjectGround()))
-    return container, mbs, nodes, coordinates
+    if formulation == "constrained":
+        nodes = add_units(mbs, case, coordinate_marker(mbs, mbs.AddNode(items.NodePointGround()), 0))
+    else:
+        nodes = add_terrain_modes(mbs, parts_of(case).tables.terrain, case.gravity_vector())
+    return container, mbs, nodes, terrain_coordinates(case)
 
 
 @pytest.mark.parametrize(
@@ -130,19 +135,15 @@ def moving_load_response(terrain, formulation):
     (start, _), (side, _) = terrain.bounds
     load, y = 1.0e6, side + 0.3 * terrain.rows * terrain.unit_width
     forces = np.zeros((terrain.unit_count, 6))
-    motion = np.zeros((terrain.unit_count, 4))
 
-    def force(_mbs, t, _item, q, _q_t):
+    def force(_mbs, t, _item, _q, _q_t):
         x = start + 0.2 + 12.0 * t
         column, row = int((x - start) // terrain.unit_length), int((y - side) // terrain.unit_width)
         unit = column * terrain.rows + row
         arm = np.array([x, y]) - terrain.centers[unit, :2]
         forces[:] = 0.0
         forces[unit, 2:5] = -load, -arm[1] * load, arm[0] * load
-        coordinates.motion(np.array(q), motion)
-        out = np.empty(coordinates.size)
-        coordinates.project(forces, motion, out)
-        return out
+        return coordinates.project(forces)
 
     mbs.AddObject(
         items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=exu.MatrixContainer(), forceUserFunction=force)
@@ -151,8 +152,7 @@ def moving_load_response(terrain, formulation):
     heaves = []
 
     def keep(_mbs, _time):
-        coordinates.motion(np.array(mbs.systemData.GetODE2Coordinates()), motion)
-        heaves.append(motion[:, 2].copy())
+        heaves.append(coordinates.motion(np.array(mbs.systemData.GetODE2Coordinates()))[:, 2])
         return True
 
     mbs.SetPostStepUserFunction(keep)

@@ -1,17 +1,19 @@
 """A case in both formulations, at any state."""
 
+from contextlib import contextmanager
 from typing import NamedTuple
 
+import exudyn as exu
 import numpy as np
 
 from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.compiled_system import AT_REST, compiled_system
 from exudyn_crawler.model.equations import matrix
+from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.tables import Workspace
-from exudyn_crawler.run.solve.steady_sliding import equations_of
 
-HELD = [0, 1, 2, 3, 5]
-"""Rows of the engine's joint at a pin that constrain."""
+FORCE_SCALE = 1e6
+"""N, of multipliers: forces are linear in them."""
 
 
 class Equations(NamedTuple):
@@ -33,20 +35,73 @@ def random_state(case, rest, seed):
 
 
 def by_engine(case, q, q_t):
-    """Equations of Exudyn's items."""
-    with equations_of(case.with_(formulation="engine")) as (system, equations):
-        none = np.zeros(equations.rows)
-        residual = equations.residual(q, q_t, none)
-        directions = equations.directions(q, q_t)
-        n, pins = equations.size, 6 * sum("pin" in name for name, _ in system.layout.multipliers)
-        rows = [6 * p + k for p in range(pins // 6) for k in HELD] + list(range(pins, equations.rows))
-        return Equations(residual[:n], equations.mass(), directions[:, rows], residual[n:][rows])
+    """Equations of Exudyn's items, in the coordinates of a state.
+
+    Exudyn's rates are ``P q'`` and its accelerations ``P q'' + P' q'``, the last of which accelerations of
+    zero in a state have.
+    """
+    system = ExudynSystem(case.with_(formulation="engine"))
+    still, convert = np.zeros_like(q), system._coordinates.of_state
+    own, own_t, own_tt = convert(q, q_t, still)
+    by_rates = np.column_stack([convert(q, e, still)[1] for e in np.eye(len(q))])
+    with static_solver(system.mbs) as (solver, settings):
+        size, rows = solver.GetODE2size(), solver.GetAEsize()
+
+        def residual(multipliers):
+            system.mbs.systemData.SetODE2Coordinates(own)
+            system.mbs.systemData.SetODE2Coordinates_t(own_t)
+            system.mbs.systemData.SetAECoordinates(multipliers)
+            solver.ComputeNewtonResidual(system.mbs, settings)
+            return np.array(solver.GetSystemResidual())
+
+        base = residual(np.zeros(rows))
+        # forces are linear in multipliers
+        units = FORCE_SCALE * np.eye(rows)[system._rows]
+        directions = np.column_stack([residual(e)[:size] - base[:size] for e in units]) / FORCE_SCALE
+        solver.ComputeMassMatrix(system.mbs)
+        mass = np.array(solver.GetSystemMassMatrix())[:size, :size]
+    return Equations(
+        by_rates.T @ (base[:size] - mass @ own_tt),
+        by_rates.T @ mass @ by_rates,
+        (by_rates.T @ directions)[:, : constraints(case)],
+        base[size:][system._rows][: constraints(case)],
+    )
+
+
+def constraints(case):
+    """Number of constraints that act: the last one, the turn, only where the case turns."""
+    rows = sum(size for _, size in compiled_system(case).layout.multipliers)
+    return rows if case.drive.turn_rate is not None else rows - 1
+
+
+def sphere_wrenches(case, q):
+    """Exudyn's contact forces on the shoes (shoes, 6) at rest at coordinates."""
+    system = ExudynSystem(case, static=True)
+    system.set_initial(q)
+    with static_solver(system.mbs) as (solver, settings):
+        solver.ComputeNewtonResidual(system.mbs, settings)
+    return system.contact_wrenches()
+
+
+@contextmanager
+def static_solver(mbs):
+    """Exudyn's static solver, which assembles equations, and its settings."""
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.staticSolver.useLoadFactor = False
+    settings.linearSolver.solverType = exu.LinearSolverType.EXUdense
+    solver = exu.MainSolverStatic()
+    solver.InitializeSolver(mbs, settings)
+    try:
+        yield solver, settings
+    finally:
+        solver.FinalizeSolver(mbs, settings)
 
 
 def residual_of(system, q, q_t, q_tt=None, multipliers=None, weights=AT_REST):
     """Residual of the compiled equations, at zero accelerations and multipliers unless they are given."""
     state = np.stack((q, q_t, np.zeros_like(q) if q_tt is None else q_tt))
-    return system.residual(state, system._inputs(0.0), multipliers, weights)
+    return system.residual(state, system.inputs(0.0), multipliers, weights)
 
 
 def gaps_of(system):
@@ -62,10 +117,10 @@ def compiled(case, q, q_t):
     gaps = gaps_of(system)
     mass = np.column_stack([residual_of(system, q, q_t, e)[:n] - base for e in np.eye(n)])
     # forces are linear in multipliers
-    units = 1e6 * np.eye(len(gaps))
-    directions = np.column_stack([residual_of(system, q, q_t, None, e)[:n] - base for e in units]) / 1e6
-    rows = slice(None) if case.drive.turn_rate is not None else slice(-1)
-    return Equations(-base, mass, directions[:, rows], gaps[rows])
+    units = FORCE_SCALE * np.eye(len(gaps))
+    pushed = [residual_of(system, q, q_t, None, e)[:n] - base for e in units]
+    rows = slice(constraints(case))
+    return Equations(-base, mass, (np.column_stack(pushed) / FORCE_SCALE)[:, rows], gaps[rows])
 
 
 def compiled_matrix(system, q, q_t, weights):
@@ -73,7 +128,7 @@ def compiled_matrix(system, q, q_t, weights):
     size = len(residual_of(system, q, q_t, weights=Weights(*weights)))
     fronts, values = system.tables.fronts, np.zeros_like(system._scratch[1])
     state = np.stack((q, q_t, np.zeros_like(q)))
-    matrix(system._plain, state, tuple(system._inputs(0.0)), weights, system._workspace, values)
+    matrix(system._plain, state, tuple(system.inputs(0.0)), weights, system._workspace, values)
     dense = np.zeros((size, size))
     for k in range(len(fronts.own)):
         rows = fronts.rows(k)

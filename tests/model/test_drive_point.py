@@ -6,7 +6,7 @@ import pytest
 from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, Terrain, simulate
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.drive_point import DrivePoint, drive_point, pulled_node
+from exudyn_crawler.model.drive_point import drive_point, pulled_node
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.results.loads.balance import powers, shoe_imbalance
 
@@ -37,16 +37,6 @@ def point_motion(history, point):
     turned = np.cross(shoe.angular_velocity.values, arm)
     within = np.einsum("tij,tj->ti", frames, bending @ point.rows.T)
     return shoe.position.values + arm, shoe.velocity.values + turned + within
-
-
-def test_the_gradient_is_the_derivative_of_the_place():
-    rng = np.random.default_rng(3)
-    point = DrivePoint(rng.normal(size=3), rng.normal(size=(3, 4)))
-    at = rng.normal(size=10)
-    place = lambda s: s[0] + point.arm(s[3:6], s[6:])[0]  # noqa: E731
-    steps = 1e-6 * np.eye(10)
-    expected = [(place(at + step) - place(at - step)) / 2e-6 for step in steps]
-    assert point.gradient(at[3:6], at[6:]) == pytest.approx(expected, abs=1e-8)
 
 
 @pytest.mark.simulation

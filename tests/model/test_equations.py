@@ -5,7 +5,6 @@ import pytest
 import scipy.linalg
 
 from exudyn_crawler import Case, FlexibleShoes, simulate
-from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.both import by_engine, compiled, compiled_matrix, gaps_of, random_state, residual_of
@@ -40,30 +39,6 @@ def compiled_modes(case):
     """Number of all modal coordinates."""
     layout = compiled_system(case).layout
     return len(layout.flexible_shoes) * layout.modes
-
-
-def turning_of_the_axes(case, q, q_t):
-    """Accelerations (n,) of the flexible shoes' angles that turn a shoe as the axes' own turning does.
-
-    Exudyn's floating-frame bodies with angles leave out the rates of the axes that the angles turn about.
-    """
-    extra = np.zeros(len(q))
-    for number in () if case.flexible is None else case.flexible.shoes:
-        at = slice(6 * number - 3, 6 * number)
-        angles, rates, step = q[at], q_t[at], 1e-6
-
-        def omega(angles):
-            def turned(k):
-                change = 1e-6 * np.eye(3)[k]
-                return (rotation_matrices(angles + change) - rotation_matrices(angles - change)) / 2e-6
-
-            R = rotation_matrices(angles)
-            local = [R.T @ turned(k) for k in range(3)]
-            return np.column_stack([(w[2, 1], w[0, 2], w[1, 0]) for w in local])
-
-        change = (omega(angles + step * rates) - omega(angles - step * rates)) / (2.0 * step)
-        extra[at] = np.linalg.solve(omega(angles), change @ rates)
-    return extra
 
 
 def test_mass_matrices_agree(both):
@@ -102,38 +77,25 @@ def test_exudyns_directions_are_not_where_a_pins_lug_has_turned():
 
 
 def test_forces_agree(both):
-    case, q, q_t, engine, own = both
-    missing = engine.mass @ turning_of_the_axes(case, q, q_t)
+    *_, engine, own = both
     scale = np.abs(engine.forces).max()
-    np.testing.assert_allclose(own.forces, engine.forces - missing, rtol=0.0, atol=1e-9 * scale)
+    np.testing.assert_allclose(own.forces, engine.forces, rtol=0.0, atol=1e-9 * scale)
 
 
 def test_accelerations_agree(unbent):
-    """Of both systems with their constraints, with the rate of the axes where Exudyn leaves it out."""
-    case, q, q_t, engine, own = unbent
-    missing = engine.mass @ turning_of_the_axes(case, q, q_t)
+    """Of both systems with their constraints."""
+    *_, engine, own = unbent
     found = []
-    for equations, forces in ((engine, engine.forces - missing), (own, own.forces)):
+    for equations in (engine, own):
         n, rows = equations.directions.shape
         # what the constraints' own turning asks for is the same for both: leave it out
         scale = 1e4
         matrix = np.zeros((n + rows, n + rows))
         matrix[:n, :n] = equations.mass
         matrix[:n, n:], matrix[n:, :n] = scale * equations.directions, scale * equations.directions.T
-        right = np.concatenate((forces, np.zeros(rows)))
+        right = np.concatenate((equations.forces, np.zeros(rows)))
         found.append(scipy.linalg.solve(matrix, right)[:n])
     np.testing.assert_allclose(found[1], found[0], rtol=0.0, atol=1e-9 * np.abs(found[0]).max())
-
-
-def test_exudyn_leaves_out_how_the_axes_of_a_flexible_shoes_angles_turn():
-    """Without that term the two differ by far more than rounding, at the angles of flexible shoes alone."""
-    q, q_t = random_state(FLEXIBLE, static_equilibrium(FLEXIBLE), seed=11)
-    engine, own = by_engine(FLEXIBLE, q, q_t), compiled(FLEXIBLE, q, q_t)
-    apart = np.abs(own.forces - engine.forces)
-    flexible = [6 * number - 6 + k for number in FLEXIBLE.flexible.shoes for k in range(6)]
-    assert apart[[6 * number - 3 for number in FLEXIBLE.flexible.shoes]].min() > 1.0  # N m
-    rigid = np.setdiff1d(np.arange(6 * FLEXIBLE.track.shoe_count), flexible)
-    assert apart[rigid].max() < 1e-9 * np.abs(engine.forces).max()
 
 
 @pytest.mark.parametrize("name", CASES)

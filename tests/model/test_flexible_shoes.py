@@ -1,14 +1,14 @@
 """Flexible shoes in the track: statics, stiffness limit, vibration, momentum, recovery of stresses."""
 
 import exudyn as exu
-import exudyn.itemInterface as items
 import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, Terrain, simulate
+from exudyn_crawler.model.build import parts_of
+from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.model.exudyn.bodies import add_shoe_nodes, add_shoes, points_of
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
-from exudyn_crawler.model.shoes import add_flexible, add_shoe_nodes
-from exudyn_crawler.model.system import build
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem import Partition, write_mesh
@@ -44,7 +44,7 @@ def test_only_elastic_modes_are_integrated():
 
 def test_the_ground_carries_the_weight_of_rigid_and_flexible_shoes():
     case = track()
-    system = build(case)
+    system = compiled_system(case)
     q = static_equilibrium(case)
     carried = system.contact.results(q, 0.0 * q)[:, 10].sum()
     flexible = shared_reduction(case).reduced.mass
@@ -85,7 +85,7 @@ def stiff_and_rigid(folder, point):
     shoe = stiff.shoe.with_(
         mass=reduced.mass,
         inertia=tuple(reduced.inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))),
-        load_point=tuple(shared_reduction(stiff).positions[-1]),
+        load_point=tuple(shared_reduction(stiff).load_point),
     )
     return simulate(stiff.with_(shoe=shoe), 0.2), simulate(stiff.with_(shoe=shoe, flexible=None), 0.2)
 
@@ -124,17 +124,15 @@ def test_both_pins_of_a_flexible_link_share_its_force(history):
 
 
 def test_a_free_shoe_vibrates_at_its_modal_frequency():
-    """One shoe afloat without weight or damping, its first mode set going."""
+    """Shoes afloat without weight or damping, the first mode of one set going."""
     case = track(damping=StepProfile.constant(0.0)).with_(gravity=0.0)
     floating = shared_reduction(case)
     container = exu.SystemContainer()
     mbs = container.AddSystem()
-    nodes = add_shoe_nodes(mbs, case)
-    shoe = add_flexible(mbs, case, 7, nodes[6], floating)
-    mbs.SetNodeParameter(shoe.modal_node, "initialCoordinates_t", [1e-2] + [0.0] * (floating.mode_count - 1))
-    # the other nodes belong to no body here
-    for node in (*nodes[:6], *nodes[7:]):
-        mbs.AddObject(items.ObjectRigidBody(mass=1.0, inertia=[1.0, 1.0, 1.0, 0, 0, 0], nodeNumber=node))
+    tables = parts_of(case).tables
+    shoes = add_shoes(mbs, tables, add_shoe_nodes(mbs, tables), points_of(tables), np.zeros(3))
+    modal_node = shoes.modal_nodes[0]
+    mbs.SetNodeParameter(modal_node, "initialCoordinates_t", [1e-2] + [0.0] * (floating.mode_count - 1))
     mbs.Assemble()
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
@@ -144,7 +142,7 @@ def test_a_free_shoe_vibrates_at_its_modal_frequency():
     settings.timeIntegration.generalizedAlpha.useNewmark = True
     first = []
     mbs.SetPostStepUserFunction(
-        lambda system, t: first.append((t, system.GetNodeOutput(shoe.modal_node, COORDINATES)[0])) or True
+        lambda system, t: first.append((t, system.GetNodeOutput(modal_node, COORDINATES)[0])) or True
     )
     mbs.SolveDynamic(settings)
     time, q = np.array(first).T
@@ -263,7 +261,7 @@ def test_the_load_goes_over_the_named_surface():
     for name in surfaces:
         weights = body.surface_weights(name)
         middle = weights @ body.mesh.nodes / weights.sum()
-        over = floating_shoe(track(load_surface=name)).positions[-1]
+        over = floating_shoe(track(load_surface=name)).load_point
         assert over == pytest.approx(middle, abs=1e-9)
 
 

@@ -93,9 +93,10 @@ def test_pressure_that_grows_to_a_side_has_its_resultant_there():
     weights = reduced.weights("whole top")
     right, left = side_weights(weights, reduced.nodes)
     assert right + left == pytest.approx(2.0 * weights, abs=1e-15)
-    places = floating.positions[[*floating.side_nodes, floating.top_node]]
-    assert places[:2].mean(axis=0) == pytest.approx(places[2], abs=1e-12)
-    assert 0.3 < floating.reach == pytest.approx(places[2, 1] - places[0, 1], rel=1e-12)
+    places = np.array([one @ reduced.nodes / one.sum() for one in (right, left)])
+    assert places.mean(axis=0) == pytest.approx(floating.load_point, abs=1e-12)
+    assert places[1, 1] - places[0, 1] > 0.6
+    assert floating.beside[1] == pytest.approx(1.0, rel=1e-12)
 
 
 def test_modal_loads_follow_the_shift(flexible):
@@ -106,7 +107,8 @@ def test_modal_loads_follow_the_shift(flexible):
     difference = loads - modal_loads(even, 2)
     weights = units.whole.weights("whole top")
     right, left = side_weights(weights, units.whole.nodes)
-    reach = floating_shoe(case).reach
+    places = [one @ units.whole.nodes / one.sum() for one in (right, left)]
+    reach = 0.5 * (places[1] - places[0])[1]
     force = rotation_matrices(flexible.angles.sel(shoe=2).values)[-1].T @ np.array([0.0, 0.0, -LOAD])
     wanted = 0.5 * SHIFT / reach * force @ (units.whole.mean_rows(left) - units.whole.mean_rows(right))
     assert np.abs(difference[0]).max() < 1e-9 * np.abs(loads[0]).max()

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Drive, LoadCycle, SphereContact, simulate
-from exudyn_crawler.model.system import build
+from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.results.loads.balance import energy_balance, shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.steady_sliding import check_sliding, steady_sliding
+from studies.sliding import check_sliding, steady_sliding
 
 pytestmark = pytest.mark.simulation
 
@@ -133,7 +133,7 @@ def test_a_whole_track_rests_on_a_slope(grade):
     """Each shoe's own friction holds it: were it the links, their pull would lift the front shoe."""
     case = Case.translation()
     case = case.with_(terrain=case.terrain.with_(grade=grade, side_slope=0.1))
-    contact = build(case).contact
+    contact = ground_contact(case)
     q = static_equilibrium(case)
     normal = contact.forces(q, np.zeros_like(q))[2 : 6 * 13 : 6]
     assert normal.sum() == pytest.approx(13 * case.mean_load, rel=1e-6)

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
+from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.state import RATES, VERSION, StateLayout, pin_name
-from exudyn_crawler.model.system import build
 
 LAYOUT = StateLayout(
     shoes=3,
@@ -90,14 +92,32 @@ def test_the_text_of_a_layout_tells_its_version_and_all_its_sizes():
 
 @pytest.mark.parametrize("case", [Case.turning(), Case.turning().with_(terrain_formulation="constrained")])
 def test_the_layout_is_the_engines(case):
-    system = build(case)
-    layout, data = system.layout, system.mbs.systemData
-    rows = np.arange(layout.size, dtype=float)
-    assert layout.coordinate_count == len(data.GetODE2Coordinates()) == system.contact.size
-    assert layout.equation_count - layout.coordinate_count == len(data.GetAECoordinates())
-    first = layout.part(rows, "multipliers")[0]
-    for item in (pin_name("right", 12), "drive", "turn"):
-        number = next(k for k in range(data.NumberOfObjects()) if system.mbs.GetObject(k)["name"] == item)
-        assert (layout.part(rows, item) - first).tolist() == data.GetObjectLTGAE(number)
+    """Of a shoe's seven coordinates and one equation it has six and none; of a pin's equations five."""
+    system = ExudynSystem(case)
+    layout, data, shoes = system.layout, system.mbs.systemData, case.track.shoe_count
+    assert layout.coordinate_count == len(data.GetODE2Coordinates()) - shoes == system.contact.size
+    multipliers = layout.equation_count - layout.coordinate_count
+    assert multipliers == len(data.GetAECoordinates()) - shoes - (shoes - 1)
     names = [name for name, _ in layout.multipliers]
     assert len(set(names)) == len(names)
+    assert names[: shoes + 1] == [*(pin_name("right", link) for link in range(1, shoes)), "drive", "turn"]
+    own = compiled_system(case.with_(terrain_formulation="reduced")).layout
+    assert layout.multipliers[: shoes + 1] == own.multipliers
+
+
+def test_a_state_that_is_set_is_read_again():
+    """Through whole turns of pitch, too, whose number Euler parameters do not keep."""
+    case = Case.turning()
+    system = ExudynSystem(case)
+    layout, rng = system.layout, np.random.default_rng(4)
+    parts = {f"coordinates{rate}": rng.normal(size=layout.coordinate_count) for rate in RATES}
+    turned = parts["coordinates"][: 6 * case.track.shoe_count].reshape(-1, 6)
+    turned[:, 3] *= 0.3
+    turned[:, 4:] *= 10.0
+    row = layout.pack(parts | {"time": 0.0, "multipliers": np.zeros(sum(n for _, n in layout.multipliers))})
+    system.set_state(row)
+    data, initial = system.mbs.systemData, exu.ConfigurationType.Initial
+    data.SetODE2Coordinates(data.GetODE2Coordinates(initial))
+    data.SetODE2Coordinates_t(data.GetODE2Coordinates_t(initial))
+    data.SetODE2Coordinates_tt(data.GetODE2Coordinates_tt(initial))
+    assert system.state() == pytest.approx(row, rel=1e-9, abs=1e-9)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
+from exudyn_crawler.model.build import parts_of
+from exudyn_crawler.model.exudyn.bodies import Point, add_shoe_nodes, add_shoes
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
-from exudyn_crawler.model.shoes import add_flexible, add_shoe_nodes
 from fem import Partition
 from fem.stress import von_mises
 
@@ -30,26 +31,26 @@ def in_engine(case):
     floating = floating_shoe(case)
     container = exu.SystemContainer()
     mbs = container.AddSystem()
-    nodes = add_shoe_nodes(mbs, case)
-    node = nodes[6]
-    place = np.array(case.track.com_positions(case.shoe.com_height)[6])
-    ground = mbs.AddObject(items.ObjectGround())
-    shoe = add_flexible(mbs, case, 7, node, floating)
-    for other in (*nodes[:6], *nodes[7:]):  # belong to no body here
-        mbs.AddObject(items.ObjectRigidBody(mass=1.0, inertia=[1.0, 1.0, 1.0, 0, 0, 0], nodeNumber=other))
-        marker = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=other))
+    tables, ground = parts_of(case).tables, mbs.AddObject(items.ObjectGround())
+    reduced, nodes = floating.reduced, add_shoe_nodes(mbs, tables)
+    points = [
+        Point(6, interface.center, pilot[:3], pilot[3:])
+        for interface, pilot in zip(reduced.interfaces, reduced.pilots, strict=True)
+    ]
+    points.append(Point(6, floating.load_point, floating.load_rows, np.zeros_like(floating.load_rows)))
+    shoes = add_shoes(mbs, tables, nodes, points, np.zeros(3))
+    for other in (*nodes[:6], *nodes[7:]):
         at = mbs.GetNode(other)["referenceCoordinates"][:3]
         base = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=at))
+        marker = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=other))
         mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[base, marker]))
-    for joint, directions in HELD.items():
-        center = place + case.track.joint_centers[joint]
-        base = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=center.tolist()))
-        mbs.AddObject(
-            items.ObjectJointGeneric(
-                markerNumbers=[base, shoe.pins[tuple(joint.split())]], constrainedAxes=[*directions, 0, 0, 0]
-            )
-        )
-    mbs.AddLoad(items.LoadForceVector(markerNumber=shoe.top, loadVector=[0.0, 0.0, -LOAD]))
+    place = np.array(case.track.com_positions(case.shoe.com_height)[6])
+    for joint, marker in zip(floating.joints, shoes.markers[:-1], strict=True):
+        center = (place + case.track.joint_centers[joint]).tolist()
+        base = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=center))
+        axes = [*HELD[joint], 0, 0, 0]
+        mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[base, marker], constrainedAxes=axes))
+    mbs.AddLoad(items.LoadForceVector(markerNumber=shoes.markers[-1], loadVector=[0.0, 0.0, -LOAD]))
     mbs.Assemble()
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
@@ -61,10 +62,11 @@ def in_engine(case):
     newton.weightTolerancePerCoordinate = True
     newton.maxIterations = 50
     mbs.SolveStatic(settings)
-    moved = np.array(mbs.GetNodeOutput(node, exu.OutputVariableType.Coordinates))
-    q = np.array(mbs.GetNodeOutput(shoe.modal_node, exu.OutputVariableType.Coordinates))
-    rigid = moved[:3] + np.cross(moved[3:6], floating.reduced.nodes)
-    return rigid + floating.reduced.displacement(q)[0], floating.reduced.stress(q)[0]
+    moved = np.array(mbs.GetNodeOutput(nodes[6], exu.OutputVariableType.Coordinates))
+    q = np.array(mbs.GetNodeOutput(shoes.modal_nodes[0], exu.OutputVariableType.Coordinates))
+    # e1 to e3 are half the small angles
+    rigid = moved[:3] + np.cross(2.0 * moved[4:7], reduced.nodes)
+    return rigid + reduced.displacement(q)[0], reduced.stress(q)[0]
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Terrain, simulate
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.model.system import build
+from exudyn_crawler.model.compiled_system import compiled_system
 
 pytestmark = pytest.mark.simulation
 
@@ -74,7 +74,7 @@ def test_a_shoe_that_is_pulled_at_a_point_is_held_there(point):
     assert np.abs(start.acceleration).max() < 1e-3
     assert np.abs(start.unit_heave_acceleration).max() < 1e-3
     assert start.drive_point.sel(axis="x") == pytest.approx(
-        case.track.com_positions(case.shoe.com_height)[-1, 0] + build(case).point.place[0], abs=1e-9
+        case.track.com_positions(case.shoe.com_height)[-1, 0] + compiled_system(case).point.place[0], abs=1e-9
     )
 
 

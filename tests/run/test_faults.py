@@ -7,12 +7,12 @@ import pytest
 
 from exudyn_crawler import Case, LoadCycle, simulate
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
-from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.pair_contact import ContactWrenches, PairGroundContact
 from exudyn_crawler.model import compiled_system as compiled
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.failure import NewtonError
-from exudyn_crawler.model.system import build
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.integration import at_fault, integrate
 
@@ -24,46 +24,47 @@ def rest():
     return static_equilibrium(Case.translation())
 
 
-def pushed(rest, coordinate, size):
-    """Track whose contact pushes one coordinate to and fro from some time on, so that no step can settle."""
-    system = build(Case.translation())
+def pushed(rest, part, index, size):
+    """Track whose contact pushes one body to and fro from some time on, so that no step can settle."""
+    system = ExudynSystem(Case.translation())
     system.set_initial(rest)
-    forces, calls = system.contact.forces, 0
+    wrenches, calls = system.contact.wrenches, 0
 
-    def pushing(q, q_t):
+    def pushing(bodies):
         nonlocal calls
         calls += 1
-        out = forces(q, q_t)
-        if calls > 60:
-            out[coordinate] += size * (-1) ** calls
-        return out
+        found = wrenches(bodies)
+        if calls > 250:
+            getattr(found, part)[index] += size * (-1) ** calls
+        return found
 
-    system.contact.forces = pushing
+    system.contact.wrenches = pushing
     return system
 
 
 @pytest.mark.parametrize(
-    ("coordinate", "name"),
+    ("part", "index", "name"),
     [
-        (6 * 6 + 2, r"shoe 7 \(z\)"),
-        (6 * 3 + 4, r"shoe 4 \(rotation about y\)"),
-        (6 * 13, r"terrain \(coordinate 1\)"),
+        ("shoes", (6, 2), r"shoe 7 \(z\)"),
+        ("shoes", (3, 4), r"shoe 4 \(rotation about y\)"),
+        ("units", (slice(None), 2), r"terrain \(coordinate \d+\)"),
     ],
 )
-def test_a_failed_step_names_the_coordinate_that_does_not_settle(rest, coordinate, name):
+def test_a_failed_step_names_the_coordinate_that_does_not_settle(rest, part, index, name):
     with pytest.raises(SimulationStopped, match=f"least step 1e-06 s; greatest residual at {name}$"):
-        integrate(pushed(rest, coordinate, 1e9), 0.1)
+        integrate(pushed(rest, part, index, 1e9), 0.1)
 
 
 def test_forces_that_are_no_numbers_are_told(rest):
     with pytest.raises(SimulationStopped, match=r"; the residual is not finite$"):
-        integrate(pushed(rest, 2, np.nan), 0.1)
+        integrate(pushed(rest, "shoes", (0, 2), np.nan), 0.1)
 
 
 def test_a_track_that_nothing_carries_is_singular(rest):
-    system = build(Case.translation(), static=True)
-    system.contact.forces = lambda q, q_t: np.zeros(system.contact.size)
-    system.contact.derivatives = lambda *_factors, **_options: np.zeros((1, 3))
+    system = ExudynSystem(Case.translation(), static=True)
+    system.contact.wrenches = lambda bodies: ContactWrenches(
+        np.zeros_like(bodies.shoes), np.zeros((len(bodies.units), 6)), np.zeros_like(bodies.modal)
+    )
     system.set_initial(rest)
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
@@ -110,15 +111,15 @@ def test_a_search_for_rest_names_what_does_not_come_to_rest():
 
 @pytest.mark.usefixtures("interruptible")
 def test_a_search_for_rest_is_interrupted_within_the_engine(monkeypatch):
-    calls, forces = [], PairGroundContact.forces
+    calls, wrenches = [], PairGroundContact.wrenches
 
-    def pressed(contact, q, q_t):
-        calls.append(q)
+    def pressed(contact, bodies):
+        calls.append(bodies)
         if len(calls) == 3:
             signal.raise_signal(signal.SIGINT)
-        return forces(contact, q, q_t)
+        return wrenches(contact, bodies)
 
-    monkeypatch.setattr(PairGroundContact, "forces", pressed)
+    monkeypatch.setattr(PairGroundContact, "wrenches", pressed)
     with pytest.raises(KeyboardInterrupt):
-        static_equilibrium(Case.translation().with_(formulation="engine"))
+        static_equilibrium(Case.translation().with_(terrain_formulation="constrained"))
     assert len(calls) > 3  # Exudyn has ended its search itself

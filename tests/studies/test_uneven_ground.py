@@ -11,7 +11,7 @@ from exudyn_crawler import Case, History, simulate
 from exudyn_crawler.case import Terrain
 from exudyn_crawler.case.parameters.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError, ParameterError
-from exudyn_crawler.model.system import build
+from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.results.loads.balance import shoe_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies.comparison import time_mean
@@ -79,7 +79,7 @@ def test_slope_of_a_ramp_is_in_the_pitch(ramp):
 
 
 def test_shoes_follow_rough_ground(rough):
-    contact = build(rough.case).contact
+    contact = ground_contact(rough.case)
     q = np.zeros(contact.size)
     q[: 6 * 13] = np.hstack(
         (rough.position.values[-1] - contact.shoe_reference[:, :3], rough.angles.values[-1])

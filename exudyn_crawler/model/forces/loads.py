@@ -3,7 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from exudyn_crawler.case import Case
 from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.ground.rows import IntArray
 from exudyn_crawler.model.bodies import Bodies, add_body, attitude_of, read_body
@@ -25,6 +27,28 @@ class Loads(NamedTuple):
 
     marker: IntArray
     beside: IntArray
+
+
+def static_friction(case: Case, masses: NDArray) -> tuple[NDArray, NDArray]:
+    """Friction that holds each shoe on a slope at rest, where the laws, which need slip, have none.
+
+    It acts at the underside, half as deep in the ground as the shoe has settled.
+
+    Parameters
+    ----------
+    masses : array (shoes,)
+        kg.
+
+    Returns
+    -------
+    force, moment : array (shoes, 3)
+        N, and N m about the COM.
+    """
+    along_ground = case.terrain.down * np.array([1.0, 1.0, 0.0])
+    loads = case.first_loads
+    height = 0.5 * case.settled_penetration - case.shoe.com_height
+    force = -(loads + masses * case.gravity)[:, None] * along_ground
+    return force, np.cross([*case.shoe.underside_center, height], force)
 
 
 @solving_within

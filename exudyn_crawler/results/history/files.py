@@ -35,9 +35,7 @@ if TYPE_CHECKING:
 CASE = "case"
 """Attribute of a file."""
 LAYOUT_VERSION = "layout_version"
-"""Attribute of the version of the states that a history was made of; the first histories have none."""
-UNSIGNED = 1
-"""Version whose modes had the signs that rounding gave them: of flexible shoes it says nothing."""
+"""Attribute of the version of the states that a history was made of."""
 
 
 def with_case(dataset: "xr.Dataset", case: Case) -> "xr.Dataset":
@@ -86,8 +84,8 @@ def case_in_file(path: Path) -> Case:
 
 def _case_of(path: Path) -> Case:
     with h5py.File(path, "r") as file:
-        version = np.asarray(file.attrs.get(LAYOUT_VERSION, UNSIGNED)).item()
-        if version != VERSION and (version != UNSIGNED or "modal_coordinate" in file):
+        version = np.asarray(file.attrs.get(LAYOUT_VERSION, 0)).item()
+        if version != VERSION:
             raise ValueError(f"its states have layout version {version}, this program reads {VERSION}")
         return saved_case(file.attrs[CASE])
 

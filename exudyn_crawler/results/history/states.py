@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters.track import SIDES
-from exudyn_crawler.ground.coordinates import TerrainCoordinates
+from exudyn_crawler.ground.coordinates import ReducedCoordinates, TerrainCoordinates
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.model.drive_point import DrivePoint
@@ -217,14 +217,10 @@ def _flexible(states: _States) -> dict[str, Variable]:
 
 
 def _terrain(states: _States, contact: ContactResults) -> dict[str, Variable]:
-    shapes = contact.coordinates.shapes
-    if shapes is not None:
-        first = 6 * len(states.case.track.shoes)
-        columns = slice(first, first + contact.coordinates.size)
-        motion = {
-            rate.replace(" ", "_"): states.part(f"coordinates{rate}")[:, columns].copy() for rate in RATES
-        }
-        return motion_variables(shapes.heave, shapes.tilt, motion)
+    if isinstance(contact.coordinates, ReducedCoordinates):
+        modes = contact.coordinates.modes
+        motion = {rate.replace(" ", "_"): states.part(f"terrain{rate}").copy() for rate in RATES}
+        return motion_variables(modes.heave, modes.tilt, motion)
     named: dict[str, Variable] = {}
     for rate in RATES:
         units = np.stack([contact.unit_motion(row) for row in states.part(f"coordinates{rate}")])

@@ -3,15 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, SphereContact
 from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.ground.coordinates import ReducedCoordinates, terrain_coordinates
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.formulation import TrackSystem
 from exudyn_crawler.model.rest import crept, rest
 from exudyn_crawler.model.state import SIDE_FRAME
-from exudyn_crawler.model.system import System, build
 from exudyn_crawler.run.solve.integration import at_fault
 from fem.interrupts import interrupts_wait
 
@@ -28,8 +29,10 @@ OIL_SPEEDS = (0.02, 0.1, 0.5)
 """m/s, tried in this order: up to which friction holds creeping shoes in proportion to their slip. With more
 oil shoes creep further and Newton's method fails less."""
 
-RELAXATION, RELAXATION_STEP, RELAXATIONS = 10.0, 0.04, 6
+RELAXATION, RELAXATION_STEP, RELAXATIONS = 4.0, 0.04, 4
 """s, s and number: duration, step and most repetitions of the damped motion on uneven ground."""
+POLISHING = 10
+"""Iterations in which Newton's method takes over from damped motion, or not at all."""
 
 SLOW = 1e-6
 """m/s and rad/s, greatest speed at rest: its dashpots take less than 1e-4 m/s2 of a shoe's mass."""
@@ -49,27 +52,30 @@ def static_equilibrium(case: Case) -> NDArray:
         Where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
         shoes that the ground carries least.
     """
-    if case.is_compiled:
-        return _compiled_rest(case)
-    system = build(case, static=True)
-    spheres = system.contact.spheres
+    if isinstance(terrain_coordinates(case), ReducedCoordinates):
+        q = _compiled_rest(case)
+        if case.is_compiled or case.flexible is None:
+            return q
+        # Exudyn's joints turn otherwise with the lugs of bent shoes: from the other rest these would swing
+        return _rest(ExudynSystem(case, static=True), q)
+    system = ExudynSystem(case, static=True)
+    radius = case.contact.radius if isinstance(case.contact, SphereContact) else None
     if case.terrain.heights is not None:
         q = _on_uneven_ground(system)
     else:
         try:
             q = _rest(system, _first_guess(system))
         except EquilibriumError as error:
-            if spheres is None:
+            if radius is None:
                 raise
             raise EquilibriumError(
-                f"{error}. The spheres' radius of {spheres.radius} m may "
+                f"{error}. The spheres' radius of {radius} m may "
                 f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
             ) from error
-    if spheres is not None and (sunken := system.contact.sunken(q)):
+    if sunken := system.contact.sunken(q):
         raise EquilibriumError(
             f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
-            f"the ground; they need a greater contact.radius than "
-            f"{spheres.radius} m, or flatter ground"
+            f"the ground; they need a greater contact.radius than {radius} m, or flatter ground"
         )
     return q
 
@@ -127,7 +133,7 @@ def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
     )
 
 
-def _rest(system: System, guess: NDArray) -> NDArray:
+def _rest(system: ExudynSystem, guess: NDArray, iterations: int = ITERATIONS) -> NDArray:
     """Rest of a system built for statics, by Newton's method from a guess."""
     system.set_initial(guess)
     settings = exu.SimulationSettings()
@@ -135,11 +141,13 @@ def _rest(system: System, guess: NDArray) -> NDArray:
     settings.solution.file.write = False
     settings.staticSolver.useLoadFactor = False
     settings.staticSolver.verboseMode = 0
+    # loads are whole from the start, so that a shorter step would be the same one
+    settings.staticSolver.adaptiveStep = False
     newton = settings.staticSolver.newton
     newton.absoluteTolerance = RESIDUAL
     newton.relativeTolerance = 1e-16
     newton.weightTolerancePerCoordinate = True
-    newton.maxIterations = ITERATIONS
+    newton.maxIterations = iterations
     try:
         # Exudyn takes an interrupt within its calls for an error of its own
         with interrupts_wait():
@@ -148,28 +156,42 @@ def _rest(system: System, guess: NDArray) -> NDArray:
         raise _no_rest(system, failed) from failed
 
 
-def _on_uneven_ground(system: System) -> NDArray:
-    """Rest on uneven ground: by Newton's method from even ground, or else by damped motion.
+def _on_uneven_ground(system: ExudynSystem) -> NDArray:
+    """Rest on uneven ground, onto which the track sinks from its rest on even ground.
 
-    Exudyn's derivatives leave out how the links' forces turn with the shoes, so that Newton's method alone
-    creeps away from some states where shoes stand on edges.
+    Damped motion finds it where Newton's method alone goes astray: Exudyn's derivatives leave out how the
+    links' forces turn with the shoes, and spheres come onto edges and leave them.
     """
     case = system.case
-    even = build(case.with_(terrain=case.terrain.with_(heights=None)), static=True)
+    even = ExudynSystem(case.with_(terrain=case.terrain.with_(heights=None)), static=True)
     q = _rest(even, _first_guess(even))
     ground = system.contact.ground_below(q, case.terrain.top_heights)
-    guess = q.copy()
-    guess[2 : 6 * len(ground) : 6] += ground
-    try:
-        return _rest(system, guess)
-    except EquilibriumError:
-        pass
-    return _relaxed(system, guess)
+    q[2 : 6 * len(ground) : 6] += ground.max()
+    settings = _relaxation_settings()
+    for _ in range(RELAXATIONS):
+        system.set_initial(q)
+        try:
+            _damped_motion(system, settings)
+        except NewtonError as failed:
+            raise EquilibriumError(
+                f"no static equilibrium of case {case.name!r} was found on its uneven ground: damped motion "
+                f"failed, {at_fault(system.layout, failed)}. {_unsupported(system)}"
+            ) from failed
+        q, rates, _ = system.coordinates()
+        speed = np.abs(rates).max()
+        if speed < SLOW:
+            return q
+        try:
+            return _rest(system, q, POLISHING)
+        except EquilibriumError:
+            pass
+    raise EquilibriumError(
+        f"no static equilibrium of case {case.name!r} was found on its uneven ground: it still moves at "
+        f"{speed:.2g} m/s after {RELAXATIONS * RELAXATION:g} s of damped motion. {_unsupported(system)}"
+    )
 
 
-def _relaxed(system: System, q: NDArray) -> NDArray:
-    """Rest by damped motion until it is slow or Newton's method takes over."""
-    name = system.case.name
+def _relaxation_settings() -> "exu.SimulationSettings":
     settings = exu.SimulationSettings()
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     settings.solution.file.write = False
@@ -178,45 +200,23 @@ def _relaxed(system: System, q: NDArray) -> NDArray:
     time.endTime = RELAXATION
     time.numberOfSteps = round(RELAXATION / RELAXATION_STEP)
     time.generalizedAlpha.spectralRadius = 0.0
-    time.newton.useModifiedNewton = False
     time.newton.absoluteTolerance = 1.0
     time.newton.relativeTolerance = 1e-16
     time.newton.weightTolerancePerCoordinate = True
     time.newton.maxIterations = 40
-    for _ in range(RELAXATIONS):
-        system.set_initial(q)
-        try:
-            _damped_motion(system, settings)
-        except NewtonError as failed:
-            raise EquilibriumError(
-                f"no static equilibrium of case {name!r} was found on its uneven ground: damped motion "
-                f"failed, {at_fault(system.layout, failed)}. {_unsupported(system)}"
-            ) from failed
-        q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
-        speed = np.abs(system.mbs.systemData.GetODE2Coordinates_t()).max()
-        if speed < SLOW:
-            return q
-        try:
-            return _rest(system, q)
-        except EquilibriumError:
-            pass
-    raise EquilibriumError(
-        f"no static equilibrium of case {name!r} was found on its uneven ground: it still moves at "
-        f"{speed:.2g} m/s after {RELAXATIONS * RELAXATION:g} s of damped motion. {_unsupported(system)}"
-    )
+    return settings
 
 
-def _damped_motion(system: System, settings: "exu.SimulationSettings") -> None:
+def _damped_motion(system: ExudynSystem, settings: "exu.SimulationSettings") -> None:
     """One motion, which an interrupt ends after its step."""
     with interrupts_wait() as waiting:
         system.after_step(lambda _time: not waiting)
         system.solve(settings)
 
 
-def _unsupported(system: System) -> str:
+def _unsupported(system: ExudynSystem) -> str:
     """Which shoes the ground carries least in the last state of a search."""
-    q = np.asarray(system.mbs.systemData.GetODE2Coordinates())
-    force = system.contact.forces(q, np.zeros_like(q))[2 : 6 * system.case.track.shoe_count : 6]
+    force = system.contact_wrenches()[:, 2]
     lifted = np.flatnonzero(force < 0.1 * system.case.mean_load) + 1
     if len(lifted):
         return f"Last, hardly any ground carried shoes {lifted.tolist()}."

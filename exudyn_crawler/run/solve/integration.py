@@ -29,8 +29,6 @@ def solver_settings(solver: Solver) -> "exu.SimulationSettings":
     settings.solution.file.write = False
     settings.solution.sensors.active = False
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
-    # every factorization has the same pattern
-    settings.linearSolver.reuseAnalyzedPattern = True
     time = settings.timeIntegration
     # a stage starts from the accelerations that the one before ended with
     time.generalizedAlpha.resetAccelerations = False
@@ -39,9 +37,9 @@ def solver_settings(solver: Solver) -> "exu.SimulationSettings":
     time.verboseMode = 0
     time.generalizedAlpha.spectralRadius = solver.spectral_radius
     newton = time.newton
-    # one Jacobian a step, another where the iteration slows down
+    # Exudyn's numerical Jacobian costs far more than an iteration: a new one only where that slows down
     newton.useModifiedNewton = True
-    newton.modifiedNewtonJacUpdatePerStep = True
+    newton.modifiedNewtonJacUpdatePerStep = False
     newton.absoluteTolerance = solver.residual
     # the absolute tolerance alone decides: the first residual of a step is no measure
     newton.relativeTolerance = 1e-16

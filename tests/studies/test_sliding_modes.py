@@ -1,15 +1,25 @@
-"""Modes of the sliding track: by hand, in the plane without the engine, and against the simulation."""
+"""Modes of the sliding track: by hand, in the plane without the program, and against the simulation."""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from benchmarks.track_modes import SPEED, even_ground, with_friction, with_shoes
 from exudyn_crawler import Case, SphereContact
 from exudyn_crawler.model.formulation import track_system
 from exudyn_crawler.run.solve.integration import integrate_from
-from exudyn_crawler.run.solve.steady_sliding import steady_sliding
-from exudyn_crawler.run.solve.track_modes import eigenmodes, linearized_track, track_modes
-from tests.run.planar_track import PlanarTrack
+from studies.sliding import eigenmodes, linearized, steady_sliding
+from studies.sliding_modes import (
+    SPEED,
+    even_ground,
+    growth_over,
+    mode_figure,
+    mode_table,
+    sliding_modes,
+    with_friction,
+    with_shoes,
+)
+from tests.studies.planar_track import PlanarTrack
 
 pytestmark = pytest.mark.simulation
 
@@ -56,14 +66,14 @@ def test_two_shoes_without_friction_are_three_swings_by_hand():
         (inertia + shoe.mass * arm**2, law.damping * arm**2, pitch + heave * arm**2),
     ]
     by_hand = [-c / (2 * m) + 1j * np.sqrt(k / m - (c / (2 * m)) ** 2) for m, c, k in swings]
-    assert in_plane(track_modes(case, SPEED)) == pytest.approx(np.sort_complex(by_hand), rel=2e-5)
+    assert in_plane(sliding_modes(case, SPEED)) == pytest.approx(np.sort_complex(by_hand), rel=2e-5)
 
 
 @pytest.mark.parametrize(("friction", "shoes"), [(0.3, 2), (0.2, 13), (0.4, 13)])
 def test_modes_with_friction_are_those_of_the_planar_track(friction, shoes):
     """They flutter: equations without engine, kernel and constraints give the same growth."""
     case = sliding_case(friction, shoes)
-    values = in_plane(track_modes(case, SPEED))
+    values = in_plane(sliding_modes(case, SPEED))
     by_hand = np.sort_complex(PlanarTrack(case).eigenvalues())
     assert len(values) == len(by_hand)
     for value in by_hand:
@@ -88,7 +98,7 @@ def test_travel_moves_the_track_over_the_seams():
 def test_tension_is_the_friction_behind_the_link():
     state = steady_sliding(sliding_case(0.3), SPEED)
     assert state.tension == pytest.approx(0.3 * np.cumsum(state.normal_force)[:-1], rel=1e-6)
-    case = state.case
+    case = state.system.case
     total = case.loads.loads(0.0).sum() + case.track.shoe_count * case.shoe.mass * case.gravity
     assert state.normal_force.sum() == pytest.approx(total, rel=1e-9)
 
@@ -113,7 +123,7 @@ def test_a_run_from_steady_sliding_stays_there():
 
 
 def test_all_matrices_are_symmetric_without_friction_and_only_then():
-    free, rough = (linearized_track(steady_sliding(sliding_case(mu), SPEED)) for mu in (0.0, 0.3))
+    free, rough = (linearized(steady_sliding(sliding_case(mu), SPEED)) for mu in (0.0, 0.3))
 
     def asymmetry(matrix):
         return np.abs(matrix - matrix.T).max() / np.abs(matrix[np.abs(matrix) < 1e10]).max()
@@ -124,7 +134,7 @@ def test_all_matrices_are_symmetric_without_friction_and_only_then():
 
 
 def test_the_track_is_stable_without_friction_and_free_across():
-    modes = track_modes(sliding_case(0.0), SPEED)
+    modes = sliding_modes(sliding_case(0.0), SPEED)
     swinging = modes.growth_rate.where(modes.frequency > 0.1, drop=True)
     assert swinging.max() < 1e-6
     rest = modes.where(modes.frequency < 1e-6, drop=True)
@@ -132,7 +142,7 @@ def test_the_track_is_stable_without_friction_and_free_across():
 
 
 def test_modes_are_sorted_and_solve_their_equation():
-    linear = linearized_track(steady_sliding(sliding_case(0.2, shoes=4), SPEED))
+    linear = linearized(steady_sliding(sliding_case(0.2, shoes=4), SPEED))
     values, shapes = eigenmodes(linear)
     assert np.all(np.diff(values.real) <= 0.0)
     assert values.imag.min() > -1e-6
@@ -146,7 +156,7 @@ def test_a_small_disturbance_grows_in_the_simulation_as_predicted():
     """The least stable pair, pushed by 10 um, over 0.8 s of integration: size, phase and shape."""
     case = with_steady_drive(sliding_case(0.2))
     state = steady_sliding(case, SPEED)
-    values, shapes = eigenmodes(linearized_track(state))
+    values, shapes = eigenmodes(linearized(state))
     value, shape = values[0], shapes[:, 0] / np.abs(shapes[:, 0]).max()
     assert value.real > 1.0
     assert 8.0 < value.imag / (2.0 * np.pi) < 10.0
@@ -181,7 +191,7 @@ def test_a_flexible_shoe_has_the_modes_of_a_rigid_one_and_its_own(sharing, grows
     case = Case.stress("coarse")
     case = case.with_(contact=case.contact.with_(sharing=sharing))
     flexible = case.with_(flexible=case.flexible.with_(shoes=(13,)))
-    soft, rigid = (track_modes(one, SPEED) for one in (flexible, case.with_(flexible=None)))
+    soft, rigid = (sliding_modes(one, SPEED) for one in (flexible, case.with_(flexible=None)))
     growth, frequency = least_stable_swing(rigid)
     assert (growth > 0.5) == grows
     assert least_stable_swing(soft) == (
@@ -194,8 +204,49 @@ def test_a_flexible_shoe_has_the_modes_of_a_rigid_one_and_its_own(sharing, grows
 
 def test_what_has_no_steady_sliding_is_refused():
     with pytest.raises(ValueError, match=r"speed must be positive and finite, got 0\.0"):
-        track_modes(Case.translation(), 0.0)
+        sliding_modes(Case.translation(), 0.0)
     with pytest.raises(ValueError, match=r"contact\.model must be 'pair', got 'spheres'"):
         steady_sliding(Case.translation().with_(contact=SphereContact.oil_sand()), SPEED)
     with pytest.raises(ValueError, match=r"drive\.turn_rate must be None"):
         steady_sliding(Case.turning(), SPEED)
+
+
+@pytest.fixture(scope="module")
+def rubbed():
+    """The papers' track with constant friction, and its modes."""
+    case = with_friction(Case.translation(), 0.3, 0.3)
+    return case, sliding_modes(case, SPEED)
+
+
+def test_the_table_names_the_least_stable_modes_first(rubbed):
+    _, modes = rubbed
+    table = mode_table(modes, 4)
+    assert list(table["mode"]) == [1, 2, 3, 4]
+    assert table["growth rate, 1/s"].is_monotonic_decreasing
+    first = modes["shape"].sel(mode=1)
+    assert table["z"][0] == pytest.approx(float(np.abs(first.sel(coordinate="z")).max()))
+    assert table["roll"][0] == pytest.approx(0.0, abs=1e-6)
+    most = np.abs(first.sel(coordinate="z", shoe=table["shoe"][0]))
+    assert float(most) == pytest.approx(table["z"][0])
+
+
+def test_shoes_stay_joined_in_the_figure(rubbed):
+    """Pins of neighbours meet to first order: to the square of the drawn pitch."""
+    case, modes = rubbed
+    ax = mode_figure(modes, case, (1,)).axes[0]
+    pins = [line.get_xydata() for line in ax.lines if line.get_marker() == "o"]
+    assert len(pins) == 2 * case.track.shoe_count
+    for rear, front in pairwise(pins[: case.track.shoe_count]):
+        # two arms of 0.35 m, tilted by a motion of 0.1 m at the end of 0.315 m
+        assert np.abs(rear[0] - front[1]).max() < 2 * 0.35 * 0.5 * (0.1 / 0.315) ** 2
+    still = [line.get_xydata() for line in ax.lines if line.get_color() == "0.75"]
+    assert len(still) == case.track.shoe_count
+    assert "growth rate +" in ax.get_title(loc="left")
+
+
+def test_the_page_prints_what_a_table_of_the_study_has():
+    """Docs: damping ends the bounce between 3 and 10 times that of the papers."""
+    row = growth_over("damping factor", [10]).iloc[0]
+    assert row["even"].startswith("-0.12 at 10.6")
+    assert row["7 m units"].startswith("-0.08 at 10.6")
+    assert row["1 m units"].startswith("-2.32 at 11.1")

@@ -1,0 +1,1 @@
+"""The tables of a case as Exudyn's own bodies, joints, loads and contacts."""

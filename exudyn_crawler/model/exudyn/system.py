@@ -1,0 +1,260 @@
+"""Multibody system of a case of Exudyn's own items: the other formulation.
+
+Exudyn forms the equations of motion, with Euler parameters in place of angles and its own floating frames of
+reference, and differentiates them numerically; the contact of shoes and units is one user force that calls
+the kernel of the compiled equations. States are those of the compiled equations. It carries every case
+without a side frame; the compiled equations are checked against it.
+"""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from exudyn_crawler.case import Case, StepProfile
+from exudyn_crawler.ground.coordinates import UnitCoordinates
+from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.model.build import Parts, parts_of
+from exudyn_crawler.model.compiled_system import layout_of
+from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.exudyn.bodies import (
+    add_shoe_nodes,
+    add_shoes,
+    add_terrain_modes,
+    add_units,
+    coordinate_marker,
+    points_of,
+)
+from exudyn_crawler.model.exudyn.drive import FrontShoe, add_dashpots, add_loads, add_slope_friction
+from exudyn_crawler.model.exudyn.euler_parameters import SIZE, BodyCoordinates
+from exudyn_crawler.model.exudyn.spheres import add_spheres
+from exudyn_crawler.model.failure import NewtonError
+from exudyn_crawler.model.integrated import Integrated
+from exudyn_crawler.model.state import RATES, StateLayout, pin_name
+
+SHARPENING = 0.1
+"""Of the residual that ends a step: with the Jacobian of an earlier step the iteration ends just below it,
+with a new one far below."""
+
+PIN_ROWS = [0, 1, 2, 3, 5]
+"""Multipliers of a pin among the six of Exudyn's joint, whose free rotation has one that is zero."""
+
+
+class ExudynSystem(Integrated):
+    """Multibody system of a case of Exudyn's own items; a `formulation.TrackSystem`.
+
+    Parameters
+    ----------
+    static : bool
+        Hold the front shoe in x, y and about z instead of driving it, keep loads as they are at t = 0, and
+        add what helps to find a rest: friction on slopes, dashpots on uneven ground.
+
+    Attributes
+    ----------
+    mbs : exudyn.MainSystem
+        The assembled system.
+    general : exudyn.GeneralContact, optional
+        Exudyn's contact, where it makes the forces.
+    case, contact, floating, point, layout :
+        As of `compiled_system.CompiledSystem`.
+
+    Raises
+    ------
+    ValueError
+        If the case has a side frame, which the compiled equations alone carry.
+    """
+
+    treads = None
+
+    def __init__(self, case: Case, static: bool = False) -> None:
+        if case.undercarriage is not None:
+            raise ValueError("undercarriage must be None for a system of Exudyn's items")
+        parts = parts_of(case)
+        self.case, self.floating, self.point, self.contact = case, parts.floating, parts.point, parts.contact
+        self._coordinates = BodyCoordinates(parts.tables.bodies.reference)
+        self.container = exu.SystemContainer()
+        self.mbs = self.container.AddSystem()
+        self.general: exu.GeneralContact | None = None
+        joints = self._assemble(parts, static)
+        self.layout, self._rows = self._layout_of(parts, joints)
+        if not static:
+            self.switch_drive(True)
+
+    def _assemble(self, parts: Parts, static: bool) -> list[int]:
+        """Add all items; gives the joints that the compiled equations have, too."""
+        mbs, case, tables, gravity = self.mbs, self.case, parts.tables, self.case.gravity_vector()
+        fixed = coordinate_marker(mbs, mbs.AddNode(items.NodePointGround()), 0)
+        # coordinates come in the order of the nodes
+        nodes = add_shoe_nodes(mbs, tables)
+        if isinstance(parts.contact.coordinates, UnitCoordinates):
+            ground = add_units(mbs, case, fixed)
+        else:
+            ground = add_terrain_modes(mbs, tables.terrain, gravity)
+        shoes = add_shoes(mbs, tables, nodes, points_of(tables), gravity)
+        joints = []
+        for p, (link, side) in enumerate(parts.pins):
+            pin = items.ObjectJointGeneric(
+                name=pin_name(side, link),
+                markerNumbers=shoes.markers[2 * p : 2 * p + 2],
+                constrainedAxes=[1, 1, 1, 1, 0, 1],
+            )
+            joints.append(mbs.AddObject(pin))
+        add_loads(mbs, case, shoes.markers[2 * len(joints) :], static)
+        if isinstance(parts.contact, PairGroundContact):
+            self._add_contact(parts.contact, [*shoes.nodes, *ground, *shoes.modal_nodes])
+        else:
+            self.general = add_spheres(mbs, case, shoes.bodies, ground, static)
+        front = FrontShoe(mbs, tables, shoes)
+        if static:
+            joints += front.holds(fixed)
+            if case.terrain.down[2] > -1.0:
+                add_slope_friction(mbs, case, shoes.nodes, tables.bodies.mass)
+            if case.terrain.heights is not None:
+                add_dashpots(mbs, case, shoes.nodes, fixed)
+        else:
+            turn = case.drive.turn_rate or StepProfile.constant(0.0)
+            joints += [front.drive(case.drive.speed), front.turn(turn)]
+        self._drives = joints[len(parts.pins) :]
+        self._shoe_bodies = [int(body) for body in shoes.bodies]
+        mbs.Assemble()
+        return [int(joint) for joint in joints]
+
+    def _add_contact(self, contact: PairGroundContact, nodes: list[int]) -> None:
+        """Contact of all shoes and units as one user force over their nodes."""
+        first = SIZE * self.case.track.shoe_count
+
+        def force(_mbs, _t, _item, q, q_t):
+            own, own_t = np.array(q), np.array(q_t)
+            shoes, rates = self._coordinates.motion(own, own_t)
+            found = contact.wrenches(contact.bodies(shoes, rates, own[first:], own_t[first:]))
+            on_shoes = self._coordinates.generalized(own, found.shoes)
+            return np.concatenate((on_shoes, contact.coordinates.project(found.units), found.modal.ravel()))
+
+        self.mbs.AddObject(
+            items.ObjectGenericODE2(
+                name="contact",
+                nodeNumbers=nodes,
+                massMatrix=exu.MatrixContainer(),
+                forceUserFunction=force,
+            )
+        )
+
+    def _layout_of(self, parts: Parts, joints: list[int]) -> tuple[StateLayout, NDArray]:
+        """Layout of the states, and where Exudyn has their multipliers.
+
+        Behind the joints of the compiled equations come Exudyn's other items; the norm of Euler parameters
+        is none of the state's.
+        """
+        data = self.mbs.systemData
+        rows_of = {number: list(data.GetObjectLTGAE(number)) for number in range(data.NumberOfObjects())}
+        norms = {row for body in self._shoe_bodies for row in rows_of[body]}
+        kept = {number: rows_of.pop(number) for number in joints}
+        kept = {
+            number: [rows[k] for k in PIN_ROWS] if len(rows) > 1 else rows for number, rows in kept.items()
+        }
+        kept |= {number: rows for number, rows in rows_of.items() if set(rows) - norms}
+        layout = layout_of(self.case, parts.tables, parts.pins)
+        names = [self.mbs.GetObject(number)["name"] for number in kept]
+        layout = dataclasses.replace(
+            layout,
+            terrain=parts.contact.coordinates.size,
+            terrain_bodies=isinstance(parts.contact.coordinates, UnitCoordinates),
+            multipliers=tuple((name, len(rows)) for name, rows in zip(names, kept.values(), strict=True)),
+            contact_forces=self.general is not None,
+        )
+        return layout, np.concatenate(list(kept.values())).astype(int)
+
+    def sunken(self) -> list[int]:
+        """Numbers of the shoes that have sunk through the ground in the current state."""
+        return [] if self.general is None else self.contact.sunken(self.coordinates()[0])
+
+    def coordinates(self) -> list[NDArray]:
+        """Current coordinates, rates and accelerations, in the layout's order."""
+        data = self.mbs.systemData
+        rates = (data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt())
+        return self._coordinates.to_state(*map(np.array, rates))
+
+    def set_initial(self, q: NDArray) -> None:
+        """Start from rest at the coordinates `q`."""
+        self._set(q, np.zeros_like(q), np.zeros_like(q))
+
+    def set_state(self, row: NDArray) -> None:
+        """Start from a row as of `state`; its time goes into the solver's settings."""
+        self._set(*(self.layout.part(row, f"coordinates{rate}") for rate in RATES))
+
+    def _set(self, q: NDArray, q_t: NDArray, q_tt: NDArray) -> None:
+        data, initial = self.mbs.systemData, exu.ConfigurationType.Initial
+        own, own_t, own_tt = (values.tolist() for values in self._coordinates.of_state(q, q_t, q_tt))
+        data.SetODE2Coordinates(own, initial)
+        data.SetODE2Coordinates_t(own_t, initial)
+        data.SetODE2Coordinates_tt(own_tt, initial)
+        if self.general is not None:
+            # Exudyn looked for touching spheres when it assembled the system, with none in the ground yet,
+            # and would let the track fall through the first step
+            data.SetODE2Coordinates(own)
+            self.general.UpdateContacts(self.mbs)
+
+    def state(self) -> NDArray:
+        """Current state in one row, laid out as `layout` says."""
+        data = self.mbs.systemData
+        parts: dict[str, ArrayLike] = {
+            f"coordinates{rate}": values for rate, values in zip(RATES, self.coordinates(), strict=True)
+        }
+        parts |= {"time": data.GetTime(), "multipliers": np.array(data.GetAECoordinates())[self._rows]}
+        if self.general is not None:
+            parts["contact forces"] = self.contact_wrenches()
+        return self.layout.pack(parts)
+
+    def contact_wrenches(self) -> NDArray:
+        """Exudyn's contact forces on the shoes and moments about their origins: (shoes, 6), N and N m."""
+        if self.general is None:
+            raise ValueError("contact.model must be 'spheres' for Exudyn's contact forces")
+        forces = np.asarray(self.general.GetSystemODE2RhsContactForces(copy=True))
+        return self._coordinates.wrenches(np.array(self.mbs.systemData.GetODE2Coordinates()), forces)
+
+    def switch_drive(self, on: bool) -> None:
+        """Move the front shoe from now on, or leave it free."""
+        turns = self.case.drive.turn_rate is not None
+        for item, is_on in zip(self._drives, (on, on and turns), strict=True):
+            self.mbs.SetObjectParameter(item, "activeConnector", is_on)
+
+    def solve(self, settings: "exu.SimulationSettings") -> None:
+        """Integrate between the times of the settings; errors as of `formulation.TrackSystem.solve`."""
+        newton = settings.timeIntegration.newton
+        newton.numericalDifferentiation.doSystemWideDifferentiation = self.general is not None
+        tolerance = newton.absoluteTolerance
+        newton.absoluteTolerance = SHARPENING * tolerance
+        try:
+            self.mbs.SolveDynamic(settings)
+        except (exu.SolverError, exu.InternalError) as error:  # the latter where a matrix is not finite
+            raise self._failure("dynamicSolver") from error
+        finally:
+            newton.absoluteTolerance = tolerance
+
+    def rest(self, settings: "exu.SimulationSettings") -> NDArray:
+        """Coordinates at rest of a system built for statics, from its initial ones.
+
+        Raises
+        ------
+        NewtonError
+            If Newton's method finds none.
+        """
+        differences = settings.staticSolver.newton.numericalDifferentiation
+        differences.doSystemWideDifferentiation = self.general is not None
+        try:
+            self.mbs.SolveStatic(settings)
+        except exu.SolverError as error:
+            raise self._failure("staticSolver") from error
+        return self.coordinates()[0]
+
+    def _failure(self, name: str) -> NewtonError:
+        """What a solver left behind that failed, in the layout's equations."""
+        solver: Any = self.mbs.sys[name]
+        residual = np.array(solver.GetSystemResidual())
+        own = np.array(self.mbs.systemData.GetODE2Coordinates())
+        if not solver.IsStaticSolver():
+            # the solver multiplies the equations of motion by what makes accelerations of displacements
+            residual[: len(own)] /= solver.newmarkBeta * solver.it.currentStepSize**2
+        forces, gaps = self._coordinates.forces_to_state(own, residual[: len(own)]), residual[len(own) :]
+        return NewtonError(np.concatenate((forces, gaps[self._rows])), bool(solver.conv.linearSolverFailed))

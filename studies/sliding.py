@@ -1,0 +1,265 @@
+"""Steady sliding of a track, and the linear equations of motion about it.
+
+All shoes move along x at one speed and nothing accelerates. The ground's units stay where they are: a mode
+lives for a second, in which a shoe moves by a tenth of its length.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from exudyn_crawler import Case
+from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
+from exudyn_crawler.model.equations import STIFFNESS
+from exudyn_crawler.model.state import pin_name
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+
+RESIDUAL = 1e-3
+"""N, greatest force out of balance that ends Newton's method: 1e-9 of a shoe's load."""
+GAP = 1e-10
+"""m and rad, greatest gap of the links at the end of Newton's method."""
+ITERATIONS = 15
+LONG_STEP = 1.0
+"""m and rad, correction beyond which Newton's method has gone astray."""
+LEAST_PORTION = 0.01
+"""Of friction and travel, put on at a time."""
+POSITION_STEP, RATE_STEP = 1e-6, 1e-6
+"""m and rad, and per second: half steps of central differences, far below the 0.1 mm of the damping law and
+the 10 mm/s of the friction law."""
+FORCE_SCALE = 1e6
+"""N, multiplier that the links' directions are taken with: their forces are linear in it."""
+STILL = 1e-9
+"""Imaginary over greatest eigenvalue below which a mode does not swing."""
+
+
+@dataclass(frozen=True)
+class SteadySliding:
+    """Equilibrium of a track whose shoes all slide along x at one speed; n coordinates.
+
+    Attributes
+    ----------
+    system : CompiledSystem
+        What slides.
+    speed : float
+        m/s.
+    q, q_t : array (n,)
+        Coordinates as of the system's layout, and their rates.
+    multipliers : array
+        Lagrange multipliers of links and drive.
+    tension : array (links,)
+        Force of each link along x on its rear shoe, N.
+    normal_force : array (shoes,)
+        Vertical force of the ground on each shoe, N.
+    """
+
+    system: CompiledSystem
+    speed: float
+    q: NDArray
+    q_t: NDArray
+    multipliers: NDArray
+    tension: NDArray
+    normal_force: NDArray
+
+
+class Balance:
+    """Forces of a system that does not accelerate, at any state."""
+
+    def __init__(self, system: CompiledSystem) -> None:
+        self._system = system
+        self.size, self.rows = system.layout.coordinate_count, len(system.multipliers)
+
+    def __call__(self, q: NDArray, q_t: NDArray, multipliers: NDArray) -> NDArray:
+        """Forces out of balance (n,), then the gaps of links and drive."""
+        inputs = self._system.inputs(0.0)
+        out = self._system.residual(np.stack((q, q_t, np.zeros_like(q))), inputs, multipliers)
+        out[self.size :] /= STIFFNESS
+        return out
+
+    def mass(self, q: NDArray) -> NDArray:
+        """Mass matrix (n, n)."""
+        still, none, inputs = np.zeros_like(q), np.zeros(self.rows), self._system.inputs(0.0)
+        base = self(q, still, none)
+        columns = [
+            self._system.residual(np.stack((q, still, e)), inputs, none) - base for e in np.eye(self.size)
+        ]
+        return np.column_stack(columns)[: self.size]
+
+    def directions(self, q: NDArray) -> NDArray:
+        """Generalized forces (n, rows) of unit multipliers; zero for equations that constrain nothing."""
+        still = np.zeros_like(q)
+        base = self(q, still, np.zeros(self.rows))[: self.size]
+        pushed = [self(q, still, e)[: self.size] - base for e in FORCE_SCALE * np.eye(self.rows)]
+        return np.column_stack(pushed) / FORCE_SCALE
+
+
+def derivative(function: Callable[[NDArray], NDArray], at: NDArray, step: float) -> NDArray:
+    """Central differences of a function, a column for each of its arguments."""
+    changes = step * np.eye(len(at))
+    return np.column_stack([(function(at + e) - function(at - e)) / (2.0 * step) for e in changes])
+
+
+def check_sliding(case: Case, speed: float) -> None:
+    """Refuse what has no steady sliding; see `steady_sliding`."""
+    if not (np.isfinite(speed) and speed > 0.0):
+        raise ValueError(f"speed must be positive and finite, got {speed!r} m/s")
+    case.pair_contact()
+    if case.undercarriage is not None:
+        raise ValueError("undercarriage must be None: shoes that a side frame rolls over do not slide")
+    if case.terrain.side_slope != 0.0:
+        raise ValueError(
+            "terrain.side_slope must be 0: a track that slides along x slips down a side slope, too"
+        )
+    if case.terrain.profile is not None:
+        raise ValueError("terrain.profile must be None: a track has no steady state over hills")
+    if case.drive.turn_rate is not None:
+        raise ValueError("drive.turn_rate must be None: a track that turns has no steady state")
+
+
+def steady_sliding(case: Case, speed: float, travel: float = 0.0) -> SteadySliding:
+    """Find the state in which all shoes slide along x at one speed and nothing accelerates.
+
+    Friction has its steady value, and the chain's tension grows shoe by shoe to the front. The loads are
+    those at t = 0. Friction and travel are put on in as few portions as can be.
+
+    Parameters
+    ----------
+    case : Case
+        With contact model "pair" and no turn; its terrain is taken in its independent coordinates.
+    speed : float
+        m/s, positive.
+    travel : float
+        m by which the front shoe has gone along x: which units the shoes stand on.
+
+    Raises
+    ------
+    ValueError
+        If the speed is not positive, or the case turns or has another contact model.
+    EquilibriumError
+        If Newton's method finds no steady sliding.
+    """
+    check_sliding(case, speed)
+    case = case.with_(terrain_formulation="reduced", formulation=None)
+    system, q = compiled_system(case), static_equilibrium(case)
+    balance, shoes = Balance(system), 6 * case.track.shoe_count
+    q_t, multipliers = np.zeros_like(q), np.zeros(balance.rows)
+    q_t[:shoes:6] = speed
+    done, portion = 0.0, 1.0
+    while done < 1.0:
+        goal = min(1.0, done + portion)
+        guess = q.copy()
+        guess[:shoes:6] += goal * travel - q[shoes - 6]
+        found = _newton(system, balance, (guess, q_t), goal, goal * travel)
+        if found is not None:
+            q, multipliers = found
+            done, portion = goal, 2.0 * portion
+        elif portion < LEAST_PORTION:
+            raise EquilibriumError(
+                f"no steady sliding of case {case.name!r} at {speed:g} m/s was found: Newton's method "
+                f"fails where friction and travel have {100 * done:.3g} % of their values"
+            )
+        else:
+            portion *= 0.5
+    return _state(system, q, q_t, multipliers, speed)
+
+
+def _newton(
+    system: CompiledSystem, forces: Balance, start: tuple[NDArray, NDArray], portion: float, travel: float
+) -> tuple[NDArray, NDArray] | None:
+    """Coordinates and multipliers in balance under a portion of what the speed adds; None without success."""
+    n, driven = forces.size, 6 * system.case.track.shoe_count - 6
+    q, q_t = start
+    drive = n + system.layout.first_multiplier("drive")
+
+    def balance(q: NDArray, multipliers: NDArray) -> NDArray:
+        moving, resting = (forces(q, rates, multipliers) for rates in (q_t, 0.0 * q_t))
+        both = portion * moving + (1.0 - portion) * resting
+        # the drive prescribes a speed, which any place has
+        both[drive] = q[driven] - travel
+        return both
+
+    # without its tension a track that is pulled beside its middle would be far too ready to turn
+    multipliers = -scipy.linalg.lstsq(forces.directions(q), balance(q, np.zeros(forces.rows))[:n])[0]
+    for _ in range(ITERATIONS):
+        residual, directions = balance(q, multipliers), forces.directions(q)
+        held = np.any(directions != 0.0, axis=0)
+        gap = residual[n:][held]
+        if np.abs(residual[:n]).max() < RESIDUAL and np.abs(gap).max() < GAP:
+            return q, multipliers
+        by_q = derivative(partial(balance, multipliers=multipliers), q, POSITION_STEP)
+        none = np.zeros((len(gap), len(gap)))
+        matrix = np.block(
+            [[by_q[:n], FORCE_SCALE * directions[:, held]], [FORCE_SCALE * by_q[n:][held], none]]
+        )
+        right = -np.concatenate((residual[:n], FORCE_SCALE * gap))
+        # nothing holds the track across its path: the shortest step leaves it where it is
+        step = scipy.linalg.lstsq(matrix, right, cond=1e-13)[0]
+        if not np.abs(step[:n]).max() < LONG_STEP:
+            return None
+        q, multipliers = q + step[:n], multipliers.copy()
+        multipliers[held] += FORCE_SCALE * step[n:]
+    return None
+
+
+def _state(
+    system: CompiledSystem, q: NDArray, q_t: NDArray, multipliers: NDArray, speed: float
+) -> SteadySliding:
+    shoes, layout = system.case.track.shoe_count, system.layout
+    forces = system.contact.forces(q, q_t)[: 6 * shoes].reshape(-1, 6)
+    tension = np.zeros(shoes - 1)
+    for link in range(1, shoes):
+        for name in filter(layout.has, (pin_name(side, link) for side in SIDES)):
+            tension[link - 1] += multipliers[layout.first_multiplier(name)]
+    return SteadySliding(system, speed, q, q_t, multipliers, tension, forces[:, 2])
+
+
+@dataclass(frozen=True)
+class LinearTrack:
+    """``mass y'' + damping y' + stiffness y = 0`` for the motion ``basis @ y`` about an equilibrium.
+
+    `mass`, `damping`, `stiffness` are (f, f), `basis` is (n, f): f of the n coordinates are left by links and
+    drive. Without friction all three matrices are symmetric.
+    """
+
+    mass: NDArray
+    damping: NDArray
+    stiffness: NDArray
+    basis: NDArray
+
+
+def linearized(state: SteadySliding) -> LinearTrack:
+    """Linearise the equations of motion about steady sliding, without the constrained motions.
+
+    Derivatives are central differences of the residual: they have how forces of links and loads turn with
+    the shoes, which Newton's matrix of a run leaves out.
+    """
+    forces, n = Balance(state.system), len(state.q)
+    directions = forces.directions(state.q)
+    basis = scipy.linalg.null_space(directions[:, np.any(directions != 0.0, axis=0)].T)
+    by_place = derivative(lambda q: forces(q, state.q_t, state.multipliers), state.q, POSITION_STEP)
+    by_rate = derivative(lambda q_t: forces(state.q, q_t, state.multipliers), state.q_t, RATE_STEP)
+    matrices = (forces.mass(state.q), by_rate[:n], by_place[:n])
+    mass, damping, stiffness = (basis.T @ matrix @ basis for matrix in matrices)
+    return LinearTrack(mass, damping, stiffness, basis)
+
+
+def eigenmodes(linear: LinearTrack) -> tuple[NDArray, NDArray]:
+    """Eigenvalues (1/s) by falling growth rate, of pairs the one above the real axis; and their shapes.
+
+    Returns
+    -------
+    eigenvalues : array (modes,), complex
+    shapes : array (n, modes), complex
+        In all coordinates; not scaled.
+    """
+    f = len(linear.mass)
+    below = np.linalg.solve(linear.mass, np.hstack((-linear.stiffness, -linear.damping)))
+    values, vectors = np.linalg.eig(np.vstack((np.eye(f, 2 * f, f), below)))
+    upper = np.flatnonzero(values.imag >= -STILL * np.abs(values).max())
+    order = upper[np.argsort(-values.real[upper], kind="stable")]
+    return values[order], linear.basis @ vectors[:f, order]

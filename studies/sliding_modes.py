@@ -1,0 +1,372 @@
+"""Why the shoes bounce: modes of the sliding track, which of them grow and over what, beside 10 s runs.
+
+No paper reports it. The tables are those of `docs/sliding_modes.md`.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from exudyn_crawler import Case, LoadCycle, PairContact, simulate
+from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.views.style import STYLE, save_figure
+from exudyn_crawler.views.tables import write_table
+from studies.sliding import STILL, SteadySliding, eigenmodes, linearized, steady_sliding
+
+SPEED = 0.2
+"""m/s, where friction no longer changes with the speed."""
+FRICTION = 0.3
+SWINGING = 0.1
+"""Hz, least frequency of a swing."""
+COORDINATES = ["x", "y", "z", "roll", "pitch", "yaw"]
+"""Of a shoe: displacement of the COM (m) and angles (rad)."""
+
+SWING = 0.1
+"""m, greatest motion drawn."""
+PHASES = {"0": 1.0 + 0.0j, "a quarter period later": 1.0j}
+"""Instants drawn of a swing, as factors of its shape; it does not grow between them in the figure."""
+
+
+def sliding_modes(case: Case, speed: float, travel: float = 0.0) -> xr.Dataset:
+    """Complex modes of the track on its ground about steady sliding, least stable first.
+
+    A mode moves as the real part of ``shape exp((growth_rate + 2 pi i frequency) t)``.
+
+    Parameters
+    ----------
+    case, speed, travel
+        As for `sliding.steady_sliding`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `mode`: `growth_rate` (1/s), `frequency` (Hz) and `damping_ratio` (NaN at rest). `shape` (mode,
+        shoe, coordinate), complex: displacement of the COM in m and angles in rad; `unit_shape` (mode, unit,
+        motion): heave in m and tilt in rad. The greatest motion of a shoe's COM or end is 1 m, real. Of the
+        equilibrium: `position` (shoe, coordinate) from t = 0 before settling, `tension` (joint) and
+        `normal_force` (shoe), N.
+
+    Raises
+    ------
+    ValueError, EquilibriumError
+        As `sliding.steady_sliding`.
+    """
+    state = steady_sliding(case, speed, travel)
+    return _dataset(state, *eigenmodes(linearized(state)))
+
+
+def _dataset(state: SteadySliding, values: NDArray, shapes: NDArray) -> xr.Dataset:
+    case, contact = state.system.case, state.system.contact
+    shoes = case.track.shoe_count
+    arms = np.array([1.0, 1.0, 1.0, 0.5 * case.shoe.width, 0.5 * case.shoe.length, 0.5 * case.shoe.width])
+    motion = shapes.T[:, : 6 * shoes].reshape(-1, shoes, 6)
+    weighted = (motion * arms).reshape(len(values), -1)
+    greatest = np.take_along_axis(weighted, np.abs(weighted).argmax(axis=1)[:, None], axis=1)[:, 0]
+    # a mode of the ground alone may leave the shoes where they are
+    scale = np.where(np.abs(greatest) > 0.0, greatest, 1.0)
+    units = [contact.unit_motion(s.real) + 1j * contact.unit_motion(s.imag) for s in (shapes / scale).T]
+    # a motion that nothing drives back, such as that across the path, has no damping ratio
+    size = np.where(np.abs(values) > STILL * np.abs(values).max(), np.abs(values), np.nan)
+    return xr.Dataset(
+        {
+            "growth_rate": ("mode", values.real, {"units": "1/s"}),
+            "frequency": ("mode", values.imag / (2.0 * np.pi), {"units": "Hz"}),
+            "damping_ratio": ("mode", -values.real / size, {"units": "1"}),
+            "shape": (("mode", "shoe", "coordinate"), motion / scale[:, None, None]),
+            "unit_shape": (("mode", "unit", "motion"), np.array(units)[..., 2:]),
+            "position": (("shoe", "coordinate"), state.q[: 6 * shoes].reshape(shoes, 6)),
+            "tension": ("joint", state.tension, {"units": "N"}),
+            "normal_force": ("shoe", state.normal_force, {"units": "N"}),
+        },
+        coords={
+            "mode": np.arange(1, len(values) + 1),
+            "shoe": case.track.shoes,
+            "joint": case.track.joints,
+            "unit": case.terrain.units,
+            "coordinate": COORDINATES,
+            "motion": ["heave", "tilt"],
+        },
+        attrs={"title": case.name, "speed": state.speed},
+    )
+
+
+def mode_table(modes: xr.Dataset, count: int = 10) -> pd.DataFrame:
+    """The least stable modes: frequency, damping, growth, and what of the shoes moves most.
+
+    Columns `frequency, Hz`, `growth rate, 1/s`, `damping ratio`, `shoe` (the one that moves most) and the
+    greatest motion of all shoes in every coordinate, m and rad.
+    """
+    few = modes.isel(mode=slice(count))
+    size = xr.apply_ufunc(np.abs, few["shape"])
+    most = size.sel(coordinate=["x", "y", "z"]).max("coordinate").idxmax("shoe")
+    table = {
+        "mode": few.mode.values,
+        "frequency, Hz": few.frequency.values,
+        "growth rate, 1/s": few.growth_rate.values,
+        "damping ratio": few.damping_ratio.values,
+        "shoe": most.values,
+    }
+    motion = {str(c.values): size.sel(coordinate=c).max("shoe").values for c in size.coordinate}
+    return pd.DataFrame(table | motion)
+
+
+def draw_mode(ax: Axes, modes: xr.Dataset, case: Case, mode: int = 1) -> Axes:
+    """Draw undersides and pins of the shoes from the side in a mode, enlarged, about steady sliding."""
+    shape = modes["shape"].sel(mode=mode).values
+    position = modes.position.values
+    coms = case.track.com_positions(case.shoe.com_height) + position[:, :3]
+    foot = case.shoe.footprint
+    points = np.array(
+        [[foot[0], 0.0, foot[4]], [foot[1], 0.0, foot[4]], case.track.front_pin, case.track.rear_pin]
+    )
+    still = _seen(coms, position[:, 4], points)
+    for underside in still[:, :2]:
+        ax.plot(*underside.T, color="0.75")
+    for number, (name, factor) in enumerate(PHASES.items()):
+        motion = SWING * (factor * shape).real
+        moved = _seen(coms + motion[:, :3], position[:, 4] + motion[:, 4], points)
+        for k, (underside, pins) in enumerate(zip(moved[:, :2], moved[:, 2:], strict=True)):
+            ax.plot(*underside.T, color=f"C{number}", lw=2.0, label=name if k == 0 else None)
+            ax.plot(*pins.T, color=f"C{number}", marker="o", ms=2.5, lw=0.6)
+    value = modes.sel(mode=mode)
+    ax.set_title(
+        f"mode {mode}: {float(value.frequency):.2f} Hz, growth rate {float(value.growth_rate):+.2f}/s",
+        loc="left",
+    )
+    ax.set_xlabel("x in m")
+    ax.set_ylabel("z in m, motion enlarged")
+    ax.legend(ncols=len(PHASES))
+    return ax
+
+
+def _seen(coms: NDArray, pitch: NDArray, points: NDArray) -> NDArray:
+    """Positions (shoes, points, 2), x and z, of points (points, 3) in the shoes' frames."""
+    c, s = np.cos(pitch)[:, None], np.sin(pitch)[:, None]
+    x, z = points[:, 0], points[:, 2]
+    return np.stack((coms[:, :1] + c * x + s * z, coms[:, 2:] - s * x + c * z), axis=-1)
+
+
+def mode_figure(modes: xr.Dataset, case: Case, numbers: Sequence[int] = (1, 2)) -> Figure:
+    """The named modes from the side, one below the other."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8.0, 0.6 + 2.6 * len(numbers)))
+        axes = figure.subplots(len(numbers), 1, sharex=True, squeeze=False)[:, 0].tolist()
+        for ax, number in zip(axes, numbers, strict=True):
+            draw_mode(ax, modes, case, number)
+        title = f"{modes.attrs['title']}, sliding at {modes.attrs['speed']:g} m/s"
+        figure.suptitle(title, x=0.01, ha="left", parse_math=False)
+    return figure
+
+
+def even_ground(stiffness: float = 1e11) -> Case:
+    """The rigid studies' track on one unit, no seams, on springs of some stiffness (N/m)."""
+    case = Case.translation()
+    (_, length), (_, width) = case.terrain.bounds
+    sides = {"columns": 1, "rows": 1, "unit_length": length, "unit_width": width}
+    springs = {"spring_stiffness": stiffness, "spring_damping": 0.01 * stiffness, "spring_offset": 20.0}
+    return case.with_(name="even", terrain=case.terrain.with_(**sides, **springs))
+
+
+def grounds() -> dict[str, Case]:
+    """Even ground, 7 m units of the rigid studies, 1 m units of the stress study; all shoes rigid."""
+    return {
+        "even": even_ground(),
+        "7 m units": Case.translation(),
+        "1 m units": Case.stress().with_(flexible=None, contact=PairContact.oil_sand(sharing="area")),
+    }
+
+
+def with_law(case: Case, **factors: float) -> Case:
+    """Case with some parameters of its contact law times factors."""
+    law = case.pair_contact()
+    return case.with_(contact=law.with_(**{name: f * getattr(law, name) for name, f in factors.items()}))
+
+
+def with_friction(case: Case, static: float, dynamic: float) -> Case:
+    """Case with other coefficients of friction."""
+    return case.with_(contact=case.pair_contact().with_(static_friction=static, dynamic_friction=dynamic))
+
+
+def with_shoes(case: Case, count: int) -> Case:
+    """Case with another number of shoes, each with the same load."""
+    phase = case.loads.phases[0]
+    loads = LoadCycle(phases=(phase.with_(loads=(phase.loads[0],) * count),))
+    return case.with_(track=case.track.with_(shoe_count=count), loads=loads)
+
+
+def _with_pin_height(case: Case, height: float) -> Case:
+    return case.with_(track=case.track.with_(pin_height=height - case.shoe.com_height))
+
+
+EVERYWHERE, WITHOUT_1_M = ("even", "7 m units", "1 m units"), ("even", "7 m units")
+
+PARAMETERS: dict[str, tuple[Sequence[float], Callable[..., Case], Sequence[str]]] = {
+    "friction": (
+        (0.0, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6),
+        lambda case, value: with_friction(case, value, value),
+        EVERYWHERE,
+    ),
+    "damping factor": (
+        (0.0, 0.1, 0.3, 1, 3, 10, 30, 100),
+        lambda case, value: with_law(case, damping=value),
+        EVERYWHERE,
+    ),
+    "pin height, m": ((0.07, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35), _with_pin_height, WITHOUT_1_M),
+    "shoe length, m": (
+        (0.55, 0.59, 0.63, 0.65),
+        lambda case, value: case.with_(shoe=case.shoe.with_(length=value)),
+        WITHOUT_1_M,
+    ),
+    "contact stiffness factor": (
+        (0.5, 1, 2, 4),
+        lambda case, value: with_law(case, stiffness=value),
+        WITHOUT_1_M,
+    ),
+    "shoes": ((2, 3, 4, 5, 7, 9, 11, 13, 16, 20), with_shoes, WITHOUT_1_M),
+}
+"""Parameter: values, how they change a case with constant friction, and the grounds."""
+SPEEDS = (0.002, 0.005, 0.009, 0.012, 0.02, 0.03, 0.05, 0.08, 0.095, 0.1, 0.2)
+"""m/s."""
+
+TRIALS: Mapping[str, Sequence[tuple[float, float, float]]] = {
+    "even": (
+        (0.4, 0.3, 1.0),
+        *((mu, mu, 1.0) for mu in (0.0, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4)),
+        (0.4, 0.3, 10.0),
+        (0.4, 0.3, 100.0),
+    ),
+    "7 m units": (
+        (0.4, 0.3, 1.0),
+        *((mu, mu, 1.0) for mu in (0.0, 0.1, 0.2, 0.3)),
+        *((0.3, 0.3, damping) for damping in (3.0, 10.0, 100.0)),
+        (0.4, 0.3, 10.0),
+        (0.4, 0.3, 100.0),
+    ),
+    "1 m units": (
+        (0.4, 0.3, 1.0),
+        *((mu, mu, 1.0) for mu in (0.0, 0.1, 0.3)),
+        (0.3, 0.3, 10.0),
+        (0.4, 0.3, 10.0),
+        (0.4, 0.3, 100.0),
+    ),
+}
+"""By ground, coefficients of friction and factor of damping of the runs."""
+
+
+def least_stable(case: Case, speed: float = SPEED, travel: float = 0.0) -> tuple[float, float, int]:
+    """Growth rate (1/s) and frequency (Hz) of the least stable swing, and how many grow."""
+    modes = sliding_modes(case, speed, travel)
+    swings = modes.where(modes.frequency > SWINGING, drop=True)
+    growing = int((swings.growth_rate > 1e-6).sum())
+    return float(swings.growth_rate[0]), float(swings.frequency[0]), growing
+
+
+def growth_row(cases: Iterable[tuple[str, Case]], speed: float = SPEED) -> dict[str, str]:
+    """Growth rate, frequency and number of growing swings by ground, as text."""
+    row = {}
+    for ground, case in cases:
+        try:
+            growth, frequency, growing = least_stable(case, speed)
+            row[ground] = f"{growth:+.2f} at {frequency:.1f} Hz ({growing})"
+        except EquilibriumError:
+            row[ground] = "none found"
+    return row
+
+
+def growth_over(parameter: str, values: Sequence[float] | None = None) -> pd.DataFrame:
+    """Table of `growth_row` over one of `PARAMETERS`, with constant friction."""
+    all_values, change, on = PARAMETERS[parameter]
+    base = {name: with_friction(grounds()[name], FRICTION, FRICTION) for name in on}
+    rows = [
+        {parameter: value} | growth_row((name, change(case, value)) for name, case in base.items())
+        for value in (all_values if values is None else values)
+    ]
+    return pd.DataFrame(rows)
+
+
+def growth_over_speed() -> pd.DataFrame:
+    """Table of `growth_row` over the speed, with the papers' falling friction."""
+    return pd.DataFrame([{"speed, m/s": v} | growth_row(grounds().items(), v) for v in SPEEDS])
+
+
+def trial(
+    ground: str, static: float, dynamic: float, damping: float, duration: float = 10.0
+) -> dict[str, object]:
+    """Predicted growth at the final speed beside what a run does."""
+    case = with_law(with_friction(grounds()[ground], static, dynamic), damping=damping)
+    growth = least_stable(case)[0]
+    run = simulate(case, duration, progress=False).dataset
+    velocity, at = run.velocity.sel(axis="z").values, run.time.values
+    forces = run.normal_force.sel(axis="z").groupby("contact_shoe").sum().values
+    spectrum = np.abs(np.fft.rfft(velocity[at >= 0.5 * duration], axis=0)).mean(axis=1)
+    step = float(np.median(np.diff(at)))
+    frequency = np.fft.rfftfreq(int((at >= 0.5 * duration).sum()), step)[spectrum.argmax()]
+
+    def rms(first: float) -> float:
+        return float(np.sqrt(np.mean(velocity[(at >= first) & (at < first + 1.0)] ** 2)))
+
+    return {
+        "ground": ground,
+        "mu_s / mu_d": f"{static:g} / {dynamic:g}",
+        "damping": damping,
+        "growth at 0.2 m/s": growth,
+        "least v_z": velocity.min(),
+        "greatest": velocity.max(),
+        "rms 4-5 s": rms(4.0),
+        "rms 9-10 s": rms(duration - 1.0),
+        "peak, Hz": frequency,
+        "off ground": float((forces < 1.0).mean()),
+    }
+
+
+def study(
+    out: Path | None = None, *, runs: bool = False, overwrite: bool = False
+) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Titles and tables as they are made; with `out` each is a CSV file there, beside the figure.
+
+    Parameters
+    ----------
+    out : Path, optional
+        Folder of the tables and of `modes.png`; None writes nothing.
+    runs : bool
+        Make the 10 s runs, too, which take longest.
+    overwrite : bool
+        Overwrite files of the same names.
+
+    Raises
+    ------
+    FileExistsError
+        If a file is there and `overwrite` is false.
+    """
+    case = with_friction(Case.translation(), FRICTION, FRICTION)
+    modes = sliding_modes(case, SPEED)
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+        save_figure(mode_figure(modes, case), out / "modes.png", overwrite)
+    for title, table in _tables(modes, runs):
+        if out is not None:
+            write_table(table, out / f"{title.split(',')[0].replace(' ', '_')}.csv", overwrite)
+        yield title, table
+
+
+def _tables(modes: xr.Dataset, runs: bool) -> Iterator[tuple[str, pd.DataFrame]]:
+    yield "modes", mode_table(modes, 5)
+    for parameter in PARAMETERS:
+        yield f"growth over {parameter}", growth_over(parameter)
+    yield "growth over speed", growth_over_speed()
+    if runs:
+        rows = [trial(ground, *one) for ground, some in TRIALS.items() for one in some]
+        yield "runs", pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    from exudyn_crawler.cli import run_script
+
+    run_script("studies.commands:sliding_modes")
