@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
+from unittest.mock import patch
 
 import dask
 from distributed import Client, LocalCluster, as_completed
@@ -52,7 +53,9 @@ def _local(workers: int | None) -> Iterator[Client]:
     count = workers or os.cpu_count() or 1
     environment = dask.config.get("distributed.nanny.pre-spawn-environ") | {"NUMBA_NUM_THREADS": 1}
     with (
-        _kept_environment(),
+        # Dask puts the environment of its workers into this process, too: what is started from here later
+        # Dask puts the environment of its workers into this process, too, which would go on with one thread
+        patch.dict(os.environ),
         dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),
         LocalCluster(
             n_workers=count,
@@ -64,21 +67,6 @@ def _local(workers: int | None) -> Iterator[Client]:
         Client(cluster, set_as_default=False) as client,
     ):
         yield client
-
-
-@contextmanager
-def _kept_environment() -> Iterator[None]:
-    """Leave the environment as it was: Dask puts that of its workers into this process, too.
-
-    What is started from here afterwards would else have one thread, and Numba refuse to compile more.
-    """
-    before = dict(os.environ)
-    try:
-        yield
-    finally:
-        for name in os.environ.keys() - before.keys():
-            del os.environ[name]
-        os.environ.update(before)
 
 
 @contextmanager

@@ -108,15 +108,15 @@ class Sweep(Parameters):
         return design_rows(self.design, self.vary, self.runs, self.seed)
 
     @cached_property
-    def _text(self) -> str:
-        return self.case.with_(outputs=self.outputs).model_dump_json()
+    def _content(self) -> dict[str, Any]:
+        return self.case.with_(outputs=self.outputs).model_dump(mode="json")
 
     def case_of(self, values: Row) -> tuple[CaseFile, str]:
         """Case, duration and outputs of a run, and their digest, with which the case's name ends.
 
         Raises `ValueError` naming everything at fault.
         """
-        content = json.loads(self._text)
+        content = self._content
         for one, value in zip(self.vary, values, strict=True):
             content = one.applied(content, value)
         case_file = checked_case(content)

@@ -2,10 +2,11 @@
 
 import logging
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic.fields import FieldInfo
 
 from exudyn_crawler.case.case import Case
@@ -34,56 +35,43 @@ GREATEST_SAG = 0.5
 
 
 def _loads(case: Case) -> Iterator[str]:
-    """Phases whose loads are next to nothing, or beyond any machine, or lift shoes."""
-    for number, phase in enumerate(case.loads.phases):
-        whole, count = sum(phase.loads), len(phase.loads)
-        if min(phase.loads) < 0.0:
-            up = [shoe for shoe, load in enumerate(phase.loads, 1) if load < 0.0]
-            yield (
-                f"loads.phases[{number}].loads: {_newtons(min(phase.loads))} at the end of {phase.name!r} "
-                f"lifts {_shoes(up)}; loads press down and are positive"
-            )
-            continue
-        if LEAST_LOAD <= whole / count <= GREATEST_LOAD or case.propel == "rolled":
-            continue
-        if whole == 0.0:
-            cause = "nothing, so that the ground carries the shoes alone"
-        else:
-            cause = f"{_newtons(whole)} in all; loads are in N"
-        yield f"loads.phases[{number}].loads: {count} shoes carry {cause}"
-
-
-def _single_loads(case: Case) -> Iterator[str]:
-    """Phases with loads on some shoes that would be like those on the others if they were in kN."""
-    for number, phase in enumerate(case.loads.phases):
-        loads = np.array(phase.loads)
-        small = loads * CLEARLY_LESS < loads.max()
-        small &= loads > 0.0
-        if not small.any():
-            continue
-        like = loads[~small & (loads > 0.0)]
-        least, greatest = loads[small].min() * KILO, loads[small].max() * KILO
-        if like.min() / LIKE <= greatest and least <= like.max() * LIKE:
-            shoes = _shoes([*(np.flatnonzero(small) + 1)])
-            yield (
-                f"loads.phases[{number}].loads: {_newtons(loads[small].min())} at the end of {phase.name!r} "
-                f"on {shoes}, up to {_newtons(loads.max())} on others; is it in kN? It has to be in N"
-            )
-
-
-def _side_shift(case: Case) -> Iterator[str]:
-    """Phases whose loads act so far beside the middle that their spread over a shoe pulls at its edge."""
+    """Phases whose loads lift shoes, are next to nothing or beyond any machine, in kN, or beside the shoe."""
     core = case.shoe.width / 6.0
     for number, phase in enumerate(case.loads.phases):
-        if abs(phase.side_shift) > core and any(phase.loads):
+        at, end = f"loads.phases[{number}]", f"at the end of {phase.name!r}"
+        loads = np.array(phase.loads)
+        whole = loads.sum()
+        if loads.min() < 0.0:
+            up = _shoes(np.flatnonzero(loads < 0.0) + 1)
+            yield (f"{at}.loads: {_newtons(loads.min())} {end} lifts {up}; loads press down and are positive")
+        elif case.propel != "rolled" and not LEAST_LOAD <= whole / len(loads) <= GREATEST_LOAD:
+            cause = f"{_newtons(whole)} in all; loads are in N"
+            if whole == 0.0:
+                cause = "nothing, so that the ground carries the shoes alone"
+            yield f"{at}.loads: {len(loads)} shoes carry {cause}"
+        yield from _in_kilonewtons(loads, at, end)
+        if abs(phase.side_shift) > core and loads.any():
             yield (
-                f"loads.phases[{number}].side_shift: {phase.side_shift:g} m at the end of {phase.name!r} is "
-                f"beyond a sixth of the shoe's width, {core:.3g} m: the load pulls at the other edge, which "
-                f"no machine does"
+                f"{at}.side_shift: {phase.side_shift:g} m {end} is beyond a sixth of the shoe's width, "
+                f"{core:.3g} m: the load pulls at the other edge, which no machine does"
             )
 
 
-def _shoes(numbers: list[int]) -> str:
+def _in_kilonewtons(loads: NDArray, at: str, end: str) -> Iterator[str]:
+    """Loads on some shoes that would be like those on the others if they were in kN."""
+    small = (loads > 0.0) & (loads * CLEARLY_LESS < loads.max())
+    if not small.any():
+        return
+    like = loads[~small & (loads > 0.0)]
+    least, greatest = loads[small].min() * KILO, loads[small].max() * KILO
+    if like.min() / LIKE <= greatest and least <= like.max() * LIKE:
+        yield (
+            f"{at}.loads: {_newtons(loads[small].min())} {end} on {_shoes(np.flatnonzero(small) + 1)}, up to "
+            f"{_newtons(loads.max())} on others; is it in kN? It has to be in N"
+        )
+
+
+def _shoes(numbers: NDArray) -> str:
     """Numbers of shoes for reading: "shoe 3", "shoes 1..13", "shoes 1, 2, 5"."""
     if len(numbers) > 2 and numbers[-1] - numbers[0] + 1 == len(numbers):
         return f"shoes {numbers[0]}..{numbers[-1]}"
@@ -120,17 +108,6 @@ def _sag(case: Case) -> Iterator[str]:
         )
 
 
-CHECKS: tuple[Callable[[Case], Iterator[str]], ...] = (
-    _loads,
-    _single_loads,
-    _side_shift,
-    _inertia,
-    _sinking,
-    _sag,
-)
-"""What only several values together tell."""
-
-
 def warn_implausible(case: Case, duration: float | None = None) -> None:
     """Warn, by an `ImplausibleWarning` each, of what no machine and no ground is known to have."""
     for line in implausible(case, duration):
@@ -144,7 +121,7 @@ def implausible(case: Case, duration: float | None = None) -> Iterator[str]:
         told = _out_of_range(entry.value, entry.field)
         if told:
             yield f"{entry.path}: {told}"
-    for check in CHECKS:
+    for check in (_loads, _inertia, _sinking, _sag):
         yield from check(case)
     step = case.solver.step
     if duration is not None and duration < step:

@@ -194,21 +194,20 @@ def cycle_content(path: str | Path) -> dict[str, Any]:
 
 def with_equal_loads(content: Any, shoe_count: int) -> Any:
     """Content of a load cycle in which one number for all shoes, or in its place, stands for each of them."""
-    if _is_load(content):
+
+    def is_load(value: Any) -> bool:
+        return isinstance(value, int | float) and not isinstance(value, bool)
+
+    def spread(phase: Any) -> Any:
+        load = phase.get("loads") if isinstance(phase, dict) else None
+        return phase | {"loads": [load] * shoe_count} if is_load(load) else phase
+
+    if is_load(content):
         content = {"phases": [{"name": "constant", "end": 0.0, "loads": content}]}
-    phases = content.get("phases") if isinstance(content, dict) else None
-    if not isinstance(phases, list):
-        return content
-    return content | {"phases": [_spread(phase, shoe_count) for phase in phases]}
-
-
-def _spread(phase: Any, shoe_count: int) -> Any:
-    load = phase.get("loads") if isinstance(phase, dict) else None
-    return phase | {"loads": [load] * shoe_count} if _is_load(load) else phase
-
-
-def _is_load(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    match content:
+        case {"phases": [*phases]}:
+            return content | {"phases": [spread(phase) for phase in phases]}
+    return content
 
 
 def _falling(greatest: float, total: float, distance: NDArray) -> NDArray:
