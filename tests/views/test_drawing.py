@@ -12,13 +12,12 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from exudyn_crawler.views.scenes import drawing
-from exudyn_crawler.views.scenes.drawing import draw_arrows, draw_solids, opengl_works
+from exudyn_crawler.views.scenes.drawing import draw_arrows, draw_solids, usual_backend
 from exudyn_crawler.views.scenes.scene import (
     BOX_FACES,
     Arrows,
     Colouring,
     Placement,
-    Scene,
     Solid,
     View,
     box,
@@ -41,7 +40,7 @@ WEDGE = surface(
     np.zeros(4),
 )
 
-needs_opengl = pytest.mark.skipif(not opengl_works(), reason="this machine has no OpenGL or EGL")
+needs_opengl = pytest.mark.skipif(usual_backend() == "painted", reason="this machine has no OpenGL or EGL")
 backends = pytest.mark.parametrize("backend", [pytest.param("opengl", marks=needs_opengl), "painted"])
 
 
@@ -144,11 +143,11 @@ def test_a_point_behind_something_is_not_shown():
 
 def test_a_machine_whose_opengl_ends_the_process_gets_painted_pictures(monkeypatch):
     monkeypatch.setattr(drawing, "TRIAL", "import os; os.abort()")
-    opengl_works.cache_clear()
+    usual_backend.cache_clear()
     try:
         assert drawing.usual_backend() == "painted"
     finally:
-        opengl_works.cache_clear()
+        usual_backend.cache_clear()
 
 
 def test_copies_of_a_solid_stand_where_they_are_placed_and_lifted():
@@ -183,9 +182,10 @@ def test_what_bends_is_drawn_larger_and_seen_the_same_in_its_own_axes():
     placed = Placement(np.array([1.0, 2.0, 3.0]), turn)
     moved = replace(solid, origin=placed.origin[None, None], turn=turn[None, None])
     force = Arrows("force", "blue", placed.place(heads), heads @ turn.T, 0.5)
-    scene = Scene(("now",), (moved,), (force,)).seen_in(placed)
-    assert scene.solids[0].at().points == pytest.approx(solid.at().points)
-    assert scene.arrows[0].at() == pytest.approx(np.stack((0.5 * heads[0], heads[0]), axis=1))
+    view, same = ABOVE, ABOVE.on(placed)
+    assert same.project(moved.at().points) == pytest.approx(view.project(solid.at().points))
+    own = np.stack((0.5 * heads[0], heads[0]), axis=1)
+    assert same.project(force.at()) == pytest.approx(view.project(own))
 
 
 INTERRUPTED = """

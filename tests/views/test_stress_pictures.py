@@ -9,17 +9,16 @@ from matplotlib.colorbar import Colorbar
 from PIL import Image
 
 from exudyn_crawler import Case
-from exudyn_crawler.views.scenes.drawing import opengl_works
 from exudyn_crawler.views.scenes.paraview import write_paraview
 from exudyn_crawler.views.scenes.pictures import (
     picture_name,
     picture_time,
-    shoes_apart,
     stress_picture,
     write_stress_pictures,
 )
 from exudyn_crawler.views.scenes.shoes import Scales, stress_scene
 from exudyn_crawler.views.scenes.track import shoe_forces, shoe_pose
+from tests.views.test_drawing import backends
 from tests.views.test_track_scene import axes_of_rollers
 
 
@@ -29,16 +28,7 @@ def run(flexible_run):
     return history, stress
 
 
-@pytest.mark.parametrize(
-    "backend",
-    [
-        pytest.param(
-            "opengl",
-            marks=pytest.mark.skipif(not opengl_works(), reason="this machine has no OpenGL or EGL"),
-        ),
-        "painted",
-    ],
-)
+@backends
 def test_every_chosen_time_gets_a_picture(run, backend, tmp_path):
     history, stress = run
     written = write_stress_pictures(stress, history, tmp_path, backend=backend)
@@ -78,17 +68,18 @@ def test_a_shoe_is_bent_by_its_magnified_displacement_and_pressed_by_its_contact
     now = history.dataset.sel(time=frame, method="nearest")
     place = shoe_pose(now, 13)
     scales = Scales.of(stress, history)
-    scene = shoes_apart(stress_scene(stress.sel(frame=[frame]), history, scales))[1]
-    surface, arrows = scene.solids[0].at(), scene.arrows[0].at()
+    scene = stress_scene(stress.sel(frame=[frame]), history, scales)
+    surface, arrows = scene.solids[1].at(), scene.arrows[1].at()
     used = np.unique(stress.triangle.values)
     chosen = stress.sel(shoe=13, frame=frame).isel(node=used)
-    moved = surface.points - chosen.node_position.values
+    moved = (surface.points - place.origin) @ place.turn - chosen.node_position.values
     assert moved == pytest.approx(scales.displacement * chosen.frame_displacement.values, abs=1e-12)
     assert surface.values == pytest.approx(chosen.frame_von_mises.values / 1e6)
     assert np.linalg.norm(moved, axis=1).max() < 0.05
     # arrows end at the underside and push the shoe up
-    assert arrows[:, 1, 2] == pytest.approx(-history.case.shoe.com_height, abs=0.05)
-    total = place.turn @ (arrows[:, 1] - arrows[:, 0]).sum(axis=0) / scales.pair_force
+    heads = (arrows[:, 1] - place.origin) @ place.turn
+    assert heads[:, 2] == pytest.approx(-history.case.shoe.com_height, abs=0.05)
+    total = (arrows[:, 1] - arrows[:, 0]).sum(axis=0) / scales.pair_force
     own = history.contact_shoe.values == 13
     expected = (now.normal_force + now.friction_force).isel(contact=own).sum("contact").values
     assert total == pytest.approx(expected, rel=1e-9)
@@ -116,8 +107,9 @@ def test_paraview_reads_the_track_back_in_place(run, tmp_path):
     chosen = stress.sel(shoe=13, frame=times[-1])
     assert shoe.point_data["von mises"] == pytest.approx(chosen.frame_von_mises.values, rel=1e-6)
     place = shoe_pose(now, 13)
-    assert place.inside(shoe.points) == pytest.approx(stress.node_position.values, abs=1e-9)
-    bent = place.components(shoe.point_data["displacement"])
+    inside = (shoe.points - place.origin) @ place.turn
+    assert inside == pytest.approx(stress.node_position.values, abs=1e-9)
+    bent = shoe.point_data["displacement"] @ place.turn
     assert bent == pytest.approx(chosen.frame_displacement.values, abs=1e-9)
 
     terrain = meshio.read(last["terrain"])

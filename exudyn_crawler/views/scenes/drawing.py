@@ -10,7 +10,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterable, Sequence
-from functools import lru_cache
+from functools import cache
 from typing import Any, Literal
 
 import numpy as np
@@ -44,22 +44,17 @@ raise SystemExit(0 if image.std() > 1.0 else 1)
 """What a machine with OpenGL can do; run in a process of its own, since VTK may end its process."""
 
 
-@lru_cache(maxsize=1)
-def opengl_works() -> bool:
-    """Whether PyVista can draw on this machine; tried once, in a process of its own."""
+@cache
+def usual_backend() -> Backend:
+    """OpenGL where PyVista can draw with it, which is tried once in a process of its own; else painting."""
     quiet = os.environ | {"VTK_LOGGING_LEVEL": "OFF"}
     try:
         trial = subprocess.run(
             [sys.executable, "-c", TRIAL], capture_output=True, timeout=120, check=False, env=quiet
         )
     except (OSError, subprocess.TimeoutExpired):
-        return False
-    return trial.returncode == 0
-
-
-def usual_backend() -> Backend:
-    """OpenGL where it works, else painting."""
-    return "opengl" if opengl_works() else "painted"
+        return "painted"
+    return "opengl" if trial.returncode == 0 else "painted"
 
 
 def draw_solids(
@@ -108,11 +103,10 @@ def opengl_image(solids: Sequence[Solid], view: View, window: Window, pixels_per
                     "diffuse": 0.65,
                 }
             plotter.add_mesh(mesh, opacity=one.opacity, render=False, **how)
-        points = np.concatenate([one.points for one in solids])
-        center = 0.5 * (
-            (window[0] + window[1]) * view.right + (window[2] + window[3]) * view.up
-        ) + view.toward * float((points @ view.toward).mean())
-        light = np.column_stack((view.right, view.up, view.toward)) @ LIGHT
+        depth = float(view.project(np.concatenate([one.points for one in solids]))[:, 2].mean())
+        axes = np.column_stack((view.right, view.up, view.toward))
+        middle = 0.5 * (window[0] + window[1]), 0.5 * (window[2] + window[3]), depth
+        center, light = view.origin + axes @ middle, axes @ LIGHT
         plotter.add_light(pyvista.Light(position=light, focal_point=(0, 0, 0), light_type="scene light"))
         plotter.enable_parallel_projection()
         plotter.camera.focal_point = center
@@ -169,14 +163,9 @@ def draw_arrows(ax: Axes, arrows: NDArray, colour: str, view: View) -> list[Arti
     if not len(arrows):
         return []
     tails, heads = view.project(arrows)[..., :2].transpose(1, 0, 2)
-    how: dict[str, Any] = {
-        "angles": "xy",
-        "scale_units": "xy",
-        "scale": 1.0,
-        "pivot": "tip",
-        "units": "inches",
-    }
-    return [ax.quiver(*heads.T, *(heads - tails).T, color=colour, width=ARROW_WIDTH, zorder=4, **how)]
+    how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "pivot": "tip"}
+    drawn = heads.T, (heads - tails).T
+    return [ax.quiver(*drawn[0], *drawn[1], color=colour, units="inches", width=ARROW_WIDTH, zorder=4, **how)]
 
 
 def _fine_triangles(corners: NDArray, values: NDArray) -> tuple[NDArray, NDArray]:

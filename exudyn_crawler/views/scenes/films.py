@@ -244,9 +244,8 @@ class ShoePicture(Picture):
         return ax.axvline(shown[0], color="black", lw=0.8)
 
     def scene(self, now: xr.Dataset) -> Scene:
-        """Shoe in its own axes at an instant, bent, with what presses on it and the rollers near it."""
-        whole = shoes.stress_scene(self.stress.sel(frame=now.time.values), self.history, self.scales)
-        return whole.seen_in(track.shoe_pose(now.isel(time=0), self._shoe))
+        """Shoe at an instant, bent, with what presses on it and the rollers near it."""
+        return shoes.stress_scene(self.stress.sel(frame=now.time.values), self.history, self.scales)
 
     def _window(self, view: View, with_rollers: bool) -> Window:
         """Least and greatest coordinates to the right and upward of what is shown at any time."""
@@ -261,10 +260,11 @@ class ShoePicture(Picture):
 
     def draw(self, now: xr.Dataset) -> list[Artist]:
         """Shoe from above with the rollers, and from below without."""
-        scene, drawn = self.scene(now), []
-        for name, view in VIEWS.items():
+        scene, drawn, place = self.scene(now), [], track.shoe_pose(now.isel(time=0), self._shoe)
+        for name, seen in VIEWS.items():
+            view = seen.on(place)
             solids = [one.at() for one in scene.solids[: None if name == "above" else 1]]
-            ax, window = self._axes[name], self._window(view, name == "above")
+            ax, window = self._axes[name], self._window(seen, name == "above")
             drawn += draw_solids(ax, solids, view, window, self._backend, SHOE_DPI)
             drawn += pictures.draw_forces(ax, scene.arrows, view)
         return drawn

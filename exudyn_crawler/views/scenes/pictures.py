@@ -6,6 +6,7 @@ shoes keep their true depth in the ground and rollers theirs in the rails. Every
 the same colours, the same arrow lengths and the same magnification of the elastic displacement.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -110,7 +111,7 @@ def side_scene(case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: flo
     for one in (*scene.solids, track.link_pins(case, now)):
         if one.name.endswith("shoes"):
             own = one.at()
-            solids.append(own.shifted(upward(beneath(own.points))))
+            solids.append(replace(own, points=own.points + upward(beneath(own.points))))
         elif one.name != "ground":
             solids.append(replace(one, lift=beneath(one.origin)).at())
     arrows = [replace(one, heads=one.heads + upward(beneath(one.heads))) for one in scene.arrows]
@@ -229,29 +230,31 @@ def stress_picture(
     frame = float(stress.frame.sel(frame=frame, method="nearest"))
     scales, backend = scales or Scales.of(stress, history), backend or usual_backend()
     scene = stress_scene(stress.sel(frame=[frame]), history, scales)
-    apart = shoes_apart(scene)
-    tall = HEAD + ROW * len(apart) + STRIP + FOOT
+    count = stress.sizes["shoe"]
+    tall = HEAD + ROW * count + STRIP + FOOT
     with mpl.rc_context(style.STYLE | {"axes.grid": False, "figure.constrained_layout.use": False}):
         figure = Figure(figsize=(WIDTH, tall))
         shoes = figure.add_gridspec(
-            len(apart), 2, left=0.08, right=0.93, top=1.0 - HEAD / tall, bottom=(STRIP + FOOT) / tall,
+            count, 2, left=0.08, right=0.93, top=1.0 - HEAD / tall, bottom=(STRIP + FOOT) / tall,
             wspace=0.02, hspace=0.0,
         )  # fmt: skip
-        for row, one in enumerate(apart):
+        bent = [one for one in scene.solids if one.colourings]
+        for row, one in enumerate(bent):
+            (origin,), (turn,) = one.placed(0)
+            forces = [arrows for arrows in scene.arrows if arrows.solid == one.name]
             for column, (title, view) in enumerate(VIEWS.items()):
                 ax = figure.add_subplot(shoes[row, column])
-                _draw_shoe(ax, one, view, backend)
+                _draw_shoe(ax, one.at(), forces, view.on(Placement(origin, turn)), backend)
                 if row == 0:
                     ax.set_title(title, fontsize=9.5, loc="left")
             place = figure.axes[-2].get_position()
             y = 0.5 * (place.y0 + place.y1)
-            figure.text(0.011, y, one.solids[0].name, fontsize=11, va="bottom")
-            figure.text(0.011, y, one.solids[0].notes[0], fontsize=9, va="top")
+            figure.text(0.011, y, one.name, fontsize=11, va="bottom")
+            figure.text(0.011, y, one.notes[0], fontsize=9, va="top")
         ax = figure.add_axes((0.08, FOOT / tall, 0.85, (STRIP - 0.3) / tall))
         now = track.instants(history, [frame])
         draw_side(ax, history.case, now, 1.0, scales.shoe_force, shoe_opacity=0.0)
-        solids = [one.at() for one in scene.solids if one.colourings]
-        draw_solids(ax, solids, FROM_THE_RIGHT, side_window(history), backend)
+        draw_solids(ax, [one.at() for one in bent], FROM_THE_RIGHT, side_window(history), backend)
         ax.set(xlabel="x in m", ylabel="z in m")
         ax.set_title("in place, seen from the right", fontsize=9.5, loc="left")
         bottom = (STRIP + FOOT + 0.3) / tall
@@ -263,32 +266,21 @@ def stress_picture(
     return figure
 
 
-def shoes_apart(scene: Scene) -> list[Scene]:
-    """Each shoe of a scene of one time in its own axes, with its forces."""
-    apart = []
-    for shoe in (one for one in scene.solids if one.labels == (one.name,)):
-        origin, turn = shoe.placed(0)
-        arrows = tuple(one for one in scene.arrows if one.solid == shoe.name)
-        apart.append(Scene(scene.titles, (shoe,), arrows).seen_in(Placement(origin[0], turn[0])))
-    return apart
-
-
-def _draw_shoe(ax: Axes, scene: Scene, view: View, backend: Backend) -> None:
-    """Draw a shoe in its own axes, with the forces on it and its highest place, if that is seen."""
-    solid = scene.solids[0].at()
+def _draw_shoe(ax: Axes, solid: Solid, arrows: Sequence[Arrows], view: View, backend: Backend) -> None:
+    """Draw a shoe, as of `Solid.at`, with the forces on it and its highest place, if that is seen."""
     seen = view.project(solid.points)
     middle, top = 0.5 * (seen[:, 0].min() + seen[:, 0].max()), seen[:, 1].max() + HEADROOM
     place = ax.get_window_extent()
     window = (middle - 0.5 * SPREAD, middle + 0.5 * SPREAD, top - SPREAD * place.height / place.width, top)
     draw_solids(ax, [solid], view, window, backend)
-    draw_forces(ax, scene.arrows, view)
+    draw_forces(ax, arrows, view)
     highest = int(solid.values.argmax())
     if solid.shows(highest, view):
         ax.plot(*seen[highest, :2], "o", ms=9, mfc="none", mec="black", mew=0.9, zorder=5)
     ax.set_axis_off()
 
 
-def draw_forces(ax: Axes, arrows: tuple[Arrows, ...], view: View) -> list[Artist]:
+def draw_forces(ax: Axes, arrows: Sequence[Arrows], view: View) -> list[Artist]:
     """Draw the forces of a scene of one time; what is drawn is returned."""
     return [drawn for one in arrows for drawn in draw_arrows(ax, one.at(), one.colour, view)]
 

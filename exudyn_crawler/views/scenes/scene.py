@@ -24,10 +24,11 @@ SIDES = 32
 
 @dataclass(frozen=True)
 class View:
-    """Direction of a parallel projection: unit vectors (3,) that lie rightward and upward in the picture."""
+    """Parallel projection: unit vectors (3,) rightward and upward in the picture, and its zero (3,), m."""
 
     right: NDArray
     up: NDArray
+    origin: NDArray = field(default_factory=lambda: np.zeros(3))
 
     @classmethod
     def seen_from(cls, azimuth: float, elevation: float) -> Self:
@@ -37,6 +38,10 @@ class View:
         toward = np.array([np.cos(above) * np.cos(around), np.cos(above) * np.sin(around), np.sin(above)])
         return cls(right, np.cross(toward, right))
 
+    def on(self, body: "Placement") -> Self:
+        """Same view of a body in its axes: it has the same place in the picture wherever it is."""
+        return replace(self, right=body.turn @ self.right, up=body.turn @ self.up, origin=body.origin)
+
     @property
     def toward(self) -> NDArray:
         """Unit vector from the scene to the viewer."""
@@ -44,7 +49,7 @@ class View:
 
     def project(self, points: NDArray) -> NDArray:
         """Points (..., 3) as right, up and toward the viewer: array of their shape, m."""
-        return points @ np.column_stack((self.right, self.up, self.toward))
+        return (points - self.origin) @ np.column_stack((self.right, self.up, self.toward))
 
 
 class Placement(NamedTuple):
@@ -56,14 +61,6 @@ class Placement(NamedTuple):
     def place(self, points: NDArray) -> NDArray:
         """Points (..., 3) of the body's axes in the global ones."""
         return points @ self.turn.T + self.origin
-
-    def inside(self, points: NDArray) -> NDArray:
-        """Global points (..., 3) in the body's axes."""
-        return (points - self.origin) @ self.turn
-
-    def components(self, vectors: NDArray) -> NDArray:
-        """Global vectors (..., 3) in the body's axes."""
-        return vectors @ self.turn
 
 
 @dataclass(frozen=True)
@@ -178,23 +175,6 @@ class Solid:
         merged = Solid(self.name, placed.reshape(-1, 3), faces, self.colour)
         return replace(merged, opacity=self.opacity, edges=self.edges, colourings=tuple(shown))
 
-    def seen_in(self, axes: Placement, row: int) -> "Solid":
-        """Itself at one of the times, in the axes of a body."""
-        origin, turn = self.placed(row)
-        return replace(
-            self,
-            origin=axes.inside(origin)[None],
-            turn=(axes.turn.T @ turn)[None],
-            notes=self.notes[row : row + 1],
-            lift=None,
-            bend=None if self.bend is None else _row(self.bend, row)[None],
-            colourings=tuple(replace(one, values=_row(one.values, row)[None]) for one in self.colourings),
-        )
-
-    def shifted(self, shift: NDArray) -> "Solid":
-        """Same shape elsewhere, by one vector (3,) or one a point (n, 3), m."""
-        return replace(self, points=self.points + shift)
-
     def shows(self, point: int, view: View) -> bool:
         """Whether a point is seen, or something of the solid lies before it."""
         projected, triangles = view.project(self.points), self.triangles
@@ -242,11 +222,6 @@ class Arrows:
         there = np.isfinite(heads).all(axis=1) & forces.any(axis=1)
         return np.stack((heads[there] - forces[there], heads[there]), axis=1)
 
-    def seen_in(self, axes: Placement, row: int) -> "Arrows":
-        """Itself at one of the times, in the axes of a body."""
-        heads, forces = axes.inside(_row(self.heads, row)), axes.components(_row(self.forces, row))
-        return replace(self, heads=heads[None], forces=forces[None])
-
 
 class Scene(NamedTuple):
     """What is seen at some times, each with a title."""
@@ -254,11 +229,6 @@ class Scene(NamedTuple):
     titles: tuple[str, ...]
     solids: tuple[Solid, ...]
     arrows: tuple[Arrows, ...] = ()
-
-    def seen_in(self, axes: Placement, row: int = 0) -> "Scene":
-        """What it is at one of the times, in the axes of a body."""
-        solids = tuple(one.seen_in(axes, row) for one in self.solids)
-        return Scene((self.titles[row],), solids, tuple(one.seen_in(axes, row) for one in self.arrows))
 
 
 def triangulated(faces: Sequence[NDArray]) -> NDArray:
