@@ -22,11 +22,11 @@ class ImplausibleWarning(UserWarning):
 class ParameterError(CrawlerError, ValueError):
     """Parameters that are not allowed.
 
-    Its text has a line for each fault: the name at fault, its value and what is allowed.
+    Its text has a line for each error: the name, its value and what is allowed.
     """
 
     @property
-    def faults(self) -> list[str]:
+    def errors(self) -> list[str]:
         """A line each."""
         return str(self).splitlines()
 
@@ -60,10 +60,10 @@ class CaseFileError(CrawlerError, ValueError):
 
     Attributes
     ----------
-    faults : list of str
+    errors : list of str
         A line each.
     """
 
-    def __init__(self, path: Path, faults: list[str]) -> None:
-        self.faults = [" ".join(fault.split()) for fault in faults]
-        super().__init__("\n".join(f"{path}: {fault}" for fault in self.faults))
+    def __init__(self, path: Path, errors: list[str]) -> None:
+        self.errors = [" ".join(error.split()) for error in errors]
+        super().__init__("\n".join(f"{path}: {error}" for error in self.errors))

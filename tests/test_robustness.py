@@ -53,8 +53,8 @@ def read_or_refused(path):
         return read_case(path)
     except CaseFileError as error:
         refusal = error
-    assert refusal.faults
-    assert str(refusal).splitlines() == [f"{path}: {fault}" for fault in refusal.faults]
+    assert refusal.errors
+    assert str(refusal).splitlines() == [f"{path}: {fault}" for fault in refusal.errors]
     return None
 
 

@@ -53,7 +53,6 @@ def _local(workers: int | None) -> Iterator[Client]:
     count = workers or os.cpu_count() or 1
     environment = dask.config.get("distributed.nanny.pre-spawn-environ") | {"NUMBA_NUM_THREADS": 1}
     with (
-        # Dask puts the environment of its workers into this process, too: what is started from here later
         # Dask puts the environment of its workers into this process, too, which would go on with one thread
         patch.dict(os.environ),
         dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),

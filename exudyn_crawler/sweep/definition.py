@@ -20,7 +20,7 @@ from scipy.stats import qmc
 
 from exudyn_crawler.case import Case, CaseFile, Outputs, read_case
 from exudyn_crawler.case.files.errors import toml_content
-from exudyn_crawler.case.files.files import case_of, faults_named, from_content, with_base
+from exudyn_crawler.case.files.files import case_of, errors_named, from_content, with_base
 from exudyn_crawler.case.parameters.base import Parameters
 from exudyn_crawler.case.parameters.fields import BASE, TAG, named_values
 from exudyn_crawler.errors import ImplausibleWarning
@@ -41,8 +41,8 @@ LIGHT = Outputs(figures=False, pictures=False, paraview=False, forces=False, tab
 """What a run leaves beside its history where a sweep says nothing: pictures of all runs take longer than
 they."""
 MOST_RUNS = 1_000_000
-SHOWN_FAULTS = 3
-"""Runs at fault that an error names."""
+SHOWN_ERRORS = 3
+"""Wrong runs that an error names."""
 FOLDER_DIGITS = 16
 """Of a digest, in the name of a run's folder."""
 OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
@@ -114,7 +114,7 @@ class Sweep(Parameters):
     def case_of(self, values: Row) -> tuple[CaseFile, str]:
         """Case, duration and outputs of a run, and their digest, with which the case's name ends.
 
-        Raises `ValueError` naming everything at fault.
+        Raises `ValueError` naming everything that is wrong.
         """
         content = self._content
         for one, value in zip(self.vary, values, strict=True):
@@ -131,7 +131,7 @@ class Sweep(Parameters):
 
         Raises `ValueError` naming runs whose values do not fit each other, or answers that one cannot give.
         """
-        planned, faults, idling = [], [], Counter[str]()
+        planned, errors, idling = [], [], Counter[str]()
         for number, values in enumerate(self.rows, 1):
             try:
                 case_file, digest = self.case_of(values)
@@ -141,13 +141,13 @@ class Sweep(Parameters):
                 settings = ", ".join(
                     f"{name} = {value}" for name, value in zip(self.columns, values, strict=True)
                 )
-                faults.append(f"run {number} ({settings}): {error}")
+                errors.append(f"run {number} ({settings}): {error}")
                 continue
             idling.update(line for one in self.vary for line in idle(one.keys, case_file.case))
             planned.append(PlannedRun(number, values, digest))
-        if faults:
-            more = f"; {len(faults)} of {len(self.rows)} runs are at fault" if len(faults) > 1 else ""
-            raise ValueError("; ".join(faults[:SHOWN_FAULTS]) + more)
+        if errors:
+            more = f"; {len(errors)} of {len(self.rows)} runs are at fault" if len(errors) > 1 else ""
+            raise ValueError("; ".join(errors[:SHOWN_ERRORS]) + more)
         for line, count in idling.items():
             if count == len(self.rows):
                 warnings.warn(line, ImplausibleWarning, stacklevel=2)
@@ -245,10 +245,10 @@ def read_sweep(path: str | Path) -> Sweep:
 
     `case` is a case file, the name of a case such as "translation", or a table with the content of a case
     file; the other keys are those of `Sweep`, tables ``[[vary]]`` and ``[[answers]]`` among them. Raises
-    `FileNotFoundError`, or `CaseFileError` naming everything at fault by its path.
+    `FileNotFoundError`, or `CaseFileError` naming everything that is wrong by its path.
     """
     path = Path(path)
-    with faults_named(path, Sweep):
+    with errors_named(path, Sweep):
         content = toml_content(path, "sweep file")
         if "case" not in content:
             raise ValueError("case must be a case file, the name of a case, or a table of one")

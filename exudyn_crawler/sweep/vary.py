@@ -9,13 +9,13 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.files.errors import faults, shown
+from exudyn_crawler.case.files.errors import error_lines, shown
 from exudyn_crawler.case.files.files import from_content
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Name, Parameters
 from exudyn_crawler.case.parameters.loads import with_equal_loads
 
-MOST_FAULTS = 3
+MOST_ERRORS = 3
 """That an error names."""
 
 Content = dict[str, Any]
@@ -26,16 +26,16 @@ Key = Annotated[str, Field(min_length=1, max_length=200)]
 
 
 def checked_case(content: Content) -> CaseFile:
-    """Case file of a content; raises `ValueError` naming a few of the faults by their paths."""
+    """Case file of a content; raises `ValueError` naming a few errors by their paths."""
     case = content["case"]
     loads = with_equal_loads(case["loads"], case["track"]["shoe_count"])
     content = content | {"case": case | {"loads": loads}}
     try:
         return from_content(CaseFile, content)
     except ValidationError as error:
-        named = list(faults(error, CaseFile))
-        more = f"; {len(named) - MOST_FAULTS} more" if len(named) > MOST_FAULTS else ""
-        raise ValueError("; ".join(named[:MOST_FAULTS]) + more) from error
+        named = list(error_lines(error, CaseFile))
+        more = f"; {len(named) - MOST_ERRORS} more" if len(named) > MOST_ERRORS else ""
+        raise ValueError("; ".join(named[:MOST_ERRORS]) + more) from error
 
 
 class Vary(Parameters):
@@ -200,9 +200,6 @@ class Vary(Parameters):
             return
         for value in self.values or (self.low, self.high):
             if not isinstance(value, int | float) or isinstance(value, bool):
-                continue
-            least, greatest = fields.plausible_range(entry.field) or (value, value)
-            if least <= value <= greatest:
                 continue
             if cause := fields.likely_cause(float(value), entry.field):
                 unit = f" {entry.unit}" if entry.unit else ""

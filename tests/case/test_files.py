@@ -49,8 +49,8 @@ def refused(read, tmp_path):
         with pytest.raises(CaseFileError) as caught:
             read(text)
         lines = str(caught.value).splitlines()
-        assert lines == [f"{tmp_path / 'case.toml'}: {fault}" for fault in caught.value.faults]
-        return caught.value.faults
+        assert lines == [f"{tmp_path / 'case.toml'}: {fault}" for fault in caught.value.errors]
+        return caught.value.errors
 
     return refused
 

@@ -117,7 +117,7 @@ def refused_both_ways(read, text, values):
         read(text)
     with pytest.raises(ParameterError) as in_python:
         Case.translation().with_(**values)
-    return in_file.value.faults, in_python.value.faults
+    return in_file.value.errors, in_python.value.errors
 
 
 @pytest.mark.parametrize(
@@ -151,7 +151,7 @@ def test_faults_in_python_are_told_as_those_of_a_file(tmp_path, text, values):
 def test_what_is_missing_is_named_with_the_constructors_that_have_it():
     with pytest.raises(ParameterError) as refused:
         Terrain(origin=(0.0,))
-    first, *rest = refused.value.faults
+    first, *rest = refused.value.errors
     assert first == "origin[1]: missing, got (0.0,)"
     assert len(rest) == sum(field.is_required() for field in Terrain.model_fields.values())
     assert (
@@ -162,7 +162,7 @@ def test_what_is_missing_is_named_with_the_constructors_that_have_it():
 def test_a_part_of_another_class_is_refused():
     with pytest.raises(ParameterError) as refused:
         Case.translation().with_(terrain=Track.ph4100c(), contact=5)
-    assert [one[: one.index(", got")] for one in refused.value.faults] == [
+    assert [one[: one.index(", got")] for one in refused.value.errors] == [
         "terrain: Input should be Terrain",
         "contact: Input should be PairContact or SphereContact",
     ]
@@ -176,7 +176,7 @@ def test_errors_of_parameters_are_value_errors_without_words_of_the_library():
     assert "pydantic.dev" not in shown
     assert "validation error" not in shown
     again = pickle.loads(pickle.dumps(refused.value))
-    assert (type(again), again.faults) == (ParameterError, refused.value.faults)
+    assert (type(again), again.errors) == (ParameterError, refused.value.errors)
 
 
 def test_cases_are_copied_and_sent_as_they_are():

@@ -125,7 +125,7 @@ def test_only_what_is_wrong_is_told():
 def test_what_cannot_be_meant_is_refused_with_its_likely_cause():
     with pytest.raises(ParameterError) as caught:
         changed("contact", static_friction=40.0)
-    assert caught.value.faults == [
+    assert caught.value.errors == [
         "static_friction: Input should be less than or equal to 10, got 40.0; is it in per cent? "
         "It has to be a fraction of 1"
     ]

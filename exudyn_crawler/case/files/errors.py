@@ -32,8 +32,8 @@ SHOWN = 60
 """Characters of a refused value that an error shows."""
 
 
-def faults(error: ValidationError, model: type[BaseModel], in_file: bool = True) -> Iterator[str]:
-    """Every fault that a validation found, a line each: the key's path, what is wrong and what is allowed.
+def error_lines(error: ValidationError, model: type[BaseModel], in_file: bool = True) -> Iterator[str]:
+    """Errors that a validation found, a line each: the key's path, what is wrong and what is allowed.
 
     `model` is the class that was to be made, of values in a file or of arguments.
     """
@@ -42,12 +42,12 @@ def faults(error: ValidationError, model: type[BaseModel], in_file: bool = True)
         loc = tuple(one["loc"])
         within = [other for other in found if other["loc"][: len(loc)] == loc and other is not one]
         if one["type"] == "too_short" and within:
-            continue  # what is in the list is at fault, not how much
-        yield " ".join(_told(one, _spot(loc, model, in_file), model, in_file).split())
+            continue  # what is in the list is wrong, not how much
+        yield " ".join(_message(one, _spot(loc, model, in_file), model, in_file).split())
 
 
 class _Spot(NamedTuple):
-    """Where a fault is: its `place` as a file has it, and the class of the `table` there.
+    """Where an error is: its `place` as a file has it, and the class of the `table` there.
 
     The table might be of `others` instead, the field holds one of `held`; `around` is the class whose file
     has the table's keys beside its own.
@@ -85,7 +85,7 @@ def _spot(loc: KeyPath, model: type[BaseModel], in_file: bool) -> _Spot:
     return spot
 
 
-def _told(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
+def _message(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
     path, given = fields.path_text(spot.place), one["input"]
     head = f"{path}: " if path else ""
     message = one["msg"].removeprefix("Value error, ")
@@ -120,7 +120,7 @@ def _missing(one: ErrorDetails, spot: _Spot, in_file: bool) -> str:
 
 
 def _cause(one: ErrorDetails, spot: _Spot) -> str:
-    """Unit that a number beyond its bounds is likely in; empty for other faults."""
+    """Unit that a number beyond its bounds is likely in; empty for other errors."""
     name = next((part for part in reversed(spot.place) if isinstance(part, str)), "")
     field, given = spot.table.model_fields.get(name), one["input"]
     beyond = one["type"].startswith(("less_than", "greater_than"))

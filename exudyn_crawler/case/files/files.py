@@ -17,7 +17,7 @@ from pydantic import BaseModel, ValidationError
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.files.case_file import CaseFile
-from exudyn_crawler.case.files.errors import faults, toml_content
+from exudyn_crawler.case.files.errors import error_lines, toml_content
 from exudyn_crawler.case.files.text import case_text
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.fields import KeyPath
@@ -52,7 +52,7 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
         Naming every key at fault by its path, and what is allowed there.
     """
     path = Path(path)
-    with faults_named(path, CaseFile):
+    with errors_named(path, CaseFile):
         asked = [_change(change) for change in changes]
         return case_of(toml_content(path, "case file"), path, asked)
 
@@ -75,7 +75,7 @@ class Change(NamedTuple):
 
 def case_of(content: dict[str, Any], path: Path, changes: Iterable[Change] = ()) -> CaseFile:
     """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
-    with faults_named(path, CaseFile):
+    with errors_named(path, CaseFile):
         # lists may come from a base
         of_items = [change for change in changes if len(_names(change.path)) < len(change.path)]
         for change in changes:
@@ -84,12 +84,12 @@ def case_of(content: dict[str, Any], path: Path, changes: Iterable[Change] = ())
 
 
 @contextmanager
-def faults_named(path: Path, kind: type[BaseModel]) -> Iterator[None]:
+def errors_named(path: Path, kind: type[BaseModel]) -> Iterator[None]:
     """Make what is wrong with the content of a file, of a parameter class, a `CaseFileError`."""
     try:
         yield
     except ValidationError as error:
-        raise CaseFileError(path, list(faults(error, kind))) from None
+        raise CaseFileError(path, list(error_lines(error, kind))) from None
     except CaseFileError:  # of another file that this one names
         raise
     except (ValueError, RecursionError) as error:
@@ -121,7 +121,7 @@ def saved_case(text: str | bytes) -> Case:
     try:
         return Case.model_validate_json(text)
     except ValidationError as error:
-        raise ParameterError("\n".join(faults(error, Case))) from None
+        raise ParameterError("\n".join(error_lines(error, Case))) from None
 
 
 def _change(text: str) -> Change:
@@ -179,7 +179,7 @@ def _resolved(content: dict[str, Any], folder: Path, of_items: Iterable[Change] 
             raise ValueError(f"loads.{CYCLE}: {error}") from error
     case = with_base(content, (Case,), {}, ())
     if _spread_equal_loads(case) and cycle is not None:
-        with faults_named(cycle, LoadCycle):
+        with errors_named(cycle, LoadCycle):
             from_content(LoadCycle, case["loads"])
     for name, field in CaseFile.model_fields.items():
         kinds = fields.models_of(field.annotation)

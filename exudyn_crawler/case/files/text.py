@@ -21,7 +21,7 @@ def case_text(case_file: CaseFile) -> str:
     """Case file as TOML with a comment for every value."""
     lines = [f"# {line}" for line in (HEAD, *_bases((Case,)))] + [""]
     for entry in fields.walk(case_file):
-        if isinstance(entry.value, BaseModel) and fields.is_table(entry.value):
+        if fields.is_table(entry.value):
             lines += _head(entry, entry.value)
         else:
             words = ", ".join(part for part in (entry.unit, entry.meaning) if part)

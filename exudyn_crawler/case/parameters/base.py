@@ -10,7 +10,7 @@ from annotated_types import Ge, Le, MaxLen, MinLen
 from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from exudyn_crawler.case.files.errors import faults, shown
+from exudyn_crawler.case.files.errors import error_lines, shown
 from exudyn_crawler.case.parameters.fields import case_rows, fields_of, parse_path, with_value
 from exudyn_crawler.errors import ParameterError
 
@@ -59,7 +59,7 @@ class Parameters(BaseModel):
         try:
             super().__init__(**values)
         except ValidationError as error:
-            raise ParameterError("\n".join(faults(error, type(self), in_file=False))) from None
+            raise ParameterError("\n".join(error_lines(error, type(self), in_file=False))) from None
 
     # parts that are given as tables are validated in one go, so that their faults have the whole path
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]

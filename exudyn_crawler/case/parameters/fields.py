@@ -157,7 +157,15 @@ class Entry(NamedTuple):
 
     place: KeyPath
     field: FieldInfo
-    value: object
+    value: Any
+
+    @property
+    def tables(self) -> list["Entry"]:
+        """Tables that it holds: itself, or those of its list."""
+        if not isinstance(self.value, tuple):
+            return [self] if is_table(self.value) else []
+        numbered = enumerate(self.value)
+        return [Entry((*self.place, k), self.field, part) for k, part in numbered if is_table(part)]
 
     @property
     def path(self) -> str:
@@ -183,15 +191,11 @@ def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
     fields of a case that a case file holds stand beside that file's own.
     """
     entries = [Entry((*place, name), field, value) for name, field, value in _fields(model)]
-    yield from (entry for entry in entries if not (is_table(entry.value) or are_tables(entry.value)))
+    yield from (entry for entry in entries if not entry.tables)
     for entry in entries:
-        if isinstance(entry.value, BaseModel) and is_table(entry.value):
-            yield entry
-            yield from walk(entry.value, entry.place)
-        elif isinstance(entry.value, tuple) and are_tables(entry.value):
-            for number, part in enumerate(entry.value):
-                yield Entry((*entry.place, number), entry.field, part)
-                yield from walk(part, (*entry.place, number))
+        for table in entry.tables:
+            yield table
+            yield from walk(table.value, table.place)
 
 
 def _fields(model: BaseModel) -> Iterator[tuple[str, FieldInfo, object]]:
@@ -216,11 +220,6 @@ def entry_at(model: BaseModel, path: KeyPath) -> Entry | None:
 def is_table(value: object) -> bool:
     """Whether a value has a table of its own; a quantity over time has not."""
     return isinstance(value, BaseModel) and not getattr(value, "is_value", False)
-
-
-def are_tables(value: object) -> bool:
-    """Whether a value is a list of tables."""
-    return isinstance(value, tuple) and bool(value) and all(map(is_table, value))
 
 
 def first_line(kind: type[BaseModel]) -> str:
@@ -311,7 +310,7 @@ def unit_of(field: FieldInfo) -> str:
 def likely_cause(value: float, field: FieldInfo) -> str:
     """Hint at the unit in which a value would be plausible; empty if there is none."""
     plausible = plausible_range(field)
-    if plausible is None or not value:
+    if plausible is None or not value or plausible[0] <= value <= plausible[1]:
         return ""
     own = unit_of(field).strip()
     for unit, size in MISTAKEN.get(own, {}).items():

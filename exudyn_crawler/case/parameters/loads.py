@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, ValidationError, model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.files.errors import faults, toml_content
+from exudyn_crawler.case.files.errors import error_lines, toml_content
 from exudyn_crawler.case.parameters.base import Name, Parameters, StepProfile, quantity
 from exudyn_crawler.errors import CaseFileError
 
@@ -149,7 +149,7 @@ class LoadCycle(Cycle):
         try:
             return cls.model_validate(with_equal_loads(cycle_content(path), shoe_count))
         except ValidationError as error:
-            raise CaseFileError(Path(path), list(faults(error, cls))) from None
+            raise CaseFileError(Path(path), list(error_lines(error, cls))) from None
 
     def table(self) -> "pd.DataFrame":
         """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""

@@ -61,7 +61,7 @@ def reading_history(path: Path) -> Iterator[None]:
     try:
         yield
     except ParameterError as error:
-        raise _no_history(path, "; ".join(error.faults)) from error
+        raise _no_history(path, "; ".join(error.errors)) from error
     # altered bytes make the readers raise all kinds of errors
     except Exception as error:
         raise _no_history(path, str(error) or repr(error)) from error

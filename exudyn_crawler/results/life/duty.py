@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case.files.errors import toml_content
-from exudyn_crawler.case.files.files import faults_named, from_content, with_base
+from exudyn_crawler.case.files.files import errors_named, from_content, with_base
 from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
 from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from fem.fatigue import Miner
@@ -135,7 +135,7 @@ def read_duty(path: str | Path) -> Duty:
         Naming every key at fault by its path, and what is allowed there.
     """
     path = Path(path)
-    with faults_named(path, Duty):
+    with errors_named(path, Duty):
         content = toml_content(path, "duty file")
         content.setdefault("name", path.stem)
         runs = content.get("runs")
