@@ -61,8 +61,7 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
 
 def move_file(source: Path, path: Path, overwrite: bool = False) -> None:
     """Move a whole file to another place on the same disk; raises as `whole_file`."""
-    if path.exists() and not overwrite:
-        raise FileExistsError(f"{path} exists; ask for overwriting to replace it")
+    refuse_existing(path, overwrite)
     try:
         source.replace(path)
     except OSError as error:

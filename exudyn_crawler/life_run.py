@@ -1,4 +1,4 @@
-"""One duty into one folder: life in machine hours from the folders of its runs, then a list of writers."""
+"""One duty into one folder: life in machine hours from the folders of its runs, and its files."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -107,42 +107,15 @@ def write_fields(found: LifeResults, folder: Path, overwrite: bool) -> None:
         write_vtu(temporary, found.whole.mesh, {name: np.asarray(one) for name, one in fields.items()})
 
 
-def write_nodes(found: LifeResults, folder: Path, overwrite: bool) -> None:
-    """Rainflow matrices and growing damage of the nodes of the table."""
+def write_life(found: LifeResults, folder: Path, overwrite: bool = False) -> None:
+    """Write all that there is of a life into a folder: dataset, tables, fields and a page with it in 3D."""
+    write_netcdf(found.dataset, folder / LIFE, overwrite)
+    write_table(in_words(found.table), folder / TABLE, overwrite)
     for name, tables in (
         (MATRICES, {node: own.rainflow_matrix() for node, own in found.nodes.items()}),
         (GROWTH, {node: own.damage_history() for node, own in found.nodes.items()}),
     ):
         joined = pd.concat(tables, names=["node"]).reset_index(level="node")
         write_table(joined, folder / name, overwrite)
-
-
-def write_shortest(found: LifeResults, folder: Path, overwrite: bool) -> None:
-    """Shortest life of every region, and its cause."""
-    write_table(in_words(found.table), folder / TABLE, overwrite)
-
-
-def write_dataset(found: LifeResults, folder: Path, overwrite: bool) -> None:
-    """Life and damage of every node."""
-    write_netcdf(found.dataset, folder / LIFE, overwrite)
-
-
-def write_page(found: LifeResults, folder: Path, overwrite: bool) -> None:
-    """A page with the life in 3D."""
+    write_fields(found, folder, overwrite)
     write_life_page(found, folder / PAGE, overwrite)
-
-
-WRITERS: tuple[Callable[[LifeResults, Path, bool], None], ...] = (
-    write_dataset,
-    write_shortest,
-    write_nodes,
-    write_fields,
-    write_page,
-)
-"""What is written of a life, in this order."""
-
-
-def write_life(found: LifeResults, folder: Path, overwrite: bool = False) -> None:
-    """Write all that there is of a life into a folder."""
-    for write in WRITERS:
-        write(found, folder, overwrite)

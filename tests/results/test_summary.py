@@ -41,7 +41,8 @@ def test_a_rolled_track_is_asked_for_rollers_and_pull(rolled):
     forces = np.linalg.norm(rolled.roller_force.values, axis=-1)
     row = found.loc["greatest force of a roller on the rails of a side"]
     assert row["value"] == pytest.approx(forces.max() / 1e3)
-    assert row["of"] == f"roller {np.unravel_index(forces.argmax(), forces.shape)[1] + 1}"
+    _, roller, rail = np.unravel_index(forces.argmax(), forces.shape)
+    assert row["of"] == f"roller {roller + 1}, rail {rolled.rail.values[rail]}"
     pull = found.loc["greatest pull of the drive"]
     assert pull["value"] == pytest.approx(float(rolled.drive_pull.max()) / 1e3)
     assert found.loc["way", "of"] == "side frame"

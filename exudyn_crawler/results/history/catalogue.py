@@ -229,15 +229,8 @@ def rail_force(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
 
 
 DERIVED: dict[str, Callable[[Case, xr.Dataset], xr.DataArray]] = {
-    function.__name__: function
-    for function in (
-        displacement,
-        axes,
-        contact_force,
-        terrain_deformation,
-        side_frame_way,
-        rail_force,
-    )
+    one.__name__: one
+    for one in (displacement, axes, contact_force, terrain_deformation, side_frame_way, rail_force)
 }
 """What computes each derived quantity of the catalogue."""
 

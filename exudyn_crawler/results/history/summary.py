@@ -29,7 +29,9 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     for name, values in history.over_time(named, stress).items():
         unit, size = READ_IN.get(named[name].unit, (named[name].unit, 1.0))
         result = named[name].key_result.partition(" ")[2]
-        rows.append({"result": result, **_greatest(_size(values) / size), "unit": unit})
+        sizes = _size(values) / size
+        at, of, time = _extreme(sizes)
+        rows.append({"result": result, "value": float(sizes.isel(at)), "of": of, "at": time, "unit": unit})
     rows.append({"result": "way", **_way(history), "at": history.duration, "unit": "m"})
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
 
@@ -54,33 +56,20 @@ def _length(vectors: xr.DataArray) -> xr.DataArray:
     return ((vectors**2).sum("axis")) ** 0.5
 
 
-def _greatest(values: xr.DataArray) -> dict[str, object]:
-    """Greatest of a series, what it is of and when."""
-    at = {str(dim): int(index) for dim, index in values.argmax(...).items()}
-    named = {"shoe": "shoe {0}", "joint": "link {0}-{1}", "roller": "roller {0}"}
-    of = [
-        named[dim].format(number := int(values[dim][index]), number + 1)
-        for dim, index in at.items()
-        if dim in named
-    ]
-    return {
-        "value": float(values.isel(at)),
-        "of": ", ".join(of),
-        "at": float(values.time[at["time"]]),
-    }
+def _extreme(values: xr.DataArray, which: str = "greatest") -> tuple[dict[str, int], str, float]:
+    """Where the least or greatest value of a series is, what it is of and when (s); the first of several."""
+    places = values.argmin(...) if which == "least" else values.argmax(...)
+    at = {str(dim): int(index) for dim, index in places.items()}
+    of = ", ".join(_item(values, dim, index) for dim, index in at.items() if dim != "time")
+    return at, of, float(values.time[at["time"]])
 
 
-COLUMNS = (
-    "variable",
-    "axis",
-    "unit",
-    "least",
-    "least_of",
-    "least_at in s",
-    "greatest",
-    "greatest_of",
-    "greatest_at in s",
-)
+def _item(values: xr.DataArray, dim: str, index: int) -> str:
+    """Name of one of the things along a dimension; a contact is named after its shoe and unit."""
+    if dim == "contact":
+        return f"shoe {int(values.contact_shoe[index])} on unit {int(values.contact_unit[index])}"
+    number = values[dim].values[index]
+    return f"link {number}-{number + 1}" if dim == "joint" else f"{dim.split('_')[-1]} {number}"
 
 
 def extremes(history: History) -> pd.DataFrame:
@@ -99,10 +88,11 @@ def extremes(history: History) -> pd.DataFrame:
             new = {"variable": name, "axis": axis, "unit": values.attrs.get("units", "")}
             row = rows.setdefault((name, axis), new)
             for which, better in (("least", operator.lt), ("greatest", operator.gt)):
-                extreme = _extreme(history, values, which)
-                if which not in row or better(extreme[which], row[which]):
-                    row |= extreme
-    return pd.DataFrame(list(rows.values()), columns=list(COLUMNS))
+                at, of, time = _extreme(values, which)
+                value = float(values.isel(at))
+                if which not in row or better(value, row[which]):
+                    row |= {which: value, f"{which}_of": of, f"{which}_at in s": time}
+    return pd.DataFrame(list(rows.values()))
 
 
 def _series(part: xr.Dataset) -> Iterator[tuple[str, str, xr.DataArray]]:
@@ -115,26 +105,6 @@ def _series(part: xr.Dataset) -> Iterator[tuple[str, str, xr.DataArray]]:
             one = loaded.sel(axis=axis) if "axis" in loaded.dims else loaded
             if bool(one.notnull().any()):
                 yield str(name), str(axis), one
-
-
-def _extreme(history: History, values: xr.DataArray, which: str) -> dict[str, Any]:
-    """Extreme value, what it is of and when; the first where there are several."""
-    flat = values.argmin(...) if which == "least" else values.argmax(...)
-    place = {dim: int(index) for dim, index in flat.items()}
-    of = ", ".join(_item(history, str(dim), index) for dim, index in place.items() if dim != "time")
-    return {
-        which: float(values.isel(place)),
-        f"{which}_of": of,
-        f"{which}_at in s": float(values.time[place["time"]]),
-    }
-
-
-def _item(history: History, dim: str, index: int) -> str:
-    """Name of one of the things along a dimension; a contact is named after its shoe and unit."""
-    if dim == "contact":
-        shoe, unit = (int(history.dataset[f"contact_{name}"][index]) for name in ("shoe", "unit"))
-        return f"shoe {shoe} on unit {unit}"
-    return f"{dim} {history.dataset[dim].values[index]}"
 
 
 def load_table(history: History) -> pd.DataFrame:
@@ -151,19 +121,10 @@ def load_table(history: History) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
-DIFFERENCE_COLUMNS = (
-    "quantity",
-    "axis",
-    "unit",
-    "greatest in A",
-    "greatest in B",
-    "change in %",
-    "rms difference",
-    "greatest difference",
-    "of",
-    "at in s",
+COLUMNS = (
+    *("quantity", "axis", "unit", "greatest in A", "greatest in B", "change in %"),
+    *("rms difference", "greatest difference", "of", "at in s"),
 )
-
 STILL = 1e-7
 """Part of the greatest on all axes below which nothing moves along one: what the solver leaves out of balance
 (0.2 N) over the forces."""
@@ -222,7 +183,7 @@ def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.
                 {"quantity": str(name), "axis": "" if axis is None else str(axis)} | row
                 for row in _rows(*pair, rounding)
             ]
-    return pd.DataFrame(rows, columns=list(DIFFERENCE_COLUMNS))
+    return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
 def _rows(a: xr.DataArray, b: xr.DataArray, rounding: float) -> Iterator[dict[str, object]]:
@@ -231,22 +192,20 @@ def _rows(a: xr.DataArray, b: xr.DataArray, rounding: float) -> Iterator[dict[st
     size = float(abs(a).max()) if a.size else np.nan
     if not bool(difference.notnull().any()):
         return
-    magnitude = abs(difference).fillna(0.0)
-    at = {str(dim): int(index) for dim, index in magnitude.argmax(...).items()}
-    greatest = float(magnitude.isel(at))
-    if greatest <= rounding:
+    at, of, time = _extreme(abs(difference).fillna(0.0))
+    greatest = float(difference.isel(at))
+    if abs(greatest) <= rounding:
         return
     other = float(abs(b).max())
-    of = [f"{dim.split('_')[-1]} {difference[dim].values[k]}" for dim, k in at.items() if dim != "time"]
     yield {
         "unit": a.attrs.get("units", ""),
         "greatest in A": size,
         "greatest in B": other,
         "change in %": 100.0 * (other - size) / size if size > 0.0 else np.nan,
         "rms difference": float(np.sqrt((difference**2).mean())),
-        "greatest difference": float(difference.isel(at)),
-        "of": ", ".join(of),
-        "at in s": float(difference.time[at["time"]]),
+        "greatest difference": greatest,
+        "of": of,
+        "at in s": time,
     }
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.files import case_in_file
@@ -52,15 +52,13 @@ def node_stress(
         the shoe, there is no such node, neither or both of point and node are given, or the file does not
         hold a history.
     """
-    # a shoe that is not flexible is reported before a long history is read
+    # what cannot be is reported before a long history is read
     case = history.case if isinstance(history, History) else case_in_file(Path(history))
     check_flexible(case, shoe)
-    point = _checked(near, node)
     whole = whole_reduction(case).body
-    number = _nearest(whole.nodes, point) if point is not None else _checked_number(whole, node)
+    number, distance = _chosen(whole, near, node)
     history = history if isinstance(history, History) else History.load(history)
     stress = sum(loads_by_kind(history, shoe).values()) @ unit_stress(case, number)
-    distance = 0.0 if point is None else float(np.linalg.norm(whole.nodes[number] - point))
     pascal = {"units": "Pa"}
     return xr.Dataset(
         {
@@ -92,29 +90,23 @@ def node_table(found: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame(columns | {"von Mises in MPa": found.von_mises.values / MEGA})
 
 
-def _checked(near: ArrayLike | None, node: int | None) -> NDArray | None:
-    """Point (3,) in m that is asked for; None where a node is."""
+def _chosen(whole: Shapes, near: ArrayLike | None, node: int | None) -> tuple[int, float]:
+    """Number of the node that is asked for, and its distance in m from the point that is."""
     if (near is None) == (node is None):
         raise ValueError("near or node must be given, got neither or both")
-    point = None if near is None else np.asarray(near, dtype=float)
-    if point is not None and (point.shape != (3,) or not np.isfinite(point).all()):
+    if node is not None:
+        if not 0 <= node < len(whole.nodes):
+            raise ValueError(f"node must be in 0..{len(whole.nodes) - 1}, got {node}")
+        return node, 0.0
+    point = np.asarray(near, dtype=float)
+    if point.shape != (3,) or not np.isfinite(point).all():
         raise ValueError(f"near must be three finite numbers in m, got {near!r}")
-    return point
-
-
-def _nearest(nodes: NDArray, point: NDArray) -> int:
-    """Number of the node that is nearest to a point."""
-    distances = np.linalg.norm(nodes - point, axis=1)
+    distances = np.linalg.norm(whole.nodes - point, axis=1)
     number = int(distances.argmin())
-    if distances[number] > np.ptp(nodes, axis=0).max():
+    distance = float(distances[number])
+    if distance > np.ptp(whole.nodes, axis=0).max():
         raise ValueError(
             f"near must be at the shoe, in m in its frame, got {point.tolist()}, "
-            f"{distances[number]:.4g} m from the nearest node"
+            f"{distance:.4g} m from the nearest node"
         )
-    return number
-
-
-def _checked_number(whole: Shapes, node: int | None) -> int:
-    if node is None or not 0 <= node < len(whole.nodes):
-        raise ValueError(f"node must be in 0..{len(whole.nodes) - 1}, got {node}")
-    return node
+    return number, distance

@@ -28,55 +28,56 @@ def progress_bar(
     if show is False:
         yield lambda _time: None
     elif show or console.is_terminal:
-        with _bar(title, duration, console, unit) as tell:
-            yield tell
+        digits = ".2f" if unit == "s" else ".0f"
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn(f"{{task.completed:{digits}}} of {{task.total:g}} {unit}"),
+            TextColumn("{task.fields[speed]}"),
+            TimeRemainingColumn(),
+        )
+        with Progress(*columns, console=console, transient=False) as bar:
+            task = bar.add_task(title, total=duration, speed="")
+
+            def update(time: float, wall: float | None) -> None:
+                bar.update(task, completed=time, speed=_speed(wall, unit))
+
+            yield _paced(REFRESH, duration, update)
     else:
-        yield _lines(title, duration, unit)
+
+        def line(time: float, wall: float | None) -> None:
+            if time < duration:
+                left = (
+                    ""
+                    if wall is None
+                    else f", {_speed(wall, unit)}, about {wall * (duration - time):.0f} s left"
+                )
+                note(f"{title}: {time:.4g} of {duration:g} {unit}{left}")
+
+        yield _paced(LINE_EVERY, duration, line)
 
 
-@contextmanager
-def _bar(title: str, duration: float, console: Console, unit: str) -> Iterator[Callable[[float], None]]:
-    digits = ".2f" if unit == "s" else ".0f"
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn(f"{{task.completed:{digits}}} of {{task.total:g}} {unit}"),
-        TextColumn("{task.fields[speed]}"),
-        TimeRemainingColumn(),
-    )
+def _paced(
+    every: float, duration: float, show: Callable[[float, float | None], None]
+) -> Callable[[float], None]:
+    """Function to tell the time to, which shows it every so many s of wall time and at the end.
+
+    Shown with the time is the wall time a simulated second, as far as it is known. The first step is left
+    out: it loads or compiles.
+    """
     last = clock.perf_counter()
-    pace = _pace()
-    with Progress(*columns, console=console, transient=False) as bar:
-        task = bar.add_task(title, total=duration, speed="")
-
-        def tell(time: float) -> None:
-            nonlocal last
-            now = clock.perf_counter()
-            wall = pace(time, now)
-            if now - last < REFRESH and time < duration:
-                return
-            last = now
-            bar.update(task, completed=time, speed=_speed(wall, unit))
-
-        yield tell
-
-
-def _lines(title: str, duration: float, unit: str) -> Callable[[float], None]:
-    """Function that writes a line every `LINE_EVERY` until the run's end."""
-    last = clock.perf_counter()
-    pace = _pace()
+    begun: list[tuple[float, float]] = []
 
     def tell(time: float) -> None:
         nonlocal last
         now = clock.perf_counter()
-        wall = pace(time, now)
-        if now - last < LINE_EVERY or time >= duration:
+        if not begun or (len(begun) == 1 and time > begun[0][0]):
+            begun.append((time, now))
+        if now - last < every and time < duration:
             return
         last = now
-        line = f"{title}: {time:.4g} of {duration:g} {unit}"
-        if wall is not None:
-            line += f", {_speed(wall, unit)}, about {wall * (duration - time):.0f} s left"
-        note(line)
+        first, start = begun[-1]
+        show(time, (now - start) / (time - first) if time > first else None)
 
     return tell
 
@@ -84,22 +85,6 @@ def _lines(title: str, duration: float, unit: str) -> Callable[[float], None]:
 def note(line: str) -> None:
     """Write a line to stderr, where progress is shown, too."""
     print(line, file=sys.stderr, flush=True)
-
-
-def _pace() -> Callable[[float, float], float | None]:
-    """Function of time and clock (s) that gives the wall time a simulated second, as far as it is known.
-
-    The first step is left out: it loads or compiles.
-    """
-    begun: list[tuple[float, float]] = []
-
-    def pace(time: float, now: float) -> float | None:
-        if not begun or (len(begun) == 1 and time > begun[0][0]):
-            begun.append((time, now))
-        first, start = begun[-1]
-        return (now - start) / (time - first) if time > first else None
-
-    return pace
 
 
 def _speed(wall: float | None, unit: str) -> str:
