@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import tomlkit
 from pydantic import BaseModel
-from tomlkit.items import Array, Float, InlineTable, Item, Trivia
 
 import meshes
 from exudyn_crawler.case.case import Case
@@ -26,7 +25,7 @@ def case_text(case_file: CaseFile) -> str:
         else:
             words = ", ".join(part for part in (entry.unit, entry.meaning) if part)
             name = entry.place[-1]
-            lines.append(f"{name} = {_plain(entry.value).as_string()}" + (f" # {words}" if words else ""))
+            lines.append(f"{name} = {_plain(entry.value)}" + (f" # {words}" if words else ""))
     return "\n".join(lines) + "\n"
 
 
@@ -49,25 +48,16 @@ def _bases(kinds: tuple[type[BaseModel], ...]) -> Iterator[str]:
         yield f"{fields.BASE} = " + " or ".join(f'"{name}"' for name in names) + " gives all that is left out"
 
 
-def _plain(value: object) -> Item:
+def _plain(value: object) -> str:
     """Value as TOML."""
-    if value is None:
-        return tomlkit.string(fields.NONE)
-    if isinstance(value, bool | int | str):
-        return tomlkit.item(value)
-    if isinstance(value, float):
-        return Float(value, Trivia(), fields.number_text(value))
     if isinstance(value, StepProfile):
-        inline: InlineTable = tomlkit.inline_table()
-        for name in StepProfile.model_fields:
-            inline.append(name, _plain(getattr(value, name)))
-        return inline
+        parts = (f"{name} = {_plain(getattr(value, name))}" for name in StepProfile.model_fields)
+        return f"{{{', '.join(parts)}}}"
     if isinstance(value, tuple):
-        array: Array = tomlkit.array()
-        for one in value:
-            array.append(_plain(one))
-        return array
-    raise TypeError(f"no TOML for {value!r}")
+        return f"[{', '.join(map(_plain, value))}]"
+    if isinstance(value, float):
+        return fields.number_text(value)
+    return tomlkit.item(fields.NONE if value is None else value).as_string()
 
 
 def shoe_weights(case: Case) -> str:
