@@ -143,6 +143,11 @@ class Case(Parameters):
         return "dragged" if self.undercarriage is None else "rolled"
 
     @property
+    def roller_count(self) -> int:
+        """Rollers on the track."""
+        return 0 if self.undercarriage is None else len(self.undercarriage.rollers)
+
+    @property
     def frame_start(self) -> NDArray:
         """Origin of the side frame at t = 0, on rails that have not settled: array (3,), m."""
         frame, rails = self.undercarriage, self.shoe.rails

@@ -22,8 +22,8 @@ from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.stress.hot_spots import HOT_SPOTS, Region, shoe_regions
 from exudyn_crawler.run.folder.folder import SAME_TIME
 
-COUNTED = ("shoe", "flexible shoe", "link", "pin", "unit", "roller", "side frame", "track")
-"""What an answer can be of."""
+NOT_COUNTED = ("pair", "terrain coordinate", "tread")
+"""What no answer is of."""
 DIMENSIONS = ("shoe", "joint", "unit", "flexible_shoe", "roller")
 """Of what an answer is of."""
 
@@ -253,7 +253,7 @@ def _check_within(label: str, case_file: CaseFile, **times: float | None) -> Non
 def _is_answer(quantity: Quantity) -> bool:
     """Whether a quantity over time has statistics: real numbers of what is counted, no matrix."""
     is_real = quantity.numbers in ("double", "single") and "body_axis" not in quantity.dimensions
-    return is_real and (bool(quantity.by_shoe) or quantity.per in COUNTED)
+    return is_real and (bool(quantity.by_shoe) or quantity.per not in NOT_COUNTED)
 
 
 def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
@@ -263,7 +263,6 @@ def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
     """
     flexible = () if case.flexible is None else case.flexible.shoes
     joints = case.track.joints.tolist()
-    rollers = () if case.undercarriage is None else case.undercarriage.rollers
     counted = {
         "shoe": ("shoes", case.track.shoes.tolist()),
         "flexible shoe": ("flexible shoes", [*flexible]),
@@ -271,6 +270,6 @@ def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
         # a link has two pins where one of its shoes is flexible
         "pin": ("links", [one for one in joints if {one, one + 1} & set(flexible)]),
         "unit": ("units", case.terrain.units.tolist()),
-        "roller": ("rollers", [*range(1, len(rollers) + 1)]),
+        "roller": ("rollers", [*range(1, case.roller_count + 1)]),
     }
     return counted.get("shoe" if quantity.by_shoe else quantity.per, ("", []))

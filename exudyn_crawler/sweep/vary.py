@@ -18,14 +18,12 @@ from exudyn_crawler.case.parameters.loads import with_equal_loads
 MOST_ERRORS = 3
 """That an error names."""
 
-Content = dict[str, Any]
-"""Content of a `CaseFile` as JSON has it."""
 Puts = tuple[Any, ...]
 """Values, one a path."""
 Key = Annotated[str, Field(min_length=1, max_length=200)]
 
 
-def checked_case(content: Content) -> CaseFile:
+def checked_case(content: dict[str, Any]) -> CaseFile:
     """Case file of a content; raises `ValueError` naming a few errors by their paths."""
     case = content["case"]
     loads = with_equal_loads(case["loads"], case["track"]["shoe_count"])
@@ -105,10 +103,7 @@ class Vary(Parameters):
     @property
     def label(self) -> str:
         """Name of the column."""
-        names = [
-            part for part in fields.parse_path(self.keys[0]) if isinstance(part, str) and part != fields.EVERY
-        ]
-        return self.name or names[-1]
+        return self.name or fields.names_of(fields.parse_path(self.keys[0]))[-1]
 
     def levels(self) -> tuple[Any, ...]:
         """Values of a grid; raises `ValueError` if there are bounds without a count."""
@@ -136,7 +131,7 @@ class Vary(Parameters):
         entry = fields.entry_at(case_file, fields.parse_path(self.keys[0]))
         return "" if self.factor or entry is None else entry.unit
 
-    def applied(self, content: Content, value: Any) -> Content:
+    def applied(self, content: dict[str, Any], value: Any) -> dict[str, Any]:
         """Content of a case with a value, or what it stands for, or with what is there times a factor.
 
         Raises `ValueError` if a path leads to no item of a list, or a factor to what is no number.

@@ -77,7 +77,7 @@ def case_of(content: dict[str, Any], path: Path, changes: Iterable[Change] = ())
     """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
     with errors_named(path, CaseFile):
         # lists may come from a base
-        of_items = [change for change in changes if len(_names(change.path)) < len(change.path)]
+        of_items = [change for change in changes if len(fields.names_of(change.path)) < len(change.path)]
         for change in changes:
             content = content if change in of_items else change.made_in(content)
         return from_content(CaseFile, _resolved(content, path.parent, of_items))
@@ -141,22 +141,18 @@ def _change(text: str) -> Change:
         )
     known = list(fields.key_paths(CaseFile))
     if path[0] not in {fields.BASE, *Case.model_fields, *CaseFile.model_fields}:
-        end = "." + ".".join(_names(path))
+        end = "." + ".".join(fields.names_of(path))
         meant = [one for one in known if one.endswith(end)]
         if len(meant) > 1:
             raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
         path = (*fields.parse_path(meant[0].removesuffix(end)), *path) if meant else path
     # up to the first name that no case file has, of which the check of the content tells
     for count, part in enumerate(path, 1):
-        above = ".".join(_names(path[:count])) + "."
+        above = ".".join(fields.names_of(path[:count])) + "."
         if part != fields.BASE and not any(f"{one}.".startswith(above) for one in known):
             path = path[:count]
             break
     return Change(key, path, _value(value.strip()))
-
-
-def _names(path: KeyPath) -> list[str]:
-    return [part for part in path if isinstance(part, str) and part != fields.EVERY]
 
 
 def _value(text: str) -> Any:

@@ -46,6 +46,11 @@ def path_text(path: KeyPath) -> str:
     return text.lstrip(".")
 
 
+def names_of(path: KeyPath) -> list[str]:
+    """Names on a path, without the numbers."""
+    return [part for part in path if isinstance(part, str) and part != EVERY]
+
+
 def with_change(
     values: Any,
     path: KeyPath,

@@ -195,8 +195,6 @@ def check_length(frame: Undercarriage, track: Track, drive: Drive, duration: flo
 
 
 Vector = tuple[Component, Component, Component]
-
-
 TIPPING = 0.24
 """m, from the middle of the track to that of a rail of the P&H 4100C."""
 
@@ -209,30 +207,15 @@ class MachinePhase(PhaseEnd):
 
 
 class Pose(NamedTuple):
-    """Upper structure of a shovel at the end of a phase.
-
-    Attributes
-    ----------
-    name : str
-    end : float
-        s.
-    swing : float
-        rad, of the dipper from straight ahead to the left.
-    reach, height : float
-        Of the dipper from the swing axis and above the rollers' axes, m.
-    payload : float
-        kg in the dipper.
-    bank : tuple of float
-        Force of the bank on the dipper away from the machine and up, N.
-    """
+    """Upper structure of a shovel at the end of a phase: of its dipper, places from the swing axis."""
 
     name: str
-    end: float
-    swing: float
-    reach: float
-    height: float
-    payload: float
-    bank: tuple[float, float] = (0.0, 0.0)
+    end: float  # s
+    swing: float  # rad, from straight ahead to the left
+    reach: float  # m
+    height: float  # m above the rollers' axes
+    payload: float  # kg
+    bank: tuple[float, float] = (0.0, 0.0)  # N, of the bank on the dipper, away from the machine and up
 
 
 class Shovel(NamedTuple):
