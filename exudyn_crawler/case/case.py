@@ -166,7 +166,9 @@ class Case(Parameters):
         """Refuse spheres that cannot carry the shoes."""
         if not self.mean_load > 0.0:
             raise ValueError(f"loads must press the shoes down on the whole, got {self.mean_load:g} N a shoe")
-        depth = self._greatest_depth
+        # of the most loaded shoe at its most loaded time on linear spheres
+        load = max(max(phase.loads) for phase in self.loads.phases)
+        depth = self.settled_penetration * float(self.pressed(load)) / self.mean_load
         if radius <= depth:
             raise ValueError(
                 f"contact.radius must exceed the settled penetration of the most loaded shoe, "
@@ -243,13 +245,6 @@ class Case(Parameters):
     def sphere_stiffness(self) -> float:
         """Stiffness of one sphere, N/m: all of a shoe carry the mean load at the settled penetration."""
         return self.mean_load / self.settled_penetration / self.sphere_contact().count
-
-    @property
-    def _greatest_depth(self) -> float:
-        """Penetration of the most loaded shoe at its most loaded time on linear spheres, m."""
-        profiles = [self.loads.profile(number) for number in self.track.shoes]
-        load = max(max(profile.values) for profile in profiles)
-        return self.settled_penetration * float(self.pressed(load)) / self.mean_load
 
     @classmethod
     def translation(cls) -> Self:

@@ -7,6 +7,7 @@ in the table of a part. Names, units and bounds are those of the parameter class
 
 import difflib
 import json
+import os
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -166,22 +167,16 @@ def _value(text: str) -> Any:
 
 def _resolved(content: dict[str, Any], folder: Path, of_items: Iterable[Change] = ()) -> dict[str, Any]:
     """Values of a file as `CaseFile` takes them: bases filled in, "none" replaced, items of lists changed."""
-    own = {name: content.pop(name) for name in CaseFile.model_fields if name in content and name != "case"}
     cycle = _cycle_file(content.get("loads"), folder)
     if cycle is not None:
         try:
             content["loads"] = cycle_content(cycle)
         except OSError as error:
             raise ValueError(f"loads.{CYCLE}: {error}") from error
-    case = with_base(content, (Case,), {}, ())
-    if _spread_equal_loads(case) and cycle is not None:
+    content = with_base(content, (CaseFile,), {}, ())
+    if _spread_equal_loads(content["case"]) and cycle is not None:
         with errors_named(cycle, LoadCycle):
-            from_content(LoadCycle, case["loads"])
-    for name, field in CaseFile.model_fields.items():
-        kinds = fields.models_of(field.annotation)
-        if kinds and isinstance(own.get(name), dict):
-            own[name] = with_base(own[name], kinds, {}, (name,))
-    content = {**own, "case": case}
+            from_content(LoadCycle, content["case"]["loads"])
     for change in of_items:
         content = change.made_in(content, CaseFile)
         _spread_equal_loads(content["case"])
@@ -216,14 +211,10 @@ def _spread_equal_loads(case: dict[str, Any]) -> bool:
 def _mesh(name: str, folder: Path) -> str:
     if name in SHOE_SIZES:
         return name
-    try:
-        path = (folder / name).resolve()
-        there = path.is_file()
-    except (OSError, ValueError):
-        there = False
-    if not there:
+    # for any text, where Path.is_file raises
+    if not os.path.isfile(folder / name):
         raise ValueError(f"flexible.mesh: neither one of {', '.join(SHOE_SIZES)} nor a file: {name!r}")
-    return str(path)
+    return str((folder / name).resolve())
 
 
 def with_base(
@@ -235,6 +226,10 @@ def with_base(
     kind = next((one for one in kinds if len(kinds) > 1 and fields.tag_of(one) == tag), kinds[0])
     # values of another class say nothing of this one
     values = dict(below) if len(kinds) == 1 or below.get(fields.TAG) == fields.tag_of(kind) else {}
+    for beside, part in kind.model_fields.items():
+        if fields.is_beside(part):
+            inner = {key: given.pop(key) for key in [*given] if key == beside or key not in kind.model_fields}
+            values[beside] = with_base(inner, fields.models_of(part.annotation), {}, path)
     name = given.pop(fields.BASE, None)
     if name is not None:
         values = _named(name, kind, path)
