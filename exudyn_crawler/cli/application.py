@@ -17,9 +17,9 @@ is heavy in its functions.
 import os
 import signal
 import sys
+import traceback
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import wraps
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -108,50 +108,33 @@ BAD_INPUT_ERRORS = (
 )
 
 
-@contextmanager
-def readable_errors(debug: bool = False) -> Iterator[None]:
-    """Turn errors and warnings into readable lines, and errors into an exit code; `debug` shows tracebacks.
+def readable(function: Callable[..., None]) -> Callable[..., None]:
+    """Give a command's errors and warnings in a line each; its option `debug` shows the traceback first.
 
-    The code is 2 for bad input, 3 for a run that stopped early, 130 for an interrupt outside of a run and 1
-    for all else, such as a full disk.
+    Its exit code is 2 for bad input, 3 for a run that stopped early, 130 for an interrupt outside of a run
+    and 1 for all else, such as a full disk.
     """
-    try:
-        with _readable_warnings():
-            yield
-    except BrokenPipeError as error:
-        # who reads has had enough, as head does; what Python still writes at its end must not fail again
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise SystemExit(OTHER) from error
-    except (Exception, KeyboardInterrupt) as error:
-        if debug:
-            import traceback
-
-            traceback.print_exc()
-        lines, code = _lines(error)
-        for line in lines:
-            print(f"error: {line}", file=sys.stderr)
-        raise SystemExit(code) from error
-
-
-@contextmanager
-def _readable_warnings() -> Iterator[None]:
-    """Show each warning in a line, without the place in the code."""
 
     def show(message: Warning | str, *_where: Any, **_how: Any) -> None:
         print(f"warning: {' '.join(str(message).split())}", file=sys.stderr)
 
-    with warnings.catch_warnings():
-        warnings.showwarning = show
-        yield
-
-
-def readable(function: Callable[..., None]) -> Callable[..., None]:
-    """Give a command's errors in a line each, with its option `debug` for the traceback."""
-
     @wraps(function)
     def reporting(*args: Any, **options: Any) -> None:
-        with readable_errors(options.get("debug", False)):
-            function(*args, **options)
+        try:
+            with warnings.catch_warnings():
+                warnings.showwarning = show
+                function(*args, **options)
+        except BrokenPipeError as error:
+            # who reads has had enough, as head does; what Python still writes at its end must not fail again
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise SystemExit(OTHER) from error
+        except (Exception, KeyboardInterrupt) as error:
+            if options.get("debug", False):
+                traceback.print_exc()
+            lines, code = _lines(error)
+            for line in lines:
+                print(f"error: {line}", file=sys.stderr)
+            raise SystemExit(code) from error
 
     return reporting
 
@@ -174,10 +157,10 @@ def _lines(error: BaseException) -> tuple[list[str], int]:
         return [str(error)], STOPPED
     if isinstance(error, BAD_INPUT_ERRORS):
         return str(error).splitlines() or [repr(error)], BAD_INPUT
-    if isinstance(error, OSError):
-        return [" ".join(str(error).split())], OTHER
     text = " ".join(str(error).split())
-    return [f"{type(error).__name__}: {text} (unexpected; --debug shows where)"], OTHER
+    if not isinstance(error, OSError):
+        text = f"{type(error).__name__}: {text} (unexpected; --debug shows where)"
+    return [text], OTHER
 
 
 COMMANDS = "exudyn_crawler.commands"
@@ -215,34 +198,33 @@ class Commands(TyperGroup):
 def _command(entry: EntryPoint) -> Any:
     """Registered command; one whose package is broken fails when it is called, and alone."""
     try:
-        function = entry.load()
-        settings = None
+        return typer.main.get_command(_single(entry.load(), entry.name))
     except Exception as error:
-        function = _broken(error)
-        settings = {"ignore_unknown_options": True, "allow_extra_args": True}
-    single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
-    single.command(entry.name, rich_help_panel="Studies", context_settings=settings)(readable(function))
-    return typer.main.get_command(single)
+        broken = error
 
-
-def _broken(error: Exception) -> Callable[..., None]:
-    def broken(debug: Debug = False) -> None:
+    def fail(debug: Debug = False) -> None:
         """Cannot be loaded."""
-        raise error
+        raise broken
 
-    return broken
+    any_words = {"ignore_unknown_options": True, "allow_extra_args": True}
+    return typer.main.get_command(_single(fail, entry.name, any_words))
+
+
+def _single(
+    function: Callable[..., None], name: str | None = None, settings: dict[str, Any] | None = None
+) -> typer.Typer:
+    """Command line of one command."""
+    single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    single.command(name, rich_help_panel="Studies", context_settings=settings)(readable(function))
+    return single
 
 
 def run_script(reference: str) -> None:
-    """Run a command as a script, with its arguments and exit codes.
+    """Run a command, referred to as packages register it (``studies.commands:stress``), as a script.
 
-    It is referred to as packages register it: ``studies.commands:stress``. Its module may import that of the
-    script.
+    Its module may import that of the script.
     """
-    command = EntryPoint(reference, reference, COMMANDS).load()
-    single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
-    single.command()(readable(command))
-    call(single)
+    call(_single(EntryPoint(reference, reference, COMMANDS).load()))
 
 
 def call(commands: typer.Typer) -> None:
