@@ -16,7 +16,7 @@ from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.state import RATES
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.states import history_of
+from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.results.stress.recovery import recover_stresses
@@ -71,10 +71,7 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
         kept = Checkpoints(Path(folder))
         simulate(case, time + case.solver.step, False, kept)
         state = kept.load(case)[-1].state
-    system = compiled_system(case)
-    return state, history_of(
-        case, system.layout, system.contact, state[None], system.point, system.frequencies
-    )
+    return state, system_history(compiled_system(case), state[None])
 
 
 def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarray:

@@ -9,11 +9,11 @@ from exudyn_crawler import simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.rail_rows import cubic_weights, rail_rows
+from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.actions import Action, OnRail, OverRectangle, actions
 from exudyn_crawler.results.loads.exports import roller_loads
 from exudyn_crawler.results.loads.load_map import GROUND, RAILS, coordinates, loads_by_kind, unit_loads
 from exudyn_crawler.results.stress.basis import ground_grid, rail_stations, static_loads
-from exudyn_crawler.run.solve.stages import system_history
 from tests.rolled import small_flexible_case
 
 TURNS = {

@@ -7,6 +7,7 @@ from exudyn_crawler import simulate
 from exudyn_crawler.case import MachineCycle
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.actions import OnRail, actions
 from exudyn_crawler.results.loads.balance import (
     energy_balance,
@@ -17,7 +18,6 @@ from exudyn_crawler.results.loads.balance import (
 from exudyn_crawler.results.loads.exports import roller_loads, shoe_loads
 from exudyn_crawler.results.loads.load_map import coordinates, unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.stages import system_history
 from tests.model.both import residual_of
 from tests.rolled import ROLLERS, small_case, small_flexible_case
 

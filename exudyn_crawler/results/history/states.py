@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -11,14 +11,16 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters.track import SIDES
-from exudyn_crawler.ground.coordinates import ReducedCoordinates, TerrainCoordinates
+from exudyn_crawler.ground.coordinates import ReducedCoordinates
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
-from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, StateLayout, pin_name
 from exudyn_crawler.results.history.catalogue import Variable, select, variable
 from exudyn_crawler.results.history.files import LAYOUT_VERSION, TERRAIN_COORDINATES, motion_variables
 from exudyn_crawler.results.history.history import History
+
+if TYPE_CHECKING:
+    from exudyn_crawler.model.formulation import TrackSystem
 
 AXES = ["x", "y", "z"]
 
@@ -28,78 +30,37 @@ CONTACTS = select(per="pair", files="history")
 NEIGHBOURS = ("behind", "ahead")
 """Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
 
-TreadResults = Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
-"""Gives at a time (s), coordinates and rates: forces on the shoes and where they act, both (rollers, strips
-of both rails, 2, 3), global, N and m; and the index of the shoe behind every roller's axis, (rollers,)."""
-
-
-class ContactResults(Protocol):
-    """What reads contacts and units off a state."""
-
-    @property
-    def coordinates(self) -> TerrainCoordinates:
-        """How the terrain's coordinates carry the units."""
-        ...
-
-    @property
-    def results(self) -> Callable[..., NDArray]:
-        """Contacts (contacts, RESULTS) at coordinates, their rates and, where stored, the engine's forces."""
-        ...
-
-    def unit_motion(self, q: NDArray) -> NDArray:
-        """Displacement (m) and tilt (rad) of the units, or their rates: array (units, 4)."""
-        ...
-
 
 @dataclass(frozen=True)
 class _States:
-    """Stored states (times, layout.size) and what reads them."""
+    """Stored states (times, layout.size) of a system, and what reads them."""
 
-    case: Case
-    layout: StateLayout
+    system: "TrackSystem"
     rows: NDArray
+
+    @property
+    def case(self) -> Case:
+        return self.system.case
+
+    @property
+    def layout(self) -> StateLayout:
+        return self.system.layout
 
     def part(self, name: str) -> NDArray:
         return self.layout.part(self.rows, name)
 
 
-def history_of(
-    case: Case,
-    layout: StateLayout,
-    contact: ContactResults,
-    rows: NDArray,
-    point: DrivePoint,
-    frequencies: NDArray | None = None,
-    treads: TreadResults | None = None,
-) -> History:
-    """Turn the stored states of a run into its history.
-
-    Parameters
-    ----------
-    case : Case
-        What was run.
-    layout : StateLayout
-        What the numbers of a row are.
-    contact : ContactResults
-        The case's contact as a function of its coordinates.
-    rows : array (times, layout.size)
-        Stored states.
-    point : DrivePoint
-        Of the front shoe, where the drive acts.
-    frequencies : array (modes,), optional
-        Of the flexible shoes' modes, Hz.
-    treads : TreadResults, optional
-        Reads the treads of a side frame, where the case has one.
-    """
-    states = _States(case, layout, rows)
+def system_history(system: "TrackSystem", rows: NDArray) -> History:
+    """History of states (times, layout.size) of a system."""
+    case, states = system.case, _States(system, rows)
     time = states.part("time")
     start = case.track.com_positions(case.shoe.com_height)
-    variables = _motion(states, "shoes", start) | _reactions(states, point) | _terrain(states, contact)
+    variables = _motion(states, "shoes", start) | _reactions(states) | _terrain(states)
     variables["shoe_load"] = variable("shoe_load", case.loads.loads(time))
     variables |= _flexible(states)
-    if treads is not None:
-        variables |= _rolled(states, treads)
-    contacts, pairs = _contacts(states, contact)
+    if system.treads is not None:
+        variables |= _rolled(states, system.treads)
+    contacts, pairs = _contacts(states)
     motion = {name: variables.pop(name) for name in TERRAIN_COORDINATES if name in variables}
     dataset = xr.Dataset(
         variables | contacts,
@@ -110,7 +71,7 @@ def history_of(
             "unit": case.terrain.units,
             "axis": AXES,
             **motion,
-            **_flexible_coordinates(layout, frequencies),
+            **_flexible_coordinates(system),
             **_rolled_coordinates(case),
             "contact_shoe": ("contact", pairs[:, 0]),
             "contact_unit": ("contact", pairs[:, 1]),
@@ -158,7 +119,7 @@ def _pins(states: _States) -> Iterator[tuple[int, int, NDArray, NDArray]]:
                 yield link, side, reaction[:, :3], torque
 
 
-def _reactions(states: _States, point: DrivePoint) -> dict[str, Variable]:
+def _reactions(states: _States) -> dict[str, Variable]:
     """Forces and torques of links and drive."""
     force = np.zeros((len(states.rows), len(states.case.track.joints), 3))
     torque = np.zeros_like(force)
@@ -170,28 +131,28 @@ def _reactions(states: _States, point: DrivePoint) -> dict[str, Variable]:
         "joint_force": force,
         "joint_torque": torque,
         "drive_force": -states.part("drive")[:, 0] * (states.case.propel == "dragged"),
-        "drive_point": _drive_point(states, point),
+        "drive_point": _drive_point(states),
         "drive_torque": turn,
     }
     return {name: variable(name, values) for name, values in named.items()}
 
 
-def _drive_point(states: _States, point: DrivePoint) -> NDArray:
+def _drive_point(states: _States) -> NDArray:
     """Where the drive acts: array (times, 3)."""
-    case, front = states.case, states.part("shoes")[:, -1]
+    case, point, front = states.case, states.system.point, states.part("shoes")[:, -1]
     # the front shoe is the last of the flexible ones, if it is one of them
     modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(front), 0))
     start = case.track.com_positions(case.shoe.com_height)[-1]
     return front[:, :3] + start + point.arm(front[:, 3:], modal)
 
 
-def _flexible_coordinates(layout: StateLayout, frequencies: NDArray | None) -> dict[str, object]:
-    if frequencies is None:
+def _flexible_coordinates(system: "TrackSystem") -> dict[str, object]:
+    if system.frequencies is None:
         return {}
     return {
-        "flexible_shoe": list(layout.flexible_shoes),
-        "mode": np.arange(1, layout.modes + 1),
-        "frequency": ("mode", frequencies, {"units": "Hz"}),
+        "flexible_shoe": list(system.layout.flexible_shoes),
+        "mode": np.arange(1, system.layout.modes + 1),
+        "frequency": ("mode", system.frequencies, {"units": "Hz"}),
         "pin": list(SIDES),
     }
 
@@ -216,7 +177,8 @@ def _flexible(states: _States) -> dict[str, Variable]:
     return {name: variable(name, values) for name, values in named.items()}
 
 
-def _terrain(states: _States, contact: ContactResults) -> dict[str, Variable]:
+def _terrain(states: _States) -> dict[str, Variable]:
+    contact = states.system.contact
     if isinstance(contact.coordinates, ReducedCoordinates):
         modes = contact.coordinates.modes
         motion = {rate.replace(" ", "_"): states.part(f"terrain{rate}").copy() for rate in RATES}
@@ -230,17 +192,14 @@ def _terrain(states: _States, contact: ContactResults) -> dict[str, Variable]:
     return named
 
 
-def _contacts(states: _States, contact: ContactResults) -> tuple[dict[str, Variable], NDArray]:
+def _contacts(states: _States) -> tuple[dict[str, Variable], NDArray]:
     """Contacts over time, one column a pair that ever met; zero while the pair is apart."""
     parts = [states.part("coordinates"), states.part("coordinates rate")]
     if states.layout.contact_forces:
         parts.append(states.part("contact forces"))
-    results = [contact.results(*state) for state in zip(*parts, strict=True)]
+    results = [states.system.contact.results(*state) for state in zip(*parts, strict=True)]
     rows = np.concatenate(results)
-    keys = [
-        rows[:, RESULT["shoe"]].astype(int) + 1,
-        rows[:, RESULT["unit"]].astype(int) + 1,
-    ]
+    keys = [rows[:, RESULT[name]].astype(int) + 1 for name in ("shoe", "unit")]
     pairs, column = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
     when = np.repeat(np.arange(len(results)), [len(one) for one in results])
     variables: dict[str, Variable] = {}
@@ -255,7 +214,7 @@ def _contacts(states: _States, contact: ContactResults) -> tuple[dict[str, Varia
     return variables, pairs
 
 
-def _rolled(states: _States, treads: TreadResults) -> dict[str, Variable]:
+def _rolled(states: _States, treads: Callable[..., tuple[NDArray, NDArray, NDArray]]) -> dict[str, Variable]:
     """Motion of the side frame, forces of its rollers and pull of its drive."""
     parts = (states.part(name) for name in ("time", "coordinates", "coordinates rate"))
     results = [treads(*state) for state in zip(*parts, strict=True)]

@@ -17,9 +17,10 @@ from exudyn_crawler.model.failure import NewtonError
 from exudyn_crawler.model.formulation import TrackSystem, track_system
 from exudyn_crawler.model.state import StateLayout
 from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.progress import progress_bar
-from exudyn_crawler.run.solve.stages import Recorder, RunStages, is_quiet, stage_times, system_history
+from exudyn_crawler.run.solve.stages import Recorder, RunStages, is_quiet, stage_times
 from fem.interrupts import interrupts_wait
 
 

@@ -10,7 +10,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.model.formulation import TrackSystem
 from exudyn_crawler.results.history.files import Chunk, joined
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.history.states import history_of
+from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints
 
 TIME_TOLERANCE = 1e-9
@@ -162,10 +162,3 @@ class RunStages:
             return History(self._system.case, joined(pieces))
         whole = self._checkpoints.pieces(self._kept) + pieces
         return History.load(self._checkpoints.save_history(self._system.case, whole))
-
-
-def system_history(system: TrackSystem, rows: NDArray) -> History:
-    """History of states (times, layout.size) of a system."""
-    return history_of(
-        system.case, system.layout, system.contact, rows, system.point, system.frequencies, system.treads
-    )
