@@ -93,8 +93,8 @@ def info(
 
     Example: exudyn-crawler info soft_ground.toml
     """
+    from exudyn_crawler.case.files.case_file import nearest_base, shoe_weights
     from exudyn_crawler.case.files.files import read_case
-    from exudyn_crawler.case.files.text import nearest_base, shoe_weights
     from exudyn_crawler.case.parameters.checks import warn_implausible
     from exudyn_crawler.case.parameters.fields import case_rows
     from exudyn_crawler.views.tables import print_rows

@@ -17,9 +17,8 @@ from typing import Any, NamedTuple, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.files.case_file import CaseFile
+from exudyn_crawler.case.files.case_file import CaseFile, case_text
 from exudyn_crawler.case.files.errors import error_lines, toml_content
-from exudyn_crawler.case.files.text import case_text
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.fields import KeyPath
 from exudyn_crawler.case.parameters.loads import LoadCycle, cycle_content, with_equal_loads

@@ -44,6 +44,11 @@ class Cycle(Parameters):
         """Quantity over time of its values at the ends of the phases."""
         return StepProfile(times=tuple(phase.end for phase in self.phases), values=tuple(values))
 
+    def columns(self, time: ArrayLike, rows: Iterable[Iterable[float]]) -> NDArray:
+        """Quantities at each time of their values at the ends of the phases, a row each: (times, columns)."""
+        t = np.atleast_1d(np.asarray(time, dtype=float))
+        return np.column_stack([self.over_time(values).value(t) for values in zip(*rows, strict=True)])
+
 
 class Phase(PhaseEnd):
     """Part of a load cycle: the load on every shoe at its end, and where across the shoes it acts."""
@@ -180,8 +185,7 @@ class LoadCycle(Cycle):
 
     def loads(self, time: ArrayLike) -> NDArray:
         """Loads at each time: array (times, shoes), N downward."""
-        t = np.atleast_1d(np.asarray(time, dtype=float))
-        return np.column_stack([self.profile(s).value(t) for s in range(1, self.shoe_count + 1)])
+        return self.columns(time, [phase.loads for phase in self.phases])
 
 
 def cycle_content(path: str | Path) -> dict[str, Any]:

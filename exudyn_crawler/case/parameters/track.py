@@ -197,12 +197,7 @@ class Track(Parameters):
         return cls(**ph4100c.TRACK)
 
     def check_shoe(self, shoe: int) -> None:
-        """Refuse a number that is of no shoe.
-
-        Raises
-        ------
-        ValueError
-        """
+        """Refuse, by a `ValueError`, a number that is of no shoe."""
         if shoe not in self.shoes:
             raise ValueError(f"shoe must be in 1..{self.shoe_count}, got {shoe}")
 

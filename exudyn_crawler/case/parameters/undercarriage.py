@@ -294,9 +294,7 @@ class MachineCycle(Cycle):
 
     def wrench(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
         """Force (N) and moment (N m) at each time (s): array (times, 3) each."""
-        t = np.atleast_1d(np.asarray(time, dtype=float))
-        rows = [(*phase.force, *phase.moment) for phase in self.phases]
-        both = np.column_stack([self.over_time(values).value(t) for values in zip(*rows, strict=True)])
+        both = self.columns(time, [(*phase.force, *phase.moment) for phase in self.phases])
         return both[:, :3], both[:, 3:]
 
     def check_balance(self, frame: Undercarriage, gravity: NDArray) -> None:
