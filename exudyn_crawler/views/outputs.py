@@ -1,10 +1,9 @@
-"""What a run leaves beside its history: a list of writers, each of which asks the outputs of the case."""
+"""What a run leaves beside its history: a writer for each of the outputs that its case asks for."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 
 import xarray as xr
-from matplotlib.figure import Figure
 
 from exudyn_crawler.case.files.case_file import Outputs
 from exudyn_crawler.files import blocks, whole_file, write_netcdf_along
@@ -21,11 +20,25 @@ from exudyn_crawler.views.style import save_figure
 from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
+MOST_DRAWN = 5 * 10**8
+"""Bytes of a history whose curves are drawn as they are: 70 s of 13 rigid shoes, stored every 2 ms."""
 
-def write_forces(history: History, folder: Path, outputs: Outputs) -> None:
+
+def write_tables(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+    """Extremes, loads at the ends of the phases; highest stresses by phase, by region and over the run."""
+    tables = {"extremes": extremes(history), "loads": load_table(history)}
+    if stresses is not None:
+        dataset = stresses.dataset
+        tables["highest_stresses"] = highest_by_phase(history, dataset)
+        tables["highest_by_region"] = region_table(stresses.by_region, dataset)
+        for shoe, hot_spots in stresses.hot_spots.items():
+            tables[f"hot_spots_shoe_{shoe}"] = hot_spot_table(hot_spots, dataset)
+    for name, table in tables.items():
+        write_table(table, folder / f"{name}.csv", overwrite=True)
+
+
+def write_forces(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
     """What derives from the forces of the history, which has them themselves."""
-    if not outputs.forces:
-        return
     names = select(files="forces")
     # those of pairs may be larger than memory, and change nothing from one time to another
     whole = {name: history.quantity(name) for name, one in names.items() if one.per != "pair"}
@@ -41,66 +54,33 @@ def write_forces(history: History, folder: Path, outputs: Outputs) -> None:
     write_netcdf_along("time", history.time.size, chunks, folder / "forces.nc", overwrite=True)
 
 
-def write_extremes(history: History, folder: Path, outputs: Outputs) -> None:
-    """Least and greatest value of every variable."""
-    if outputs.tables:
-        write_table(extremes(history), folder / "extremes.csv", overwrite=True)
+def write_figures(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+    """Curves of some shoes and links, of rollers and of flexible shoes; uneven ground as the run ends."""
+    terrain, figures = history.case.terrain, {}
+    if stresses is not None:
+        figures = {f"flexible {name}": one for name, one in stress_figures(history, stresses).items()}
+    if not (terrain.heights is None and terrain.profile is None):
+        figures["ground"] = ground_figure(history, history.duration)
+    # curves of a long run would not fit into memory, and no figure shows them at every step
+    drawn = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
+    figures |= run_figures(drawn, outputs.drawn_shoes(history.case.track.shoe_count))
+    for name, figure in figures.items():
+        save_figure(figure, folder / f"{name.replace(' ', '_')}.{outputs.figure_format}", overwrite=True)
 
 
-def write_loads(history: History, folder: Path, outputs: Outputs) -> None:
-    """Loads on the shoes at the ends of the phases, as far as the run goes."""
-    if outputs.tables:
-        write_table(load_table(history), folder / "loads.csv", overwrite=True)
+def write_pictures(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+    """Pictures of stressed shoes at the chosen times."""
+    if stresses is not None:
+        write_stress_pictures(stresses.dataset, history, folder, overwrite=True)
 
 
-def write_curves(history: History, folder: Path, outputs: Outputs) -> None:
-    """Motion, contact and joint forces of some shoes and the links behind them; rollers and side frame."""
-    if outputs.figures:
-        _save(run_figures(history, outputs.drawn_shoes(history.case.track.shoe_count)), folder, outputs)
-
-
-def write_ground(history: History, folder: Path, outputs: Outputs) -> None:
-    """The track on uneven ground at the end of the run, and what the ground carries."""
-    terrain = history.case.terrain
-    if outputs.figures and not (terrain.heights is None and terrain.profile is None):
-        _save({"ground": ground_figure(history, history.duration)}, folder, outputs)
-
-
-def write_film(history: History, folder: Path, outputs: Outputs) -> None:
-    """The track on its deforming terrain."""
-    if outputs.animation:
-        write_animation(history, folder / "track.mp4", overwrite=True)
-
-
-def write_stresses(history: History, stresses: StressResults, folder: Path, outputs: Outputs) -> None:
-    """Stresses over time, at all nodes and at chosen times."""
-    stresses.save(folder / "stress.nc", overwrite=True)
-
-
-def write_hot_spots(history: History, stresses: StressResults, folder: Path, outputs: Outputs) -> None:
-    """Highest stresses of every shoe by phase, by region and over the run, and where they are."""
-    if not outputs.tables:
+def write_for_paraview(
+    history: History, stresses: StressResults | None, folder: Path, outputs: Outputs
+) -> None:
+    """Whole track with its stressed shoes at the chosen times; greatest stress of every node of each shoe."""
+    if stresses is None:
         return
-    table = highest_by_phase(history, stresses.dataset)
-    write_table(table, folder / "highest_stresses.csv", overwrite=True)
-    by_region = region_table(stresses.by_region, stresses.dataset)
-    write_table(by_region, folder / "highest_by_region.csv", overwrite=True)
-    for shoe, hot_spots in stresses.hot_spots.items():
-        write_table(
-            hot_spot_table(hot_spots, stresses.dataset), folder / f"hot_spots_shoe_{shoe}.csv", overwrite=True
-        )
-
-
-def write_flexible_shoes(history: History, stresses: StressResults, folder: Path, outputs: Outputs) -> None:
-    """Motion, contact, joint forces, modal coordinates and stress of the flexible shoes, a figure each."""
-    if outputs.figures:
-        figures = stress_figures(history, stresses)
-        _save({f"flexible {title}": figure for title, figure in figures.items()}, folder, outputs)
-
-
-def write_fields(history: History, stresses: StressResults, folder: Path, outputs: Outputs) -> None:
-    """Greatest von Mises stress of every node, when it occurs, its range and trust, for ParaView."""
-    for shoe in stresses.dataset.shoe.values if outputs.paraview else ():
+    for shoe in stresses.dataset.shoe.values:
         own = stresses.dataset.sel(shoe=shoe)
         fields = {
             "greatest von Mises": own.peak_von_mises.values,
@@ -111,53 +91,29 @@ def write_fields(history: History, stresses: StressResults, folder: Path, output
         }
         with whole_file(folder / f"fields_shoe_{shoe}.vtu", overwrite=True) as temporary:
             write_vtu(temporary, stresses.whole.mesh, fields)
+    write_paraview(stresses.dataset, history, folder, overwrite=True)
 
 
-def write_pictures(history: History, stresses: StressResults, folder: Path, outputs: Outputs) -> None:
-    """Pictures of stressed shoes at the chosen times."""
-    if outputs.pictures:
-        write_stress_pictures(stresses.dataset, history, folder, overwrite=True)
+def write_film(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+    """The track on its deforming terrain."""
+    write_animation(history, folder / "track.mp4", overwrite=True)
 
 
-def write_series(history: History, stresses: StressResults, folder: Path, outputs: Outputs) -> None:
-    """Whole track with its stressed shoes at the chosen times, for ParaView."""
-    if outputs.paraview:
-        write_paraview(stresses.dataset, history, folder, overwrite=True)
-
-
-STRESS_WRITERS: tuple[Callable[[History, StressResults, Path, Outputs], None], ...] = (
-    write_stresses,
-    write_hot_spots,
-    write_flexible_shoes,
-    write_fields,
-    write_pictures,
-    write_series,
-)
-"""What is written of flexible shoes, in this order."""
-WRITERS: tuple[Callable[[History, Path, Outputs], None], ...] = (
-    write_forces,
-    write_extremes,
-    write_loads,
-    write_ground,
-    write_film,
-)
-"""What is written of any run, in this order."""
-MOST_DRAWN = 5 * 10**8
-"""Bytes of a history whose curves are drawn as they are: 70 s of 13 rigid shoes, stored every 2 ms."""
+WRITERS: dict[str, Callable[[History, StressResults | None, Path, Outputs], None]] = {
+    "tables": write_tables,
+    "forces": write_forces,
+    "figures": write_figures,
+    "pictures": write_pictures,
+    "paraview": write_for_paraview,
+    "animation": write_film,
+}
+"""What is written of a run, by the output that asks for it, in this order."""
 
 
 def write_outputs(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
-    """Write what derives from a history and its stresses, as far as the outputs ask for it."""
+    """Write the stresses, and what derives from history and stresses as far as the outputs ask for it."""
     if stresses is not None:
-        for write_stress in STRESS_WRITERS:
-            write_stress(history, stresses, folder, outputs)
-    for write in WRITERS:
-        write(history, folder, outputs)
-    # curves of a long run would not fit into memory, and no figure shows them at every step
-    write_curves(history.every(-(-history.dataset.nbytes // MOST_DRAWN)), folder, outputs)
-
-
-def _save(figures: Mapping[str, Figure], folder: Path, outputs: Outputs) -> None:
-    """Write figures by their names."""
-    for title, figure in figures.items():
-        save_figure(figure, folder / f"{title.replace(' ', '_')}.{outputs.figure_format}", overwrite=True)
+        stresses.save(folder / "stress.nc", overwrite=True)
+    for output, write in WRITERS.items():
+        if getattr(outputs, output):
+            write(history, stresses, folder, outputs)

@@ -158,9 +158,8 @@ def test_an_altered_history_of_a_stopped_run_is_refused_by_name(tmp_path, monkey
 @pytest.fixture
 def bare_study(monkeypatch):
     """The kinematics study with its runs, its comparison and hardly a figure."""
-    monkeypatch.setattr(outputs, "WRITERS", (outputs.write_loads,))
-    monkeypatch.setattr(outputs, "write_curves", lambda *_: None)
-    monkeypatch.setattr("studies.kinematics.KINEMATICS", ("velocity",))
+    monkeypatch.setattr(outputs, "WRITERS", {"tables": outputs.write_tables})
+    monkeypatch.setattr("studies.kinematics.KINEMATICS", {"velocity": "velocity"})
     return partial(kinematics_study, duration=0.01)
 
 

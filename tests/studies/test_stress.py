@@ -12,7 +12,7 @@ from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.results.stress.recovery import recover_stresses
-from exudyn_crawler.views.outputs import STRESS_WRITERS
+from exudyn_crawler.views.outputs import write_outputs
 from fem import write_mesh
 from meshes import shoe_mesh
 from studies.stress import PICTURE_TIMES
@@ -53,10 +53,9 @@ def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
     assert results.dataset.frame.values == pytest.approx([0.2, 0.5], abs=1e-9)
 
     def write(outputs):
-        for writer in STRESS_WRITERS:
-            writer(history, results, tmp_path, outputs)
+        write_outputs(history, results, tmp_path, outputs)
 
-    nothing = Outputs(tables=False, figures=False, pictures=False, paraview=False)
+    nothing = Outputs(tables=False, figures=False, pictures=False, paraview=False, forces=False)
     write(nothing)
     assert {path.name for path in tmp_path.iterdir()} == {"stress.nc"}
     write(nothing.with_(paraview=True))
