@@ -10,8 +10,7 @@ import xarray as xr
 from exudyn_crawler.files import refuse_existing, whole_file, writable_folder, write_netcdf
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty, read_duty
-from exudyn_crawler.results.life.life import LifeResults, in_words, life_of
-from exudyn_crawler.results.stress.spread import relative_spread
+from exudyn_crawler.results.life.life import LifeResults, in_words, life_of, relative_spread
 from exudyn_crawler.run.folder.folder import spread_beside
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.run.folder.record import HISTORY

@@ -20,7 +20,7 @@ from exudyn_crawler import (
 )
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.results.life.duty import DutyRun
-from exudyn_crawler.results.stress.spread import relative_spread
+from exudyn_crawler.results.life.life import relative_spread
 from exudyn_crawler.spread_run import BARE, NUDGE, laws_beside, nudged, spread
 
 pytestmark = pytest.mark.simulation

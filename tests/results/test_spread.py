@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from exudyn_crawler.results.life.life import relative_spread
 from exudyn_crawler.results.stress.recovery import StressResults
-from exudyn_crawler.results.stress.spread import FIRST, relative_spread, spread_of
+from exudyn_crawler.spread_run import FIRST, spread_of
 from fem.trust import HELD, LIMITED, VERDICTS
 
 

@@ -89,7 +89,7 @@ def life_of(
     say : callable
         Called with a line that says what is going on.
     spreads : sequence of DataArray (shoe, node) or None
-        Spread of each run's peaks over themselves, as of `spread.relative_spread`; None where not known.
+        Spread of each run's peaks over themselves, as of `relative_spread`; None where not known.
 
     Raises
     ------
@@ -198,6 +198,12 @@ def _on_critical_planes(
     directions = plane_normals(normals[nodes], planes.angles[:, None])[:, 0]
     count = len(mesh.nodes)
     return _spread(planes.damage.T, nodes, count), _spread(directions.T, nodes, count).T
+
+
+def relative_spread(dataset: xr.Dataset) -> xr.DataArray:
+    """Spread of each node's greatest stress over itself, from starts and laws together: (shoe, node)."""
+    size = np.maximum(dataset.peak_von_mises, np.finfo(float).tiny)
+    return ((dataset.peak_spread + dataset.peak_choice) / size).transpose("shoe", "node")
 
 
 def _life_trust(
