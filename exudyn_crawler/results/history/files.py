@@ -200,14 +200,8 @@ class _Computed(BackendArray):
 class Chunk:
     """Part of a history along time, read when it is needed.
 
-    Attributes
-    ----------
-    times : int
-        Number of its stored times.
-    pairs : array (contacts, 2)
-        Shoe and unit of each of its contacts.
-    parts : callable
-        Gives its datasets, one after the other.
+    `times` is the number of its stored times, `pairs` (contacts, 2) shoe and unit of each of its contacts;
+    `parts` gives its datasets, one after the other.
     """
 
     times: int

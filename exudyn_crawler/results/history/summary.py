@@ -75,11 +75,8 @@ def _item(values: xr.DataArray, dim: str, index: int) -> str:
 def extremes(history: History) -> pd.DataFrame:
     """Least and greatest value of every variable over time, axis by axis.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns variable, axis, unit; least and greatest, each with the shoe, joint, unit or contact that it
-        is of and the time (s) that it is at. Variables without any number have no row.
+    Columns variable, axis, unit; least and greatest, each with the shoe, link, unit or contact that it is of
+    and the time (s) that it is at. Variables without any number have no row.
     """
     rows: dict[tuple[str, str], dict[str, Any]] = {}
     # part by part, since a variable of a long run may be larger than memory
@@ -147,15 +144,10 @@ def _in_mega(stress: xr.DataArray) -> xr.DataArray:
 
 
 def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.DataArray]) -> pd.DataFrame:
-    """Differences of two runs' quantities, axis by axis.
+    """Differences of two runs' quantities, A and B as of `compared`, axis by axis.
 
     Shoes, links and units that both have are compared, over the time that both have; the second is read
     between its stored times, linearly, where the first has others.
-
-    Parameters
-    ----------
-    first, second : mapping
-        Of `compared`: A and B.
 
     Returns
     -------
@@ -224,14 +216,9 @@ LEAST_SIZE = 0.01
 class Bouncing(NamedTuple):
     """Oscillation of the contact forces.
 
-    Attributes
-    ----------
-    frequency : float
-        Hz, of the highest peak of the mean spectrum over the shoes.
-    size : float
-        Root mean square of the vertical force on a shoe about the peak, over the mean force.
-    share : float
-        Part of the variance above `BAND`'s begin that it holds.
+    `frequency` (Hz) is that of the highest peak of the mean spectrum over the shoes, `size` the root mean
+    square of the vertical force on a shoe about the peak over the mean force, `share` the part of the
+    variance above `BAND`'s begin that it holds.
     """
 
     frequency: float

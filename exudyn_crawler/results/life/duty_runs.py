@@ -27,20 +27,9 @@ CLASSES = 32
 
 @dataclass(frozen=True)
 class UsedRun:
-    """Part of a run that is repeated.
+    """Part of a run that is repeated, with its history and what its stresses are products of.
 
-    Attributes
-    ----------
-    run : DutyRun
-    history : History
-        Of the part.
-    basis : StressBasis
-        What its stresses are the products of.
-    times_an_hour : float
-    phases : tuple of str
-        Names of the phases that it reaches.
-    phase : int array (times,)
-        Place of each time's phase among them.
+    `phases` names the phases that it reaches, `phase` (times,) is the place of each time's phase among them.
     """
 
     run: DutyRun

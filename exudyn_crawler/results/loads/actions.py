@@ -160,21 +160,6 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
         yield from _chain(history, history.case.undercarriage, shoe, position, frames)
 
 
-def link_reactions(history: History, joint: int) -> list[tuple[str, NDArray, NDArray]]:
-    """Side, force and torque (times, 3) on the rear shoe of each joint of a link, global, N and N m.
-
-    A link of two rigid shoes has one joint, at its right pin.
-    """
-    chosen = history.dataset.sel(joint=joint)
-    if "pin_force" in chosen and bool(chosen.pin_force.notnull().all()):
-        sides = [str(side) for side in chosen.pin.values]
-        return [
-            (side, chosen.pin_force.sel(pin=side).values, chosen.pin_torque.sel(pin=side).values)
-            for side in sides
-        ]
-    return [(SIDES[0], chosen.joint_force.values, chosen.joint_torque.values)]
-
-
 def _joints(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
     """Joints of both links; a link of two rigid shoes has one, at its right pin."""
     track = history.case.track
@@ -182,10 +167,15 @@ def _joints(history: History, shoe: int, position: NDArray, frames: NDArray) -> 
     for end, joint, sign in (("front", shoe, 1.0), ("rear", shoe - 1, -1.0)):
         if not 1 <= joint < track.shoe_count:
             continue
-        for side, force, torque in link_reactions(history, joint):
-            where = f"{end} {side}"
+        link = history.dataset.sel(joint=joint)
+        reactions = [link.joint_force.values, link.joint_torque.values]
+        if "pin_force" in link and bool(link.pin_force.notnull().all()):
+            reactions = [link.pin_force.values, link.pin_torque.values]
+        force, torque = (sign * one.reshape(len(position), -1, 3) for one in reactions)
+        for side in range(force.shape[1]):
+            where = f"{end} {SIDES[side]}"
             point = position + frames @ track.joint_centers[where]
-            yield Action("joint", shoe, where, point, sign * force, sign * torque, AtInterface(where))
+            yield Action("joint", shoe, where, point, force[:, side], torque[:, side], AtInterface(where))
 
 
 def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
@@ -294,13 +284,7 @@ def middle_pins(history: History, end: str) -> NDArray:
 
 
 def frame_of(history: History) -> Undercarriage:
-    """Undercarriage of the history's case.
-
-    Raises
-    ------
-    ValueError
-        If it has none.
-    """
+    """Undercarriage of the history's case; ValueError if it has none."""
     frame = history.case.undercarriage
     if frame is None:
         raise ValueError(

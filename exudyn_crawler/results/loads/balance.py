@@ -31,17 +31,9 @@ ROLLED_KINDS = (*KINDS, "roller", "chain")
 class _Motion:
     """Motion of the shoes, arrays (times, shoes, 3), or of the side frame, (times, 3).
 
-    Attributes
-    ----------
-    origin, velocity, acceleration, omega, alpha : array (..., 3)
-        Of the body's frame.
-    axes : array (..., 3, 3)
-        Of the body, a column each.
-    center : array (..., 3)
-        COM from the origin.
-    mass : array (...)
-    inertia : array (3, 3)
-        About the COM, in the body's axes.
+    `origin`, `velocity`, `acceleration`, `omega` and `alpha` are of the body's frame, `axes` (..., 3, 3) its
+    axes, a column each, `center` that of mass from the origin. `inertia` (3, 3) is about the COM, in the
+    body's axes.
     """
 
     def __init__(
@@ -96,12 +88,9 @@ def _side_frame(history: History, frame: Undercarriage) -> _Motion:
 def shoe_actions(history: History) -> xr.Dataset:
     """What acts on every shoe, by its kind.
 
-    Returns
-    -------
-    xarray.Dataset
-        `force` (N) and `moment` about the origin of the shoe's frame (N m), both (source, time, shoe, axis);
-        sources are weight, load, contact, drive and joint (those of both links of a shoe together), and under
-        a side frame roller and chain.
+    `force` (N) and `moment` about the origin of the shoe's frame (N m), both (source, time, shoe, axis);
+    sources are weight, load, contact, drive and joint (those of both links of a shoe together), and under a
+    side frame roller and chain.
     """
     position = history.position.values
     kinds = KINDS if history.case.propel == "dragged" else ROLLED_KINDS
@@ -137,11 +126,8 @@ def _of_shoes(history: History, force: NDArray, moment: NDArray, **coords: objec
 def shoe_imbalance(history: History) -> xr.Dataset:
     """Momentum's rate less all that acts, of every single shoe: zero where mechanics holds.
 
-    Returns
-    -------
-    xarray.Dataset
-        `force` (N) and `moment` about the shoe's frame (N m), both (time, shoe, axis); moments of flexible
-        shoes are NaN, see `shoe_momentum_rates`.
+    `force` (N) and `moment` about the shoe's frame (N m), both (time, shoe, axis); moments of flexible shoes
+    are NaN, see `shoe_momentum_rates`.
     """
     with xr.set_options(keep_attrs=True):
         return shoe_momentum_rates(history) - shoe_actions(history).sum("source")
@@ -150,18 +136,9 @@ def shoe_imbalance(history: History) -> xr.Dataset:
 def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.Dataset:
     """Momentum's rate less what acts from outside, of the track as a whole: zero where mechanics holds.
 
-    The links are internal and left out, so that this holds without their reactions.
-
-    Parameters
-    ----------
-    about : array (3,)
-        Fixed point that moments are taken about, m.
-
-    Returns
-    -------
-    xarray.Dataset
-        `force` (N) and `moment` about the point (N m), both (time, axis); with flexible shoes the moment is
-        NaN, see `shoe_momentum_rates`.
+    The links are internal and left out, so that this holds without their reactions. `force` (N) and `moment`
+    about a fixed point (3,) in m (N m), both (time, axis); with flexible shoes the moment is NaN, see
+    `shoe_momentum_rates`.
     """
     with xr.set_options(keep_attrs=True):
         outside = shoe_actions(history).drop_sel(source="joint").sum("source")
@@ -174,18 +151,9 @@ def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.
 def frame_imbalance(history: History) -> xr.Dataset:
     """Rate of the side frame's momentum less all that acts on it: zero where mechanics holds.
 
-    Its y and its yaw are held and have reactions, which are left out.
-
-    Returns
-    -------
-    xarray.Dataset
-        `travel` and `heave` (N) along x and z, `roll` and `pitch` (N m) about the axes of these angles and
-        the frame's origin, each (time,).
-
-    Raises
-    ------
-    ValueError
-        If no side frame rolls over the history's track.
+    Its y and its yaw are held and have reactions, which are left out. `travel` and `heave` (N) along x and z,
+    `roll` and `pitch` (N m) about the axes of these angles and the frame's origin, each (time,). ValueError
+    if no side frame rolls over the history's track.
     """
     motion = _side_frame(history, frame_of(history))
     force, moment = motion.momentum_rates()
@@ -201,12 +169,7 @@ def energies(history: History) -> xr.Dataset:
 
     Each (time,). Heights count from the origin of the COMs of shoes and from free springs of the units.
     Under a side frame also `frame_kinetic`; `frame_gravitational`, heights from z = 0; and `treads`, stored
-    in their contacts with rails.
-
-    Raises
-    ------
-    ValueError
-        For a history with flexible shoes.
+    in their contacts with rails. ValueError for a history with flexible shoes.
     """
     _only_rigid(history)
     case, terrain, frame = history.case, history.case.terrain, history.case.undercarriage
@@ -331,11 +294,8 @@ def _treads(
 def energy_balance(history: History) -> xr.Dataset:
     """Where the work went, from the start to every time, J.
 
-    Returns
-    -------
-    xarray.Dataset
-        The changes of `energies`, the works of `powers` (by the trapezoidal rule over the stored states)
-        and `imbalance`: work of drive and machine's forces less everything else; each (time,).
+    The changes of `energies`, the works of `powers` (by the trapezoidal rule over the stored states) and
+    `imbalance`: work of drive and machine's forces less everything else; each (time,).
     """
     stored = energies(history)
     change = stored - stored.isel(time=0)

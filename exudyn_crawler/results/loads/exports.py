@@ -112,7 +112,8 @@ def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
     """
     history.case.track.check_shoe(shoe)
     now = at_instant(history, time)
-    frame, origin = _frame(now, shoe), now.position.sel(shoe=shoe).values[0]
+    frame = rotation_matrices(now.angles.sel(shoe=shoe).values)[0]
+    origin = now.position.sel(shoe=shoe).values[0]
     words, vectors = [], []
     for action in actions(now, shoe):
         force, moment = action.force[0] @ frame, action.moment[0] @ frame
@@ -135,11 +136,6 @@ def _sums(rows: NDArray) -> tuple[NDArray, NDArray]:
     """Force and moment about the origin of rows (k, 9) of places, forces and moments."""
     place, force, moment = rows[:, :3], rows[:, 3:6], rows[:, 6:]
     return force.sum(axis=0), (np.cross(place, force) + moment).sum(axis=0)
-
-
-def _frame(now: History, shoe: int) -> NDArray:
-    """Axes of a shoe in a history of one time: array (3, 3), its columns global."""
-    return rotation_matrices(now.angles.sel(shoe=shoe).values)[0]
 
 
 def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
