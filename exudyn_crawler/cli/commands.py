@@ -141,7 +141,7 @@ def run(
 
     # what is refused is refused before the engine is loaded, which takes a second
     case_file = read_case(case, changes or ())
-    out = RESULTS / case.stem if out is None else out
+    out = out or RESULTS / case.stem
     refuse_occupied(out, case_file, overwrite)
     from exudyn_crawler.case_run import run_case
 
@@ -199,7 +199,7 @@ def animate(
         raise ValueError("--scale must go without --stress, whose picture shows no ground")
     beside = history_path(run)
     default = beside.with_suffix(".mp4") if stress is None else beside.with_name(f"shoe_{stress}.mp4")
-    path = default if out is None else out
+    path = out or default
     history = loaded(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder.progress import heartbeat
     from exudyn_crawler.run.folder.record import note_file

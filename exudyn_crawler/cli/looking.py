@@ -68,8 +68,8 @@ def node_stress(
         f"greatest von Mises stress {mises[greatest] / at_node.MEGA:.4g} MPa "
         f"at t = {float(stress.time[greatest]):g} s"
     )
-    default = path.parent / f"stress_shoe_{shoe}_node_{number}.csv"
-    _write(at_node.node_table(stress), default if out is None else out, overwrite)
+    out = out or path.parent / f"stress_shoe_{shoe}_node_{number}.csv"
+    _write(at_node.node_table(stress), out, overwrite)
 
 
 @command
@@ -87,8 +87,8 @@ def pin_forces(
     history = loaded(run, shoe)
     from exudyn_crawler.results.loads.exports import pin_table
 
-    default = history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
-    _write(pin_table(history, shoe), default if out is None else out, overwrite)
+    out = out or history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
+    _write(pin_table(history, shoe), out, overwrite)
 
 
 @command
@@ -118,7 +118,7 @@ def shoe_loads(
         from exudyn_crawler.results.stress.recovery import peak_time
 
         time = peak_time(history, shoe)
-    folder = history_path(run).parent if out is None else out
+    folder = out or history_path(run).parent
     table = exports.action_table(history, shoe, time)
     name = f"loads_shoe_{shoe}_{exports.at_instant(history, time).duration:.4f}s"
     if flexible:
@@ -155,7 +155,7 @@ def compare(
 
     by_run = {name: stress_of(run_folder(run)) for name, run in runs.items()}
     stresses = {name: stress for name, stress in by_run.items() if stress is not None}
-    page = Path("_".join(runs) + ".html") if out is None else out
+    page = out or Path("_".join(runs) + ".html")
     write_comparison(histories, page, stresses, overwrite)
     parameters, results = comparison_tables(histories, stresses)
     if parameters.empty:
@@ -206,7 +206,7 @@ def life(
     from exudyn_crawler.results.life.life import in_words
     from exudyn_crawler.views.tables import print_table
 
-    folder = RESULTS / duty.stem if out is None else out
+    folder = out or RESULTS / duty.stem
     result = life_into(asked, folder, overwrite=overwrite, say=typer.echo)
     shown = result.table.loc[:, :"main load"].drop(columns=[f"{axis} in the shoe in m" for axis in "xyz"])
     print_table(in_words(shown), f"{asked.name}: shortest lives by region")
@@ -276,7 +276,7 @@ def sweep(
     from exudyn_crawler.sweep.definition import read_sweep
 
     plan = read_sweep(file)
-    out = RESULTS / file.stem if out is None else out
+    out = out or RESULTS / file.stem
     from exudyn_crawler.sweep.running import folder_state, run_sweep
 
     if dry_run:
