@@ -87,7 +87,8 @@ class Parameters(BaseModel):
         ParameterError
             Naming each field at fault, its value and what is allowed.
         """
-        values = dict(self) | fields
+        # of its pairs: a class may have a property `keys`
+        values = dict(iter(self)) | fields
         for path, value in (changes or {}).items():
             try:
                 values = with_value(values, parse_path(path), value, type(self))

@@ -77,7 +77,7 @@ def with_change(
                 raise ValueError(f"{path_text(above)} has {len(items)} items, counted from 0, no [{number}]")
             items[number] = with_change(items[number], below, change, above=(*above, number))
         return type(values)(items)
-    table = dict(values) if isinstance(values, BaseModel) else values
+    table = dict(iter(values)) if isinstance(values, BaseModel) else values
     if not isinstance(table, dict):
         raise ValueError(f"{path_text(above)} must be a table to change a value of it, got {values!r}")
     fields = {} if kind is None else kind.model_fields
