@@ -9,7 +9,6 @@ import typer
 
 from exudyn_crawler.cli.application import (
     RESULTS,
-    Debug,
     Overwrite,
     Run,
     history_path,
@@ -44,7 +43,6 @@ def node_stress(
     node: Annotated[int | None, typer.Option(help="number of the node, in place of --near")] = None,
     out: Out = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Write the stress at a place of a flexible shoe over time: tensor, principal stresses, von Mises.
 
@@ -78,7 +76,6 @@ def pin_forces(
     shoe: Shoe,
     out: Out = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Write the forces and moments of a shoe's pins over time, in the shoe's axes.
 
@@ -101,7 +98,6 @@ def shoe_loads(
     program: Annotated[Program, typer.Option(help="finite-element program of the deck")] = Program.calculix,
     out: Annotated[Path | None, typer.Option(help="folder; that of the history, if not given")] = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Write all that acts on a shoe at one instant, in balance: a table, and a deck if it is flexible.
 
@@ -136,7 +132,6 @@ def compare(
         Path | None, typer.Option(help="page to write, its tables beside it; A_B.html, if not given")
     ] = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Lay two runs over each other: what differs in their cases and results, and their main curves.
 
@@ -193,7 +188,6 @@ def life(
         Path | None, typer.Option(help=f"folder of the results; {RESULTS}/DUTY, if not given")
     ] = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Give the life of the shoes in machine hours, where they crack and why, from a mix of runs.
 
@@ -221,7 +215,6 @@ def spread(
         bool, typer.Option(help="repeat it with the contact law shared by area, or whole a pair, too")
     ] = True,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Repeat a run from starts that differ by rounding and by another contact law, and judge its stresses.
 
@@ -262,7 +255,6 @@ def sweep(
         str | None, typer.Option(help="folder of the runs instead, which all workers share")
     ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="run those anew that have failed")] = False,
-    debug: Debug = False,
 ) -> None:
     """Run a case with some of its values varied, on all cores or a cluster; the same command goes on.
 
