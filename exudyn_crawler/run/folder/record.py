@@ -97,8 +97,8 @@ def commit() -> str:
             return done.stdout.strip()
         return ""
     with suppress(importlib.metadata.PackageNotFoundError, ValueError, TypeError, AttributeError):
-        told = json.loads(importlib.metadata.distribution(PROGRAM).read_text("direct_url.json") or "{}")
-        return str(told.get("vcs_info", {}).get("commit_id", ""))
+        source = json.loads(importlib.metadata.distribution(PROGRAM).read_text("direct_url.json") or "{}")
+        return str(source.get("vcs_info", {}).get("commit_id", ""))
     return ""
 
 
