@@ -12,17 +12,16 @@ from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.contact import GroundContact, ground_contact
 from exudyn_crawler.ground.coordinates import ReducedCoordinates, reduced_coordinates
 from exudyn_crawler.ground.pair_contact import PairGroundContact
-from exudyn_crawler.ground.terrain import TerrainModes as ReducedTerrain
+from exudyn_crawler.ground.terrain import TerrainModes
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
 from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.elimination import Fronts, fronts_of
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
 from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.treads import Rollers
-from exudyn_crawler.model.forces.units import TerrainModes
-from exudyn_crawler.model.joints import ROWS, Joints, Markers
-from exudyn_crawler.model.pull import Pull
-from exudyn_crawler.model.rail_rows import rail_rows, strip_lines
+from exudyn_crawler.model.forces.units import TerrainTable
+from exudyn_crawler.model.joints import ROWS, Joints, Markers, Pull
+from exudyn_crawler.model.shoe_mesh import rail_rows, strip_lines
 from exudyn_crawler.model.tables import FrontRows, Tables
 
 ENDS = ("rear", "front")
@@ -83,7 +82,7 @@ class _Builder:
     """Tables of a case as they are made, one after the other."""
 
     def __init__(
-        self, case: Case, terrain: ReducedTerrain, floating: FloatingShoe | None, point: DrivePoint
+        self, case: Case, terrain: TerrainModes, floating: FloatingShoe | None, point: DrivePoint
     ) -> None:
         self.case, self.terrain, self.floating, self.point = case, terrain, floating, point
         self.shoes = case.track.shoe_count
@@ -325,7 +324,7 @@ def _tables_of(
         markers=builder.markers.table(),
         joints=joints,
         loads=loads,
-        terrain=TerrainModes(
+        terrain=TerrainTable(
             terrain.heave,
             terrain.tilt,
             contact.unit_reference,

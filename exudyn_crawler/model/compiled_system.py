@@ -19,18 +19,15 @@ from exudyn_crawler.ground.rotations import moments_on_angles
 from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
-from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.engine import coordinates_only, exu, predict
 from exudyn_crawler.model.equations import STIFFNESS, matrix, residual
-from exudyn_crawler.model.failure import NewtonError
-from exudyn_crawler.model.forces.loads import static_friction
+from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
 from exudyn_crawler.model.forces.treads import TOUCHED, TreadWorkspace
-from exudyn_crawler.model.inputs import profiles_of, values_at
-from exudyn_crawler.model.integrated import Integrated
-from exudyn_crawler.model.integrator import coordinates_only, predict
 from exudyn_crawler.model.joints import ROWS
 from exudyn_crawler.model.newton import step
 from exudyn_crawler.model.state import BODY_COORDINATES, RATES, SIDE_FRAME, StateLayout, pin_name
 from exudyn_crawler.model.tables import Inputs, Tables, Workspace
+from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 
 AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
 """Of a residual alone."""
@@ -55,7 +52,7 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateL
     )
 
 
-class CompiledSystem(Integrated):
+class CompiledSystem(TrackSystem):
     """Multibody system of a case by compiled equations; a `formulation.TrackSystem`.
 
     Attributes
@@ -67,6 +64,8 @@ class CompiledSystem(Integrated):
     case, contact, floating, point, layout :
         The case, its `GroundContact`, flexible shoe (or None) and drive point, and the layout of states.
     """
+
+    contact: PairGroundContact
 
     def __init__(self, case: Case, parts: Parts) -> None:
         contact = parts.contact
@@ -105,10 +104,6 @@ class CompiledSystem(Integrated):
         touching = (treads.depth > 0.0)[:, None]
         forces, feet = -treads.force * touching, treads.foot * touching
         return forces.reshape(shape), feet.reshape(shape), treads.rear.copy()
-
-    def sunken(self) -> list[int]:
-        """None: the pair law pushes a shoe up from any depth."""
-        return []
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free; a side frame is always moved."""

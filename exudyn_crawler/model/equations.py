@@ -28,9 +28,8 @@ from exudyn_crawler.model.bodies import (
 from exudyn_crawler.model.elimination import front, solving, solving_within
 from exudyn_crawler.model.forces.loads import add_loads
 from exudyn_crawler.model.forces.treads import tread_contacts
-from exudyn_crawler.model.forces.units import TerrainModes, UnitWorkspace, add_terrain, unit_contacts
-from exudyn_crawler.model.joints import ROWS, add_holds, add_pins, add_speeds
-from exudyn_crawler.model.pull import Pull, write_pull
+from exudyn_crawler.model.forces.units import TerrainTable, UnitWorkspace, add_terrain, unit_contacts
+from exudyn_crawler.model.joints import ROWS, Pull, add_holds, add_pins, add_speeds, write_pull
 from exudyn_crawler.model.tables import Inputs, Tables, Workspace, named_tables
 
 STIFFNESS = 1e9
@@ -169,7 +168,7 @@ def _add_tread_rows(bodies: Bodies, treads: tuple | None, count: int, residual: 
 
 @solving_within
 def _block_motions(
-    terrain: TerrainModes, rows: ForceRows, first: int, last: int, sizes: tuple[int, int, int]
+    terrain: TerrainTable, rows: ForceRows, first: int, last: int, sizes: tuple[int, int, int]
 ) -> FloatArray:
     """Motions of elements of the same bodies by the coordinates of these and the terrain's, row under row."""
     kinds = rows.wrench.shape[1]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.model.compiled_system import CompiledSystem
 from exudyn_crawler.model.equations import STIFFNESS
-from exudyn_crawler.model.failure import NewtonError
+from exudyn_crawler.model.track_system import NewtonError
 
 STEPS = (1e-7, 1e3)
 """Half steps of central differences: of coordinates (m, rad, modal), far below the 0.1 mm of the contact's

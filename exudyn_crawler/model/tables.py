@@ -17,9 +17,8 @@ from exudyn_crawler.model.bodies import Bodies, Modes
 from exudyn_crawler.model.elimination import Fronts
 from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.treads import Rollers, TreadWorkspace
-from exudyn_crawler.model.forces.units import TerrainModes, UnitWorkspace
-from exudyn_crawler.model.joints import ROWS, Joints, Markers
-from exudyn_crawler.model.pull import PULLED, Pull
+from exudyn_crawler.model.forces.units import TerrainTable, UnitWorkspace
+from exudyn_crawler.model.joints import PULLED, ROWS, Joints, Markers, Pull
 
 
 class FrontRows(NamedTuple):
@@ -67,7 +66,7 @@ class Tables(NamedTuple):
     markers: Markers
     joints: Joints
     loads: Loads
-    terrain: TerrainModes
+    terrain: TerrainTable
     flexible: IntArray
     contact: tuple
     fronts: Fronts
@@ -176,7 +175,7 @@ def named_tables(values: tuple) -> Tables:
         Markers(*markers),
         Joints(*joints),
         Loads(*loads),
-        TerrainModes(*terrain),
+        TerrainTable(*terrain),
         flexible,
         contact,
         Fronts(*fronts),

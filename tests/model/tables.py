@@ -9,7 +9,7 @@ from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.elimination import fronts_of
 from exudyn_crawler.model.forces.loads import Loads
-from exudyn_crawler.model.forces.units import TerrainModes
+from exudyn_crawler.model.forces.units import TerrainTable
 from exudyn_crawler.model.joints import ROWS, Joints, Markers
 from exudyn_crawler.model.newton import step
 from exudyn_crawler.model.tables import FrontRows, Inputs, Tables, Workspace
@@ -57,7 +57,7 @@ def hinged(masses, inertias, pins, held=()):
             np.array(rows),
         ),
         loads=Loads(none, none),
-        terrain=TerrainModes(
+        terrain=TerrainTable(
             empty, empty, np.zeros((0, 4)), np.zeros((1, 1)), np.zeros((1, 1)), np.zeros(1), 6 * count
         ),
         flexible=np.array([size, 0]),

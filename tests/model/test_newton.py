@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler import Case
 from exudyn_crawler.model import compiled_system as compiled
-from exudyn_crawler.model import integrator
+from exudyn_crawler.model import engine
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
@@ -76,8 +76,8 @@ def by_exudyn(solver, mbs, settings, state):
 
 
 def test_a_step_tried_again_starts_from_the_algorithmic_acceleration_of_its_start():
-    undisturbed = greatest_error(integrator.predict, fails=False)
-    assert greatest_error(integrator.predict) < 1.1 * undisturbed
+    undisturbed = greatest_error(engine.predict, fails=False)
+    assert greatest_error(engine.predict) < 1.1 * undisturbed
 
 
 def test_exudyn_starts_a_step_that_failed_from_the_algorithmic_acceleration_of_its_end():

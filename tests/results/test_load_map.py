@@ -8,7 +8,7 @@ import pytest
 from exudyn_crawler import simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
-from exudyn_crawler.model.rail_rows import cubic_weights, rail_rows
+from exudyn_crawler.model.shoe_mesh import cubic_weights, rail_rows
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.actions import Action, OnRail, OverRectangle, actions
 from exudyn_crawler.results.loads.exports import roller_loads

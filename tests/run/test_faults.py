@@ -12,7 +12,7 @@ from exudyn_crawler.model import compiled_system as compiled
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.exudyn.system import ExudynSystem
-from exudyn_crawler.model.failure import NewtonError
+from exudyn_crawler.model.track_system import NewtonError
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.integration import at_fault, integrate
 

@@ -10,7 +10,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.ground.terrain import terrain_joints
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.exudyn.euler_parameters import UNTURNED
-from exudyn_crawler.model.forces.units import TerrainModes
+from exudyn_crawler.model.forces.units import TerrainTable
 from exudyn_crawler.model.state import BODY_COORDINATES
 from exudyn_crawler.model.tables import Tables
 
@@ -223,7 +223,7 @@ def floating_integrals(tables: Tables) -> dict[str, NDArray]:
     }
 
 
-def add_terrain_modes(mbs: "exu.MainSystem", terrain: TerrainModes, gravity: NDArray) -> list[int]:
+def add_terrain_modes(mbs: "exu.MainSystem", terrain: TerrainTable, gravity: NDArray) -> list[int]:
     """Terrain in its independent coordinates; gives their node."""
     size = len(terrain.stiffness)
     node = _generic_node(mbs, "terrain", size)

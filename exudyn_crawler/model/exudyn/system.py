@@ -29,9 +29,8 @@ from exudyn_crawler.model.exudyn.bodies import (
 from exudyn_crawler.model.exudyn.drive import FrontShoe, add_dashpots, add_loads, add_slope_friction
 from exudyn_crawler.model.exudyn.euler_parameters import SIZE, BodyCoordinates
 from exudyn_crawler.model.exudyn.spheres import add_spheres
-from exudyn_crawler.model.failure import NewtonError
-from exudyn_crawler.model.integrated import Integrated
 from exudyn_crawler.model.state import RATES, StateLayout, pin_name
+from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 
 SHARPENING = 0.1
 """Of the residual that ends a step: with the Jacobian of an earlier step the iteration ends just below it,
@@ -41,7 +40,7 @@ PIN_ROWS = [0, 1, 2, 3, 5]
 """Multipliers of a pin among the six of Exudyn's joint, whose free rotation has one that is zero."""
 
 
-class ExudynSystem(Integrated):
+class ExudynSystem(TrackSystem):
     """Multibody system of a case of Exudyn's own items; a `formulation.TrackSystem`.
 
     Parameters
@@ -64,8 +63,6 @@ class ExudynSystem(Integrated):
     ValueError
         If the case has a side frame, which the compiled equations alone carry.
     """
-
-    treads = None
 
     def __init__(self, case: Case, static: bool = False) -> None:
         if case.undercarriage is not None:

@@ -9,7 +9,7 @@ from exudyn_crawler.model.bodies import Bodies
 from exudyn_crawler.model.elimination import solving_within
 
 
-class TerrainModes(NamedTuple):
+class TerrainTable(NamedTuple):
     """Terrain in its own coordinates, whose mass is 1; arrays over them.
 
     `heave` and `tilt` (units, coordinates) carry the units, `reference` (units, 4) is where they are with
@@ -41,7 +41,7 @@ class UnitWorkspace(NamedTuple):
 
 
 @solving_within
-def _place_units(terrain: TerrainModes, q: FloatArray, out: FloatArray) -> None:
+def _place_units(terrain: TerrainTable, q: FloatArray, out: FloatArray) -> None:
     """Write heave and tilt of the units by all coordinates, or their rates."""
     for u in range(terrain.heave.shape[0]):
         z = a = 0.0
@@ -55,7 +55,7 @@ def _place_units(terrain: TerrainModes, q: FloatArray, out: FloatArray) -> None:
 def unit_contacts(
     bodies: Bodies,
     flexible: IntArray,
-    terrain: TerrainModes,
+    terrain: TerrainTable,
     contact: tuple,
     state: FloatArray,
     weights: Weights,
@@ -94,7 +94,7 @@ def unit_contacts(
 
 @solving_within
 def add_terrain(
-    terrain: TerrainModes,
+    terrain: TerrainTable,
     rows: ForceRows,
     count: int,
     state: FloatArray,

@@ -20,7 +20,7 @@ from exudyn_crawler.results.history.files import LAYOUT_VERSION, TERRAIN_COORDIN
 from exudyn_crawler.results.history.history import History
 
 if TYPE_CHECKING:
-    from exudyn_crawler.model.formulation import TrackSystem
+    from exudyn_crawler.model.track_system import TrackSystem
 
 AXES = ["x", "y", "z"]
 

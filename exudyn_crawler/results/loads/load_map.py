@@ -35,7 +35,7 @@ from exudyn_crawler.case import Case, FlexibleShoes, Rails, Track, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import integrated_in, shoe_model, weights_a_metre, whole_reduction
-from exudyn_crawler.model.rail_rows import STATIONS, cubic_weights, extended, station_spacing, strip_weights
+from exudyn_crawler.model.shoe_mesh import STATIONS, cubic_weights, extended, station_spacing, strip_weights
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads.actions import (
     Action,

@@ -9,10 +9,9 @@ from exudyn_crawler.ground.coordinates import ReducedCoordinates, terrain_coordi
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.exudyn.system import ExudynSystem
-from exudyn_crawler.model.failure import NewtonError
-from exudyn_crawler.model.formulation import TrackSystem
 from exudyn_crawler.model.rest import crept, rest
 from exudyn_crawler.model.state import SIDE_FRAME
+from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.run.solve.integration import at_fault
 from fem.interrupts import interrupts_wait
 

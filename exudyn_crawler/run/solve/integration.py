@@ -13,9 +13,9 @@ from threadpoolctl import threadpool_limits
 from exudyn_crawler.case import Case, Solver
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.model.engine import exu
-from exudyn_crawler.model.failure import NewtonError
-from exudyn_crawler.model.formulation import TrackSystem, track_system
+from exudyn_crawler.model.formulation import track_system
 from exudyn_crawler.model.state import StateLayout
+from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.folder.checkpoints import Checkpoints

@@ -8,8 +8,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.case.files.case_file import check_duration, check_size
 from exudyn_crawler.case.parameters.checks import warn_implausible
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.model.formulation import EQUATIONS, track_system
-from exudyn_crawler.model.two_processes import compile_equations
+from exudyn_crawler.model.formulation import EQUATIONS, compile_equations, track_system
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.progress import note

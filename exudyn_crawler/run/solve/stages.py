@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.model.formulation import TrackSystem
+from exudyn_crawler.model.track_system import TrackSystem
 from exudyn_crawler.results.history.files import Chunk, joined
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import system_history
@@ -157,7 +157,8 @@ class RunStages:
         """
         rows = self._recorder.taken()
         unfinished = [Chunk.of(system_history(self._system, rows).dataset)] if len(rows) else []
-        chunks = self._in_memory + unfinished
+        pieces = self._in_memory + unfinished
         if self._checkpoints is None:
-            return History(self._system.case, joined(chunks))
-        return History.load(self._checkpoints.save_history(self._system.case, self._kept, chunks))
+            return History(self._system.case, joined(pieces))
+        whole = self._checkpoints.pieces(self._kept) + pieces
+        return History.load(self._checkpoints.save_history(self._system.case, whole))
