@@ -22,9 +22,8 @@ from exudyn_crawler.case import Case, CaseFile, Outputs, read_case
 from exudyn_crawler.case.files.errors import toml_content
 from exudyn_crawler.case.files.files import case_of, errors_named, from_content, with_base
 from exudyn_crawler.case.parameters.base import Parameters
-from exudyn_crawler.case.parameters.fields import BASE, TAG, named_values
+from exudyn_crawler.case.parameters.fields import BASE, named_values
 from exudyn_crawler.errors import ImplausibleWarning
-from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import Answers
 from exudyn_crawler.sweep.vary import Vary, checked_case, idle
@@ -252,13 +251,10 @@ def read_sweep(path: str | Path) -> Sweep:
         content = toml_content(path, "sweep file")
         if "case" not in content:
             raise ValueError("case must be a case file, the name of a case, or a table of one")
-        case_file = _case(content["case"], path)
+        case = _case(content.pop("case"), path).model_dump(mode="json")
         for one in content["vary"] if isinstance(content.get("vary"), list) else ():
             _resolve_meshes(one, path.parent)
-        whole = content | {"case": case_file.model_dump(mode="json")}
-        if isinstance(content.get("answers"), list):
-            whole["answers"] = [_answer(one, number) for number, one in enumerate(content["answers"])]
-        return from_content(Sweep, whole)
+        return from_content(Sweep, with_base(content, (Sweep,), {}, ()) | {"case": case})
 
 
 def _case(entry: Any, path: Path) -> CaseFile:
@@ -272,27 +268,16 @@ def _case(entry: Any, path: Path) -> CaseFile:
     return read_case(path.parent / entry)
 
 
-def _answer(entry: Any, number: int) -> Any:
-    """Answer of a sweep file; one that does not say what it is, is a quantity."""
-    if not isinstance(entry, dict):
-        return entry
-    if isinstance(entry.get("material"), dict):
-        place = ("answers", number, "material")
-        entry = entry | {"material": with_base(entry["material"], (FatigueMaterial,), {}, place)}
-    return {TAG: "quantity", **entry}
-
-
 def _resolve_meshes(varied: Any, folder: Path) -> None:
     """Put whole paths in place of names of mesh files that vary."""
-    if not isinstance(varied, dict):
-        return
-    if varied.get("key") == MESH and isinstance(varied.get("values"), list):
-        varied["values"] = [_resolved(one, folder) for one in varied["values"]]
-    if isinstance(varied.get("key"), list) and MESH in varied["key"]:
-        place = varied["key"].index(MESH)
-        for row in varied["settings"] if isinstance(varied.get("settings"), list) else ():
-            if isinstance(row, list) and len(row) > place:
-                row[place] = _resolved(row[place], folder)
+    match varied:
+        case {"key": str(key), "values": list(values)} if key == MESH:
+            values[:] = [_resolved(one, folder) for one in values]
+        case {"key": list(keys), "settings": list(rows)} if MESH in keys:
+            place = keys.index(MESH)
+            for row in rows:
+                if isinstance(row, list) and len(row) > place:
+                    row[place] = _resolved(row[place], folder)
 
 
 def _resolved(mesh: Any, folder: Path) -> Any:

@@ -232,6 +232,8 @@ def with_base(
     name = given.pop(fields.BASE, None)
     if name is not None:
         values = _named(name, kind, path)
+    if len(kinds) > 1:
+        values.setdefault(fields.TAG, fields.tag_of(kind))
     for key, value in given.items():
         field = kind.model_fields.get(key)
         parts = fields.models_of(field.annotation) if field else ()
@@ -241,6 +243,11 @@ def with_base(
             under = values.get(key)
             under = under if isinstance(under, dict) else {}  # none, or the list of a table given by mistake
             values[key] = with_base(value, parts, under, (*path, key))
+        elif parts and isinstance(value, list):
+            values[key] = [
+                with_base(one, parts, {}, (*path, key, number)) if isinstance(one, dict) else one
+                for number, one in enumerate(value)
+            ]
         else:
             values[key] = value
     return values
