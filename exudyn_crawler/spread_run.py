@@ -105,7 +105,7 @@ def spread(
         Number of starts, its own among them.
     laws : bool
         Repeat it, too, with the contact law of a pair given whole to each, or shared by area, whichever it
-        has not. Under a side frame shoes share by area alone, and spheres have no other law.
+        has not. Under rollers shoes share by area alone, and spheres have no other law.
     overwrite : bool
         Replace what earlier ones have found, and repeated runs of other cases.
     progress, say
@@ -161,7 +161,7 @@ def nudged(case: Case, times: int) -> Case:
 def laws_beside(case: Case) -> dict[str, Case]:
     """Same case with laws of contact that could stand for the same ground, by name."""
     contact = case.contact
-    if not isinstance(contact, PairContact) or case.undercarriage is not None:
+    if not isinstance(contact, PairContact) or case.is_rolled:
         return {}
     other = "area" if contact.sharing == "pair" else "pair"
     return {f"law by {other}": case.with_(contact=contact.with_(sharing=other))}

@@ -157,6 +157,11 @@ class Case(Parameters):
         return np.array([frame.start, self.track.first_com[1], height])
 
     @property
+    def is_rolled(self) -> bool:
+        """Whether rollers of a side frame roll over the shoes."""
+        return self.undercarriage is not None
+
+    @property
     def is_compiled(self) -> bool:
         """Whether a run takes the compiled equations of motion."""
         can_be = isinstance(self.contact, PairContact) and self.terrain_formulation == "reduced"

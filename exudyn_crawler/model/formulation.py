@@ -29,29 +29,29 @@ def track_system(case: Case) -> TrackSystem:
 
 
 @cache
-def compile_equations(framed: bool) -> None:
-    """Compile residual and matrix, with or without a side frame, unless they are kept; once a process.
+def compile_equations(rolled: bool) -> None:
+    """Compile residual and matrix, with or without treads, unless they are cached; once a process.
 
-    What fails beside this process, such as a disk that keeps nothing, is compiled when it is called.
+    What fails beside this process, such as a disk that stores nothing, is compiled when it is called.
     """
     begun: list[subprocess.Popen] = []
-    with notify_compiling([residual], lambda: begun.append(_beside(framed))):
-        _compile(_any_system(framed), "residual")
+    with notify_compiling([residual], lambda: begun.append(_beside(rolled))):
+        _compile(_any_system(rolled), "residual")
     for process in begun:
         process.wait()
 
 
-def compile_matrix(framed: bool) -> None:
+def compile_matrix(rolled: bool) -> None:
     """Compile the matrix, its elimination and the contacts that a history keeps."""
-    system = _any_system(framed)
+    system = _any_system(rolled)
     _compile(system, "matrix")
     none = np.zeros(system.layout.coordinate_count)
     system.contact.results(none, none)
 
 
-def _any_system(framed: bool) -> CompiledSystem:
+def _any_system(rolled: bool) -> CompiledSystem:
     """System of a case; sizes and numbers are all that others differ in."""
-    return compiled_system(Case.rolled() if framed else Case.translation())
+    return compiled_system(Case.rolled() if rolled else Case.translation())
 
 
 def _compile(system: CompiledSystem, part: str) -> None:
@@ -59,10 +59,10 @@ def _compile(system: CompiledSystem, part: str) -> None:
         function.compile(tuple(typeof(one) for one in arguments))
 
 
-def _beside(framed: bool) -> subprocess.Popen:
+def _beside(rolled: bool) -> subprocess.Popen:
     """Process that compiles the matrix; no fork, which threads do not survive, and no script run anew."""
     return subprocess.Popen(
-        [sys.executable, "-c", f"from {__name__} import compile_matrix; compile_matrix({framed})"],
+        [sys.executable, "-c", f"from {__name__} import compile_matrix; compile_matrix({rolled})"],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

@@ -31,7 +31,7 @@ FEW, MANY = 8, 25
 
 
 def crept(system: CompiledSystem, guess: NDArray) -> NDArray:
-    """Coordinates that a track under a side frame has crept to from a guess.
+    """Coordinates that a track under rollers has crept to from a guess.
 
     Frictionless it may have no rest at all: the rollers fold the chain up, and only friction holds the shoes
     where they are. So all bodies creep to where they stay, without inertia and slowed in proportion to their

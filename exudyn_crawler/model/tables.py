@@ -56,7 +56,7 @@ class Tables(NamedTuple):
     fronts, rows :
         Order of the elimination, and where terms go.
     rollers : Rollers, optional
-        Those of a side frame.
+        Those that roll over the shoes.
     pull : Pull, optional
         What the drive pulls; without it the drive's force acts at its marker alone.
     """

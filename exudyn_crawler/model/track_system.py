@@ -63,7 +63,7 @@ class TrackSystem(ABC):
 
     @property
     def treads(self) -> Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]] | None:
-        """Reads the treads of a side frame at a time (s), coordinates and rates; None without a frame.
+        """Reads the treads of rollers at a time (s), coordinates and rates; None without rollers.
 
         Gives forces on the shoes and their places, both (rollers, strips of both rails, 2, 3), global, N and
         m, on the shoe behind every roller's axis and on the next, and the former's index (rollers,).

@@ -3,7 +3,7 @@
 Exudyn forms the equations of motion, with Euler parameters in place of angles and its own floating frames of
 reference, and differentiates them numerically; the contact of shoes and units is one user force that calls
 the kernel of the compiled equations. States are those of the compiled equations. It carries every case
-without a side frame; the compiled equations are checked against it.
+without rollers; the compiled equations are checked against it.
 """
 
 import dataclasses
@@ -61,12 +61,12 @@ class ExudynSystem(TrackSystem):
     Raises
     ------
     ValueError
-        If the case has a side frame, which the compiled equations alone carry.
+        If the case is rolled, which the compiled equations alone carry.
     """
 
     def __init__(self, case: Case, static: bool = False) -> None:
-        if case.undercarriage is not None:
-            raise ValueError("undercarriage must be None for a system of Exudyn's items")
+        if case.is_rolled:
+            raise ValueError("the case must not be rolled for a system of Exudyn's items")
         parts = parts_of(case)
         self.case, self.floating, self.point, self.contact = case, parts.floating, parts.point, parts.contact
         self._coordinates = BodyCoordinates(parts.tables.bodies.reference)

@@ -10,7 +10,6 @@ from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.rest import crept, rest
-from exudyn_crawler.model.state import SIDE_FRAME
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.run.solve.integration import at_fault
 from fem.interrupts import interrupts_wait
@@ -83,11 +82,11 @@ def _compiled_rest(case: Case) -> NDArray:
     system = compiled_system(case)
     guess = _first_guess(system)
     try:
-        if case.undercarriage is not None:
+        if case.is_rolled:
             return _crept(case, guess)
         return rest(system, guess, RESIDUAL, ITERATIONS)
     except NewtonError as failed:
-        if case.terrain.profile is None or case.undercarriage is not None:
+        if case.terrain.profile is None or case.is_rolled:
             raise _no_rest(system, failed) from failed
     return _on_rising_ground(case)
 
@@ -109,7 +108,7 @@ def _on_rising_ground(case: Case) -> NDArray:
 
 
 def _crept(case: Case, guess: NDArray) -> NDArray:
-    """Where a track under a side frame creeps to, with as little oil as lets it."""
+    """Where a track under rollers creeps to, with as little oil as lets it."""
     for speed in OIL_SPEEDS[:-1]:
         try:
             return crept(compiled_system(_oiled(case, speed)), guess)
@@ -231,7 +230,7 @@ def _first_guess(system: TrackSystem) -> NDArray:
     q = np.zeros(system.layout.coordinate_count)
     shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
     # rails of neighbours at one height: rollers may be on either
-    loads = case.pressed(case.first_loads if case.undercarriage is None else case.loads.loads(0.0)[0])
+    loads = case.pressed(case.loads.loads(0.0)[0] if case.is_rolled else case.first_loads)
     sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
     shoes[:, 2] = -sag - system.contact.settled_depth(loads)
     x, half = system.contact.shoe_reference[:, 0], 0.5 * case.shoe.length
@@ -240,6 +239,6 @@ def _first_guess(system: TrackSystem) -> NDArray:
     shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
     terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
     terrain[:] = system.contact.coordinates.sunk_evenly(-sag)
-    if system.layout.has(SIDE_FRAME):
+    if case.is_rolled:  # the frame's coordinates come last
         q[-4] = shoes[0, 2] - FIRST_DEPTH
     return q

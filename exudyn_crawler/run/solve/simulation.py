@@ -66,7 +66,7 @@ def simulate(
     # matrices of a step are so small that threads wait for each other, and round by how many they are
     with told, threadpool_limits(1, user_api="blas"):
         if case.is_compiled:
-            compile_equations(framed=case.undercarriage is not None)
+            compile_equations(case.is_rolled)
         system = track_system(case)
         system.set_initial(static_equilibrium(case))
         return integrate(system, duration, progress, checkpoints=checkpoints)
