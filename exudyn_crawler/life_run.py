@@ -54,14 +54,14 @@ def life(
     FileExistsError
         Before anything is counted, if results are there and `overwrite` is false.
     """
-    given = duty if isinstance(duty, Duty) else read_duty(duty)
+    duty = duty if isinstance(duty, Duty) else read_duty(duty)
     folder = None if out is None else Path(out)
     if folder is not None:
         for name in FILES:
             refuse_existing(folder / name, overwrite)
-    with heartbeat(f"life of {given.name}"):
-        histories = _histories(given)
-        found = life_of(given, histories, say, _spreads(given, histories))
+    with heartbeat(f"life of {duty.name}"):
+        histories = _histories(duty)
+        found = life_of(duty, histories, say, _spreads(duty, histories))
         if folder is not None:
             write_life(found, writable_folder(folder), overwrite)
     return found

@@ -8,12 +8,13 @@ A package, the studies first of all, registers commands and cases in the metadat
     [project.entry-points."exudyn_crawler.cases"]
     stress = "studies.cases:stress"
 
-A command is a function as Typer takes it; its options `debug`, `out` and `overwrite` are those of
-`cli.application`. A case is a function without arguments that returns a `CaseFile`, to start from with ``init
---study NAME``. Neither is loaded before it is asked for, so that its module of commands should import what
-is heavy in its functions.
+A command is a function as Typer takes it, which gets the option `debug`; its options `out` and `overwrite`
+are those of `cli.application`. A case is a function without arguments that returns a `CaseFile`, to start
+from with ``init --study NAME``. Neither is loaded before it is asked for, so that its module of commands
+should import what is heavy in its functions.
 """
 
+import inspect
 import os
 import signal
 import sys
@@ -109,7 +110,7 @@ BAD_INPUT_ERRORS = (
 
 
 def readable(function: Callable[..., None]) -> Callable[..., None]:
-    """Give a command's errors and warnings in a line each; its option `debug` shows the traceback first.
+    """Give a command's errors and warnings in a line each, and the option `debug`, which shows tracebacks.
 
     Its exit code is 2 for bad input, 3 for a run that stopped early, 130 for an interrupt outside of a run
     and 1 for all else, such as a full disk.
@@ -118,8 +119,12 @@ def readable(function: Callable[..., None]) -> Callable[..., None]:
     def show(message: Warning | str, *_where: Any, **_how: Any) -> None:
         print(f"warning: {' '.join(str(message).split())}", file=sys.stderr)
 
+    signature = inspect.signature(function)
+    takes_debug = "debug" in signature.parameters
+
     @wraps(function)
     def reporting(*args: Any, **options: Any) -> None:
+        debug = options.get("debug", False) if takes_debug else options.pop("debug", False)
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = show
@@ -129,13 +134,17 @@ def readable(function: Callable[..., None]) -> Callable[..., None]:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise SystemExit(OTHER) from error
         except (Exception, KeyboardInterrupt) as error:
-            if options.get("debug", False):
+            if debug:
                 traceback.print_exc()
             lines, code = _lines(error)
             for line in lines:
                 print(f"error: {line}", file=sys.stderr)
             raise SystemExit(code) from error
 
+    if not takes_debug:
+        option = inspect.Parameter("debug", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Debug)
+        parameters = [*signature.parameters.values(), option]
+        reporting.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
     return reporting
 
 
@@ -202,7 +211,7 @@ def _command(entry: EntryPoint) -> Any:
     except Exception as error:
         broken = error
 
-    def fail(debug: Debug = False) -> None:
+    def fail() -> None:
         """Cannot be loaded."""
         raise broken
 

@@ -14,7 +14,6 @@ from exudyn_crawler.cli.application import (
     RESULTS,
     Changes,
     Commands,
-    Debug,
     Overwrite,
     Run,
     history_path,
@@ -67,7 +66,6 @@ def init(
     name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml", metavar="NAME")],
     study: Annotated[str, typer.Option(help="study whose case to start from, such as stress")] = START,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
-    debug: Debug = False,
 ) -> None:
     """Write a case file with every value, its unit and its meaning, to be changed and run.
 
@@ -87,7 +85,6 @@ def info(
         str, typer.Argument(help="case file, or name of a study", metavar="[CASE.toml|STUDY]")
     ] = START,
     changes: Changes = None,
-    debug: Debug = False,
 ) -> None:
     """Show a case with everything filled in, and what differs from the papers' case that is nearest.
 
@@ -130,7 +127,6 @@ def run(
     ] = None,
     changes: Changes = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Run a case file into a folder of its own.
 
@@ -141,7 +137,7 @@ def run(
 
     # what is refused is refused before the engine is loaded, which takes a second
     case_file = read_case(case, changes or ())
-    out = RESULTS / case.stem if out is None else out
+    out = out or RESULTS / case.stem
     refuse_occupied(out, case_file, overwrite)
     from exudyn_crawler.case_run import run_case
 
@@ -154,7 +150,6 @@ def report(
     run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
     out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Make one self-contained page of a run, to be read offline in a browser.
 
@@ -189,7 +184,6 @@ def animate(
     end: Annotated[float | None, typer.Option(help="s, last time shown; the run's end, if not given")] = None,
     speed: Annotated[float, typer.Option(help="simulated seconds that a second shows")] = 1.0,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Animate the track on the deforming terrain, or a flexible shoe with its stress, without a display.
 
@@ -199,7 +193,7 @@ def animate(
         raise ValueError("--scale must go without --stress, whose picture shows no ground")
     beside = history_path(run)
     default = beside.with_suffix(".mp4") if stress is None else beside.with_name(f"shoe_{stress}.mp4")
-    path = default if out is None else out
+    path = out or default
     history = loaded(run)  # refused before all that draws is loaded
     from exudyn_crawler.run.folder.progress import heartbeat
     from exudyn_crawler.run.folder.record import note_file

@@ -9,7 +9,6 @@ import typer
 
 from exudyn_crawler.cli.application import (
     RESULTS,
-    Debug,
     Overwrite,
     Run,
     history_path,
@@ -44,7 +43,6 @@ def node_stress(
     node: Annotated[int | None, typer.Option(help="number of the node, in place of --near")] = None,
     out: Out = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Write the stress at a place of a flexible shoe over time: tensor, principal stresses, von Mises.
 
@@ -68,8 +66,8 @@ def node_stress(
         f"greatest von Mises stress {mises[greatest] / at_node.MEGA:.4g} MPa "
         f"at t = {float(stress.time[greatest]):g} s"
     )
-    default = path.parent / f"stress_shoe_{shoe}_node_{number}.csv"
-    _write(at_node.node_table(stress), default if out is None else out, overwrite)
+    out = out or path.parent / f"stress_shoe_{shoe}_node_{number}.csv"
+    _write(at_node.node_table(stress), out, overwrite)
 
 
 @command
@@ -78,7 +76,6 @@ def pin_forces(
     shoe: Shoe,
     out: Out = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Write the forces and moments of a shoe's pins over time, in the shoe's axes.
 
@@ -87,8 +84,8 @@ def pin_forces(
     history = loaded(run, shoe)
     from exudyn_crawler.results.loads.exports import pin_table
 
-    default = history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
-    _write(pin_table(history, shoe), default if out is None else out, overwrite)
+    out = out or history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
+    _write(pin_table(history, shoe), out, overwrite)
 
 
 @command
@@ -101,7 +98,6 @@ def shoe_loads(
     program: Annotated[Program, typer.Option(help="finite-element program of the deck")] = Program.calculix,
     out: Annotated[Path | None, typer.Option(help="folder; that of the history, if not given")] = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Write all that acts on a shoe at one instant, in balance: a table, and a deck if it is flexible.
 
@@ -118,7 +114,7 @@ def shoe_loads(
         from exudyn_crawler.results.stress.recovery import peak_time
 
         time = peak_time(history, shoe)
-    folder = history_path(run).parent if out is None else out
+    folder = out or history_path(run).parent
     table = exports.action_table(history, shoe, time)
     name = f"loads_shoe_{shoe}_{exports.at_instant(history, time).duration:.4f}s"
     if flexible:
@@ -136,7 +132,6 @@ def compare(
         Path | None, typer.Option(help="page to write, its tables beside it; A_B.html, if not given")
     ] = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Lay two runs over each other: what differs in their cases and results, and their main curves.
 
@@ -155,7 +150,7 @@ def compare(
 
     by_run = {name: stress_of(run_folder(run)) for name, run in runs.items()}
     stresses = {name: stress for name, stress in by_run.items() if stress is not None}
-    page = Path("_".join(runs) + ".html") if out is None else out
+    page = out or Path("_".join(runs) + ".html")
     write_comparison(histories, page, stresses, overwrite)
     parameters, results = comparison_tables(histories, stresses)
     if parameters.empty:
@@ -193,7 +188,6 @@ def life(
         Path | None, typer.Option(help=f"folder of the results; {RESULTS}/DUTY, if not given")
     ] = None,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Give the life of the shoes in machine hours, where they crack and why, from a mix of runs.
 
@@ -206,7 +200,7 @@ def life(
     from exudyn_crawler.results.life.life import in_words
     from exudyn_crawler.views.tables import print_table
 
-    folder = RESULTS / duty.stem if out is None else out
+    folder = out or RESULTS / duty.stem
     result = life_into(asked, folder, overwrite=overwrite, say=typer.echo)
     shown = result.table.loc[:, :"main load"].drop(columns=[f"{axis} in the shoe in m" for axis in "xyz"])
     print_table(in_words(shown), f"{asked.name}: shortest lives by region")
@@ -221,7 +215,6 @@ def spread(
         bool, typer.Option(help="repeat it with the contact law shared by area, or whole a pair, too")
     ] = True,
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Repeat a run from starts that differ by rounding and by another contact law, and judge its stresses.
 
@@ -262,7 +255,6 @@ def sweep(
         str | None, typer.Option(help="folder of the runs instead, which all workers share")
     ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="run those anew that have failed")] = False,
-    debug: Debug = False,
 ) -> None:
     """Run a case with some of its values varied, on all cores or a cluster; the same command goes on.
 
@@ -276,7 +268,7 @@ def sweep(
     from exudyn_crawler.sweep.definition import read_sweep
 
     plan = read_sweep(file)
-    out = RESULTS / file.stem if out is None else out
+    out = out or RESULTS / file.stem
     from exudyn_crawler.sweep.running import folder_state, run_sweep
 
     if dry_run:

@@ -16,15 +16,9 @@ from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
 from exudyn_crawler.run.folder.progress import progress_bar
 from exudyn_crawler.run.folder.record import RunFolder, held, quiet, recorded
+from exudyn_crawler.sweep import results
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
-from exudyn_crawler.sweep.results import (
-    results_dataset,
-    results_table,
-    write_page,
-    write_parquet,
-    write_units_csv,
-)
 from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome
 
 RUNS = "runs"
@@ -133,12 +127,12 @@ def run_sweep(
                         work.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
                     tell(count)
         with work.timed("tables and page"):
-            table = results_table(sweep, planned, stored)
-            dataset = results_dataset(sweep, table)
-            write_units_csv(table, folder / TABLE)
-            write_parquet(table, folder / COLUMNS)
+            table = results.results_table(sweep, planned, stored)
+            dataset = results.results_dataset(sweep, table)
+            results.write_units_csv(table, folder / TABLE)
+            results.write_parquet(table, folder / COLUMNS)
             write_netcdf(dataset, folder / DATASET, overwrite=True)
-            write_page(sweep, table, folder, runs, work.say)
+            results.write_page(sweep, table, folder, runs, work.say)
             return SweepRun(sweep, table, dataset, folder)
 
 

@@ -21,15 +21,7 @@ NAME_SIZE, NAME_INSET = 6.5, 2.0
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes of a figure over time.
-
-    Attributes
-    ----------
-    label, unit : str
-        What is drawn and its unit.
-    curves : mapping
-        Series over time (dimension time) by their names.
-    """
+    """One pair of axes of a figure over time: what is drawn, its unit, and series (time,) by their names."""
 
     label: str
     unit: str
@@ -42,7 +34,7 @@ class Panel:
         return cls(label, next(iter(read.values())).attrs["units"], read)
 
 
-def draw_panel(ax: Axes, panel: Panel) -> Axes:
+def _draw_panel(ax: Axes, panel: Panel) -> None:
     """Draw the curves of a panel over time."""
     for name, values in panel.curves.items():
         ax.plot(values.time, values, label=name)
@@ -51,7 +43,6 @@ def draw_panel(ax: Axes, panel: Panel) -> Axes:
     low, high = ax.get_ylim()
     if high - low < 2.0 * floor:
         ax.set_ylim(-floor, floor)
-    return ax
 
 
 def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase] = ()) -> Figure:
@@ -69,7 +60,7 @@ def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase]
             hspace=0.12,
         )
         for ax, panel in zip(axes, panels, strict=True):
-            draw_panel(ax, panel)
+            _draw_panel(ax, panel)
         draw_phases(axes, phases)
         axes[-1].set_xlabel("time in s")
         # a case may have any name, also one that looks like a formula

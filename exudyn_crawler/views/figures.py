@@ -29,13 +29,8 @@ JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values(
 HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
 ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
 PULL = QUANTITIES["drive_pull"].label
-OF_FLEXIBLE_SHOES = {
-    "displacement": KINEMATICS["displacement"],
-    "velocity": "velocity",
-    "angular velocity": "angular velocity",
-    "contact force": "contact force",
-}
-"""Figures of the flexible shoes and what they show."""
+OF_FLEXIBLE_SHOES = ("displacement", "velocity", "angular velocity", "contact force")
+"""Figures of the flexible shoes."""
 OF_PINS = {"revolute joint reaction": "pin force", "revolute joint torque": "pin torque"}
 """Same of the pins, a figure for each side."""
 MODES_DRAWN = 6
@@ -184,7 +179,8 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
 def stress_figures(history: History, results: StressResults) -> dict[str, Figure]:
     """Figures 11 to 17 and 21 of the S-paper: flexible shoes over the cycle."""
     found, shoes = history_series(history, results.dataset), history.flexible_shoe.values
-    panels = {name: found[label].panels(shoe_names(shoes)) for name, label in OF_FLEXIBLE_SHOES.items()}
+    named = {name: found[KINEMATICS.get(name, name)] for name in OF_FLEXIBLE_SHOES}
+    panels = {name: one.panels(shoe_names(shoes)) for name, one in named.items()}
     for name, label in OF_PINS.items():
         for side in history.pin.values:
             panels[f"{side} {name}"] = _of_side(found[label], str(side)).panels()

@@ -13,10 +13,9 @@ from exudyn_crawler.files import whole_file
 if TYPE_CHECKING:
     import pandas as pd
 
-VERDICT_STYLES = {"yes": "green", "no": "red", "not reached": "", "": ""}
-DIGITS = 10
-"""Of a number in a CSV file: the last ones of sixteen are rounding alone, 1.5860000000000005 for 1.586."""
-NUMBER = f"%.{DIGITS}g"
+VERDICT_STYLES = {"yes": "green", "no": "red"}
+NUMBER = "%.10g"
+"""In a CSV file: the last digits of sixteen are rounding alone, 1.5860000000000005 for 1.586."""
 
 
 def print_rows(
@@ -33,28 +32,27 @@ def print_rows(
     console = console or Console()
     if not console.is_terminal:
         console = Console(width=150)
-    shown = Table(title=escape(title), title_justify="left")
-    right = set(numeric)
+    shown, right = Table(title=escape(title), title_justify="left"), set(numeric)
     for name in columns:
         shown.add_column(escape(name), justify="right" if name in right else "left")
     verdict = columns.index("within") if "within" in columns else None
     for row in rows:
         style = "" if verdict is None else VERDICT_STYLES.get(str(row[verdict]), "")
-        shown.add_row(*(escape(_cell(value)) for value in row), style=style)
+        shown.add_row(*(escape(cell_text(value)) for value in row), style=style)
     console.print(shown)
 
 
-def _cell(value: object) -> str:
+def cell_text(value: object) -> str:
+    """Cell of a table as a reader sees it."""
     if isinstance(value, float):
         return "" if value != value else f"{value:.4g}"
     return str(value)
 
 
 def print_table(table: "pd.DataFrame", title: str, console: Console | None = None) -> None:
-    """Print a table; a column `within` is coloured."""
+    """Print a table as of `print_rows`."""
     numeric = [str(name) for name in table.columns if table[name].dtype.kind in "biuf"]
-    rows = table.itertuples(index=False)
-    print_rows([str(name) for name in table.columns], rows, title, numeric, console)
+    print_rows([*map(str, table.columns)], table.itertuples(index=False), title, numeric, console)
 
 
 def write_table(table: "pd.DataFrame", path: Path, overwrite: bool = False) -> Path:
@@ -65,13 +63,7 @@ def write_table(table: "pd.DataFrame", path: Path, overwrite: bool = False) -> P
 
 
 def within_by_class(table: "pd.DataFrame") -> "pd.DataFrame":
-    """How many rows of a comparison are within, of those with a verdict: columns class, within, of.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        With the columns class and within: yes, no, or else without a verdict.
-    """
+    """How many rows of a comparison with a verdict (yes or no) are within: columns class, within, of."""
     judged = table[table["within"].isin(["yes", "no"])]
     is_within = judged.assign(within=judged["within"] == "yes").groupby("class", sort=False)["within"]
     return is_within.agg(["sum", "size"]).set_axis(["within", "of"], axis=1).reset_index()

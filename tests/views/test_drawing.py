@@ -14,7 +14,6 @@ from PIL import Image
 from exudyn_crawler.views.scenes import drawing
 from exudyn_crawler.views.scenes.drawing import draw_arrows, draw_solids, usual_backend
 from exudyn_crawler.views.scenes.scene import (
-    BOX_FACES,
     Arrows,
     Colouring,
     Placement,
@@ -51,7 +50,7 @@ def picture(surfaces, view, backend, window=(-1.0, 1.0, -1.0, 1.0), arrows=None)
     ax.set_axis_off()
     draw_solids(ax, surfaces, view, window, backend, dpi=100)
     if arrows is not None:
-        draw_arrows(ax, arrows, "#1f4fd8", view)
+        draw_arrows(ax, [arrows], view)
     memory = io.BytesIO()
     figure.savefig(memory, format="png", dpi=100)
     return np.asarray(Image.open(memory).convert("RGB")).astype(float)
@@ -117,7 +116,8 @@ def test_both_backends_give_one_colour_to_one_stress():
 
 @backends
 def test_arrows_point_from_tail_to_head(backend):
-    arrow = np.array([[[-0.8, -0.8, 0.1], [-0.8, 0.6, 0.1]]])
+    head, along = np.array([[[-0.8, 0.6, 0.1]]]), np.array([[[0.0, 1.4, 0.0]]])
+    arrow = Arrows("force", "#1f4fd8", head, along, 1.0)
     image = picture([square(0.2, 0.0, 0.2)], ABOVE, backend, arrows=arrow)
     blue = image[:, :, 2] - image[:, :, 0] > 60.0
     rows, columns = np.nonzero(blue)
@@ -154,14 +154,13 @@ def test_copies_of_a_solid_stand_where_they_are_placed_and_lifted():
     turned = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     solid = Solid(
         "box",
-        box(np.zeros(3), np.array([2.0, 1.0, 1.0])),
-        BOX_FACES,
+        *box(np.zeros(3), np.array([2.0, 1.0, 1.0])),
         "white",
         np.array([[[5.0, 0.0, 0.0], [np.nan] * 3, [0.0, 0.0, 0.0]]]),
         np.stack([np.eye(3), np.eye(3), turned])[None],
         lift=np.array([[0.0, 0.0, 0.1], [0.0, 0.0, 0.3]]),
     )
-    first, second = solid.at(0), solid.at(1)
+    first, second = (replace(solid, lift=solid.lift[row:]).at() for row in (0, 1))
     # the second copy is nowhere
     assert len(first.points) == 16
     assert first.points[:8].min(axis=0) == pytest.approx([5.0, 0.0, 0.0])
@@ -173,11 +172,11 @@ def test_copies_of_a_solid_stand_where_they_are_placed_and_lifted():
 
 
 def test_what_bends_is_drawn_larger_and_seen_the_same_in_its_own_axes():
-    points = box(-np.ones(3), np.ones(3))
+    points, faces = box(-np.ones(3), np.ones(3))
     rng = np.random.default_rng(4)
     bend, heads = rng.normal(size=(1, 1, 8, 3)), rng.normal(size=(1, 1, 3))
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    solid = Solid("box", points, BOX_FACES, "white", bend=bend, larger=3.0)
+    solid = Solid("box", points, faces, "white", bend=bend, larger=3.0)
     assert solid.at().points == pytest.approx(points + 3.0 * bend[0, 0])
     placed = Placement(np.array([1.0, 2.0, 3.0]), turn)
     moved = replace(solid, origin=placed.origin[None, None], turn=turn[None, None])

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from exudyn_crawler.case.files.errors import error_lines, shown
-from exudyn_crawler.case.parameters.fields import case_rows, fields_of, parse_path, with_value
+from exudyn_crawler.case.parameters.fields import case_rows, parse_path, with_value
 from exudyn_crawler.errors import ParameterError
 
 FAR = 1e6
@@ -87,7 +87,8 @@ class Parameters(BaseModel):
         ParameterError
             Naming each field at fault, its value and what is allowed.
         """
-        values = fields_of(self) | fields
+        # of its pairs: a class may have a property `keys`
+        values = dict(iter(self)) | fields
         for path, value in (changes or {}).items():
             try:
                 values = with_value(values, parse_path(path), value, type(self))

@@ -39,26 +39,23 @@ class Drive(Parameters):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.speed.times[0] != 0.0 or self.speed.values[0] != 0.0:
-            raise ValueError(
-                f"speed must start from rest at t = 0, got {self.speed.values[0]} at {self.speed.times[0]} s"
-            )
-        if self.turn_rate is not None and (self.turn_rate.times[0] != 0.0 or self.turn_rate.values[0] != 0.0):
-            raise ValueError(
-                f"turn_rate must start from zero at t = 0, got {self.turn_rate.values[0]} at "
-                f"{self.turn_rate.times[0]} s"
-            )
         for name, rate in (("speed", self.speed), ("turn_rate", self.turn_rate)):
-            if rate is not None and max(map(abs, rate.values)) > FASTEST:
+            if rate is None:
+                continue
+            if rate.times[0] != 0.0 or rate.values[0] != 0.0:
+                got = f"{rate.values[0]} at {rate.times[0]} s"
+                raise ValueError(f"{name} must start from zero at t = 0, got {got}")
+            if max(map(abs, rate.values)) > FASTEST:
                 raise ValueError(f"{name} must not exceed {FASTEST:g} in size, got {list(rate.values)}")
         times = [time for window in self.on or () for time in window]
         if times and (times[0] < 0.0 or np.any(np.diff(times) <= 0.0)):
             raise ValueError(f"on must be times from 0 s that increase, got {self.on}")
         for start, _ in self.on or ():
-            if abs(float(self.speed.value(start))) > 1e-9:
+            speed = float(self.speed.value(start))
+            if abs(speed) > 1e-9:
                 raise ValueError(
-                    f"speed must be zero where the drive goes on, at {start:g} s, "
-                    f"got {float(self.speed.value(start)):g} m/s: the front shoe is at rest there"
+                    f"speed must be zero where the drive goes on, at {start:g} s, got {speed:g} m/s: "
+                    "the front shoe is at rest there"
                 )
         return self
 

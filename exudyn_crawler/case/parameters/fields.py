@@ -77,7 +77,7 @@ def with_change(
                 raise ValueError(f"{path_text(above)} has {len(items)} items, counted from 0, no [{number}]")
             items[number] = with_change(items[number], below, change, above=(*above, number))
         return type(values)(items)
-    table = fields_of(values) if isinstance(values, BaseModel) else values
+    table = dict(iter(values)) if isinstance(values, BaseModel) else values
     if not isinstance(table, dict):
         raise ValueError(f"{path_text(above)} must be a table to change a value of it, got {values!r}")
     fields = {} if kind is None else kind.model_fields
@@ -91,11 +91,6 @@ def with_change(
 def with_value(values: Any, path: KeyPath, value: Any, kind: type[BaseModel] | None = None) -> Any:
     """Copy with another value at a path; see `with_change`."""
     return with_change(values, path, lambda _before: value, kind)
-
-
-def fields_of(model: BaseModel) -> dict[str, Any]:
-    """Values of a parameter object by name."""
-    return {name: getattr(model, name) for name in type(model).model_fields}
 
 
 BASE = "base"

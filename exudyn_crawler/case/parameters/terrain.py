@@ -67,16 +67,14 @@ class Terrain(Parameters):
     )
 
     @model_validator(mode="after")
-    def _check_heights(self) -> Self:
+    def _check(self) -> Self:
         if self.heights is not None and len(self.heights) != self.unit_count:
             raise ValueError(f"heights must name every unit ({self.unit_count}), got {len(self.heights)}")
-        if self.profile is not None:
-            self._check_profile(len(self.profile))
-        return self
-
-    def _check_profile(self, count: int) -> None:
-        if count != self.columns + 1:
-            raise ValueError(f"profile must name every edge of columns ({self.columns + 1}), got {count}")
+        if self.profile is None:
+            return self
+        edges, count = self.columns + 1, len(self.profile)
+        if count != edges:
+            raise ValueError(f"profile must name every edge of columns ({edges}), got {count}")
         if self.heights is not None:
             raise ValueError("heights must be None where a profile is given, got both")
         if self.tilt != "pitch":
@@ -87,6 +85,7 @@ class Terrain(Parameters):
                 f"profile must not rise or fall by more than {STEEPEST:g} m a metre, got {steepest:g}, "
                 "which the model's small gaps and tilts would not hold for; terrain.grade leans all of it"
             )
+        return self
 
     @classmethod
     def kinematics(cls) -> Self:
@@ -211,12 +210,8 @@ class Terrain(Parameters):
     def middles(self) -> NDArray:
         """Middles of the units' top faces with the springs free: array (units, 2), m, global x and y."""
         column, row = np.divmod(np.arange(self.unit_count), self.rows)
-        return np.column_stack(
-            (
-                self.origin[0] + (column + 0.5) * self.unit_length,
-                self.origin[1] + (row + 0.5) * self.unit_width,
-            )
-        )
+        sides = np.array([self.unit_length, self.unit_width])
+        return np.array(self.origin) + (np.column_stack((column, row)) + 0.5) * sides
 
     @property
     def centers(self) -> NDArray:

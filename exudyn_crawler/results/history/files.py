@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import h5py
 import numpy as np
@@ -29,22 +29,25 @@ from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, select, variable
 from fem.interrupts import interrupts_wait
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 CASE = "case"
 """Attribute of a file."""
 LAYOUT_VERSION = "layout_version"
 """Attribute of the version of the states that a history was made of."""
+RATES = ("", "_rate", "_acceleration")
+TERRAIN = "terrain_motion"
+SHAPES = {"unit_heave": "heave_shape", "unit_tilt": "tilt_shape"}
+"""Shapes of the terrain's coordinates, by what they give."""
+TERRAIN_COORDINATES = tuple(select(per="terrain coordinate"))
+"""Coordinates of a history's dataset: what the units' motion is made of."""
 
 
-def with_case(dataset: "xr.Dataset", case: Case) -> "xr.Dataset":
+def with_case(dataset: xr.Dataset, case: Case) -> xr.Dataset:
     """Dataset of a history as a file holds it: with its case."""
     # ASCII, so that the text has a checksum
     return dataset.assign_attrs({CASE: json.dumps(case.model_dump(mode="json"))})
 
 
-def without_case(dataset: "xr.Dataset") -> "xr.Dataset":
+def without_case(dataset: xr.Dataset) -> xr.Dataset:
     """Dataset of a history from that of a file."""
     attributes = {name: value for name, value in dataset.attrs.items() if name != CASE}
     return dataset.drop_attrs(deep=False).assign_attrs(attributes)
@@ -78,24 +81,11 @@ def case_in_file(path: Path) -> Case:
     FileNotFoundError if there is none; ValueError if the file does not hold a history, or one of states laid
     out in another version.
     """
-    with reading_history(path):
-        return _case_of(path)
-
-
-def _case_of(path: Path) -> Case:
-    with h5py.File(path, "r") as file:
+    with reading_history(path), h5py.File(path, "r") as file:
         version = np.asarray(file.attrs.get(LAYOUT_VERSION, 0)).item()
         if version != VERSION:
             raise ValueError(f"its states have layout version {version}, this program reads {VERSION}")
         return saved_case(file.attrs[CASE])
-
-
-RATES = ("", "_rate", "_acceleration")
-TERRAIN = "terrain_motion"
-SHAPES = {"unit_heave": "heave_shape", "unit_tilt": "tilt_shape"}
-"""Shapes of the terrain's coordinates, by what they give."""
-TERRAIN_COORDINATES = tuple(select(per="terrain coordinate"))
-"""Coordinates of a history's dataset: what the units' motion is made of."""
 
 
 def unit_motion(shape: NDArray, coordinates: NDArray) -> NDArray:

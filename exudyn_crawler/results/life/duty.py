@@ -118,9 +118,9 @@ def check_shares(shares: dict[str, float]) -> None:
     """Refuse shares of the machine hours that are more than one together, by a ValueError."""
     whole = sum(shares.values())
     if whole > 1.0 + ROUNDING:
-        told = ", ".join(f"{name} {share:.4g}" for name, share in shares.items())
+        taken = ", ".join(f"{name} {share:.4g}" for name, share in shares.items())
         raise ValueError(
-            f"the runs must not take more than all machine hours, got {whole:.4g} of them: {told}"
+            f"the runs must not take more than all machine hours, got {whole:.4g} of them: {taken}"
         )
 
 

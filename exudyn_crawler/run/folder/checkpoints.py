@@ -8,7 +8,7 @@ its history are enough for a longer one to go on with.
 import json
 import shutil
 import zipfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from sys import intern
@@ -41,7 +41,7 @@ class Checkpoint:
     layout : str
         What the numbers of a state are, as JSON with its version.
     path : Path
-    piece : Chunk
+    chunk : Chunk
         What the stage stored, read from the file when it is needed.
     """
 
@@ -49,7 +49,7 @@ class Checkpoint:
     time: float
     layout: str
     path: Path
-    piece: Chunk
+    chunk: Chunk
 
     @property
     def state(self) -> NDArray:
@@ -135,16 +135,13 @@ class Checkpoints:
             found.append(_checkpoint(path, content))
         return found
 
-    def pieces(self, stages: Iterable[Checkpoint]) -> list[Chunk]:
-        """Pieces of the history that stages of `load` gave, the earlier run's among them."""
-        kept = list(stages)
-        before = [Chunk.of_file(self._earlier, kept[0].time)] if kept and kept[0].number else []
-        return before + [stage.piece for stage in kept]
-
-    def save_history(self, case: Case, pieces: list[Chunk]) -> Path:
-        """Write the history that pieces make into the folder."""
+    def save_history(self, case: Case, stages: Sequence[Checkpoint], more: Iterable[Chunk]) -> Path:
+        """Write the history of stages, the earlier run's before them, and of more chunks into the folder."""
         writable_folder(self.folder)
-        return save_joined(case, pieces, self.history, overwrite=True)
+        chunks = [*(stage.chunk for stage in stages), *more]
+        if stages and stages[0].number:
+            chunks.insert(0, Chunk.of_file(self._earlier, stages[0].time))
+        return save_joined(case, chunks, self.history, overwrite=True)
 
     def begin_from(self, end: Path, history: Path) -> None:
         """Go on behind a shorter run of the same case, of which `settle` kept the end."""
@@ -238,8 +235,8 @@ def _read(path: Path) -> _Content:
 def _checkpoint(path: Path, content: _Content) -> Checkpoint:
     """Checkpoint in a file without what is read from there, and checked, when it is needed."""
     whole = Chunk.of(content.history)
-    piece = Chunk(whole.times, whole.pairs, lambda: Chunk.of(_read(path).history).parts())
-    return Checkpoint(content.number, content.time, intern(content.layout), path, piece)
+    chunk = Chunk(whole.times, whole.pairs, lambda: Chunk.of(_read(path).history).parts())
+    return Checkpoint(content.number, content.time, intern(content.layout), path, chunk)
 
 
 def _other_parts(found: str, own: str) -> list[str]:

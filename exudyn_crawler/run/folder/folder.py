@@ -32,9 +32,9 @@ from exudyn_crawler.run.folder.record import (
     RunFolder,
     earlier_record,
     held,
-    named_files,
     quiet,
     recorded,
+    recorded_files,
 )
 from fem.interrupts import interrupts_wait
 
@@ -90,7 +90,7 @@ def run_in(
             for one in (out, *(out / name for name in cases or ())):
                 _empty(one)
         elif folder.holds is not Holds.NOTHING:
-            _remove(out, {name for name in _recorded_files(out) if not _stays(out, name)})
+            _remove(out, {name for name in recorded_files(out) if not _stays(out, name)})
         if case_file is not None:
             _write_case(out / CASE, case_file, replace=overwrite or folder.holds is not Holds.NOTHING)
         clear_partial_files(out, below=case_file is not None)
@@ -203,11 +203,7 @@ def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
 def _empty(out: Path) -> None:
     """Remove what an earlier run recorded in a folder, and what it was to go on with; the case file stays."""
     parts = {path.relative_to(out).as_posix() for path in out.glob(f"{CHECKPOINTS}/*.n[pc]*")}
-    _remove(out, (_recorded_files(out) | parts | {STOPPED_HISTORY, END}) - {CASE})
-
-
-def _recorded_files(out: Path) -> set[str]:
-    return named_files(earlier_record(out))
+    _remove(out, (recorded_files(out) | parts | {STOPPED_HISTORY, END}) - {CASE})
 
 
 def _stays(out: Path, name: str) -> bool:

@@ -50,9 +50,9 @@ def earlier_record(folder: Path) -> dict[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
-def named_files(record: dict[str, Any]) -> set[str]:
-    """Names of files that a record lists, without such as lead out of its folder or are no names."""
-    listed = record.get("files")
+def recorded_files(folder: Path) -> set[str]:
+    """Names of files that the record in a folder lists, without such as lead out of it or are no names."""
+    listed = earlier_record(folder).get("files")
     names = [one for one in listed if isinstance(one, str)] if isinstance(listed, list) else []
     paths = {name: Path(name) for name in names if "\0" not in name}
     return {
@@ -97,8 +97,8 @@ def commit() -> str:
             return done.stdout.strip()
         return ""
     with suppress(importlib.metadata.PackageNotFoundError, ValueError, TypeError, AttributeError):
-        told = json.loads(importlib.metadata.distribution(PROGRAM).read_text("direct_url.json") or "{}")
-        return str(told.get("vcs_info", {}).get("commit_id", ""))
+        source = json.loads(importlib.metadata.distribution(PROGRAM).read_text("direct_url.json") or "{}")
+        return str(source.get("vcs_info", {}).get("commit_id", ""))
     return ""
 
 
@@ -222,7 +222,7 @@ def recorded(folder: RunFolder) -> Iterator[None]:
     """Log and record what goes on in a folder, and which files it leaves there."""
     out = folder.path
     assert out is not None
-    before = named_files(earlier_record(out))
+    before = recorded_files(out)
     begun = datetime.now(UTC)
     record = {
         "status": "running",
@@ -281,8 +281,7 @@ def note_file(path: Path) -> None:
     if not earlier_record(out):
         return
     with suppress(BlockingIOError), held(out):
-        found = earlier_record(out)
-        write_record(out, found | {"files": sorted({*named_files(found), path.name})})
+        write_record(out, earlier_record(out) | {"files": sorted({*recorded_files(out), path.name})})
 
 
 @contextmanager

@@ -157,8 +157,7 @@ class RunStages:
         """
         rows = self._recorder.taken()
         unfinished = [Chunk.of(system_history(self._system, rows).dataset)] if len(rows) else []
-        pieces = self._in_memory + unfinished
+        chunks = self._in_memory + unfinished
         if self._checkpoints is None:
-            return History(self._system.case, joined(pieces))
-        whole = self._checkpoints.pieces(self._kept) + pieces
-        return History.load(self._checkpoints.save_history(self._system.case, whole))
+            return History(self._system.case, joined(chunks))
+        return History.load(self._checkpoints.save_history(self._system.case, self._kept, chunks))

@@ -76,14 +76,7 @@ def write_comparison(
 ) -> Path:
     """Write a page, to be read offline, of two runs: differences of cases and results, and main curves.
 
-    Parameters
-    ----------
-    histories : mapping
-        Two histories by name; the first is A, the second B.
-    path : Path
-        File to write (`.html`).
-    stresses : mapping, optional
-        Datasets of `StressResults` by the same names.
+    `histories` are two by name, the first A and the second B, `stresses` their datasets of `StressResults`.
 
     Raises
     ------

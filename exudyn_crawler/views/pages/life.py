@@ -1,12 +1,10 @@
 """Page of a life: the shoe in 3D with its life at every node, shortest lives, growing damage, material."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
-from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours, life_words
@@ -38,13 +36,7 @@ SHARES = (
 
 
 def write_life_page(found: LifeResults, path: Path, overwrite: bool = False) -> Path:
-    """Write one self-contained page of a life, to be read offline in a browser.
-
-    Raises
-    ------
-    FileExistsError
-        If it exists and `overwrite` is false.
-    """
+    """Write one self-contained page of a life, to be read offline in a browser; raises as `write_page`."""
     return write_page(life_page(found), path, overwrite)
 
 
@@ -92,37 +84,26 @@ def life_solid(found: LifeResults) -> Solid:
     """Surface of the shoe coloured by its life, over all places and at each, and by how far to trust it."""
     data = found.dataset
     used, corners = np.unique(data.triangle.values, return_inverse=True)
-    position = data.node_position.transpose("node", "axis").values[used]
-    life = data.life.isel(survival=-1).values[used]
-    trust = verdict_colouring(
-        found.dataset.verdict.values[used], life >= BEYOND, "long: life beyond 1e9 h", "how far to trust it"
-    )
-    return Solid(
-        "shoe",
-        position,
-        (corners.reshape(-1, 3),),
-        "white",
-        colourings=(*_life_colourings(found, used), trust),
-        nodes=used,
-    )
-
-
-def _life_colourings(found: LifeResults, used: NDArray) -> Iterator[Colouring]:
-    """Nodes of the surface by the logarithm of their life, over all places and at each."""
-    data = found.dataset
-    survivals = {
-        f"all places, {100 * one:g} % survive": data.life.sel(survival=one).values
-        for one in data.survival.values
-    }
     at_last = data.place_damage.isel(survival=-1)
-    lives = dict(reversed(survivals.items())) | {
-        f"stays at place {shoe}": life_hours(at_last.sel(shoe=shoe).values) for shoe in data.shoe.values
+    lives = {
+        f"all places, {100 * one:g} % survive": data.life.sel(survival=one).values[used]
+        for one in reversed(data.survival.values)
+    } | {
+        f"stays at place {shoe}": life_hours(at_last.sel(shoe=shoe).values)[used] for shoe in data.shoe.values
     }
-    logs = {name: np.log10(life[used]) for name, life in lives.items()}
-    high = float(np.log10(BEYOND))
+    logs, high = {name: np.log10(life) for name, life in lives.items()}, float(np.log10(BEYOND))
     low = min(*(float(np.nanmin(one)) for one in logs.values()), high - LEAST_DECADES)
-    for name, log in logs.items():
-        yield Colouring("life in h", log[None, None], low, high, f"{STRESS_MAP}_r", name=name, decades=True)
+    colours = f"{STRESS_MAP}_r"
+    colourings = [
+        Colouring("life in h", log[None, None], low, high, colours, name=name, decades=True)
+        for name, log in logs.items()
+    ]
+    is_long = data.life.isel(survival=-1).values[used] >= BEYOND
+    said = "long: life beyond 1e9 h", "how far to trust it"
+    colourings.append(verdict_colouring(data.verdict.values[used], is_long, *said))
+    position = data.node_position.transpose("node", "axis").values[used]
+    faces = (corners.reshape(-1, 3),)
+    return Solid("shoe", position, faces, "white", colourings=tuple(colourings), nodes=used)
 
 
 def damage_curves(found: LifeResults) -> go.Figure:
@@ -151,12 +132,7 @@ def damage_curves(found: LifeResults) -> go.Figure:
 
 def damage_parts(found: LifeResults) -> pd.DataFrame:
     """Share of every run and phase in the damage at the nodes of the table, in per cent."""
-    rows = []
-    for _, row in found.table.iterrows():
-        own = found.dataset.sel(node=int(row["node"]))
-        whole = max(float(own.damage_an_hour[-1]), 1e-300)
-        shares = {
-            f"{part} in %": 100.0 * float(own.part_damage.sel(part=part)) / whole for part in own.part.values
-        }
-        rows.append({"region": row["region"], "node": row["node"]} | shares)
-    return pd.DataFrame(rows)
+    own = found.dataset.isel(node=found.table["node"].to_numpy())
+    shares = 100.0 * own.part_damage / np.maximum(own.damage_an_hour.isel(survival=-1), 1e-300)
+    columns = {f"{name} in %": shares.sel(part=name).values for name in own.part.values}
+    return found.table[["region", "node"]].assign(**columns)

@@ -6,7 +6,6 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,12 +14,13 @@ import pandas as pd
 import plotly.graph_objects as go
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
+from matplotlib.figure import Figure
 from PIL import Image
 from plotly.offline import get_plotlyjs
 
 from exudyn_crawler.files import whole_file
 
-_TEMPLATES = files("exudyn_crawler.views.pages").joinpath("templates")
+TEMPLATES = Path(__file__).with_name("templates")
 SCRIPTS = ("data.js", "camera.js", "scene.js", "phases.js", "page.js")
 PICTURE_WIDTH = 1500
 """Pixels of a picture on a page."""
@@ -64,30 +64,17 @@ def page(
     """
     shown = [one for one in sections if one.body]
     has_plots = any("plotly-graph-div" in one.body for one in shown) or bool(data and data["scenes"])
-    return (
-        _environment()
-        .get_template("page.html")
-        .render(
-            title=title,
-            lead=lead,
-            top=top,
-            sections=shown,
-            style=_text("page.css"),
-            plotly=_library() if has_plots else "",
-            data=None if data is None else _json(data),
-            scripts=[_text(name) for name in SCRIPTS],
-        )
-    )
+    # nothing in the data of the scripts can end or begin one, such as a name with <!--<script>
+    packed = "" if data is None else json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+    parts = {"title": title, "lead": lead, "top": top, "sections": shown, "data": Markup(packed)}
+    plotly = Markup(get_plotlyjs() if has_plots else "")
+    scripts = [_text(name) for name in SCRIPTS]
+    whole = _environment().get_template("page.html")
+    return whole.render(parts, style=_text("page.css"), plotly=plotly, scripts=scripts)
 
 
 def write_page(html: str, path: Path, overwrite: bool = False) -> Path:
-    """Write a page, whole or not at all.
-
-    Raises
-    ------
-    FileExistsError
-        If it exists and `overwrite` is false.
-    """
+    """Write a page, whole or not at all; raises as `whole_file`."""
     with whole_file(path, overwrite) as temporary:
         temporary.write_text(html, encoding="utf-8")
     return path
@@ -126,10 +113,11 @@ def table(
     kinds : sequence of str, optional
         CSS class of each row.
     """
-    rows = [[_cell(value, digits) for value in row] for row in frame.itertuples(index=False, name=None)]
-    classes = [""] * len(rows) if kinds is None else kinds
-    filled = [{"kind": kind, "cells": row} for kind, row in zip(classes, rows, strict=True)]
-    return part("table", list(frame.columns) if headed else [], filled, anchor, compact)
+    rows = [
+        {"kind": kind, "cells": [_cell(value, digits) for value in row]}
+        for kind, row in zip(kinds or [""] * len(frame), frame.itertuples(index=False), strict=True)
+    ]
+    return part("table", list(frame.columns) if headed else [], rows, anchor, compact)
 
 
 def _cell(value: object, digits: int) -> Cell:
@@ -154,25 +142,24 @@ def picture_file(path: Path) -> str:
         image = image.resize(size, Image.Resampling.LANCZOS)
     memory = io.BytesIO()
     image.save(memory, format="webp", quality=85)
-    return embedded(memory.getvalue(), "webp")
+    return _address(memory, "webp")
 
 
-def embedded(content: bytes, kind: str) -> str:
-    """Address that holds a picture itself; `kind` is its format: "png", "webp"."""
-    return f"data:image/{kind};base64,{base64.b64encode(content).decode('ascii')}"
-
-
-def figure_picture(title: str, figure: Any) -> Markup:
+def figure_picture(title: str, figure: Figure) -> Markup:
     """Figure of matplotlib as a picture."""
     memory = io.BytesIO()
     figure.savefig(memory, format="png", dpi=110)
-    return part("picture", title, embedded(memory.getvalue(), "png"))
+    return part("picture", title, _address(memory, "png"))
+
+
+def _address(picture: io.BytesIO, kind: str) -> str:
+    return f"data:image/{kind};base64,{base64.b64encode(picture.getvalue()).decode('ascii')}"
 
 
 @cache
 def _environment() -> Environment:
     return Environment(
-        loader=FileSystemLoader(str(_TEMPLATES)),
+        loader=FileSystemLoader(TEMPLATES),
         autoescape=select_autoescape(default=True),
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -187,17 +174,6 @@ def _printable(value: object) -> object:
     return value
 
 
-@cache
-def _library() -> Markup:
-    return Markup(get_plotlyjs())
-
-
-@cache
 def _text(name: str) -> Markup:
     """Text of a file beside the templates, to stand on a page as it is."""
-    return Markup(_TEMPLATES.joinpath(name).read_text(encoding="utf-8"))
-
-
-def _json(data: Mapping[str, Any]) -> Markup:
-    """Data for a script; nothing in it can end or begin one, such as a name with ``<!--<script>``."""
-    return Markup(json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"))
+    return Markup((TEMPLATES / name).read_text(encoding="utf-8"))

@@ -11,6 +11,7 @@ from plotly.subplots import make_subplots
 
 from exudyn_crawler.views.pages.page import Cell, Section, page, paragraph, plot, table, together
 from exudyn_crawler.views.style import READ_IN
+from exudyn_crawler.views.tables import cell_text
 
 LONGEST_TABLE = 500
 """Runs that the page has in its table."""
@@ -38,15 +39,12 @@ class SweepView:
 
     Attributes
     ----------
-    title : str
     lead : tuple of str
         Lines below the title.
     table : pandas.DataFrame
         A row a run, with `attrs` "units" and "meanings" of its columns.
-    varied, answers : tuple of str
-        Columns of what varies and of the answers.
-    logarithmic : frozenset of str
-        Columns whose axes are.
+    varied, answers, logarithmic
+        Columns of what varies, of the answers, and those whose axes are logarithmic.
     is_grid : bool
         Whether every value of what varies is with every other.
     effects : pandas.DataFrame
@@ -55,7 +53,6 @@ class SweepView:
         Columns answer, varied, first, first_conf, total, total_conf; may be empty.
     method : str
         How the indices were found, or why there are none.
-    best : list of Best
     links : mapping
         Address of a run by its folder, as far as it has one.
     """
@@ -81,16 +78,14 @@ class SweepView:
     def in_units_for_reading(self) -> Self:
         """Same with forces in kN and stresses in MPa, angles in degrees."""
         units = self.table.attrs["units"]
-        read = {name: READ_IN.get(units.get(name, ""), (units.get(name, ""), 1.0)) for name in self.table}
+        read = {name: READ_IN[unit] for name, unit in units.items() if unit in READ_IN}
         factors = {name: factor for name, (_, factor) in read.items() if factor != 1.0}
         table = self.table.assign(**{name: factor * self.table[name] for name, factor in factors.items()})
-        table.attrs = self.table.attrs | {"units": {name: unit for name, (unit, _) in read.items()}}
-        effects = self.effects.copy()
-        by_answer = effects["answer"].map(lambda name: factors.get(name, 1.0))
-        for column in ("mean", "least", "greatest"):
-            effects[column] *= by_answer
-        for name in factors.keys() & set(self.varied):
-            effects.loc[effects["varied"] == name, "level"] *= factors[name]
+        table.attrs = self.table.attrs | {"units": units | {name: unit for name, (unit, _) in read.items()}}
+        effects, values = self.effects.copy(), ["mean", "least", "greatest"]
+        for name, factor in factors.items():
+            effects.loc[effects["answer"] == name, values] *= factor
+            effects.loc[effects["varied"] == name, "level"] *= factor
         best = [one._replace(value=one.value * factors.get(one.answer, 1.0)) for one in self.best]
         return replace(self, table=table, effects=effects, best=best)
 
@@ -157,14 +152,11 @@ def parallel_coordinates(view: SweepView) -> go.Figure:
     done = view.done
     dimensions: list[dict[str, Any]] = []
     for name in (*view.varied, *view.answers):
-        column = done[name]
-        if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
-            dimensions.append({"label": view.label(name), "values": column})
-        else:
-            texts = list(dict.fromkeys(column.astype(str)))
-            places = column.astype(str).map(texts.index)
-            ticks = {"tickvals": list(range(len(texts))), "ticktext": texts}
-            dimensions.append({"label": view.label(name), "values": places} | ticks)
+        dimension: dict[str, Any] = {"label": view.label(name), "values": done[name]}
+        if not pd.api.types.is_numeric_dtype(done[name]) or pd.api.types.is_bool_dtype(done[name]):
+            places, texts = pd.factorize(done[name].astype(str))
+            dimension |= {"values": places, "tickvals": list(range(len(texts))), "ticktext": texts.tolist()}
+        dimensions.append(dimension)
     colour = {"color": done[view.answers[0]], "colorscale": "Viridis", "showscale": True}
     figure = go.Figure(go.Parcoords(line=colour, dimensions=dimensions))
     return figure.update_layout(height=HEIGHT, margin={"t": 80, "b": 30})
@@ -183,7 +175,7 @@ def response_curves(view: SweepView, answer: str) -> go.Figure:
             panels.append([points])
             continue
         levels = {
-            f"{others[0]} = {_cell(level)}": part.groupby(name, sort=True)[answer].mean()
+            f"{others[0]} = {cell_text(level)}": part.groupby(name, sort=True)[answer].mean()
             for level, part in done.groupby(others[0], sort=True)
         }
         lines = {"mode": "lines+markers", "legendgroup": others[0]}
@@ -224,13 +216,8 @@ def _panels(view: SweepView, answer: str, panels: list[list[go.Scatter]]) -> go.
     """Traces in a row of panels, one for everything that varies."""
     figure = make_subplots(cols=len(view.varied), shared_yaxes=True)
     for k, (name, traces) in enumerate(zip(view.varied, panels, strict=True), 1):
-        for trace in traces:
-            figure.add_trace(trace, row=1, col=k)
+        figure.add_traces(traces, rows=1, cols=k)
         kind = "log" if name in view.logarithmic else None
         figure.update_xaxes(title_text=view.label(name), type=kind, row=1, col=k)
     figure.update_yaxes(title_text=view.label(answer), row=1, col=1)
     return figure.update_layout(height=HEIGHT, margin={"t": 30})
-
-
-def _cell(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -20,7 +20,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize, to_rgba
 from numpy.typing import NDArray
 
-from exudyn_crawler.views.scenes.scene import Solid, View
+from exudyn_crawler.views.scenes.scene import Arrows, Solid, View
 from exudyn_crawler.views.style import colour_map
 from fem.interrupts import interrupts_wait
 
@@ -38,8 +38,7 @@ TRIAL = """
 import pyvista
 plotter = pyvista.Plotter(off_screen=True, window_size=(32, 32))
 plotter.add_mesh(pyvista.Cube(), color="red")
-image = plotter.screenshot(return_img=True)
-raise SystemExit(0 if image.std() > 1.0 else 1)
+raise SystemExit(0 if plotter.screenshot(return_img=True).std() > 1.0 else 1)
 """
 """What a machine with OpenGL can do; run in a process of its own, since VTK may end its process."""
 
@@ -88,7 +87,7 @@ def opengl_image(solids: Sequence[Solid], view: View, window: Window, pixels_per
     try:
         plotter.enable_anti_aliasing("msaa", multi_samples=4)
         for one in sorted(solids, key=lambda solid: -solid.opacity):
-            mesh = pyvista.PolyData.from_regular_faces(one.points, one.triangles)
+            mesh = pyvista.PolyData.from_regular_faces(view.project(one.points), one.triangles)
             how: dict[str, Any] = {"color": one.colour, "ambient": 0.4}
             for colouring in one.colourings:
                 how = {
@@ -103,15 +102,12 @@ def opengl_image(solids: Sequence[Solid], view: View, window: Window, pixels_per
                     "diffuse": 0.65,
                 }
             plotter.add_mesh(mesh, opacity=one.opacity, render=False, **how)
-        depth = float(view.project(np.concatenate([one.points for one in solids]))[:, 2].mean())
-        axes = np.column_stack((view.right, view.up, view.toward))
-        middle = 0.5 * (window[0] + window[1]), 0.5 * (window[2] + window[3]), depth
-        center, light = view.origin + axes @ middle, axes @ LIGHT
-        plotter.add_light(pyvista.Light(position=light, focal_point=(0, 0, 0), light_type="scene light"))
+        middle = 0.5 * (window[0] + window[1]), 0.5 * (window[2] + window[3])
+        plotter.add_light(pyvista.Light(position=LIGHT, focal_point=(0, 0, 0), light_type="scene light"))
         plotter.enable_parallel_projection()
-        plotter.camera.focal_point = center
-        plotter.camera.position = center + 20.0 * view.toward
-        plotter.camera.up = view.up
+        plotter.camera.focal_point = (*middle, 0.0)
+        plotter.camera.position = (*middle, 20.0)
+        plotter.camera.up = (0.0, 1.0, 0.0)
         plotter.camera.parallel_scale = 0.5 * height
         plotter.reset_camera_clipping_range()
         return np.asarray(plotter.screenshot(return_img=True, transparent_background=True))
@@ -124,11 +120,10 @@ def paint(ax: Axes, solids: Iterable[Solid], view: View) -> PolyCollection:
     faces: list[NDArray] = []
     fills, lines = [], []
     for solid in solids:
-        points = view.project(solid.points)
-        parts = [(points[one], solid.values[one]) for one in solid.faces]
-        if not solid.edges:
-            parts = [_fine_triangles(points[solid.triangles], solid.values[solid.triangles])]
-        for corners, values in parts:
+        points = np.column_stack((view.project(solid.points), solid.values))
+        parts = [points[one] for one in solid.faces] if solid.edges else [_fine(points[solid.triangles])]
+        for part in parts:
+            corners, values = part[..., :3], part[..., 3]
             normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
             normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
             seen = normals[:, 2] > 1e-9
@@ -158,30 +153,27 @@ def _fills(solid: Solid, values: NDArray, normals: NDArray) -> NDArray:
     return colours
 
 
-def draw_arrows(ax: Axes, arrows: NDArray, colour: str, view: View) -> list[Artist]:
-    """Draw arrows (k, 2, 3) from tail to head over all that is there: they are seen from every side."""
-    if not len(arrows):
-        return []
-    tails, heads = view.project(arrows)[..., :2].transpose(1, 0, 2)
-    how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "pivot": "tip"}
-    drawn = heads.T, (heads - tails).T
-    return [ax.quiver(*drawn[0], *drawn[1], color=colour, units="inches", width=ARROW_WIDTH, zorder=4, **how)]
+def draw_arrows(ax: Axes, kinds: Iterable[Arrows], view: View) -> list[Artist]:
+    """Draw arrows over all that is there, seen from every side; what is drawn is returned."""
+    how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "inches", "zorder": 4}
+    drawn: list[Artist] = []
+    for one in kinds:
+        tails, heads = view.project(one.at())[..., :2].transpose(1, 2, 0)
+        if heads.size:
+            ways = (*heads, *(heads - tails))
+            drawn.append(ax.quiver(*ways, color=one.colour, pivot="tip", width=ARROW_WIDTH, **how))
+    return drawn
 
 
-def _fine_triangles(corners: NDArray, values: NDArray) -> tuple[NDArray, NDArray]:
-    """Corners (m, 3, 3) and their values (m, 3), large triangles split into four until they are small."""
-    done: list[tuple[NDArray, NDArray]] = []
+def _fine(corners: NDArray) -> NDArray:
+    """Corners (m, 3, 4) of triangles, place and value; large ones are split in four until they are small."""
+    done: list[NDArray] = []
     while len(corners):
-        edges = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1)
-        small = edges <= FINEST
-        done.append((corners[small], values[small]))
-        corners, values = _quartered(corners[~small]), _quartered(values[~small])
-    return np.concatenate([c for c, _ in done]), np.concatenate([v for _, v in done])
-
-
-def _quartered(corners: NDArray) -> NDArray:
-    """What stands at the corners of triangles (m, 3, ...), of each one's four quarters (4 m, 3, ...)."""
-    a, b, c = (corners[:, k] for k in range(3))
-    ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
-    quarters = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
-    return np.concatenate([np.stack(one, axis=1) for one in quarters])
+        edges = np.linalg.norm((corners - np.roll(corners, -1, axis=1))[..., :3], axis=2)
+        small = edges.max(axis=1) <= FINEST
+        done.append(corners[small])
+        a, b, c = corners[~small].transpose(1, 0, 2)
+        ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+        quarters = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+        corners = np.concatenate([np.stack(one, axis=1) for one in quarters])
+    return np.concatenate(done)

@@ -23,7 +23,7 @@ from exudyn_crawler.results.stress.recovery import surface_stress
 from exudyn_crawler.views import style
 from exudyn_crawler.views.curves import draw_phases
 from exudyn_crawler.views.scenes import pictures, shoes, track
-from exudyn_crawler.views.scenes.drawing import Backend, Window, draw_solids, usual_backend
+from exudyn_crawler.views.scenes.drawing import Backend, Window, draw_arrows, draw_solids, usual_backend
 from exudyn_crawler.views.scenes.scene import Scene, View
 
 RATE = 20
@@ -50,15 +50,7 @@ MARGIN = 0.08
 class Picture(ABC):
     """Figure that can be brought to a time of a history.
 
-    Attributes
-    ----------
-    history : History
-    figure : Figure
-    cursor : Line2D
-        Line at the time in curves over it.
-    title : Text
-    name : str
-        What stands in the title before the time.
+    `cursor` is a line at the time in curves over it; `name` stands before the time in the title.
     """
 
     history: History
@@ -95,13 +87,8 @@ class Picture(ABC):
 class TrackPicture(Picture):
     """Track from above and from the side, and speeds of its ends or forces of rollers.
 
-    Parameters
-    ----------
-    history : History
-    scale : float
-        Magnification of the ground's displacements in the side view.
-    dpi : float
-        Resolution; the picture is 12 inches wide and as high as the track asks for, about 10.
+    The ground's displacements are drawn `scale` times larger in the side view. The picture is 12 inches wide
+    and as high as the track asks for, about 10.
     """
 
     def __init__(self, history: History, scale: float, dpi: float = 100) -> None:
@@ -181,17 +168,8 @@ def _draw_rollers(ax: Axes, history: History) -> None:
 class ShoePicture(Picture):
     """Shoe with its stress from above and from below, and its load over time.
 
-    Colours, magnification of the elastic displacement and lengths of arrows are the same at all times.
-
-    Parameters
-    ----------
-    history : History
-    shoe : int
-        Number of a flexible shoe.
-    times : array (n,)
-        s; the stored instants nearest to them can be shown.
-    backend : {"opengl", "painted"}, optional
-        What draws the surface; the usual one of this machine if not given.
+    Colours, magnification of the elastic displacement and lengths of arrows are the same at all times. The
+    stored instants nearest to `times` (n,), s, can be shown.
 
     Raises
     ------
@@ -266,7 +244,7 @@ class ShoePicture(Picture):
             solids = [one.at() for one in scene.solids[: None if name == "above" else 1]]
             ax, window = self._axes[name], self._window(seen, name == "above")
             drawn += draw_solids(ax, solids, view, window, self._backend, SHOE_DPI)
-            drawn += pictures.draw_forces(ax, scene.arrows, view)
+            drawn += draw_arrows(ax, scene.arrows, view)
         return drawn
 
 

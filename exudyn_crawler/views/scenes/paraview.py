@@ -24,24 +24,12 @@ PARTS = "track_parts"
 
 
 def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite: bool = False) -> Path:
-    """Write the chosen times of a stress study: shoes, terrain, contact forces, side frame and rollers.
+    """Write the chosen times of a stress study: `track.pvd`, which is returned, and `track_parts`.
 
     Everything is in place in the global frame. Flexible shoes carry their elastic displacement (m, global
     components, for Warp By Vector) and von Mises stress (Pa) at all nodes of the mesh, rigid ones their
     number, units their heave (m), contacts and treads the force on the shoe (N, for glyphs), rollers their
     number and what they press with on both rails (N).
-
-    Parameters
-    ----------
-    stress : xarray.Dataset
-        As the stress study leaves it.
-    folder : Path
-        Where `track.pvd` and the folder `track_parts` go.
-
-    Returns
-    -------
-    Path
-        The series, to be opened in ParaView.
 
     Raises
     ------
@@ -63,14 +51,8 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
             file = parts / f"{name.replace(' ', '_')}_{number:03d}.vtu"
             with whole_file(file, overwrite) as temporary:
                 meshio.write(temporary, content, file_format="vtu")
-            ElementTree.SubElement(
-                collection,
-                "DataSet",
-                timestep=repr(float(frame)),
-                part=str(part),
-                name=name,
-                file=f"{PARTS}/{file.name}",
-            )
+            where = {"timestep": repr(float(frame)), "part": str(part), "name": name}
+            ElementTree.SubElement(collection, "DataSet", where, file=f"{PARTS}/{file.name}")
     ElementTree.indent(series)
     with whole_file(path, overwrite) as temporary:
         ElementTree.ElementTree(series).write(temporary, xml_declaration=True, encoding="utf-8")
@@ -81,8 +63,7 @@ def _mesh(stress: xr.Dataset, case: Case) -> Mesh:
     """Mesh of the flexible shoes."""
     if case.flexible is None:
         raise ValueError("the history has no flexible shoes")
-    mesh = mesh_named(case.flexible.mesh)
-    nodes = stress.node_position.transpose("node", "axis").values
+    mesh, nodes = mesh_named(case.flexible.mesh), stress.node_position.transpose("node", "axis").values
     if nodes.shape != mesh.nodes.shape or not np.allclose(nodes, mesh.nodes, atol=1e-6):
         raise ValueError(
             f"the {len(nodes)} nodes of the stresses are not the {len(mesh.nodes)} of the mesh "
@@ -106,27 +87,23 @@ def _track(case: Case, moment: xr.Dataset) -> Iterator[tuple[str, meshio.Mesh]]:
     for solid in track.shoe_boxes(case, moment):
         if solid.name == "rigid shoes":
             numbers = [float(label.removeprefix("shoe ")) for label in solid.labels]
-            yield solid.name, _cells(solid, {"shoe": np.array(numbers)})
-    yield "terrain", _cells(track.ground_units(case, moment), {"heave": now.unit_heave.values})
+            yield solid.name, _cells(solid, shoe=np.array(numbers))
+    yield "terrain", _cells(track.ground_units(case, moment), heave=now.unit_heave.values)
     yield from _forces("contacts", *track.touching(now))
     if track.rolls(now):
-        yield "side frame", _cells(track.side_frame(case, moment), {})
-        forces = now.roller_force.sum("rail").transpose("roller", "axis").values
-        rails = now.sizes["rail"]
-        fields = {"roller": np.repeat(now.roller.values, rails), "force": np.repeat(forces, rails, axis=0)}
-        yield "rollers", _cells(track.rollers(case, moment)[0], fields)
+        yield "side frame", _cells(track.side_frame(case, moment))
+        treads = now.roller_force.sum("rail").transpose("roller", "axis"), now.roller
+        force, number = (np.repeat(one.values, now.sizes["rail"], axis=0) for one in treads)
+        yield "rollers", _cells(track.rollers(case, moment)[0], roller=number, force=force)
         yield from _forces("treads", *track.pressing(now))
 
 
-def _cells(solid: Solid, fields: dict[str, NDArray]) -> meshio.Mesh:
+def _cells(solid: Solid, **fields: NDArray) -> meshio.Mesh:
     """Copies of a solid, boxes as hexahedra and others as triangles, with values of each field a copy."""
-    surface = solid.at()
-    is_box = len(solid.points) == 8
+    surface, is_box = solid.at(), len(solid.points) == 8
     cells = np.arange(len(surface.points)).reshape(-1, 8) if is_box else surface.triangles
-    kind = "hexahedron" if is_box else "triangle"
-    copy = cells[:, 0] // len(solid.points)
-    data = {name: [values[copy]] for name, values in fields.items()}
-    return meshio.Mesh(surface.points, [(kind, cells)], cell_data=data)
+    data = {name: [values[cells[:, 0] // len(solid.points)]] for name, values in fields.items()}
+    return meshio.Mesh(surface.points, [("hexahedron" if is_box else "triangle", cells)], cell_data=data)
 
 
 def _forces(name: str, points: NDArray, forces: NDArray) -> Iterator[tuple[str, meshio.Mesh]]:

@@ -87,16 +87,9 @@ def ground_section(case: Case, dataset: xr.Dataset, at_rest: bool = False) -> So
 
 
 def side_scene(case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: float = 0.0) -> Scene:
-    """What is seen from the right in one instant, with the ground's displacement drawn larger.
+    """What is seen from the right in one instant, as of `track.instants`.
 
-    Parameters
-    ----------
-    now : xarray.Dataset
-        One instant, as of `track.instants`.
-    scale : float
-        Magnification of the ground's displacements.
-    force_scale : float
-        m that are drawn for 1 N.
+    The ground's displacement is drawn `scale` times larger, forces `force_scale` m long for 1 N.
     """
     moved, still = (ground_section(case, now, at_rest).at() for at_rest in (False, True))
     tops = np.array([3, 2]) + 4 * np.arange(len(moved.points) // 4)[:, None]
@@ -134,7 +127,7 @@ def draw_side(
     shown = [
         replace(one, opacity=shoe_opacity) if one.name.endswith("shoes") else one for one in scene.solids
     ]
-    return [paint(ax, shown, FROM_THE_RIGHT), *draw_forces(ax, scene.arrows, FROM_THE_RIGHT)]
+    return [paint(ax, shown, FROM_THE_RIGHT), *draw_arrows(ax, scene.arrows, FROM_THE_RIGHT)]
 
 
 def draw_plan(ax: Axes, case: Case, now: xr.Dataset, heave: tuple[float, float]) -> list[Artist]:
@@ -207,16 +200,9 @@ def stress_picture(
     scales: Scales | None = None,
     backend: Backend | None = None,
 ) -> Figure:
-    """All flexible shoes at one chosen time: each from two sides, and all in place.
+    """All flexible shoes at one of the chosen times, `frame` (s): each from two sides, and all in place.
 
-    Parameters
-    ----------
-    frame : float
-        s, one of the chosen times.
-    scales : Scales, optional
-        Those of all chosen times, if not given.
-    backend : {"opengl", "painted"}, optional
-        What draws the surfaces; the usual one of this machine if not given.
+    The scales are those of all chosen times and the backend is the usual one of this machine, if not given.
 
     Raises
     ------
@@ -240,7 +226,7 @@ def stress_picture(
         )  # fmt: skip
         bent = [one for one in scene.solids if one.colourings]
         for row, one in enumerate(bent):
-            (origin,), (turn,) = one.placed(0)
+            (origin,), (turn,) = one.placed()
             forces = [arrows for arrows in scene.arrows if arrows.solid == one.name]
             for column, (title, view) in enumerate(VIEWS.items()):
                 ax = figure.add_subplot(shoes[row, column])
@@ -273,16 +259,11 @@ def _draw_shoe(ax: Axes, solid: Solid, arrows: Sequence[Arrows], view: View, bac
     place = ax.get_window_extent()
     window = (middle - 0.5 * SPREAD, middle + 0.5 * SPREAD, top - SPREAD * place.height / place.width, top)
     draw_solids(ax, [solid], view, window, backend)
-    draw_forces(ax, arrows, view)
+    draw_arrows(ax, arrows, view)
     highest = int(solid.values.argmax())
     if solid.shows(highest, view):
         ax.plot(*seen[highest, :2], "o", ms=9, mfc="none", mec="black", mew=0.9, zorder=5)
     ax.set_axis_off()
-
-
-def draw_forces(ax: Axes, arrows: Sequence[Arrows], view: View) -> list[Artist]:
-    """Draw the forces of a scene of one time; what is drawn is returned."""
-    return [drawn for one in arrows for drawn in draw_arrows(ax, one.at(), one.colour, view)]
 
 
 def stress_bar(figure: Figure, place: tuple[float, float, float, float], scales: Scales) -> None:

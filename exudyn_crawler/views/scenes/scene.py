@@ -16,7 +16,7 @@ HIDDEN = 0.002
 """m by which something has to lie before a point to hide it."""
 BOX = np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))], dtype=float)
 """Corners of a hexahedron in VTK's order, from -1 to 1."""
-BOX_FACES = (np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]),)
+BOX_FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
 """Its faces in outward sense."""
 SIDES = 32
 """Of the prism that a round solid is drawn as."""
@@ -153,24 +153,23 @@ class Solid:
         """Values (n,) of the drawn colouring at the only time; zeros if there is none."""
         return self.colourings[0].values.ravel() if self.colourings else np.zeros(len(self.points))
 
-    def placed(self, row: int) -> tuple[NDArray, NDArray]:
-        """Places of the copies at one of the times: origins (copies, 3), m, and turns (copies, 3, 3)."""
-        origin, turn = _row(self.origin, row), _row(self.turn, row)
-        return origin if self.lift is None else origin + upward(_row(self.lift, row)), turn
+    def placed(self) -> tuple[NDArray, NDArray]:
+        """Places of the copies at the first time: origins (copies, 3), m, and turns (copies, 3, 3)."""
+        return self.origin[0] if self.lift is None else self.origin[0] + upward(self.lift[0]), self.turn[0]
 
-    def at(self, row: int = 0) -> "Solid":
-        """All copies in one, as they are at one of the times, in global axes."""
-        origin, turn = self.placed(row)
+    def at(self) -> "Solid":
+        """All copies in one, as they are at the first time, in global axes."""
+        origin, turn = self.placed()
         there = np.flatnonzero(np.isfinite(origin).all(axis=1))
         shape = np.broadcast_to(self.points, (len(there), *self.points.shape))
         if self.bend is not None:
-            shape = shape + self.larger * _row(self.bend, row)[there]
+            shape = shape + self.larger * self.bend[0][there]
         placed = np.einsum("cij,cnj->cni", turn[there], shape) + origin[there, None]
         starts = len(self.points) * np.arange(len(there))[:, None, None]
         faces = tuple((one + starts).reshape(-1, one.shape[1]) for one in self.faces)
         shown = []
         for one in self.colourings[:1]:
-            own = _row(one.values, row)[there].reshape(len(there), -1)
+            own = one.values[0][there].reshape(len(there), -1)
             shown.append(replace(one, values=np.broadcast_to(own, placed.shape[:2]).reshape(1, 1, -1)))
         merged = Solid(self.name, placed.reshape(-1, 3), faces, self.colour)
         return replace(merged, opacity=self.opacity, edges=self.edges, colourings=tuple(shown))
@@ -216,15 +215,15 @@ class Arrows:
     solid: str = ""
     through: float = 0.0
 
-    def at(self, row: int = 0) -> NDArray:
-        """Tail and head of each arrow that is there at one of the times: array (arrows, 2, 3), m."""
-        heads, forces = _row(self.heads, row), self.scale * _row(self.forces, row)
+    def at(self) -> NDArray:
+        """Tail and head of each arrow that is there at the first time: array (arrows, 2, 3), m."""
+        heads, forces = self.heads[0], self.scale * self.forces[0]
         there = np.isfinite(heads).all(axis=1) & forces.any(axis=1)
         return np.stack((heads[there] - forces[there], heads[there]), axis=1)
 
 
 class Scene(NamedTuple):
-    """What is seen at some times, each with a title."""
+    """What is seen at some times, each with a title; pictures show the first."""
 
     titles: tuple[str, ...]
     solids: tuple[Solid, ...]
@@ -238,9 +237,9 @@ def triangulated(faces: Sequence[NDArray]) -> NDArray:
     return np.concatenate([one[:, [0, k, k + 1]] for one in faces for k in range(1, one.shape[1] - 1)])
 
 
-def box(low: NDArray, high: NDArray) -> NDArray:
-    """Corners (8, 3) of a box between two places, those of `BOX_FACES`."""
-    return 0.5 * (low + high) + 0.5 * (high - low) * BOX
+def box(low: NDArray, high: NDArray) -> tuple[NDArray, tuple[NDArray, ...]]:
+    """Corners (8, 3) of a box between two places, m, and its faces."""
+    return 0.5 * (low + high) + 0.5 * (high - low) * BOX, (BOX_FACES,)
 
 
 def disc(radius: float, width: float, sides: int = SIDES) -> tuple[NDArray, tuple[NDArray, ...]]:
@@ -256,8 +255,3 @@ def disc(radius: float, width: float, sides: int = SIDES) -> tuple[NDArray, tupl
 def upward(heights: NDArray) -> NDArray:
     """Vectors (..., 3) of heights (...)."""
     return heights[..., None] * np.array([0.0, 0.0, 1.0])
-
-
-def _row(values: NDArray, row: int) -> NDArray:
-    """Values at one of the times, of what changes or does not."""
-    return values[row if len(values) > 1 else 0]

@@ -14,7 +14,7 @@ from exudyn_crawler.case import Case, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes.scene import BOX_FACES, Arrows, Colouring, Placement, Scene, Solid, box, disc
+from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Scene, Solid, box, disc
 
 CONTACTS = ("contact", "axis")
 STRIPS = ("roller", "rail", "strip", "neighbour", "axis")
@@ -158,7 +158,7 @@ def track_scene(case: Case, dataset: xr.Dataset, force_scale: float, units: NDAr
 def shoe_boxes(case: Case, dataset: xr.Dataset) -> list[Solid]:
     """Rigid shoes and flexible shoes, as far as there are any, as boxes."""
     x0, x1, y0, y1, z0 = case.shoe.footprint
-    points = box(np.array([x0, y0, z0]), np.array([x1, y1, case.shoe.load_point[2]]))
+    shape = box(np.array([x0, y0, z0]), np.array([x1, y1, case.shoe.load_point[2]]))
     origin, turn = shoe_poses(dataset)
     flexible = np.isin(dataset.shoe.values, () if case.flexible is None else case.flexible.shoes)
     solids = []
@@ -167,7 +167,7 @@ def shoe_boxes(case: Case, dataset: xr.Dataset) -> list[Solid]:
         if chosen.any():
             placed, edges = (origin[:, chosen], turn[:, chosen]), style.SHOE_EDGE
             labels = tuple(f"shoe {shoe}" for shoe in dataset.shoe.values[chosen])
-            solids.append(Solid(name, points, BOX_FACES, colour, *placed, edges=edges, labels=labels))
+            solids.append(Solid(name, *shape, colour, *placed, edges=edges, labels=labels))
     return solids
 
 
@@ -191,7 +191,7 @@ def ground_units(case: Case, dataset: xr.Dataset) -> Solid:
         bend[0, :, 4:, 2] = terrain.top_heights[:, None]
     lift = dataset.unit_heave.transpose("time", "unit").values
     placed = terrain.centers[None], unit_turns(case, dataset)
-    return Solid("ground", box(-half, half), BOX_FACES, style.GROUND, *placed, lift=lift, bend=bend)
+    return Solid("ground", *box(-half, half), style.GROUND, *placed, lift=lift, bend=bend)
 
 
 def ground_faces(case: Case, dataset: xr.Dataset, units: NDArray | None = None) -> Solid:
@@ -226,7 +226,7 @@ def side_frame(case: Case, dataset: xr.Dataset) -> Solid:
     (low, high), (origin, turn) = BEAM, frame_poses(dataset)
     beam = box(np.array([frame.ends[0], -half, low]), np.array([frame.ends[1], half, high]))
     placed = origin[:, None], turn[:, None]
-    return Solid("side frame", beam, BOX_FACES, style.SIDE_FRAME, *placed, 0.5, style.ROLLER_EDGE)
+    return Solid("side frame", *beam, style.SIDE_FRAME, *placed, 0.5, style.ROLLER_EDGE)
 
 
 def rollers(case: Case, dataset: xr.Dataset) -> list[Solid]:
@@ -248,7 +248,7 @@ def rollers(case: Case, dataset: xr.Dataset) -> list[Solid]:
     tread, edge = disc(frame.radius, frame.tread_width), style.ROLLER_EDGE
     return [
         Solid("rollers", *tread, style.ROLLER, *placed, edges=edge, labels=labels),
-        Solid("rollers, marks", box(-half, half), BOX_FACES, edge, *placed),
+        Solid("rollers, marks", *box(-half, half), edge, *placed),
     ]
 
 
