@@ -34,7 +34,7 @@ class Panel:
         return cls(label, next(iter(read.values())).attrs["units"], read)
 
 
-def _draw_panel(ax: Axes, panel: Panel) -> None:
+def draw_panel(ax: Axes, panel: Panel) -> None:
     """Draw the curves of a panel over time."""
     for name, values in panel.curves.items():
         ax.plot(values.time, values, label=name)
@@ -60,7 +60,7 @@ def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase]
             hspace=0.12,
         )
         for ax, panel in zip(axes, panels, strict=True):
-            _draw_panel(ax, panel)
+            draw_panel(ax, panel)
         draw_phases(axes, phases)
         axes[-1].set_xlabel("time in s")
         # a case may have any name, also one that looks like a formula

@@ -61,11 +61,6 @@ class Series:
         """Names of the items."""
         return self.values["item"].values.tolist()
 
-    @property
-    def count(self) -> int:
-        """Number of curves."""
-        return self.values.sizes["item"] * self.values.sizes["axis"]
-
     def panels(self, items: Sequence[str] | None = None) -> list[Panel]:
         """Panel for each axis, with a curve for each of some items, or of all."""
         return overlay({"": self}, self.items if items is None else items)

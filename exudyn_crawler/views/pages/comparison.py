@@ -14,15 +14,7 @@ from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.history.summary import compared, difference_table
 from exudyn_crawler.views.curves import panel_figure
 from exudyn_crawler.views.figures import Series, history_series, overlay
-from exudyn_crawler.views.pages.page import (
-    Section,
-    figure_picture,
-    page,
-    paragraph,
-    table,
-    together,
-    write_page,
-)
+from exudyn_crawler.views.pages import page
 
 MAIN = sorted(
     (one for one in select(compared=True).values() if one.compared != "table"), key=lambda one: one.compared
@@ -93,13 +85,15 @@ def write_comparison(
         f"{letter} is {name}: case {one.case.name!r}, {one.duration:.4g} s"
         for letter, (name, one) in zip("AB", histories.items(), strict=True)
     ]
-    magnitudes = paragraph("Greatest magnitudes of A and B, and of B less A over the time that both have.")
-    drawn = comparison_figures(histories, stresses or {})
-    in_cases = paragraph(SAME_CASES) if parameters.empty else table(parameters)
-    in_results = paragraph(SAME_RESULTS) if results.empty else together(magnitudes, table(results))
+    said = "Greatest magnitudes of A and B, and of B less A over the time that both have."
+    in_cases = page.paragraph(SAME_CASES) if parameters.empty else page.table(parameters)
+    in_results = page.paragraph(SAME_RESULTS)
+    if not results.empty:
+        in_results = page.together(page.paragraph(said), page.table(results))
+    drawn = [page.figure_picture(*one) for one in comparison_figures(histories, stresses or {}).items()]
     sections = [
-        Section("parameters", "What differs in the cases", in_cases),
-        Section("results", "What differs in the results", in_results),
-        Section("curves", "Main curves", together(*(figure_picture(*one) for one in drawn.items()))),
+        page.Section("parameters", "What differs in the cases", in_cases),
+        page.Section("results", "What differs in the results", in_results),
+        page.Section("curves", "Main curves", page.together(*drawn)),
     ]
-    return write_page(page(f"{a} and {b}", lead, sections), path, overwrite)
+    return page.write_page(page.page(f"{a} and {b}", lead, sections), path, overwrite)

@@ -8,17 +8,8 @@ import plotly.graph_objects as go
 
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.results.life.life import BEYOND, LIFE, LifeResults, in_words, life_hours, life_words
+from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
-from exudyn_crawler.views.pages.page import (
-    Section,
-    page,
-    paragraph,
-    part,
-    plot,
-    table,
-    together,
-    write_page,
-)
 from exudyn_crawler.views.scenes.scene import Colouring, Scene, Solid
 from exudyn_crawler.views.scenes.shoes import verdict_colouring
 from exudyn_crawler.views.style import MEGA, STRESS_MAP
@@ -37,29 +28,23 @@ SHARES = (
 
 def write_life_page(found: LifeResults, path: Path, overwrite: bool = False) -> Path:
     """Write one self-contained page of a life, to be read offline in a browser; raises as `write_page`."""
-    return write_page(life_page(found), path, overwrite)
+    return page.write_page(life_page(found), path, overwrite)
 
 
 def life_page(found: LifeResults) -> str:
     """HTML of the page."""
     arrays = SceneArrays()
     scene = packed_scene(Scene(("",), (life_solid(found),)), arrays)
-    parts = part("titled", "Parts of the damage at these nodes", table(damage_parts(found), digits=5))
-    return page(
-        f"Life of the shoes: {found.duty.name}",
-        _lead(found),
-        [
-            Section("life", "Life in 3D", part("life")),
-            Section(
-                "shortest",
-                "Shortest lives by region",
-                together(paragraph(SHARES), table(in_words(found.table), digits=5), parts),
-            ),
-            Section("damage", "Damage as it grows", plot(damage_curves(found))),
-            Section("duty", "Duty", table(pd.DataFrame(case_rows(found.duty)))),
-        ],
-        {"scenes": {"life": {"": scene}}, "arrays": arrays.packed, "first": []},
-    )
+    shortest, parts = (page.table(one, digits=5) for one in (in_words(found.table), damage_parts(found)))
+    said, titled = page.paragraph(SHARES), page.part("titled", "Parts of the damage at these nodes", parts)
+    sections = [
+        page.Section("life", "Life in 3D", page.part("life")),
+        page.Section("shortest", "Shortest lives by region", page.together(said, shortest, titled)),
+        page.Section("damage", "Damage as it grows", page.plot(damage_curves(found))),
+        page.Section("duty", "Duty", page.table(pd.DataFrame(case_rows(found.duty)))),
+    ]
+    data = {"scenes": {"life": {"": scene}}, "arrays": arrays.packed, "first": []}
+    return page.page(f"Life of the shoes: {found.duty.name}", _lead(found), sections, data)
 
 
 def _lead(found: LifeResults) -> list[str]:

@@ -40,18 +40,17 @@ class SceneArrays:
 
     def __init__(self) -> None:
         self.packed: list[dict[str, Any]] = []
-        self._numbers: dict[int, int] = {}
-        self._kept: list[NDArray] = []
+        self._numbers: dict[int, tuple[int, NDArray]] = {}
 
     def add(self, array: NDArray | None, kind: str = "f4", rows: int = 1) -> int | None:
         """Number of an array, None of none; `rows` are the times that it holds."""
         if array is None:
             return None
         if id(array) not in self._numbers:
-            self._numbers[id(array)] = len(self.packed)
-            self._kept.append(array)
+            # with the array, whose number of an object no other gets as long as it is there
+            self._numbers[id(array)] = len(self.packed), array
             self.packed.append({"kind": kind, "data": packed(array, kind), "rows": rows})
-        return self._numbers[id(array)]
+        return self._numbers[id(array)][0]
 
     def add_over_time(self, array: NDArray | None, stepped: bool = False) -> int | None:
         """Same of an array (times, ...), in steps if it is finite."""
@@ -132,7 +131,7 @@ def packed_curves(
 ) -> tuple[dict[str, Any], str]:
     """Time histories of runs by name for the page, and what a reader has to know about left-out times."""
     found = {name: list(history_series(one, stresses.get(name)).values()) for name, one in histories.items()}
-    count = sum(series.count for own in found.values() for series in own)
+    count = sum(series.values.isel(time=0).size for own in found.values() for series in own)
     points = int(np.clip(SERIES_BYTES / BYTES_A_POINT / max(count, 1), LEAST_POINTS, MOST_POINTS))
     cases = {}
     for name, own in found.items():

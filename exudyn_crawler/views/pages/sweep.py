@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 from plotly.subplots import make_subplots
 
-from exudyn_crawler.views.pages.page import Cell, Section, page, paragraph, plot, table, together
+from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.style import READ_IN
 from exudyn_crawler.views.tables import cell_text
 
@@ -99,41 +99,41 @@ class SweepView:
 def sweep_page(view: SweepView) -> str:
     """HTML of the page; it needs no other file but the runs it links to."""
     view = view.in_units_for_reading()
-    indices = [paragraph(f"None: {view.method}.")]
+    indices = [page.paragraph(f"None: {view.method}.")]
     if not view.indices.empty:
         said = f"Shares of the variance that each makes alone (first) and in all (total): {view.method}."
-        indices = [paragraph(said), plot(index_figure(view))]
+        indices = [page.paragraph(said), page.plot(index_figure(view))]
     sections = [
-        Section("best", "Best and worst runs", _best(view)),
-        Section("indices", "Sobol indices", together(*indices)),
-        Section("runs", "Runs", _runs(view)),
+        page.Section("best", "Best and worst runs", _best(view)),
+        page.Section("indices", "Sobol indices", page.together(*indices)),
+        page.Section("runs", "Runs", _runs(view)),
     ]
     if not view.done.empty:
-        lines = paragraph("A line a run; draw along an axis to choose some of them.")
-        means = paragraph("Means over all else that varies; bars reach to the least and the greatest.")
-        responses = [plot(response_curves(view, answer)) for answer in view.answers]
-        effects = [plot(effect_figure(view, answer)) for answer in view.answers]
+        lines = page.paragraph("A line a run; draw along an axis to choose some of them.")
+        means = page.paragraph("Means over all else that varies; bars reach to the least and the greatest.")
+        responses = [page.plot(response_curves(view, answer)) for answer in view.answers]
+        effects = [page.plot(effect_figure(view, answer)) for answer in view.answers]
         sections[1:1] = [
-            Section("parallel", "All runs", together(lines, plot(parallel_coordinates(view)))),
-            Section("responses", "Response curves", together(*responses)),
-            Section("effects", "Main effects", together(means, *effects)),
+            page.Section("parallel", "All runs", page.together(lines, page.plot(parallel_coordinates(view)))),
+            page.Section("responses", "Response curves", page.together(*responses)),
+            page.Section("effects", "Main effects", page.together(means, *effects)),
         ]
-    return page(view.title, view.lead, sections)
+    return page.page(view.title, view.lead, sections)
 
 
 def _best(view: SweepView) -> Markup:
     """Best and worst run of every answer."""
     if not view.best:
-        return paragraph("No run has finished.")
+        return page.paragraph("No run has finished.")
     units, meanings = view.table.attrs["units"], view.table.attrs["meanings"]
     rows = {
         "answer": [one.answer for one in view.best],
         "": [one.which for one in view.best],
-        "run": [Cell(str(one.run), True, view.links.get(one.folder)) for one in view.best],
-        "value": [Cell(f"{one.value:.4g} {units[one.answer]}", True) for one in view.best],
+        "run": [page.Cell(str(one.run), True, view.links.get(one.folder)) for one in view.best],
+        "value": [page.Cell(f"{one.value:.4g} {units[one.answer]}", True) for one in view.best],
         " ": [meanings[one.answer] for one in view.best],
     }
-    return table(pd.DataFrame(rows), compact=True)
+    return page.table(pd.DataFrame(rows), compact=True)
 
 
 def _runs(view: SweepView) -> Markup:
@@ -141,10 +141,10 @@ def _runs(view: SweepView) -> Markup:
     shown = view.table.head(LONGEST_TABLE)
     rows = shown[[*view.varied, *view.answers, "status", "reason"]].rename(columns=view.label)
     pairs = zip(shown["run"], shown["folder"], strict=True)
-    rows.insert(0, "run", [Cell(str(number), True, view.links.get(folder)) for number, folder in pairs])
+    rows.insert(0, "run", [page.Cell(str(number), True, view.links.get(folder)) for number, folder in pairs])
     left_out = len(view.table) - len(shown)
-    more = [paragraph(f"{left_out} more are in results.csv.")] if left_out else []
-    return together(*more, table(rows))
+    more = [page.paragraph(f"{left_out} more are in results.csv.")] if left_out else []
+    return page.together(*more, page.table(rows))
 
 
 def parallel_coordinates(view: SweepView) -> go.Figure:

@@ -21,7 +21,7 @@ from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.stress.recovery import surface_stress
 from exudyn_crawler.views import style
-from exudyn_crawler.views.curves import draw_phases
+from exudyn_crawler.views.curves import Panel, draw_panel, draw_phases
 from exudyn_crawler.views.scenes import pictures, shoes, track
 from exudyn_crawler.views.scenes.drawing import Backend, Window, draw_arrows, draw_solids, usual_backend
 from exudyn_crawler.views.scenes.scene import Scene, View
@@ -38,6 +38,8 @@ VIEW_WIDTH, SPEED_HEIGHT, WRITING_HEIGHT = 10.4, 1.55, 1.9
 """Inches: width of both views of a track, height of the curves, and height of all writing above and below."""
 DEEPEST = 0.25
 """m that the greatest displacement of the ground is drawn at most."""
+HEADROOM = 0.35
+"""Part of the curves' height that is left free above and below them, for the legend."""
 SHOE_SIZE, SHOE_DPI = (9.0, 8.2), 90
 """Inches, width and height of a picture of a shoe, and pixels an inch."""
 VIEWS = {"above": View.seen_from(azimuth=212.0, elevation=34.0), "below": View.seen_from(212.0, -28.0)}
@@ -113,8 +115,10 @@ class TrackPicture(Picture):
             colours = ScalarMappable(Normalize(*self._heave), style.HEAVE_MAP)
             self.figure.colorbar(colours, ax=views, label="heave of units in mm", fraction=0.02, pad=0.01)
             self._side.set_title(_legend(history, scale), fontsize=9, loc="left")
-            (_draw_rollers if track.rolls(history.dataset) else _draw_speeds)(curves, history)
-            curves.set(xlabel="time in s", xlim=(0.0, history.duration))
+            drawn = _curves(history)
+            draw_panel(curves, drawn)
+            curves.set(xlabel="time in s", xlim=(0.0, history.duration), ymargin=HEADROOM)
+            curves.legend(loc="upper left", ncols=len(drawn.curves), columnspacing=1.0, handlelength=1.2)
             self.cursor = curves.axvline(0.0, color="black", lw=0.8)
             self.title = self.figure.suptitle("", x=0.01, ha="left", parse_math=False)
             self.show(0.0)
@@ -146,23 +150,15 @@ def _legend(history: History, scale: float) -> str:
     return f"{ground}, depth of the shoes in it at true scale; arrows: {greatest}"
 
 
-def _draw_speeds(ax: Axes, history: History) -> None:
-    """Draw the x velocity of both ends over time."""
-    shoes = history.shoe.values
-    for shoe, name in ((shoes[0], "rear"), (shoes[-1], "front")):
-        values = history.velocity.sel(shoe=shoe, axis="x")
-        ax.plot(values.time, values, label=f"shoe {shoe} ({name})")
-    ax.set_ylabel("x velocity in m/s")
-    ax.legend(loc="upper left", ncols=2)
-
-
-def _draw_rollers(ax: Axes, history: History) -> None:
-    """Draw what every roller presses with over time."""
-    pressed = -history.roller_force.sel(axis="z").sum("rail") / style.KILO
-    for roller in history.roller.values:
-        ax.plot(pressed.time, pressed.sel(roller=roller), label=f"{roller}")
-    ax.set(ylabel="force of a\nroller in kN", ylim=(0.0, 1.25 * float(pressed.max())))
-    ax.legend(loc="upper left", ncols=len(history.roller), title="", columnspacing=1.0, handlelength=1.2)
+def _curves(history: History) -> Panel:
+    """What every roller presses with over time, or the x velocity of both ends of a dragged track."""
+    if track.rolls(history.dataset):
+        pressed = -history.roller_force.sel(axis="z").sum("rail") / style.KILO
+        of_rollers = {str(roller): pressed.sel(roller=roller) for roller in history.roller.values}
+        return Panel("roller force", "kN", of_rollers)
+    ends = {f"shoe {history.shoe.values[at]} ({name})": at for at, name in ((0, "rear"), (-1, "front"))}
+    speed = history.velocity.sel(axis="x")
+    return Panel("x velocity", "m/s", {name: speed.isel(shoe=at) for name, at in ends.items()})
 
 
 class ShoePicture(Picture):
@@ -207,8 +203,7 @@ class ShoePicture(Picture):
             alone = history.dataset.sel(shoe=[self._shoe])
             pressed, name = track.shoe_forces(alone)[1][:, 0, 2], "ground on the shoe"
         ax.plot(history.time, pressed / style.KILO, color=style.ROLLER_FORCE, label=name)
-        # room for the legend above the curves
-        ax.margins(y=0.35)
+        ax.margins(y=HEADROOM)
         ax.set(xlabel="time in s", ylabel="force in kN", xlim=(shown[0], shown[-1]))
         stress = ax.twinx()
         highest = self.stress.frame_von_mises.max(("node", "shoe")) / style.MEGA
