@@ -138,11 +138,6 @@ class Case(Parameters):
         )
 
     @property
-    def propel(self) -> Literal["dragged", "rolled"]:
-        """How the machine moves: a side frame rolls over shoes that stand, or the front shoe is dragged."""
-        return "dragged" if self.undercarriage is None else "rolled"
-
-    @property
     def roller_count(self) -> int:
         """Rollers on the track."""
         return 0 if self.undercarriage is None else len(self.undercarriage.rollers)
@@ -158,7 +153,7 @@ class Case(Parameters):
 
     @property
     def is_rolled(self) -> bool:
-        """Whether rollers of a side frame roll over the shoes."""
+        """Whether a side frame rolls over shoes that stand; else the drive drags the front shoe."""
         return self.undercarriage is not None
 
     @property
@@ -333,7 +328,7 @@ class Case(Parameters):
         middle = corners.mean(axis=0)
         angle = self.drive.turn(time)
         c, s = np.cos(angle), np.sin(angle)
-        travel = np.array([self.drive.travel(time) if self.propel == "dragged" else 0.0, 0.0])
+        travel = np.array([0.0 if self.is_rolled else self.drive.travel(time), 0.0])
         return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + travel
 
     def check_support(self, duration: float) -> None:

@@ -211,7 +211,7 @@ def run_time(case_file: CaseFile) -> float:
     flexible = 0 if case.flexible is None else len(case.flexible.shoes)
     compiled = case.is_compiled
     step, more = STEP[compiled] * case.track.shoe_count / SHOES, STEP_FLEXIBLE[compiled]
-    if case.propel == "rolled":
+    if case.is_rolled:
         step, more = ROLLED * step, ROLLED_FLEXIBLE
     step += more * flexible
     recovered = flexible * solver.stored_times(case_file.duration)

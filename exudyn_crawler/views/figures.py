@@ -165,7 +165,7 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
     panels["sinkage and friction torque"] = [panel for one in sinking for panel in one]
     panels |= {label: found[label].panels(links) for label in JOINT_VECTORS}
     panels |= _deformation(found)
-    if case.propel == "rolled":
+    if case.is_rolled:
         loaded = items if case.flexible is None else shoe_names(case.flexible.shoes)
         panels |= _of_rollers(found, loaded, [on_rails(str(side)) for side in history.rail.values])
     return _figures(case.name, panels, history)

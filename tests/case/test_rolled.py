@@ -18,7 +18,7 @@ FRAME = Undercarriage.ph4100c()
 
 
 def test_propel_is_named():
-    assert (Case.translation().propel, ROLLED.propel) == ("dragged", "rolled")
+    assert (Case.translation().is_rolled, ROLLED.is_rolled) == (False, True)
 
 
 def test_machine_is_plausible():

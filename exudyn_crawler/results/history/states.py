@@ -130,7 +130,7 @@ def _reactions(states: _States) -> dict[str, Variable]:
     named = {
         "joint_force": force,
         "joint_torque": torque,
-        "drive_force": -states.part("drive")[:, 0] * (states.case.propel == "dragged"),
+        "drive_force": -states.part("drive")[:, 0] * (not states.case.is_rolled),
         "drive_point": _drive_point(states),
         "drive_torque": turn,
     }

@@ -45,7 +45,7 @@ def _size(values: xr.DataArray) -> xr.DataArray:
 
 def _way(history: History) -> dict[str, object]:
     """How far the front shoe, or the side frame that rolls over the shoes, has moved."""
-    if history.case.propel == "dragged":
+    if not history.case.is_rolled:
         of, place = f"shoe {int(history.shoe[-1])}", history.position.isel(shoe=-1)
     else:
         of, place = "side frame", history.side_frame_position

@@ -93,7 +93,7 @@ def shoe_actions(history: History) -> xr.Dataset:
     side frame roller and chain.
     """
     position = history.position.values
-    kinds = KINDS if history.case.propel == "dragged" else ROLLED_KINDS
+    kinds = ROLLED_KINDS if history.case.is_rolled else KINDS
     forces = np.zeros((len(kinds), *position.shape))
     moments = np.zeros_like(forces)
     for action in actions(history):

@@ -108,7 +108,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
         scenes["shoe"] = {"": bodies}
     curves, thinned = packed_curves(histories, stresses)
     shown, first = _pictures(stressed, stress, owner, left_out)
-    rolled = any(one.case.propel == "rolled" for one in histories.values())
+    rolled = any(one.case.is_rolled for one in histories.values())
     sections = [
         Section("comparison", "Paper against computed", _compared(comparison)),
         Section("histories", "Time histories", part("histories", thinned) if histories else Markup()),
