@@ -178,7 +178,7 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
     Raises
     ------
     ValueError
-        If no side frame rolls over the history's track, or that has no such shoe.
+        If the history's case is not rolled, or its track has no such shoe.
     """
     frame = frame_of(history)
     history.case.track.check_shoe(shoe)

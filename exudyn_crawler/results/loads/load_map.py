@@ -78,10 +78,11 @@ class NodalShares(NamedTuple):
 
 
 class StripStations(NamedTuple):
-    """Stations of the strips' lines: x of the first, m, and the distance of neighbours."""
+    """Stations of the strips' lines: x of the first, m, the distance of neighbours, and lines on a rail."""
 
     rear: float
     spacing: float
+    lines: int
 
     @property
     def positions(self) -> NDArray:
@@ -202,7 +203,7 @@ def _unit_loads(
     }
     frame, rails = rolled
     if frame is not None and rails is not None:
-        strips = StripStations(rails.rear, station_spacing(rails) / THIRDS)
+        strips = StripStations(rails.rear, station_spacing(rails) / THIRDS, frame.strips)
         nodes, weights = strip_weights(mesh, frame, rails)
         along = cubic_weights(np.arange(STRIP_STATIONS) / THIRDS) @ extended(weights)
         spread[RAILS] = NodalShares(nodes, along.reshape(-1, len(nodes)))

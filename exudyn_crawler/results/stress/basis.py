@@ -47,6 +47,18 @@ from fem import (
 )
 from fem.patches import Underside
 
+TOLERANCE = 1e4
+"""Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
+MOST_FIELDS = 0.4
+"""Greatest number of fields over that of modes."""
+LOADS = {
+    "joint": "pins",
+    "load": "machine load",
+    "contact": "ground",
+    "roller": "rollers",
+    "chain": "drive",
+}
+"""Words for kinds of actions; others are their own. The chain pulls for the drive and at its ends."""
 GROUND_SPACING = 0.2
 """m, at most, between points of the ground's grid: a fifth of a unit."""
 RAIL_REACH = 0.1
@@ -90,12 +102,11 @@ def static_loads(case: Case) -> StaticLoads | None:
     """
     if not case.flexible_shoes().static_fields:
         return None
-    lines = 0 if case.undercarriage is None else case.undercarriage.strips
-    return _static_loads(unit_loads(case), whole_reduction(case), lines)
+    return _static_loads(unit_loads(case), whole_reduction(case))
 
 
 @lru_cache(maxsize=2)
-def _static_loads(units: ShoeUnitLoads, whole: CachedReduction, lines: int) -> StaticLoads:
+def _static_loads(units: ShoeUnitLoads, whole: CachedReduction) -> StaticLoads:
     mesh, interfaces = units.body.mesh, units.whole.interfaces
     families = {JOINTS: UnitLoads.at_centers(len(mesh.nodes), interfaces)}
     blocks = [eye_array(6 * len(interfaces))]
@@ -106,7 +117,7 @@ def _static_loads(units: ShoeUnitLoads, whole: CachedReduction, lines: int) -> S
         elif name == RAILS and units.strips is not None:
             stations = rail_stations(mesh)
             weights = hstack([one.weights for one in stations])
-            shares = _rail_shares(units.strips, stations, lines)
+            shares = _rail_shares(units.strips, stations)
         else:
             weights, shares = family.nodal(len(mesh.nodes)), eye_array(len(family.weights))
         families[name] = UnitLoads.spread(csr_array(weights), interfaces)
@@ -125,8 +136,8 @@ def _ground_shares(underside: Underside, grid: PressureGrid) -> NDArray:
     return grid.coordinates(forces, low, low + sides)[..., 2]
 
 
-def _rail_shares(strips: StripStations, stations: Sequence[Stations], lines: int) -> csr_array:
-    """Forces at the static fields' stations by one at each station of the strips, `lines` of them a rail.
+def _rail_shares(strips: StripStations, stations: Sequence[Stations]) -> csr_array:
+    """Forces at the static fields' stations by one at each station of the strips.
 
     A strip presses on the middle of its rail: what it turns that by about its length is left out.
     """
@@ -134,22 +145,8 @@ def _rail_shares(strips: StripStations, stations: Sequence[Stations], lines: int
     for rail in stations:
         level = rail.rectangle
         x = np.clip(strips.positions, level.low[0], level.high[0])
-        blocks.append(vstack([csr_array(rail.coordinates(np.ones((len(x), 1)), x)[..., 0])] * lines))
+        blocks.append(vstack([csr_array(rail.coordinates(np.ones((len(x), 1)), x)[..., 0])] * strips.lines))
     return csr_array(block_diag(blocks))
-
-
-TOLERANCE = 1e4
-"""Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
-MOST_FIELDS = 0.4
-"""Greatest number of fields over that of modes."""
-LOADS = {
-    "joint": "pins",
-    "load": "machine load",
-    "contact": "ground",
-    "roller": "rollers",
-    "chain": "drive",
-}
-"""Words for kinds of actions; others are their own. The chain pulls for the drive and at its ends."""
 
 
 @dataclass(frozen=True)
