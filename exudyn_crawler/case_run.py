@@ -164,12 +164,8 @@ def _stresses(history: History, case_file: CaseFile, folder: RunFolder) -> Stres
 def _history(case_file: CaseFile, progress: bool | None, folder: RunFolder) -> History:
     """Simulate a case, or what is missing of it in the folder that the run holds.
 
-    Raises
-    ------
-    ValueError
-        If what is there was altered or comes from other parameters, naming it.
-    EquilibriumError, SimulationStopped
-        As of `simulate`; what a run that stops early has stays in the folder.
+    ValueError, naming it, if what is there was altered or comes from other parameters; else errors of
+    `simulate`, and what a run that stops early has stays in the folder.
     """
     case, path = case_file.case, folder.path
     if path is None:

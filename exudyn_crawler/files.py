@@ -27,12 +27,8 @@ def refuse_existing(path: Path, overwrite: bool = False) -> None:
 def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
     """Write to a temporary file beside `path` that takes its place when the block ends well.
 
-    Raises
-    ------
-    FileExistsError
-        If `path` exists and `overwrite` is false.
-    OSError
-        Naming `path`, if it cannot be written: the disk is full, say.
+    FileExistsError if it exists and `overwrite` is false; OSError, naming it, if it cannot be written: the
+    disk is full, say.
     """
     refuse_existing(path, overwrite)
     try:

@@ -183,15 +183,8 @@ def spread_of(
 ) -> Spread:
     """Spread of the stresses of a run that is judged.
 
-    Parameters
-    ----------
-    starts, laws : mapping of str to DataArray (shoe, node)
-        Greatest von Mises stresses in Pa of runs from other starts and with other laws of contact.
-
-    Raises
-    ------
-    ValueError
-        If there is no other run, or one has other shoes or nodes.
+    `starts` and `laws` have the greatest von Mises stresses (shoe, node) in Pa of runs from other starts and
+    with other laws of contact. ValueError if there is no other run, or one has other shoes or nodes.
     """
     own = first.dataset.peak_von_mises.transpose("shoe", "node")
     others = {**starts, **laws}

@@ -99,12 +99,8 @@ def unit_motion(shape: NDArray, coordinates: NDArray) -> NDArray:
 def motion_variables(heave: NDArray, tilt: NDArray, coordinates: dict[str, NDArray]) -> dict[str, Variable]:
     """Motion of the units of a terrain in independent coordinates: variables of a history by name.
 
-    Parameters
-    ----------
-    heave, tilt : array (units, modes)
-        m and rad for a unit of each coordinate.
-    coordinates : dict
-        Coordinates (times, modes) by rate, as of `RATES`.
+    `heave` and `tilt` (units, modes) are m and rad for a unit of each coordinate; `coordinates` has them
+    (times, modes) by rate, as of `RATES`.
     """
     shapes = dict(zip(SHAPES.values(), (heave, tilt), strict=True))
     motion = shapes | {f"{TERRAIN}{rate}": values for rate, values in coordinates.items()}

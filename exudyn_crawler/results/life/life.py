@@ -217,14 +217,8 @@ def _life_trust(
 
     What the mesh leaves open is that of the stress less its mean over each run and place, in the mean square
     over all of them; what left-out static fields may do counts against the greatest amplitude. Of spreads the
-    widest of the runs' counts, at the place that wears a node most.
-
-    Parameters
-    ----------
-    damage, amplitude : array (places, nodes)
-        Damage an hour at each place and half the range of the stress in Pa; not a number inside.
-    spreads : sequence of DataArray (shoe, node) or None
-        As of `life_of`.
+    widest of the runs' counts, at the place that wears a node most. Damage (1/h) and amplitude (Pa) are
+    arrays (places, nodes), not a number inside.
     """
     found = reduce(operator.add, map(_resolved_changes, runs))
     known = ~np.isnan(damage).any(axis=0)
@@ -278,22 +272,12 @@ def shortest_lives(
 ) -> pd.DataFrame:
     """Table of lives and what makes them, of some nodes such as the worst of every region.
 
-    Parameters
-    ----------
-    regions : array (n,) of str
-        Of `hot_spots.shoe_regions`.
-    truncation_known : bool
-        Whether what left-out modes do to the stress is in the verdicts.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row a node: region, node and its place in the shoe (m); life (h, 1e9 for all beyond) at each
-        survival; the range in which the last of them lies, by what is open of the stress, and the verdict;
-        the place in the track that wears it most and the life of a shoe that stays there; run and phase with
-        the greatest part of the damage, and that part; the load with the greatest part, and the parts of all;
-        life by each criterion at the greatest survival, those signed without what goes from run to run; and
-        whether a joint's rigid spider is near.
+    A row a node: region (of `shoe_regions`), node and its place in the shoe (m); life (h, 1e9 for all beyond)
+    at each survival; the range in which the last of them lies, by what is open of the stress, and the
+    verdict, which says if truncation is not in it; the place in the track that wears it most and the life of
+    a shoe that stays there; run and phase with the greatest part of the damage, and that part; the load with
+    the greatest part, and the parts of all; life by each criterion at the greatest survival, those signed
+    without what goes from run to run; and whether a joint's rigid spider is near.
     """
     rows = []
     for node, life in nodes.items():

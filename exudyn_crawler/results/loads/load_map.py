@@ -107,20 +107,9 @@ class StripStations(NamedTuple):
 class ShoeUnitLoads:
     """Unit loads of a flexible shoe, k of all families one after the other.
 
-    Attributes
-    ----------
-    body : ElasticBody
-        Mesh and material.
-    whole : ReducedBody
-        All M modes that the stress is made of.
-    integrated : Nested
-        The m modes that a run integrates, and where they lie among all.
-    underside : Underside
-        Grid of the family "ground".
-    strips : StripStations or None
-        Stations of the family "rails"; None without a side frame.
-    spread : mapping of str to NodalShares
-        Families whose forces nodes share, by name.
+    The shoe has mesh and material `body`, all M modes `whole` that the stress is made of, and among them the
+    m modes `integrated` by a run. `underside` is the grid of the family "ground", `strips` the stations of
+    "rails", None where no rollers run; `spread` has the families whose forces nodes share, by name.
     """
 
     body: ElasticBody

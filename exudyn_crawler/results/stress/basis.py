@@ -153,20 +153,11 @@ def _rail_shares(strips: StripStations, stations: Sequence[Stations]) -> csr_arr
 class StressBasis:
     """Columns of displacement and stress with their coordinates.
 
-    Attributes
-    ----------
-    shapes : Shapes
-        Modes, and static fields beside them.
-    loads : mapping of int to mapping of str to csr_array (times, loads)
-        All that acts on each shoe, by number of the shoe: coordinates of its `unit_loads` by kind of action,
-        as of `loads_by_kind`.
-    answers : array (loads, columns)
-        Coordinates of the columns that a unit of each load makes.
-    coordinates : mapping of int to array (times, columns)
-        By number of the shoe: products of the two, all kinds together.
-    bound : float or None
-        Pa by which fields that were left out change the stress of no node at no time; None without fields,
-        where the error of truncation is not known.
+    `shapes` are modes, and static fields beside them; `loads` the coordinates (times, loads) of all that acts
+    on each shoe, as of `loads_by_kind`; `answers` (loads, columns) the coordinates of the columns that a unit
+    of each load makes; `coordinates` (times, columns) their products by number of the shoe, all kinds
+    together. Fields that were left out change the stress of no node at no time by more than `bound`, Pa; it
+    is None without fields, where the error of truncation is not known.
     """
 
     shapes: Shapes

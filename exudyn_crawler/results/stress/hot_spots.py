@@ -83,12 +83,8 @@ def load_shares(basis: StressBasis, shoe: int, nodes: NDArray, rows: NDArray) ->
     A load's share is the projection of its stress on the deviator s of the whole,
     ``3/2 s : sigma_load / von Mises^2``: the part of the von Mises stress that goes with a small part of the
     load. Shares add up to 1; a load that relieves has a negative one. The stress of a load is that of its
-    static answer with the inertia of the free shoe; "inertia" is that of the integrated modes.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row a node, a column "share of LOAD" a load; zero where there is no stress.
+    static answer with the inertia of the free shoe; "inertia" is that of the integrated modes. A row a node,
+    a column "share of LOAD" a load; zero where there is no stress.
     """
     modes = basis.shapes.stress_modes[nodes]
     parts = {load: np.einsum("kcm,km->kc", modes, q) for load, q in basis.by_load(shoe, rows).items()}
@@ -142,11 +138,8 @@ def highest_nodes(
 def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
     """Highest von Mises stress of every flexible shoe in every phase of the load cycle.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns shoe, phase, begin and end of the phase in s, the stress in MPa, when and at which node it is,
-        and the node's place in the shoe's frame in m.
+    Columns shoe, phase, begin and end of the phase in s, the stress in MPa, when and at which node it is, and
+    the node's place in the shoe's frame in m.
     """
     positions = stress.node_position.transpose("node", "axis").values
     rows = []

@@ -32,17 +32,8 @@ VARIABLE = "history "
 class Checkpoint:
     """End of a stage in a file, of which memory holds little however many there are.
 
-    Attributes
-    ----------
-    number : int
-        Of the stage, from 0.
-    time : float
-        s.
-    layout : str
-        What the numbers of a state are, as JSON with its version.
-    path : Path
-    chunk : Chunk
-        What the stage stored, read from the file when it is needed.
+    Stages count from 0, `time` is in s, and `layout` says what the numbers of a state are, as JSON with its
+    version. `chunk` is what the stage stored, read from the file when it is needed.
     """
 
     number: int
@@ -58,14 +49,9 @@ class Checkpoint:
 
 
 class Checkpoints:
-    """Checkpoints of one run in a folder of their own.
+    """Checkpoints of one run in a folder of their own, which is made with the first.
 
-    Parameters
-    ----------
-    folder : Path
-        Made with the first checkpoint.
-    say : callable, optional
-        Gets a line on where a run goes on and what was left out.
+    `say` gets a line on where a run goes on and what was left out.
     """
 
     def __init__(self, folder: Path, say: Callable[[str], None] = lambda _text: None) -> None:
@@ -99,13 +85,8 @@ class Checkpoints:
     def load(self, case: Case, layout: str | None = None) -> list[Checkpoint]:
         """Stages of a case that are there one after the other, from the first or the earlier run's end on.
 
-        Those from an altered one on are left out.
-
-        Raises
-        ------
-        ValueError
-            If one comes from other parameters or, where `layout` is given, has states of another layout; or
-            if the first one was altered, naming its file.
+        Those from an altered one on are left out. ValueError, naming the file, if the first one was altered,
+        or if one comes from other parameters or, where `layout` is given, has states of another layout.
         """
         found: list[Checkpoint] = []
         own = case.model_dump_json()
@@ -206,13 +187,7 @@ def _write(path: Path, content: _Content) -> None:
 
 
 def _read(path: Path) -> _Content:
-    """Content of a checkpoint's file.
-
-    Raises
-    ------
-    ValueError
-        If the file cannot be read, or a checksum is wrong.
-    """
+    """Content of a checkpoint's file; ValueError if it cannot be read, or a checksum is wrong."""
     try:
         # numpy alone would not notice that an array was made smaller
         with zipfile.ZipFile(path) as archive:

@@ -169,19 +169,10 @@ def quiet(_text: str) -> None:
 class RunFolder:
     """Folder that a run works in, or none, and what the run reports meanwhile.
 
-    Attributes
-    ----------
-    path : Path or None
-    report : callable
-        Gets the lines that the user is to read.
-    holds : Holds
-        What the folder held of the run when it began.
-    overwrites : bool
-        Whether the run was to replace another one, also if it was stopped and goes on now.
-    stages : dict
-        Wall time in s by stage, as far as they have ended.
-    simulated : bool
-        Whether the history of the run is in the folder.
+    `report` gets the lines that the user is to read. `holds` is what the folder held of the run when it
+    began, `overwrites` whether the run was to replace another one, also if it was stopped and goes on now.
+    `stages` has the wall time in s of those that have ended; `simulated` says whether the run's history is in
+    the folder.
     """
 
     path: Path | None = None
