@@ -14,7 +14,7 @@ from exudyn_crawler.files import whole_file
 
 GROUND, GROUND_EDGE = "#e2d3b3", "#8a7748"
 SHOE, FLEXIBLE_SHOE, SHOE_EDGE = "#9fb1bd", "#d98c3f", "#3c4a54"
-ROLLER, ROLLER_EDGE, SIDE_FRAME = "#6c7a52", "#333d22", "#b9bfa6"
+ROLLER, ROLLER_EDGE, BEAM = "#6c7a52", "#333d22", "#b9bfa6"
 CONTACT_FORCE, ROLLER_FORCE = "#1f4fd8", "#8a1fb0"
 STRESS_MAP = "YlOrRd"
 """Colour map of stresses: pale where there is little, so that shading shows the shape."""

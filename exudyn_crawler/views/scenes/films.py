@@ -223,9 +223,9 @@ class ShoePicture(Picture):
     def _window(self, view: View, with_rollers: bool) -> Window:
         """Least and greatest coordinates to the right and upward of what is shown at any time."""
         points, case = self.stress.node_position.values, self.history.case
-        if with_rollers and case.undercarriage is not None and case.shoe.rails is not None:
-            rails, ends = case.shoe.rails, (-shoes.BESIDE, shoes.BESIDE)
-            top = rails.height + 2.0 * case.undercarriage.radius
+        if with_rollers and case.is_rolled:
+            (frame, rails), ends = track.frame_on_rails(case), (-shoes.BESIDE, shoes.BESIDE)
+            top = rails.height + 2.0 * frame.radius
             points = np.vstack((points, [(x, y, top) for x in ends for y in rails.middles]))
         seen = view.project(points)
         (left, bottom, _), (right, top, _) = seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN

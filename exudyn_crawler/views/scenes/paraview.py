@@ -91,7 +91,8 @@ def _track(case: Case, moment: xr.Dataset) -> Iterator[tuple[str, meshio.Mesh]]:
     yield "terrain", _cells(track.ground_units(case, moment), heave=now.unit_heave.values)
     yield from _forces("contacts", *track.touching(now))
     if track.rolls(now):
-        yield "side frame", _cells(track.side_frame(case, moment))
+        beam = track.beam(case, moment)
+        yield beam.name, _cells(beam)
         treads = now.roller_force.sum("rail").transpose("roller", "axis"), now.roller
         force, number = (np.repeat(one.values, now.sizes["rail"], axis=0) for one in treads)
         yield "rollers", _cells(track.rollers(case, moment)[0], roller=number, force=force)

@@ -40,7 +40,7 @@ FROM_ABOVE = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
 MARGIN = (0.6, 0.4, 1.0)
 """m that are shown beyond the track, beside it and below the ground."""
 ABOVE = 0.4
-"""m that are shown above the side frame, which magnified ground may lift."""
+"""m that are shown above what rolls on the track, which magnified ground may lift."""
 DEPTH = 0.4
 """m of ground that is shown below its lowest face where it stands still."""
 SPREAD = 3.62

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from exudyn_crawler.case import Case, Undercarriage
+from exudyn_crawler.case import Case, Rails, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
@@ -148,7 +148,7 @@ def track_scene(case: Case, dataset: xr.Dataset, force_scale: float, units: NDAr
     arrows = [Arrows("contact forces", style.CONTACT_FORCE, *on_shoes, force_scale, through=tall)]
     solids = [*shoe_boxes(case, dataset), ground_faces(case, dataset, units)]
     if rolls(dataset):
-        solids += [side_frame(case, dataset), *rollers(case, dataset)]
+        solids += [beam(case, dataset), *rollers(case, dataset)]
         on_rails = roller_forces(dataset)
         arrows.append(Arrows("forces of rollers", style.ROLLER_FORCE, *on_rails, force_scale))
     titles = tuple(f"t = {time:.2f} s" for time in dataset.time.values)
@@ -219,21 +219,21 @@ def unit_turns(case: Case, dataset: xr.Dataset | None = None) -> NDArray:
     return rotation_matrices(tilt[..., None] * np.eye(3)[case.terrain.tilt_axis])
 
 
-def side_frame(case: Case, dataset: xr.Dataset) -> Solid:
+def beam(case: Case, dataset: xr.Dataset) -> Solid:
     """Beam between the rails that stands for the side frame."""
-    frame, middles = _frame_of(case)
-    half = 0.5 * (max(middles) - min(middles) - frame.tread_width) - GAP
+    frame, rails = frame_on_rails(case)
+    half = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP
     (low, high), (origin, turn) = BEAM, frame_poses(dataset)
-    beam = box(np.array([frame.ends[0], -half, low]), np.array([frame.ends[1], half, high]))
+    shape = box(np.array([frame.ends[0], -half, low]), np.array([frame.ends[1], half, high]))
     placed = origin[:, None], turn[:, None]
-    return Solid("side frame", *beam, style.SIDE_FRAME, *placed, 0.5, style.ROLLER_EDGE)
+    return Solid("side frame", *shape, style.BEAM, *placed, 0.5, style.ROLLER_EDGE)
 
 
 def rollers(case: Case, dataset: xr.Dataset) -> list[Solid]:
     """Treads of all rollers, roller by roller and its right one first, and a line across each."""
-    frame, middles = _frame_of(case)
+    frame, rails = frame_on_rails(case)
     origin, turn = frame_poses(dataset)
-    on_frame = np.array([(x, y, 0.0) for x in frame.rollers for y in middles])
+    on_frame = np.array([(x, y, 0.0) for x in frame.rollers for y in rails.middles])
     centers = origin[:, None] + np.einsum("tij,nj->tni", turn, on_frame)
     # how far rollers have turned counts from upright, whatever the pitch of the frame
     axle = turn[..., 1]
@@ -243,7 +243,7 @@ def rollers(case: Case, dataset: xr.Dataset) -> list[Solid]:
     angle = (origin[:, :1] - frame.start) / frame.radius
     rolled = level @ rotation_matrices(angle * np.eye(3)[1])
     placed = centers, np.repeat(rolled[:, None], len(on_frame), axis=1)
-    labels = tuple(f"roller {number}" for number in range(1, len(frame.rollers) + 1) for _ in middles)
+    labels = tuple(f"roller {number}" for number in range(1, len(frame.rollers) + 1) for _ in rails.middles)
     half = np.array([0.5 * MARK, 0.5 * frame.tread_width + 0.002, frame.radius])
     tread, edge = disc(frame.radius, frame.tread_width), style.ROLLER_EDGE
     return [
@@ -252,12 +252,12 @@ def rollers(case: Case, dataset: xr.Dataset) -> list[Solid]:
     ]
 
 
-def _frame_of(case: Case) -> tuple[Undercarriage, tuple[float, float]]:
-    """Undercarriage and the lateral places of the rails' middles, m."""
+def frame_on_rails(case: Case) -> tuple[Undercarriage, Rails]:
+    """Undercarriage of a rolled case, and the rails that it rolls on."""
     frame, rails = case.undercarriage, case.shoe.rails
     if frame is None or rails is None:
         raise ValueError(f"the case {case.name!r} must have an undercarriage to show one")
-    return frame, rails.middles
+    return frame, rails
 
 
 def shown_box(history: History, margin: Sequence[float]) -> list[list[float]]:
