@@ -57,7 +57,6 @@ def system_history(system: "TrackSystem", rows: NDArray) -> History:
     start = case.track.com_positions(case.shoe.com_height)
     variables = _motion(states, "shoes", start) | _reactions(states) | _terrain(states)
     variables["shoe_load"] = variable("shoe_load", case.loads.loads(time))
-    variables |= _flexible(states)
     if system.treads is not None:
         variables |= _rolled(states, system.treads)
     contacts, pairs = _contacts(states)
@@ -120,20 +119,28 @@ def _pins(states: _States) -> Iterator[tuple[int, int, NDArray, NDArray]]:
 
 
 def _reactions(states: _States) -> dict[str, Variable]:
-    """Forces and torques of links and drive."""
-    force = np.zeros((len(states.rows), len(states.case.track.joints), 3))
-    torque = np.zeros_like(force)
-    for link, _, pin_force, pin_torque in _pins(states):
-        force[:, link] += pin_force
-        torque[:, link] += pin_torque
+    """Forces and torques of links and drive; of a track with flexible shoes those of each pin, too."""
+    force = np.full((len(states.rows), len(states.case.track.joints), len(SIDES), 3), np.nan)
+    torque = np.full_like(force, np.nan)
+    for link, side, pin_force, pin_torque in _pins(states):
+        force[:, link, side], torque[:, link, side] = pin_force, pin_torque
     turn = -states.part("turn")[:, 0] if states.layout.has("turn") else np.zeros(len(states.rows))
     named = {
-        "joint_force": force,
-        "joint_torque": torque,
+        "joint_force": np.nansum(force, axis=2),
+        "joint_torque": np.nansum(torque, axis=2),
         "drive_force": -states.part("drive")[:, 0] * (not states.case.is_rolled),
         "drive_point": _drive_point(states),
         "drive_torque": turn,
     }
+    if states.layout.flexible_shoes:
+        # a rigid link has one joint, whose reaction is no pin's
+        single = np.isnan(force[:, :, -1:])
+        named |= {
+            "modal_coordinate": states.part("modes"),
+            "modal_velocity": states.part("modes rate"),
+            "pin_force": np.where(single, np.nan, force),
+            "pin_torque": np.where(single, np.nan, torque),
+        }
     return {name: variable(name, values) for name, values in named.items()}
 
 
@@ -155,26 +162,6 @@ def _flexible_coordinates(system: "TrackSystem") -> dict[str, object]:
         "frequency": ("mode", system.frequencies, {"units": "Hz"}),
         "pin": list(SIDES),
     }
-
-
-def _flexible(states: _States) -> dict[str, Variable]:
-    """Modal coordinates of the flexible shoes and the forces at each pin of their links."""
-    if not states.layout.flexible_shoes:
-        return {}
-    force = np.full((len(states.rows), len(states.case.track.joints), len(SIDES), 3), np.nan)
-    torque = np.full_like(force, np.nan)
-    for link, side, pin_force, pin_torque in _pins(states):
-        # a rigid link has one joint, whose reaction is no pin's
-        if states.layout.has(pin_name(SIDES[-1], int(states.case.track.joints[link]))):
-            force[:, link, side] = pin_force
-            torque[:, link, side] = pin_torque
-    named = {
-        "modal_coordinate": states.part("modes"),
-        "modal_velocity": states.part("modes rate"),
-        "pin_force": force,
-        "pin_torque": torque,
-    }
-    return {name: variable(name, values) for name, values in named.items()}
 
 
 def _terrain(states: _States) -> dict[str, Variable]:
