@@ -156,26 +156,30 @@ def on_rails(side: str) -> str:
 
 def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Figure]:
     """Motion and contact of some shoes, forces of the links behind them, of rollers, and the side frame."""
-    found, case = history_series(history), history.case
-    items = shoe_names(shoes)
+    found, case, items = history_series(history), history.case, shoe_names(shoes)
     links = link_names(sorted({min(shoe, case.track.shoe_count - 1) for shoe in shoes}))
-    panels = {name: found[label].panels(items) for name, label in KINEMATICS.items()}
-    panels |= {label: found[label].panels(items) for label in CONTACT_VECTORS}
-    sinking = [found[label].panels(items) for label in CONTACT_SCALARS]
-    panels["sinkage and friction torque"] = [panel for one in sinking for panel in one]
-    panels |= {label: found[label].panels(links) for label in JOINT_VECTORS}
+    panels = {name: _panels(found, [label], items) for name, label in KINEMATICS.items()}
+    panels |= {label: _panels(found, [label], items) for label in CONTACT_VECTORS}
+    panels["sinkage and friction torque"] = _panels(found, CONTACT_SCALARS, items)
+    panels |= {label: _panels(found, [label], links) for label in JOINT_VECTORS}
     panels |= _deformation(found)
     if case.is_rolled:
+        sides = [on_rails(str(side)) for side in history.rail.values]
+        panels[ROLLER_FORCE] = _panels(found, [ROLLER_FORCE, *sides], axis="z")
         loaded = items if case.flexible is None else shoe_names(case.flexible.shoes)
-        panels |= _of_rollers(found, loaded, [on_rails(str(side)) for side in history.rail.values])
+        panels[RAIL_FORCE] = _panels(found, [RAIL_FORCE], loaded)
+        # the way along x is an input
+        way, angle = (QUANTITIES[f"side_frame_{name}"].label for name in ("way", "angles"))
+        rising = _panels(found, [way], axis="z")
+        panels["side frame"] = [*_panels(found, [PULL]), *rising, *_panels(found, [angle])]
     return _figures(case.name, panels, history)
 
 
 def stress_figures(history: History, results: StressResults) -> dict[str, Figure]:
     """Figures 11 to 17 and 21 of the S-paper: flexible shoes over the cycle."""
     found, shoes = history_series(history, results.dataset), history.flexible_shoe.values
-    named = {name: found[KINEMATICS.get(name, name)] for name in OF_FLEXIBLE_SHOES}
-    panels = {name: one.panels(shoe_names(shoes)) for name, one in named.items()}
+    drawn = {name: [KINEMATICS.get(name, name)] for name in OF_FLEXIBLE_SHOES}
+    panels = {name: _panels(found, labels, shoe_names(shoes)) for name, labels in drawn.items()}
     for name, label in OF_PINS.items():
         for side in history.pin.values:
             panels[f"{side} {name}"] = _of_side(found[label], str(side)).panels()
@@ -193,22 +197,13 @@ def _figures(title: str, panels: Mapping[str, Sequence[Panel]], history: History
     return {name: panel_figure(f"{title}: {name}", one, phases) for name, one in panels.items()}
 
 
-def _of_rollers(
-    found: Mapping[str, Series], items: Sequence[str], sides: Sequence[str]
-) -> dict[str, list[Panel]]:
-    """Forces of rollers, what some shoes carry of them, and motion of the side frame."""
-
-    def vertical(*labels: str) -> list[Panel]:
-        drawn = (replace(found[one], values=found[one].values.sel(axis=["z"])) for one in labels)
-        return [panel for one in drawn for panel in one.panels()]
-
-    # the way along x is an input
-    way, angle = (QUANTITIES[f"side_frame_{name}"].label for name in ("way", "angles"))
-    return {
-        ROLLER_FORCE: vertical(ROLLER_FORCE, *sides),
-        RAIL_FORCE: found[RAIL_FORCE].panels(items),
-        "side frame": [*found[PULL].panels(), *vertical(way), *found[angle].panels()],
-    }
+def _panels(
+    found: Mapping[str, Series], labels: Sequence[str], items: Sequence[str] | None = None, axis: str = ""
+) -> list[Panel]:
+    """Panels of some quantities one below the other: of some items or all, of one component or all."""
+    series = (found[label] for label in labels)
+    chosen = (replace(one, values=one.values.sel(axis=[axis])) if axis else one for one in series)
+    return [panel for one in chosen for panel in one.panels(items)]
 
 
 def _of_side(pins: Series, side: str) -> Series:
