@@ -84,7 +84,6 @@ class Case(Parameters):
         """What of parts does not fit others, and what is said of it."""
         count, terrain, flexible = self.track.shoe_count, self.terrain, self.flexible
         spheres, reduced = isinstance(self.contact, SphereContact), self.terrain_formulation == "reduced"
-        yield not self.name.isprintable(), f"name must be printable, got {self.name!r}"
         yield (
             self.loads.shoe_count != count,
             f"loads must name every shoe of the track ({count}), got loads for {self.loads.shoe_count}",

@@ -76,7 +76,7 @@ def test_items_of_a_list_of_the_file_are_changed(tmp_path):
         ),
         ("terrain.origin[1]=far", "terrain.origin[1]: Input should be a valid number, got 'far'"),
         ("case.terrain.origin[1]=1", "case: unknown key"),
-        ("name=a\nb = 1", "name must be printable"),
+        ("name=a\nb = 1", "name: must be printable"),
     ],
 )
 def test_changes_are_checked_like_the_file(path, change, told):

@@ -88,6 +88,7 @@ def test_a_case_file_names_a_cycle_beside_it(tmp_path):
         ("file = 3", "loads.file must be the name of a load cycle and stand alone"),
         ('file = "nowhere.toml"', "no load cycle .*nowhere.toml"),
         ('file = "broken.toml"', "broken.toml is not TOML"),
+        ('file = "empty.toml"', r"empty\.toml is empty; a load cycle has tables \[\[phases\]\]"),
         ('file = "odd.toml"', r"odd\.toml: speed: unknown key"),
         ('file = "lacking.toml"', r"lacking\.toml: phases\[0\]\.loads: missing$"),
         (
@@ -98,6 +99,7 @@ def test_a_case_file_names_a_cycle_beside_it(tmp_path):
 )
 def test_cycles_that_cannot_be_are_refused_with_the_case(tmp_path, table, told):
     (tmp_path / "broken.toml").write_text("[[phases")
+    (tmp_path / "empty.toml").write_text("# nothing yet\n")
     (tmp_path / "odd.toml").write_text("speed = 1\n" + EVEN)
     (tmp_path / "lacking.toml").write_text('[[phases]]\nname = "a"\nend = 1\n')
     (tmp_path / "short.toml").write_text(EVEN.replace("4e5", "true"))

@@ -25,6 +25,9 @@ from exudyn_crawler import (
 )
 from exudyn_crawler.case import Solver
 from exudyn_crawler.errors import CaseFileError, ParameterError
+from exudyn_crawler.results.life.duty import DutyRun
+from exudyn_crawler.sweep.answers import Answer
+from exudyn_crawler.sweep.vary import Vary
 from meshes import shoe_mesh
 
 MAKERS = {
@@ -198,9 +201,26 @@ def test_a_duration_that_is_none_is_refused_before_anything_runs(duration, told)
         simulate(Case.translation(), duration)
 
 
-@pytest.mark.parametrize("name", ["a\0b", "two\nlines"])
-def test_a_case_name_that_cannot_be_printed_is_refused(name):
-    refusal(lambda: Case.translation().with_(name=name), f"name must be printable, got {name!r}")
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("a\0b", "must be printable, got 'a\\x00b'"),
+        ("two\nlines", "must be printable, got 'two\\nlines'"),
+        *(
+            (f"{sign}1+1", f"must not begin with = + - @, as formulas of spreadsheets do, got '{sign}1+1'")
+            for sign in "=+-@"
+        ),
+    ],
+)
+def test_names_that_no_table_can_show_are_refused(name, told):
+    refusal(lambda: Case.translation().with_(name=name), f"name: {told}")
+    for make in (
+        lambda: Phase(name=name, end=0.0, loads=(4e5,)),
+        lambda: DutyRun(name=name, folder="run", share=0.1),
+        lambda: Vary(key="gravity", name=name, values=(9.8,)),
+        lambda: Answer(quantity="joint_force", name=name),
+    ):
+        refusal(make, f"name: {told}")
 
 
 def test_parameters_cannot_be_changed_in_place():

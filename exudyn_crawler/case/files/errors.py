@@ -30,6 +30,8 @@ def toml_content(path: str | Path, kind: str) -> dict[str, Any]:
 
 SHOWN = 60
 """Characters of a refused value that an error shows."""
+MOST_UNKNOWN = 10
+"""Unknown keys that errors name."""
 
 
 def error_lines(error: ValidationError, model: type[BaseModel], in_file: bool = True) -> Iterator[str]:
@@ -38,12 +40,20 @@ def error_lines(error: ValidationError, model: type[BaseModel], in_file: bool = 
     `model` is the class that was to be made, of values in a file or of arguments.
     """
     found = error.errors(include_url=False)
+    unknown = 0
     for one in found:
         loc = tuple(one["loc"])
-        within = [other for other in found if other["loc"][: len(loc)] == loc and other is not one]
-        if one["type"] == "too_short" and within:
+        if one["type"] == "extra_forbidden":
+            unknown += 1
+            if unknown > MOST_UNKNOWN:
+                continue
+        if one["type"] == "too_short" and any(
+            other["loc"][: len(loc)] == loc and other is not one for other in found
+        ):
             continue  # what is in the list is wrong, not how much
         yield " ".join(_message(one, _spot(loc, model, in_file), model, in_file).split())
+    if unknown > MOST_UNKNOWN:
+        yield f"{unknown} keys are unknown, of which the first {MOST_UNKNOWN} are named"
 
 
 class _Spot(NamedTuple):

@@ -20,7 +20,22 @@ Place = Annotated[float, Ge(-FAR), Le(FAR)]
 """Coordinate of a place."""
 Component = Annotated[float, Ge(-1e12), Le(1e12)]
 """Of a force, a moment or an inertia."""
-Name = Annotated[str, MinLen(1), MaxLen(100)]
+FORMULA = ("=", "+", "-", "@")
+"""What a cell of a table begins with that spreadsheets take for a formula."""
+
+
+def _fit_for_tables(name: str) -> str:
+    if not name.isprintable():
+        raise ValueError(f"must be printable, got {name!r}")
+    if name.startswith(FORMULA):
+        raise ValueError(
+            f"must not begin with {' '.join(FORMULA)}, as formulas of spreadsheets do, got {shown(name)}"
+        )
+    return name
+
+
+Name = Annotated[str, MinLen(1), MaxLen(100), AfterValidator(_fit_for_tables)]
+"""Of a case, a phase or a run, as tables and pages show it."""
 Six = tuple[Component, Component, Component, Component, Component, Component]
 
 

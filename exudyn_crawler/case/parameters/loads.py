@@ -191,9 +191,12 @@ class LoadCycle(Cycle):
 def cycle_content(path: str | Path) -> dict[str, Any]:
     """Content of a file with a load cycle; errors are those of `LoadCycle.from_toml`."""
     try:
-        return toml_content(path, "load cycle")
+        content = toml_content(path, "load cycle")
     except ValueError as error:
         raise ValueError(f"{path} is {error}") from error
+    if not content:
+        raise ValueError(f"{path} is empty; a load cycle has tables [[phases]] with name, end and loads")
+    return content
 
 
 def with_equal_loads(content: Any, shoe_count: int) -> Any:
