@@ -47,7 +47,9 @@ def _positive(duration: float) -> float:
 
 Chosen = Annotated[CaseChoice, typer.Option(help="what to run")]
 Duration = Annotated[float, typer.Option(help="simulated time in s", callback=_positive)]
-Lateral = Annotated[bool, typer.Option("--lateral", help="show instead what moves a straight track sideways")]
+Variants = Annotated[
+    bool, typer.Option("--variants", help="show instead every row under variants of the contact and the shoe")
+]
 Choices = Annotated[
     bool, typer.Option("--choices", help="show instead what the study's open choices do, over 8 s")
 ]
@@ -89,7 +91,7 @@ def forces(
         ),
     ] = None,
     overwrite: Overwrite = False,
-    lateral: Lateral = False,
+    variants: Variants = False,
     debug: Debug = False,
 ) -> None:
     """Run the forces study and compare it with the paper.
@@ -97,10 +99,14 @@ def forces(
     Example: exudyn-crawler forces --case translation --out results/straight
     """
     from exudyn_crawler.views.tables import print_table
-    from studies.forces import lateral_effects, study
+    from studies.forces import study
 
-    if lateral:
-        print_table(lateral_effects(duration), "Lateral motion: paper, and computed for some causes")
+    if variants:
+        from studies.variants import compare_variants, counts
+
+        table = compare_variants(duration=duration)
+        print_table(table, "Paper, and computed under variants")
+        print_table(counts(table), "Rows within their class; lateral ones within a factor of 2")
         return
     _, table = study(
         out,

@@ -2,7 +2,9 @@
 
 The paper draws shoes 1, 4, 7, 10 and 13 and the links behind them, and takes its least, greatest and mean
 values from these; so does every row here about "a shoe", "shoes" or "joints". The paper prints means of
-forces and torques as magnitudes, so magnitudes are compared.
+forces and torques as magnitudes, so magnitudes are compared. Its figures 5 to 8 (normal force, friction) show
+one contact each and figure 10 (contact force) the sum of a shoe's: extremes of the former are those of one
+volume here, too. What it says of shoe 7 on unit 7 is taken while they touch, of one volume.
 """
 
 import math
@@ -29,6 +31,11 @@ CONTACT = {
 }
 """Contact quantities of the paper and their variables in `contacts_by_shoe`."""
 
+ONE_VOLUME = ("normal force", "friction force", "friction torque")
+"""Of these its figures show one contact each."""
+
+VOLUMES = re.compile(r"shoe (?P<shoe>\d+) on unit (?P<unit>\d+) (?P<words>.+)")
+
 REACTIONS = {"spherical joint reaction": "joint_force", "parallel joint torque": "joint_torque"}
 
 
@@ -52,21 +59,63 @@ def force_quantity(history: History, contacts: xr.Dataset, quantity: str) -> xr.
     """
     if quantity == "total terrain deformation from equilibrium":
         return history.terrain_deformation
-    words = re.sub(r" \(crossing two units\)| of a shoe", "", quantity)
-    shoe = re.search(r"shoe (\d+)", words)
-    words = re.sub(r"(of )?shoe \d+", "", words).strip()
-    match = re.fullmatch(r"(?P<name>[a-z ]+?)(?: (?P<axis>[xyz]))?", words)
-    name = match["name"] if match else ""
-    if match and name in REACTIONS:
+    name, axis, shoe = _words(quantity)
+    if name in REACTIONS:
         values = history.dataset[REACTIONS[name]].sel(joint=list(JOINTS))
-    elif match and name in CONTACT:
-        values = contacts[CONTACT[name]].sel(shoe=int(shoe[1]) if shoe else list(SHOES))
+    elif name in CONTACT:
+        values = contacts[CONTACT[name]].sel(shoe=shoe or list(SHOES))
     else:
         raise ValueError(f"{quantity!r} names no quantity of contact, joints or terrain")
     if "axis" not in values.dims:
         return values
-    # the friction torque turns about the normal, which is z except for the units' tilt
-    return values.sel(axis=match["axis"] or "z")
+    # the friction torque turns about the normal, which is z but for the units' tilt
+    return values.sel(axis=axis)
+
+
+def _words(quantity: str) -> tuple[str, str, int]:
+    """Name, axis (z where none is named) and shoe (0 for none) of a quantity in the paper's words."""
+    words = re.sub(r" \(crossing two units\)| of a shoe", "", quantity)
+    shoe = re.search(r"shoe (\d+)", words)
+    words = re.sub(r"(of )?shoe \d+", "", words).strip()
+    match = re.fullmatch(r"(?P<name>[a-z ]+?)(?: (?P<axis>[xyz]))?", words)
+    return (match["name"], match["axis"] or "z", int(shoe[1]) if shoe else 0) if match else ("", "z", 0)
+
+
+def greatest_of_one_volume(history: History, quantity: str) -> xr.DataArray:
+    """Component of a force of every contact of the shoes that the paper draws: dimensions (time, contact)."""
+    name, axis, _ = _words(quantity)
+    drawn = np.isin(history.contact_shoe.values, SHOES)
+    return history.dataset[CONTACT[name]].isel(contact=drawn).sel(axis=axis)
+
+
+def volumes_value(history: History, shoe: int, unit: int, words: str) -> float:
+    """What the paper says of the volumes of a shoe on a unit; NaN for volumes that a run does not have.
+
+    Parameters
+    ----------
+    words : str
+        "one volume" or "three volumes": until when, s; or a component: its mean over the time in which they
+        touch, of one volume, as a magnitude.
+    """
+    here = (history.contact_shoe.values == shoe) & (history.contact_unit.values == unit)
+    if not here.any():
+        return math.nan
+    own = history.dataset.isel(contact=here)
+    time = own.time.values
+    push = np.linalg.norm(own.normal_force.transpose("time", "contact", "axis").values, axis=-1)
+    whole, fingers = push[:, own.contact_finger.values == 0], push[:, own.contact_finger.values > 0]
+    if words == "one volume":
+        most = np.max(fingers, axis=1, initial=0.0)
+        return float(time[np.flatnonzero(np.max(whole, axis=1, initial=0.0) > most)[-1]])
+    if words == "three volumes":
+        pushed = np.flatnonzero(fingers.any(axis=1))
+        return float(time[pushed[-1]]) if len(pushed) else math.nan
+    name, axis, _ = _words(words)
+    values = own[CONTACT[name]].sel(axis=axis).transpose("time", "contact").values
+    touching = push > 0.0
+    count = touching.sum(axis=1)
+    mean = np.divide((values * touching).sum(axis=1), count, out=np.zeros(len(time)), where=count > 0)
+    return float(abs(np.trapezoid(mean, time)) / np.trapezoid((count > 0).astype(float), time))
 
 
 def force_statistic(values: xr.DataArray, statistic: str) -> float:
@@ -81,6 +130,16 @@ def force_statistic(values: xr.DataArray, statistic: str) -> float:
     return statistic_of(values, statistic)
 
 
+def _force_value(history: History, contacts: xr.Dataset, quantity: str, statistic: str) -> float:
+    """Computed value of a row of the F-paper."""
+    if match := VOLUMES.fullmatch(quantity):
+        return volumes_value(history, int(match["shoe"]), int(match["unit"]), match["words"])
+    name, _, shoe = _words(quantity)
+    if name in ONE_VOLUME and not shoe and statistic in ("max", "max abs"):
+        return statistic_of(greatest_of_one_volume(history, quantity), statistic)
+    return force_statistic(force_quantity(history, contacts, quantity), statistic)
+
+
 def compare_forces(histories: Mapping[str, History]) -> pd.DataFrame:
     """Every row of the F-paper against the runs; columns as of `comparison.comparison_table`."""
     contacts = {case: history.contacts_by_shoe() for case, history in histories.items()}
@@ -90,8 +149,7 @@ def compare_forces(histories: Mapping[str, History]) -> pd.DataFrame:
         if row.case not in histories:
             computed.append(math.nan)
             continue
-        values = force_quantity(histories[row.case], contacts[row.case], row.quantity)
-        computed.append(force_statistic(values, row.statistic))
+        computed.append(_force_value(histories[row.case], contacts[row.case], row.quantity, row.statistic))
     return comparison_table(reported, computed, ends(histories))
 
 

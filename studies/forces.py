@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Unpack
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from exudyn_crawler import Case, CaseFile, History, simulate
+from exudyn_crawler import CaseFile, History
 from exudyn_crawler.results.history.history import common_phases
 from exudyn_crawler.run.folder.folder import matching_history
 from exudyn_crawler.run.folder.record import quiet
@@ -31,7 +30,6 @@ from exudyn_crawler.views.figures import (
 )
 from exudyn_crawler.views.style import save_figure
 from exudyn_crawler.views.tables import write_table
-from studies.comparison import compare_kinematics
 from studies.defaults import DURATION
 from studies.force_comparison import compare_forces, turning_ratios
 from studies.kinematics import CASES, case_files
@@ -41,8 +39,6 @@ CROSSING_SHOE = 7
 """Shoe that stands on two units, which the F-paper draws apart."""
 COMPARED_SHOE, COMPARED_JOINT = 10, 10
 """Shoe and link that the F-paper draws turning against translation."""
-ECCENTRICITY = 0.05
-"""m, offset of the machine load along y that `lateral_effects` shows."""
 
 
 def study(
@@ -112,11 +108,13 @@ def write_results(histories: Mapping[str, History], out: Path) -> None:
 
 
 def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
-    """Contacts of one shoe drawn apart, a curve for every unit it meets."""
+    """Contacts of one shoe drawn apart, a curve for every volume with a unit that it meets."""
     forces = history.contact_force
     curves: dict[str, dict[str, xr.DataArray]] = {"penetration": {}, "normal": {}, "contact": {}}
     for index in np.flatnonzero(history.contact_shoe.values == shoe):
         unit = f"unit {int(history.contact_unit[index])}"
+        if finger := int(history.contact_finger[index]):
+            unit += f", finger {finger}"
         curves["penetration"][unit] = history.penetration.isel(contact=index)
         curves["normal"][unit] = history.normal_force.isel(contact=index).sel(axis="z")
         curves["contact"][unit] = forces.isel(contact=index).sel(axis="x")
@@ -144,38 +142,6 @@ def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
     panels |= {f"link {COMPARED_JOINT} {label}": against(label, link) for label in JOINT_VECTORS}
     phases = common_phases(*histories.values())
     return {name: panel_figure(name, one, phases) for name, one in panels.items()}
-
-
-def lateral_effects(duration: float = DURATION, progress: bool | None = None) -> pd.DataFrame:
-    """What makes a straight track move sideways: lateral rows of both papers for some causes.
-
-    A track that is even about its middle, on units that only pitch, stays in its plane but for
-    rounding. Units that roll under a track off their middle, and a machine load off the shoes' middle,
-    push it sideways as the papers report.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns quantity, statistic, unit, paper, then one a cause.
-    """
-    case = Case.translation()
-    x, y, z = case.shoe.load_point
-    eccentric = case.shoe.with_(load_point=(x, y + ECCENTRICITY, z))
-    rolling = case.terrain.with_(tilt="roll")
-    causes = {
-        "even track": case,
-        "units roll": case.with_(terrain=rolling),
-        "load off the middle": case.with_(shoe=eccentric),
-        "both": case.with_(terrain=rolling, shoe=eccentric),
-    }
-    columns = {}
-    for cause, changed in causes.items():
-        history = {"translation": simulate(changed, duration, progress)}
-        tables = pd.concat([compare_kinematics(history), compare_forces(history)])
-        rows = tables[(tables["class"] == "lateral") & (tables["case"] == "translation")]
-        columns[cause] = rows["computed"].to_numpy()
-    table = rows[["quantity", "statistic", "unit", "paper"]].reset_index(drop=True)
-    return table.assign(**columns)
 
 
 if __name__ == "__main__":

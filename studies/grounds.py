@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from exudyn_crawler import Case, SphereContact, Terrain
+from exudyn_crawler import Case, PairContact, Shoe, SphereContact, Terrain
 
 STEP_PLACE, STEP_HEIGHT = 14.0, 0.1
 """m: below the middle of the track at t = 0; height."""
@@ -37,6 +37,23 @@ GROUNDS: dict[str, Callable[[], Terrain]] = {
 """Terrains of the study by name."""
 
 
+def pitching(case: Case) -> Case:
+    """Case whose units pitch, on springs at the Gauss points of their length.
+
+    There two springs resist heave and pitch exactly as an evenly spread support of the same stiffness does.
+    """
+    terrain = case.terrain
+    return case.with_(terrain=terrain.with_(tilt="pitch", spring_offset=terrain.unit_length / 12.0**0.5))
+
+
+def plain(case: Case) -> Case:
+    """Case in which nothing moves a straight track sideways.
+
+    Undersides have no fingers, forces are normal to the units' faces, and units pitch.
+    """
+    return pitching(case.with_(shoe=Shoe.ph4100c(), contact=PairContact.oil_sand()))
+
+
 def uneven_case(ground: str) -> Case:
     """Straight propel over one of the grounds, whose faces are drawn back from the units' seams.
 
@@ -51,4 +68,7 @@ def uneven_case(ground: str) -> Case:
     if ground not in GROUNDS:
         raise ValueError(f"ground must be of {list(GROUNDS)}, got {ground!r}")
     spheres = SphereContact.oil_sand().with_(faces="drawn_back")
-    return Case.translation().with_(name=ground, terrain=GROUNDS[ground](), contact=spheres)
+    # spheres know no fingers
+    return Case.translation().with_(
+        name=ground, shoe=Shoe.ph4100c(), terrain=GROUNDS[ground](), contact=spheres
+    )

@@ -119,6 +119,8 @@ def check_sliding(case: Case, speed: float) -> None:
         raise ValueError("terrain.profile must be None: a track has no steady state over hills")
     if case.drive.turn_rate is not None:
         raise ValueError("drive.turn_rate must be None: a track that turns has no steady state")
+    if case.terrain.tilt == "roll":
+        raise ValueError("terrain.tilt must be 'pitch': units that roll push a track off their middle aside")
 
 
 def steady_sliding(case: Case, speed: float, travel: float = 0.0) -> SteadySliding:

@@ -18,6 +18,7 @@ from exudyn_crawler import Case, LoadCycle, PairContact, simulate
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.views.style import STYLE, save_figure
 from exudyn_crawler.views.tables import write_table
+from studies.grounds import plain
 from studies.sliding import STILL, SteadySliding, eigenmodes, linearized, steady_sliding
 
 SPEED = 0.2
@@ -167,7 +168,7 @@ def mode_figure(modes: xr.Dataset, case: Case, numbers: Sequence[int] = (1, 2)) 
 
 def even_ground(stiffness: float = 1e11) -> Case:
     """The rigid studies' track on one unit, no seams, on springs of some stiffness (N/m)."""
-    case = Case.translation()
+    case = plain(Case.translation())
     (_, length), (_, width) = case.terrain.bounds
     sides = {"columns": 1, "rows": 1, "unit_length": length, "unit_width": width}
     springs = {"spring_stiffness": stiffness, "spring_damping": 0.01 * stiffness, "spring_offset": 20.0}
@@ -178,7 +179,7 @@ def grounds() -> dict[str, Case]:
     """Even ground, 7 m units of the rigid studies, 1 m units of the stress study; all shoes rigid."""
     return {
         "even": even_ground(),
-        "7 m units": Case.translation(),
+        "7 m units": plain(Case.translation()),
         "1 m units": Case.stress().with_(flexible=None, contact=PairContact.oil_sand(sharing="area")),
     }
 
@@ -345,7 +346,7 @@ def study(
     FileExistsError
         If a file is there and `overwrite` is false.
     """
-    case = with_friction(Case.translation(), FRICTION, FRICTION)
+    case = with_friction(plain(Case.translation()), FRICTION, FRICTION)
     modes = sliding_modes(case, SPEED)
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from exudyn_crawler import Case, Drive, History, StepProfile, recover_stresses, simulate
-from studies.grounds import uneven_case
+from studies.grounds import plain, uneven_case
 
 KEPT = Path(__file__).with_name("golden.json")
 SPEED = StepProfile(times=(0, 0.2), values=(0, 0.1))
@@ -24,15 +24,20 @@ def _driven(case: Case, **changes: object) -> Case:
     return case.with_(drive=case.drive.with_(speed=SPEED), **changes)
 
 
+def _turned(case: Case) -> Case:
+    return case.with_(drive=Drive(speed=SPEED, turn_rate=TURN))
+
+
 def _flexible() -> Case:
     case = _driven(Case.stress("coarse"))
     return case.with_(flexible=case.flexible.with_(shoes=(7, 13)))
 
 
 CASES: dict[str, tuple[Callable[[], Case], float]] = {
-    "pair": (lambda: _driven(Case.translation()), 0.3),
-    "turning": (lambda: Case.turning().with_(drive=Drive(speed=SPEED, turn_rate=TURN)), 0.2),
-    "constrained": (lambda: _driven(Case.translation(), terrain_formulation="constrained"), 0.1),
+    "pair": (lambda: _driven(plain(Case.translation())), 0.3),
+    "leaning": (lambda: _turned(Case.turning("uneven")), 0.2),
+    "turning": (lambda: _turned(plain(Case.turning())), 0.2),
+    "constrained": (lambda: _driven(plain(Case.translation()), terrain_formulation="constrained"), 0.1),
     "spheres": (lambda: _driven(uneven_case("rough")), 0.1),
     "flexible": (_flexible, 0.1),
 }

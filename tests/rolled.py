@@ -2,6 +2,7 @@
 
 from exudyn_crawler import Case, FlexibleShoes, LoadCycle, StepProfile
 from exudyn_crawler.case import Undercarriage
+from studies.grounds import pitching
 
 ROLLERS = (-1.2, 0.0, 1.2)
 SHOES = 10
@@ -22,7 +23,8 @@ def small_case(**frame):
         "tumbler": -1.8,
         "start": 12.6,
     }
-    terrain = case.terrain.kinematics().with_(columns=3, rows=3)
+    # units that pitch, as those of the whole case do
+    terrain = pitching(case.with_(terrain=case.terrain.kinematics())).terrain.with_(columns=3, rows=3)
     return case.with_(
         name="small rolled",
         track=case.track.with_(shoe_count=SHOES),

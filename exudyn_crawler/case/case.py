@@ -105,6 +105,13 @@ class Case(Parameters):
                 "go with contact.model 'pair' on even ground or a smooth terrain.profile, which both may "
                 "slope as a whole by terrain.grade and terrain.side_slope",
             )
+        small = terrain.unit_length < self.shoe.length or terrain.unit_width < self.shoe.width
+        yield (
+            isinstance(self.contact, PairContact) and self.contact.normal == "area" and small,
+            f"contact.normal must be 'face' on units of {terrain.unit_length:g} x {terrain.unit_width:g} m, "
+            f"smaller than a shoe of {self.shoe.length:g} x {self.shoe.width:g} m: units under one shoe "
+            "would push each other aside through it, with 30 to 160 kN at rest",
+        )
         yield (
             terrain.heights is not None and not spheres,
             "terrain.heights must be None with contact.model 'pair', whose law takes no steps between "
@@ -246,25 +253,32 @@ class Case(Parameters):
         return self.mean_load / self.settled_penetration / self.sphere_contact().count
 
     @classmethod
-    def translation(cls) -> Self:
-        """Straight propel of the K-chapter, the K-paper and the F-paper."""
+    def translation(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
+        """Straight propel of the K-chapter, the K-paper and the F-paper.
+
+        Parameters
+        ----------
+        shoe : str
+            even, or uneven: the variant `Shoe.uneven`, which is fitted to the turn.
+        """
         return cls(
-            name="translation",
-            shoe=Shoe.ph4100c(),
+            name="translation" if shoe == "even" else "uneven translation",
+            shoe=Shoe.kinematics() if shoe == "even" else Shoe.uneven(),
             track=Track.ph4100c(),
             terrain=Terrain.kinematics(),
-            contact=PairContact.oil_sand(),
+            contact=PairContact.adams(),
             drive=Drive.translation(),
             loads=LoadCycle.propel(),
         )
 
     @classmethod
-    def turning(cls) -> Self:
-        """Propel with a turn of the K-chapter, the K-paper and the F-paper."""
-        return cls.translation().with_(name="turning", drive=Drive.turning())
+    def turning(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
+        """Propel with a turn of the K-chapter, the K-paper and the F-paper; `shoe` as of `translation`."""
+        name = "turning" if shoe == "even" else "uneven turning"
+        return cls.translation(shoe).with_(name=name, drive=Drive.turning())
 
     @classmethod
-    def stress(cls, mesh: str = "study") -> Self:
+    def stress(cls, mesh: str = "study", seams: Literal["margin", "fitted"] = "margin") -> Self:
         """Propel and loading cycle of the S-paper, with six flexible shoes.
 
         Each pair of shoe and unit has a whole contact law, as the paper states it. On 1 m units a shoe then
@@ -275,12 +289,15 @@ class Case(Parameters):
         ----------
         mesh : str
             Of the flexible shoes: coarse, study or fine, or a file.
+        seams : str
+            Of the terrain: laid by the track's margins, or where the range of contact forces in loading is
+            the paper's, a fit (`docs/validation.md`).
         """
         return cls(
             name="stress",
             shoe=Shoe.ph4100c().of_mass(ph4100c.STRESS_SHOE_MASS),
             track=Track.ph4100c(),
-            terrain=Terrain.stress(),
+            terrain=Terrain.stress(seams),
             contact=PairContact.oil_sand(),
             drive=Drive.to_rest(),
             loads=LoadCycle.shovel_cycle(),

@@ -1,7 +1,8 @@
 """Overlap of a shoe's underside with the top of a terrain unit.
 
 The overlap is the prism between the part of the underside that lies within the unit's outline and
-below its top face, and that face. It is clipped exactly, for any position and tilt of the two.
+below its top face, and that face. It is clipped exactly, for any position and tilt of the two. Where the
+unit's outline cuts the underside, parts of the unit's side faces lie within the shoe.
 """
 
 from typing import NamedTuple
@@ -13,6 +14,9 @@ from exudyn_crawler.ground.rotations import FloatArray
 
 VERTICES = 12
 """Room for the corners of a clipped rectangle: each of five cuts adds one at most."""
+
+COLUMNS = 4
+"""Of a corner: xi, eta in the unit's axes, depth below its top face, x in the shoe's frame; m."""
 
 
 class Overlap(NamedTuple):
@@ -30,6 +34,14 @@ class Overlap(NamedTuple):
         m, bounds.
     volume : float
         m3.
+    side_x, side_y : float
+        m2, area vector of the unit's side faces within the shoe. With `area` along z it is the integral of
+        the outward normal over all faces of the unit within the shoe, and the opposite of the volume's
+        change by an even displacement of the shoe.
+    reach : float
+        m, greatest x of the overlap in the shoe's frame.
+    cut : int
+        Corners of the clipped polygon that `overlap` leaves in ``work[0]``; zero where nothing was clipped.
     """
 
     area: float
@@ -41,14 +53,24 @@ class Overlap(NamedTuple):
     low_eta: float
     high_eta: float
     volume: float
+    side_x: float
+    side_y: float
+    reach: float
+    cut: int
 
 
-NO_OVERLAP = Overlap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_OVERLAP = Overlap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
+
+ON_SIDE, ON_SURFACE = 1e-9, 1e-12
+"""m, within which a corner of an overlap lies on a unit's side, and on its top face."""
+
+GRADIENT = 10
+"""Rows of `write_gradient`."""
 
 
 @within
 def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: float, limit: float) -> int:
-    """Keep the part of a polygon with ``sign * coordinate <= limit``; rows are (xi, eta, depth).
+    """Keep the part of a polygon with ``sign * coordinate <= limit``; rows as of `overlap`.
 
     Gives the number of its corners, zero where fewer than three are left.
     """
@@ -59,11 +81,11 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
         distance = limit - sign * source[current, axis]
         if (distance >= 0.0) != (distance_previous >= 0.0):
             t = distance_previous / (distance_previous - distance)
-            for k in range(3):
+            for k in range(COLUMNS):
                 target[kept, k] = source[previous, k] + t * (source[current, k] - source[previous, k])
             kept += 1
         if distance >= 0.0:
-            for k in range(3):
+            for k in range(COLUMNS):
                 target[kept, k] = source[current, k]
             kept += 1
         previous = current
@@ -72,8 +94,24 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
 
 
 @within
-def _integrated(points: FloatArray, count: int) -> Overlap:
-    """Integrals of the depth over a polygon of (xi, eta, depth), a fan of triangles."""
+def _side(a: FloatArray, b: FloatArray, half_x: float, half_y: float) -> int:
+    """Axis across the unit's side on which the edge of two corners lies; -1 for none."""
+    for axis in range(2):
+        half = half_x if axis == 0 else half_y
+        if abs(abs(a[axis]) - half) < ON_SIDE and abs(a[axis] - b[axis]) < ON_SIDE:
+            return axis
+    return -1
+
+
+@within
+def _along_side(a: FloatArray, b: FloatArray, axis: int) -> float:
+    """Length of a polygon's edge on a side across an axis, with the sign of the side's outward normal."""
+    return b[1] - a[1] if axis == 0 else a[0] - b[0]
+
+
+@within
+def _integrated(points: FloatArray, count: int, cut: bool, half_x: float, half_y: float) -> Overlap:
+    """Integrals of the depth over a polygon, a fan of triangles; and, where it is `cut`, over its edges."""
     area = 0.0
     volume = 0.0
     moment_xi = 0.0
@@ -94,9 +132,18 @@ def _integrated(points: FloatArray, count: int) -> Overlap:
         return NO_OVERLAP
     low_xi = high_xi = xi0
     low_eta = high_eta = eta0
-    for k in range(1, count):
+    reach = points[0, 3]
+    side_x = side_y = 0.0
+    for k in range(count):
         low_xi, high_xi = min(low_xi, points[k, 0]), max(high_xi, points[k, 0])
         low_eta, high_eta = min(low_eta, points[k, 1]), max(high_eta, points[k, 1])
+        reach = max(reach, points[k, 3])
+        if cut:
+            a, b = points[k], points[(k + 1) % count]
+            axis = _side(a, b, half_x, half_y)
+            if axis >= 0:
+                face = 0.5 * (a[2] + b[2]) * _along_side(a, b, axis)
+                side_x, side_y = side_x + face * (axis == 0), side_y + face * (axis == 1)
     return Overlap(
         area,
         moment_xi / volume,
@@ -107,6 +154,10 @@ def _integrated(points: FloatArray, count: int) -> Overlap:
         low_eta,
         high_eta,
         volume,
+        side_x,
+        side_y,
+        reach,
+        count if cut else 0,
     )
 
 
@@ -116,10 +167,10 @@ def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
 
     Parameters
     ----------
-    work : array (2, VERTICES, 3)
+    work : array (2, VERTICES, COLUMNS)
         The first four rows of ``work[0]`` are the corners of the underside in order round the rectangle,
-        clockwise from outside: xi, eta in the unit's axes from its centre and depth below its top face
-        (negative above it), m. Overwritten.
+        clockwise from outside: xi, eta in the unit's axes from its centre, depth below its top face
+        (negative above it) and x in the shoe's frame, m. Overwritten.
     half_x, half_y : float
         Half the unit's side lengths, m.
 
@@ -142,9 +193,102 @@ def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
         if count == 0:
             return NO_OVERLAP
         points, other = other, points
-    return _integrated(points, count)
+    part = _integrated(points, count, not inside, half_x, half_y)
+    if not inside:  # after five cuts the polygon is in the other half
+        for k in range(count):
+            for c in range(COLUMNS):
+                work[0, k, c] = points[k, c]
+    return part
+
+
+@within
+def _corner_speed(
+    at: FloatArray, beyond: FloatArray, axis: int, direction: int, half_x: float, half_y: float
+) -> float:
+    """How fast the corner at an end of an edge on a unit's side moves along it as the shoe moves.
+
+    Parameters
+    ----------
+    at, beyond : array
+        That corner, and the other end of the next edge.
+    axis, direction : int
+        Of the side's normal, and of the displacement: 0 for xi, 1 for eta.
+    """
+    along_it, apart = beyond[1 - axis] - at[1 - axis], beyond[axis] - at[axis]
+    if _side(at, beyond, half_x, half_y) >= 0 or apart == 0.0:
+        return 0.0
+    # the next edge is the shoe's and moves with it
+    return 1.0 if direction != axis else -along_it / apart
+
+
+@compiled
+def write_gradient(
+    points: FloatArray,
+    count: int,
+    part: Overlap,
+    half_x: float,
+    half_y: float,
+    slope_xi: float,
+    slope_eta: float,
+    out: FloatArray,
+) -> None:
+    """Write how a clipped overlap changes as the shoe moves along the unit's axes, m.
+
+    Parameters
+    ----------
+    points, count :
+        Its polygon, as `overlap` leaves it.
+    slope_xi, slope_eta : float
+        Of the depth over xi and eta.
+    out : array (GRADIENT, at least 3)
+        Changes of area, volume, the volume's moments of xi and eta, integral(d**2), side_x, side_y, width in
+        xi and in eta, and reach.
+
+    Notes
+    -----
+    Seen from the shoe its underside stays as it is and the unit's outline moves the other way: an integral of
+    the depth changes by itself on the edges that lie on the unit's sides, and by the depth's own change as
+    the shoe rises. How slanted ends move the widths is left out: these matter for slivers alone.
+    """
+    out.fill(0.0)
+    steep = (slope_xi * slope_xi + slope_eta * slope_eta) ** 0.5
+    first_xi = first_eta = 0.0
+    for k in range(count):
+        a, b = points[k], points[(k + 1) % count]
+        twice = a[0] * b[1] - b[0] * a[1]
+        first_xi += (a[0] + b[0]) * twice / 6.0
+        first_eta += (a[1] + b[1]) * twice / 6.0
+        axis = _side(a, b, half_x, half_y)
+        if axis < 0:
+            if abs(a[2]) < ON_SURFACE and abs(b[2]) < ON_SURFACE and steep > 0.0:
+                out[0, 2] -= ((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) ** 0.5 / steep
+            continue
+        length = _along_side(a, b, axis)
+        out[0, axis] -= length
+        out[1, axis] -= 0.5 * length * (a[2] + b[2])
+        for c in range(2):
+            out[2 + c, axis] -= length * (a[c] * (2.0 * a[2] + b[2]) + b[c] * (a[2] + 2.0 * b[2])) / 6.0
+        out[4, axis] -= length * (a[2] * a[2] + a[2] * b[2] + b[2] * b[2]) / 3.0
+        out[5 + axis, 2] -= length
+        before, after = points[(k + count - 1) % count], points[(k + 2) % count]
+        sign = 1.0 if axis == 0 else -1.0
+        for direction in range(2):
+            ends = b[2] * _corner_speed(b, after, axis, direction, half_x, half_y)
+            ends -= a[2] * _corner_speed(a, before, axis, direction, half_x, half_y)
+            slope = slope_xi if direction == 0 else slope_eta
+            out[5 + axis, direction] += sign * ends - slope * length
+        for at, beyond in ((a, before), (b, after)):
+            if at[3] == part.reach and _side(at, beyond, half_x, half_y) < 0 and beyond[axis] != at[axis]:
+                out[9, axis] = -(beyond[3] - at[3]) / (beyond[axis] - at[axis])
+        # what lies across the side is the shoe's, unless both sides cut it
+        out[7 + axis, axis] -= 1.0 if length > 0.0 else -1.0
+    out[2, 0] += part.volume
+    out[3, 1] += part.volume
+    out[1, 2] = -part.area
+    out[2, 2], out[3, 2] = -first_xi, -first_eta
+    out[4, 2] = -2.0 * part.volume
 
 
 def overlap_workspace() -> FloatArray:
     """Scratch memory for `overlap`."""
-    return np.zeros((2, VERTICES, 3))
+    return np.zeros((2, VERTICES, COLUMNS))

@@ -16,7 +16,7 @@ from exudyn_crawler.ground.laws.coulomb import Coulomb
 from exudyn_crawler.ground.laws.impact import Impact
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
-from exudyn_crawler.ground.pair_track import Bodies, Flexible, Track
+from exudyn_crawler.ground.pair_track import Bodies, Fingers, Flexible, Track
 from exudyn_crawler.ground.pairs import RESULT, Footprint, PairLaw
 from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
 from exudyn_crawler.ground.rows import Weights
@@ -37,6 +37,8 @@ def pair_law(law: PairContact, underside_area: float) -> PairLaw:
         ),
         edge_width=law.edge_width,
         whole_area=underside_area if law.sharing == "area" else 0.0,
+        area_normal=law.normal == "area",
+        closest_points=law.penetration == "closest",
     )
 
 
@@ -111,12 +113,13 @@ class PairGroundContact:
             Footprint(*shoe.footprint.tolist()),
             Flexible(underside.corner, underside.cell, underside.integral, row),
             pair_law(law, shoe.length * shoe.width),
+            Fingers(shoe.finger_length, shoe.fingers),
         )
         self._track = plain(track)
         # units that a shoe's outline can meet at once, at any yaw
         diagonal = float(np.hypot(shoe.length, shoe.width))
         reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)
-        contacts = shoes * min(reach, units)
+        contacts = shoes * min(reach, units) * (1 + len(shoe.fingers))
         self._contacts = UnitContacts.allocate(contacts, modes)
         self._work = overlap_workspace()
         self._modal_shape = (len(flexible_shoes), modes)

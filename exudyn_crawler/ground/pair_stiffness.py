@@ -1,4 +1,4 @@
-"""Contacts of all pairs of shoe and unit as rows of force elements, with their tangents, in one pass.
+"""Contacts of shoes and units as rows of force elements, with their tangents, in one pass.
 
 The motions of a contact are three displacements of the shoe's side against the unit's and the rotation about
 the contact's normal.
@@ -18,21 +18,33 @@ from exudyn_crawler.ground.frames import (
     dot,
     norm,
     turned,
+    turned_back,
     upward,
     within,
 )
 from exudyn_crawler.ground.laws import drag_ratio, normal_force, spin_torque
-from exudyn_crawler.ground.overlap import Overlap
-from exudyn_crawler.ground.pair_overlaps import below, standing
-from exudyn_crawler.ground.pair_track import Bodies, Track, named, patch_rectangle, patch_rows
+from exudyn_crawler.ground.overlap import GRADIENT, Overlap, write_gradient
+from exudyn_crawler.ground.pair_overlaps import (
+    below,
+    fading_of,
+    finger_volume,
+    outline_of,
+    standing,
+    whole_volume,
+)
+from exudyn_crawler.ground.pair_track import Bodies, named, patch_rectangle, patch_rows
 from exudyn_crawler.ground.pairs import (
     FROM_CURVE,
     RESULTS,
     RIGID,
     Contact,
+    PairLaw,
     Patch,
+    Volume,
     keep,
     keep_patch,
+    leans,
+    normal_of,
     pair_contact,
     share_of,
 )
@@ -43,8 +55,8 @@ MOTIONS = 4
 """Displacement of the shoe's side of a contact against the unit's along x, y, z (m) and rotation about the
 normal (rad)."""
 
-DEPTH_STEP, RATE_STEP = 1e-8, 1e-7
-"""m, and m/s or rad/s: of the differences that give a law's slopes."""
+DEPTH_STEP, MOVE_STEP, RATE_STEP = 1e-8, 1e-7, 1e-7
+"""m, m, and m/s or rad/s: of the differences that give a law's slopes."""
 
 
 class UnitContacts(NamedTuple):
@@ -76,12 +88,17 @@ class UnitContacts(NamedTuple):
 
 @within
 def _write_jacobian(
-    contact: Contact, shoe: Frame, unit: Frame, at: Attitude, tilt_axis: int, rows: ForceRows, p: int
+    contact: Contact,
+    normal: Vector,
+    frames: tuple[Frame, Frame],
+    at: Attitude,
+    tilt_axis: int,
+    jacobian: FloatArray,
+    by_unit: FloatArray,
 ) -> None:
-    """Write how shoe and unit move contact p."""
-    normal = upward(unit.R)
+    """Write how shoe and unit, of these frames, move a contact."""
+    shoe, unit = frames
     arm, unit_arm = along(contact.point, -1.0, shoe.r), along(contact.point, -1.0, unit.r)
-    jacobian, by_unit = rows.jacobian[p, 0], rows.unit_jacobian[p]
     for c in range(3):
         by_angle = cross(at.axes[c], arm)
         for r in range(3):
@@ -105,17 +122,11 @@ def _write_modal_jacobian(shoe: Frame, modes: FloatArray, jacobian: FloatArray) 
 
 
 @within
-def _spin(shoe: Frame, unit: Frame) -> float:
-    """Rate of turning of a shoe against a unit about the unit's normal, rad/s."""
-    return dot(along(shoe.omega, -1.0, unit.omega), upward(unit.R))
-
-
-@within
 def _write_stiffness(
-    part: Overlap,
+    volume: Volume,
     contact: Contact,
     turning: tuple[Vector, float],
-    track: Track,
+    pair_law: PairLaw,
     weights: Weights,
     out: FloatArray,
 ) -> None:
@@ -126,8 +137,8 @@ def _write_stiffness(
     displacement along the normal the depth at the centroid of the volume V changes by ``2 - depth A / V``.
     """
     normal, spin = turning
-    law = track.law.law
-    share = share_of(part, track.law)
+    law, part = pair_law.law, volume.part
+    share = share_of(volume, pair_law)
     depth, rate = contact.penetration, contact.penetration_rate
     slip = contact.slip_velocity
     speed = norm(slip)
@@ -160,6 +171,88 @@ def _write_stiffness(
 
 
 @within
+def _moved(volume: Volume, gradient: FloatArray, fading: float, u: Vector) -> Volume:
+    """Clipped overlap after a small displacement u of the shoe along the unit's axes (m).
+
+    `gradient` (GRADIENT, 4) is that of `write_gradient` with a column of workspace, `fading` the slope of the
+    weight over the reach.
+    """
+    part, change = volume.part, gradient[:, 3]
+    for k in range(GRADIENT):
+        change[k] = gradient[k, 0] * u[0] + gradient[k, 1] * u[1] + gradient[k, 2] * u[2]
+    grown = part.volume + change[1]
+    xi = (part.xi * part.volume + change[2]) / grown
+    eta = (part.eta * part.volume + change[3]) / grown
+    depth = (part.depth * part.volume + change[4]) / grown
+    moved = Overlap(
+        part.area + change[0],
+        xi,
+        eta,
+        depth,
+        part.low_xi,
+        part.high_xi + change[7],
+        part.low_eta,
+        part.high_eta + change[8],
+        grown,
+        part.side_x + change[5],
+        part.side_y + change[6],
+        part.reach + change[9],
+        part.cut,
+    )
+    return Volume(moved, volume.weight + fading * change[9], volume.footprint, volume.half)
+
+
+@within
+def _write_leaning_stiffness(
+    volume: Volume,
+    gradient: FloatArray,
+    fading: float,
+    contact: Contact,
+    frames: tuple[Frame, Frame],
+    patch: Patch,
+    law: PairLaw,
+    weights: Weights,
+    out: FloatArray,
+) -> None:
+    """Write the same of a contact whose outline moves and whose normal turns as the shoe moves.
+
+    By differences of the law along the exact change of the overlap (`write_gradient`); the motion of the
+    shoe's own outline as it turns is left out as for the others.
+    """
+    shoe, unit = frames
+    normal = normal_of(volume.part, unit, law)
+    ratio = drag_ratio(law.law, norm(contact.slip_velocity)) if weights.secant else FROM_CURVE
+    force = along(contact.normal_force, 1.0, contact.friction_force)
+    torque = dot(contact.friction_torque, normal)
+    arm = along(contact.point, -1.0, shoe.r)
+    for r in range(MOTIONS):
+        for c in range(MOTIONS):
+            out[r, c] = 0.0
+    for c in range(MOTIONS):
+        for by_rate in range(2):
+            weight, h = (weights.velocity, RATE_STEP) if by_rate else (weights.position, MOVE_STEP)
+            if weight == 0.0 or (c == 3 and not by_rate):
+                continue
+            changed, moved = volume, shoe
+            if c == 3:
+                v = along(shoe.v, -h, cross(normal, arm))
+                moved = Frame(shoe.r, shoe.R, v, along(shoe.omega, h, normal))
+            elif by_rate:
+                moved = Frame(shoe.r, shoe.R, along(shoe.v, h, basis(c)), shoe.omega)
+            else:
+                axis, part = turned_back(unit.R, basis(c)), volume.part
+                if axis[0] * part.side_x + axis[1] * part.side_y + axis[2] * part.area > 0.0:
+                    h = -h  # a small volume grows
+                moved = Frame(along(shoe.r, h, basis(c)), shoe.R, shoe.v, shoe.omega)
+                changed = _moved(volume, gradient, fading, along((0.0, 0.0, 0.0), h, axis))
+            other = pair_contact(changed, moved, unit, patch, law, ratio)
+            pushed = along(other.normal_force, 1.0, other.friction_force)
+            for r in range(3):
+                out[r, c] += weight * (pushed[r] - force[r]) / h
+            out[3, c] += weight * (dot(other.friction_torque, normal) - torque) / h
+
+
+@within
 def _write_wrench(contact: Contact, normal: Vector, wrench: FloatArray) -> None:
     """Write force and torque of a contact on its shoe (MOTIONS,)."""
     force = along(contact.normal_force, 1.0, contact.friction_force)
@@ -178,6 +271,24 @@ def _patch(bodies: Bodies, f: int, rows: FloatArray) -> Patch:
     return Patch(moved, moving)
 
 
+@within
+def _write_gradient(
+    volume: Volume, finger: int, shoe: Frame, unit: Frame, work: FloatArray, gradient: FloatArray
+) -> None:
+    """Write the gradient of the overlap of which `work` holds the polygon.
+
+    That of the reach stays the whole overlap's for its fingers, since they take over by it.
+    """
+    reach = (gradient[9, 0], gradient[9, 1], gradient[9, 2])
+    down = turned_back(unit.R, upward(shoe.R))
+    part, half = volume.part, volume.half
+    slopes = (down[0] / down[2], down[1] / down[2])
+    write_gradient(work[0], max(4, part.cut), part, half[0], half[1], slopes[0], slopes[1], gradient)
+    if finger > 0:
+        for k in range(3):
+            gradient[9, k] = reach[k]
+
+
 @compiled
 def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work: FloatArray) -> int:
     """Wrenches of all contacts, their tangents and how the coordinates move them.
@@ -187,42 +298,75 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
     places, model, factors, out : tuple
         `Bodies`, `Track`, `Weights` and `UnitContacts` as plain tuples; without weights of position and
         velocity the tangents are left as they are.
-    work : array (2, VERTICES, 3)
+    work : array (2, VERTICES, COLUMNS)
         Scratch memory as of `overlap_workspace`.
 
     Returns
     -------
     int
-        Number of contacts, in the order of the shoes.
+        Number of contacts, in the order of the shoes, units and fingers.
     """
     bodies, track = named(places, model)
     weights, contacts = Weights(*factors), UnitContacts(*out)
     rows = ForceRows(*contacts.rows)
     derive = weights.position != 0.0 or weights.velocity != 0.0
-    top, axis = 0.5 * track.grid.height, track.grid.tilt_axis
+    law, outline, sides = track.law, outline_of(track), track.fingers.sides
+    gradient = np.zeros((GRADIENT, 4))
     greatest, count = rows.unit.shape[0], 0
     for s in range(bodies.shoes.shape[0]):
         shoe = standing(bodies, track, s)
         for k in range(shoe.cells.columns * shoe.cells.rows):
-            u, unit, part = below(bodies, track, shoe, k, work)
-            if part.area > 0.0 and count < greatest:
+            u, unit = below(bodies, track, shoe, k)
+            whole = whole_volume(shoe.frame, unit, outline, work)
+            if whole.part.area <= 0.0:
+                continue
+            fading = fading_of(whole, outline)
+            volume = whole
+            for finger in range(1 if whole.weight == 1.0 else 1 + sides.shape[0]):
+                if finger > 0:
+                    right, left = sides[finger - 1, 0], sides[finger - 1, 1]
+                    volume = finger_volume(right, left, whole.weight, shoe.frame, unit, outline, work)
+                if volume.weight * volume.part.area <= 0.0 or count >= greatest:
+                    continue
                 rows.bodies[count, 0], rows.unit[count] = s, u
-                patch = RIGID
+                patch, result = RIGID, contacts.results[count]
                 if shoe.row >= 0:
-                    modes, result = contacts.modes[count], contacts.results[count]
-                    rectangle = patch_rectangle(part, shoe.frame, unit, track)
+                    rectangle = patch_rectangle(volume.part, shoe.frame, unit, track)
                     keep_patch(rectangle, result)
-                    patch_rows(rectangle, track, modes)
-                    patch = _patch(bodies, shoe.row, modes)
-                    _write_modal_jacobian(shoe.frame, modes, rows.jacobian[count, 0])
+                    patch_rows(rectangle, track, contacts.modes[count])
+                    patch = _patch(bodies, shoe.row, contacts.modes[count])
+                    _write_modal_jacobian(shoe.frame, contacts.modes[count], rows.jacobian[count, 0])
                 else:
-                    keep_patch((0.0, 0.0, 0.0, 0.0), contacts.results[count])
-                contact = pair_contact(part, shoe.frame, unit, patch, top, track.law, FROM_CURVE)
-                keep(contact, s, u, contacts.results[count])
-                _write_wrench(contact, upward(unit.R), rows.wrench[count])
-                _write_jacobian(contact, shoe.frame, unit, shoe.at, axis, rows, count)
-                if derive:
-                    turning = (upward(unit.R), _spin(shoe.frame, unit))
-                    _write_stiffness(part, contact, turning, track, weights, rows.tangent[count])
+                    keep_patch((0.0, 0.0, 0.0, 0.0), result)
+                contact = pair_contact(volume, shoe.frame, unit, patch, law, FROM_CURVE)
+                keep(contact, s, u, finger, result)
+                normal = normal_of(volume.part, unit, law)
+                _write_wrench(contact, normal, rows.wrench[count])
+                _write_jacobian(
+                    contact,
+                    normal,
+                    (shoe.frame, unit),
+                    shoe.at,
+                    track.grid.tilt_axis,
+                    rows.jacobian[count, 0],
+                    rows.unit_jacobian[count],
+                )
+                if derive and (fading != 0.0 or leans(volume.part, law)):
+                    slope = fading if finger == 0 else -fading
+                    _write_gradient(volume, finger, shoe.frame, unit, work, gradient)
+                    _write_leaning_stiffness(
+                        volume,
+                        gradient,
+                        slope,
+                        contact,
+                        (shoe.frame, unit),
+                        patch,
+                        law,
+                        weights,
+                        rows.tangent[count],
+                    )
+                elif derive:
+                    spin = dot(along(shoe.frame.omega, -1.0, unit.omega), normal)
+                    _write_stiffness(volume, contact, (normal, spin), law, weights, rows.tangent[count])
                 count += 1
     return count

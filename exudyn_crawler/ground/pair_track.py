@@ -1,4 +1,4 @@
-"""Pairs of shoe and unit on a track: from its coordinates to contacts on frames, and back to forces."""
+"""What the contacts of a track are made of: units, undersides, law, and the places of all bodies."""
 
 from typing import NamedTuple
 
@@ -30,13 +30,21 @@ class Flexible(NamedTuple):
     row: NDArray[np.int64]
 
 
+class Fingers(NamedTuple):
+    """Fingers at the undersides' rear: length, and right and left side of each, (fingers, 2) y; m."""
+
+    length: float
+    sides: FloatArray
+
+
 class Track(NamedTuple):
-    """What stays as it is: units, underside of the shoes, flexible shoes and the law of every pair."""
+    """What stays as it is: units, underside of the shoes, flexible shoes and the law of every contact."""
 
     grid: Grid
     footprint: Footprint
     flexible: Flexible
     law: PairLaw
+    fingers: Fingers
 
 
 class Bodies(NamedTuple):
@@ -63,9 +71,11 @@ class Bodies(NamedTuple):
 @inlined
 def named(places: tuple, track: tuple) -> tuple[Bodies, Track]:
     """Bodies and track of their values as plain tuples."""
-    grid, footprint, flexible, (law, edge_width, whole_area) = track
-    law = PairLaw(named_law(law), edge_width, whole_area)
-    return Bodies(*places), Track(Grid(*grid), Footprint(*footprint), Flexible(*flexible), law)
+    grid, footprint, flexible, (law, edge_width, whole_area, area_normal, closest_points), fingers = track
+    law = PairLaw(named_law(law), edge_width, whole_area, area_normal, closest_points)
+    return Bodies(*places), Track(
+        Grid(*grid), Footprint(*footprint), Flexible(*flexible), law, Fingers(*fingers)
+    )
 
 
 @compiled

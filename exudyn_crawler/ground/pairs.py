@@ -1,17 +1,20 @@
-"""Contact of a shoe with a terrain unit, on frames: one contact a pair that overlaps.
+"""Contact of a shoe with a terrain unit, on frames: one contact a volume in which they overlap.
 
-It acts at the centroid of the overlap volume, along the normal of the unit's top face with the normal law,
-across it with friction and about it with the friction torque; the unit receives the opposite of all that
-the shoe receives. Where the shoe is flexible, the mean displacement of the patch of its underside over the
-unit adds to its rigid motion.
+It acts at the centroid of the overlap volume, along its normal with the normal law, across it with friction
+and about it with the friction torque; the unit receives the opposite of all that the shoe receives. The
+normal is that of the unit's top face, or the direction of the area vector of all faces of the unit that lie
+within the shoe, side faces among them; inside a unit both are the same. Where the shoe is flexible, the mean
+displacement of the patch of its underside over the unit adds to its rigid motion.
 """
 
+import math
 from typing import NamedTuple
 
 from exudyn_crawler.ground.frames import (
     Frame,
     Vector,
     along,
+    basis,
     columns_of,
     compiled,
     dot,
@@ -21,6 +24,7 @@ from exudyn_crawler.ground.frames import (
     turned_back,
     upward,
     velocity_at,
+    within,
 )
 from exudyn_crawler.ground.laws import Law, drag_ratio, normal_force, spin_torque
 from exudyn_crawler.ground.laws.impact import step
@@ -42,15 +46,36 @@ class Footprint(NamedTuple):
 
 
 class PairLaw(NamedTuple):
-    """Contact law, and what of it a pair of shoe and unit has.
+    """Contact law, what of it an overlap has, and how its normal and penetration are found.
 
     All of it, growing with STEP up to an overlap as wide as `edge_width` (m), or, where `whole_area` is not
-    zero, as much as the overlap has of this area (m2).
+    zero, as much as the overlap has of this area (m2). With `area_normal` the normal is the area vector's,
+    with `closest_points` the penetration is the distance of the closest points of both surfaces.
     """
 
     law: Law
     edge_width: float
     whole_area: float
+    area_normal: bool
+    closest_points: bool
+
+
+class Volume(NamedTuple):
+    """An overlap to make a contact of: by which part of an underside, with how large a unit.
+
+    `weight` is its share of the law beside others of the same pair, `footprint` the rectangle of the
+    underside that it belongs to, `half` half the unit's sides (m).
+    """
+
+    part: Overlap
+    weight: float
+    footprint: Footprint
+    half: Vector
+
+
+FACE_BLEND = 2e-3
+"""m: by as much more than the least distance others still count for the distance of the closest points.
+Chosen here, so that these move from face to face without a jump."""
 
 
 class Patch(NamedTuple):
@@ -77,9 +102,10 @@ class Contact(NamedTuple):
     friction_torque: Vector
 
 
-RESULT, RESULTS = columns_of(Contact, "shoe", "unit")
+RESULT, RESULTS = columns_of(Contact, "shoe", "unit", "finger")
 """Columns of a contact's results, and how many they are. Vectors are global; forces and torque act on the
-shoe; the slip velocity is the shoe's relative to the unit."""
+shoe; the slip velocity is the shoe's relative to the unit. Shoe and unit count from 0; the finger is 0 for a
+volume of the whole underside, or the number of the finger from 1."""
 RESULT["patch"] = slice(RESULTS, RESULTS + 4)
 RESULTS += 4
 
@@ -97,16 +123,18 @@ def pair_overlap(shoe: Frame, unit: Frame, footprint: Footprint, half: Vector, w
         y = footprint.low_y if k < 2 else footprint.high_y
         corner = turned_back(unit.R, along(apart, 1.0, turned(shoe.R, (x, y, footprint.z))))
         corners[k, 0], corners[k, 1], corners[k, 2] = corner[0], corner[1], half[2] - corner[2]
+        corners[k, 3] = x
     return overlap(work, half[0], half[1])
 
 
 @inlined
-def share_of(part: Overlap, law: PairLaw) -> float:
+def share_of(volume: Volume, law: PairLaw) -> float:
     """Share of the law that an overlap has."""
+    part = volume.part
     if law.whole_area > 0.0:
-        return part.area / law.whole_area
+        return volume.weight * part.area / law.whole_area
     width = min(part.high_xi - part.low_xi, part.high_eta - part.low_eta)
-    return step(width, 0.0, 0.0, law.edge_width, 1.0)
+    return volume.weight * step(width, 0.0, 0.0, law.edge_width, 1.0)
 
 
 @inlined
@@ -115,28 +143,83 @@ def contact_point(part: Overlap, unit: Frame, top: float) -> Vector:
     return along(unit.r, 1.0, turned(unit.R, (part.xi, part.eta, top - 0.5 * part.depth)))
 
 
+@inlined
+def leans(part: Overlap, law: PairLaw) -> bool:
+    """Whether a law takes more of a clipped overlap than its depth at the centroid."""
+    return part.cut > 0 and (law.area_normal or law.closest_points)
+
+
+@inlined
+def normal_of(part: Overlap, unit: Frame, law: PairLaw) -> Vector:
+    """Normal of a contact, global: from the unit to the shoe."""
+    if not law.area_normal or (part.side_x == 0.0 and part.side_y == 0.0):
+        return upward(unit.R)
+    faces = (part.side_x, part.side_y, part.area)
+    return turned(unit.R, along((0.0, 0.0, 0.0), 1.0 / norm(faces), faces))
+
+
+@within
+def _way_out(place: Vector, toward: Vector, footprint: Footprint) -> float:
+    """Distance (m) of a place in the shoe's frame from the outline of its underside, along a direction."""
+    way = math.inf
+    for axis in range(2):
+        low, high = (footprint.low_x, footprint.high_x) if axis == 0 else (footprint.low_y, footprint.high_y)
+        if toward[axis] != 0.0:
+            face = high if toward[axis] > 0.0 else low
+            way = min(way, (face - place[axis]) / toward[axis])
+    return max(0.0, way)
+
+
+@within
+def _closest_distance(volume: Volume, shoe: Frame, unit: Frame) -> float:
+    """Distance of the closest points of both surfaces about a contact's point, m.
+
+    The closest points lie on faces that look at each other: the top face and the underside, or a side of the
+    unit and the end or side of the shoe within it, whichever are closer.
+    """
+    part, half = volume.part, volume.half
+    place = turned_back(shoe.R, along(contact_point(part, unit, half[2]), -1.0, shoe.r))
+    least, total, mean = part.depth, 0.0, 0.0
+    for weighing in range(2):
+        for axis in range(3):
+            thickness = part.depth
+            if axis < 2:
+                centroid = part.xi if axis == 0 else part.eta
+                inward = along((0.0, 0.0, 0.0), -1.0 if centroid > 0.0 else 1.0, basis(axis))
+                inward = turned_back(shoe.R, turned(unit.R, inward))
+                thickness = half[axis] - abs(centroid) + _way_out(place, inward, volume.footprint)
+            if weighing == 0:
+                least = min(least, thickness)
+            else:
+                weight = step(thickness - least, 0.0, 1.0, FACE_BLEND, 0.0)
+                total, mean = total + weight, mean + weight * thickness
+    return mean / total
+
+
 @compiled
 def pair_contact(
-    part: Overlap, shoe: Frame, unit: Frame, patch: Patch, top: float, law: PairLaw, ratio: float
+    volume: Volume, shoe: Frame, unit: Frame, patch: Patch, law: PairLaw, ratio: float
 ) -> Contact:
     """Contact of a shoe with a unit at a known overlap.
 
     Parameters
     ----------
-    top : float
-        Height of the unit's top face above its centre, m.
     ratio : float
         Friction over normal force and slip speed, s/m; `FROM_CURVE` takes it from the friction law.
     """
-    normal = upward(unit.R)
-    point = contact_point(part, unit, top)
+    part = volume.part
+    normal = normal_of(part, unit, law)
+    point = contact_point(part, unit, volume.half[2])
     velocity = along(velocity_at(shoe, point), -1.0, velocity_at(unit, point))
     velocity = along(velocity, 1.0, turned(shoe.R, patch.velocity))
-    depth = part.depth - dot(normal, turned(shoe.R, patch.displacement))
+    penetration = part.depth
+    if law.closest_points and part.cut > 0:
+        penetration = _closest_distance(volume, shoe, unit)
+    depth = penetration - dot(normal, turned(shoe.R, patch.displacement))
     rate = -dot(velocity, normal)
     slip = along(velocity, rate, normal)
     speed = norm(slip)
-    force = share_of(part, law) * normal_force(law.law, depth, rate)
+    force = share_of(volume, law) * normal_force(law.law, depth, rate)
     drag = force * (ratio if ratio >= 0.0 else drag_ratio(law.law, speed))
     spin = dot(along(shoe.omega, -1.0, unit.omega), normal)
     torque = spin_torque(law.law, spin, part.area, drag * speed)
@@ -154,16 +237,16 @@ def pair_contact(
 
 
 @compiled
-def keep(contact: Contact, shoe: int, unit: int, row: FloatArray) -> None:
+def keep(contact: Contact, shoe: int, unit: int, finger: int, row: FloatArray) -> None:
     """Write a contact of a shoe and a unit (from 0) into a row of results (RESULTS)."""
-    row[0], row[1] = shoe, unit
-    row[2], row[3], row[4] = contact.penetration, contact.penetration_rate, contact.area
+    row[0], row[1], row[2] = shoe, unit, finger
+    row[3], row[4], row[5] = contact.penetration, contact.penetration_rate, contact.area
     for k in range(3):
-        row[5 + k] = contact.point[k]
-        row[8 + k] = contact.normal_force[k]
-        row[11 + k] = contact.friction_force[k]
-        row[14 + k] = contact.slip_velocity[k]
-        row[17 + k] = contact.friction_torque[k]
+        row[6 + k] = contact.point[k]
+        row[9 + k] = contact.normal_force[k]
+        row[12 + k] = contact.friction_force[k]
+        row[15 + k] = contact.slip_velocity[k]
+        row[18 + k] = contact.friction_torque[k]
 
 
 @compiled

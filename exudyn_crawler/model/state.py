@@ -16,7 +16,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-VERSION = 5
+VERSION = 6
 """Of the layout's text; another version is an error."""
 
 RATES = ("", " rate", " acceleration")

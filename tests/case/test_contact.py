@@ -30,7 +30,7 @@ def test_the_reference_law_sets_how_deep_shoes_settle():
 
 def test_each_model_is_had_where_it_is_the_case_s():
     assert CASE.sphere_contact() == SPHERES
-    assert Case.translation().pair_contact() == PairContact.oil_sand()
+    assert Case.translation().pair_contact() == PairContact.adams()
     with pytest.raises(ValueError, match=r"contact\.model must be 'pair', got 'spheres'"):
         CASE.pair_contact()
     with pytest.raises(ValueError, match=r"contact\.model must be 'spheres', got 'pair'"):

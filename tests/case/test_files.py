@@ -105,14 +105,16 @@ def test_a_file_gives_only_what_differs_from_its_base(read):
 def test_parts_have_bases_of_their_own(read):
     found = read(
         'base = "translation"\n[terrain]\nbase = "stress"\nspring_damping = 1e5\n'
-        '[loads]\nbase = "shovel_cycle"\n[flexible]\nbase = "ph4100c"\nmesh = "coarse"\n'
+        '[contact]\nbase = "oil_sand"\n[loads]\nbase = "shovel_cycle"\n'
+        '[flexible]\nbase = "ph4100c"\nmesh = "coarse"\n'
     )
     assert found.case.terrain == Terrain.stress().with_(spring_damping=1e5)
     assert found.case.loads == LoadCycle.shovel_cycle()
     assert found.case.flexible == FlexibleShoes.ph4100c("coarse")
 
 
-PAIR, SPHERES = PairContact.oil_sand(), SphereContact.oil_sand()
+PAIR, ADAMS = PairContact.oil_sand(), PairContact.adams()
+SPHERES = SphereContact.oil_sand()
 
 
 @pytest.mark.parametrize(
@@ -121,8 +123,8 @@ PAIR, SPHERES = PairContact.oil_sand(), SphereContact.oil_sand()
         ('model = "spheres"\nbase = "oil_sand"', SPHERES),
         ('model = "pair"\nbase = "oil_sand"', PAIR),
         ('base = "oil_sand"', PAIR),
-        ("stiffness = 2e8", PAIR.with_(stiffness=2e8)),
-        ('model = "pair"\nstiffness = 2e8', PAIR.with_(stiffness=2e8)),
+        ("stiffness = 2e8", ADAMS.with_(stiffness=2e8)),
+        ('model = "pair"\nstiffness = 2e8', ADAMS.with_(stiffness=2e8)),
         ('model = "spheres"\nbase = "oil_sand"\nradius = 0.25', SPHERES.with_(radius=0.25)),
     ],
 )
@@ -133,7 +135,7 @@ def test_contact_is_of_the_model_that_is_named(read, text, contact):
 def test_a_contact_without_model_is_the_pair_law_beside_no_base_too(read):
     """A base alone is no old key."""
     base = case_text(CaseFile(case=Case.turning()))
-    whole = re.sub(r"\[contact\]\n(.+\n)+", '[contact]\nbase = "oil_sand"\n', base)
+    whole = re.sub(r"\[contact\]\n(.+\n)+", '[contact]\nbase = "adams"\n', base)
     assert whole != base
     assert read(whole).case == Case.turning()
 

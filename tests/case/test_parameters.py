@@ -396,7 +396,7 @@ def test_the_fine_grid_is_that_of_the_stress_paper():
 
 
 def test_springs_at_the_gauss_points_resist_pitch_like_an_even_support():
-    terrain = Terrain.kinematics()
+    terrain = Terrain.kinematics().with_(spring_offset=7.0 / math.sqrt(12.0))
     assert terrain.tilt_stiffness == pytest.approx(terrain.heave_stiffness * 7.0**2 / 12.0, rel=1e-12)
 
 
@@ -450,3 +450,48 @@ def test_the_outline_follows_the_drive():
     turned = Case.turning().outline(10.0)
     along = turned[1] - turned[0]
     assert math.degrees(math.atan2(along[1], along[0])) == pytest.approx(7.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"finger_length": 0.0}, "finger_length must be positive where finger_sides are given"),
+        (
+            {"finger_length": 0.7},
+            "finger_length must be less than the underside's length 0.655742 m, got 0.7",
+        ),
+        (
+            {"finger_sides": (-1.0, 0.5, 0.4, 1.0)},
+            "finger_sides must be two a finger, grow from right to left",
+        ),
+        ({"finger_sides": (-1.0, 0.5, 1.0)}, "finger_sides must be two a finger"),
+        ({"finger_sides": (-1.0, 1.8)}, r"stay within the underside from -1\.7525 to 1\.7525 m"),
+    ],
+)
+def test_fingers_are_within_the_underside_and_in_order(change, message):
+    with pytest.raises(ParameterError, match=message):
+        Shoe.kinematics().with_(**change)
+
+
+def test_the_fingers_are_where_the_papers_volumes_have_them():
+    shoe = Shoe.kinematics()
+    rear = Track.ph4100c().com_positions(shoe.com_height)[6, 0] + shoe.footprint[0]
+    # of shoe 7: with the drive's 0.1626 m at 4.1 s and 0.28 m at 5.3 s it leaves unit 7 at x = 14 m
+    assert rear + shoe.finger_length + 0.1626 == pytest.approx(14.0, abs=2e-3)
+    assert rear + 0.28 == pytest.approx(14.0, abs=2e-3)
+    assert shoe.fingers.shape == (3, 2)
+
+
+def test_an_uneven_shoe_has_its_underside_beside_com_and_load():
+    even, uneven = Shoe.kinematics(), Shoe.uneven(0.2)
+    assert uneven.footprint - even.footprint == pytest.approx([0.0, 0.0, -0.2, -0.2, 0.0])
+    assert uneven.fingers - even.fingers == pytest.approx(-0.2)
+    assert uneven.load_point == even.load_point
+    assert Case.turning("uneven").shoe == Shoe.uneven()
+
+
+def test_the_leaning_normal_is_refused_on_units_smaller_than_a_shoe():
+    with pytest.raises(
+        ParameterError, match=r"contact\.normal must be 'face' on units of 1 x 1 m, smaller than"
+    ):
+        Case.translation().with_(terrain=Terrain.stress())

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, SphereContact
+from exudyn_crawler import Case, PairContact, SphereContact
 from exudyn_crawler.case import Terrain
 from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.coordinates import UnitCoordinates
@@ -16,7 +16,7 @@ SIX = 6 * SHOES
 CASES = {
     "pair": Case.translation(),
     "pair by area": Case.translation().with_(
-        contact=Case.translation().contact.with_(sharing="area"), terrain=Terrain.stress()
+        contact=PairContact.oil_sand(sharing="area"), terrain=Terrain.stress()
     ),
     "spheres": Case.translation().with_(contact=SphereContact.oil_sand()),
 }

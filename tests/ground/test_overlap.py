@@ -23,7 +23,7 @@ def rectangle(x, y, yaw=0.0, depth=0.06, slope_x=0.0, slope_y=0.0, length=LENGTH
 
 def clipped(corners, half_x=HALF, half_y=HALF):
     work = overlap_workspace()
-    work[0, :4] = corners
+    work[0, :4, :3] = corners
     part = overlap(work, half_x, half_y)
     width = min(part.high_xi - part.low_xi, part.high_eta - part.low_eta)
     return part.area, part.xi, part.eta, part.depth, width

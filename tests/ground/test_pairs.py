@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, Terrain
+from exudyn_crawler import Case, PairContact, Shoe, Terrain
 from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.laws import normal_force
 from exudyn_crawler.ground.overlap import overlap_workspace
@@ -18,12 +18,14 @@ TERRAINS = {
     for tilt in ("pitch", "roll")
 }
 SHOES = 13
+WHOLE = Case.translation().with_(shoe=Shoe.ph4100c(), contact=PairContact.oil_sand())
+"""Contacts by whole undersides, normal to the units' faces."""
 
 
 @pytest.fixture(scope="module", params=TERRAINS)
 def contacts(request):
     """Contact of the track in both formulations of the terrain."""
-    case = Case.translation().with_(terrain=TERRAINS[request.param])
+    case = WHOLE.with_(terrain=TERRAINS[request.param])
     return {one: ground_contact(case.with_(terrain_formulation=one)) for one in ("reduced", "constrained")}
 
 
@@ -117,7 +119,7 @@ def settled(contact, shoe, x):
 
 
 def test_shoe_seven_rests_on_two_units_with_the_pair_laws_force_on_each():
-    case = Case.translation()
+    case = WHOLE
     contact = ground_contact(case)
     q, q_t = settled(contact, 7, contact.shoe_reference[6, 0])
     rows = contact.results(q, q_t)
@@ -132,7 +134,7 @@ def test_shoe_seven_rests_on_two_units_with_the_pair_laws_force_on_each():
 
 
 def test_crossing_an_edge_is_continuous():
-    contact = ground_contact(Case.translation())
+    contact = ground_contact(WHOLE)
     seven = slice(36, 42)
 
     def greatest_jump(count):

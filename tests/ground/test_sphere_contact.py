@@ -20,7 +20,7 @@ def test_spheres_stand_evenly_inside_the_underside():
     assert places.mean(axis=0)[:2] == pytest.approx(
         [0.5 * (low_x + high_x), 0.5 * (low_y + high_y)], abs=1e-12
     )
-    assert places[:, 0].min() - low_x == pytest.approx(0.63 / 8.0, rel=1e-12)
+    assert places[:, 0].min() - low_x == pytest.approx(CASE.shoe.length / 8.0, rel=1e-12)
     assert places[:, 1].max() - high_y == pytest.approx(-3.505 / 10.0, rel=1e-12)
     assert places[:, 2] == pytest.approx(z + SPHERES.radius)
 

@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 import scipy.stats
 
-from exudyn_crawler import Case, Terrain, simulate
+from exudyn_crawler import Case, PairContact, Terrain, simulate
 from exudyn_crawler.ground.coordinates import terrain_coordinates
 from exudyn_crawler.ground.terrain import TerrainModes, localized, terrain_joints, terrain_modes, units_near
 from exudyn_crawler.model.build import parts_of
@@ -102,7 +102,9 @@ def test_localized_coordinates_do_not_depend_on_the_modes_they_are_made_of(grid)
 
 
 def terrain_alone(terrain, formulation):
-    case = Case.translation().with_(terrain=terrain, terrain_formulation=formulation, gravity=0.0)
+    case = Case.translation().with_(
+        contact=PairContact.oil_sand(), terrain=terrain, terrain_formulation=formulation, gravity=0.0
+    )
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     if formulation == "constrained":

@@ -6,6 +6,7 @@ import pytest
 from exudyn_crawler import Case, Terrain
 from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.state import pin_name
+from studies.grounds import plain
 from tests.model.linearized import Matrices, linearized
 
 
@@ -57,7 +58,7 @@ def turn():
 
 @pytest.fixture(scope="module")
 def fine():
-    return assembled(Case.translation().with_(terrain=Terrain.stress()))
+    return assembled(plain(Case.translation()).with_(terrain=Terrain.stress()))
 
 
 def effective(matrices: Matrices):

@@ -9,10 +9,11 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import drive_point, pulled_node
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.results.loads.balance import powers, shoe_imbalance
+from studies.grounds import plain
 
 QUICK = StepProfile(times=(0.0, 0.1), values=(0.0, 0.05))
 FRONT_PINS = Case.translation().with_(drive=Drive(speed=QUICK, point="front pins"))
-PULLED = FRONT_PINS.with_(
+PULLED = plain(FRONT_PINS).with_(
     terrain=Terrain.stress(),
     drive=Drive(speed=QUICK),
     flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(13,)),

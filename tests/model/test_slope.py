@@ -9,6 +9,7 @@ from exudyn_crawler import Case, Drive, LoadCycle, SphereContact, simulate
 from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.results.loads.balance import energy_balance, shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from studies.grounds import plain
 from studies.sliding import check_sliding, steady_sliding
 
 pytestmark = pytest.mark.simulation
@@ -141,7 +142,7 @@ def test_a_whole_track_rests_on_a_slope(grade):
 
 
 def test_a_track_is_pulled_up_a_grade_by_friction_and_weight():
-    base = on_slope(0.0, 0.0).with_(drive=Drive.translation())
+    base = on_slope(0.0, 0.0, plain(Case.translation())).with_(drive=Drive.translation())
     level, uphill = (
         steady_sliding(base.with_(terrain=base.terrain.with_(grade=grade)), 0.1) for grade in (0.0, 0.1)
     )

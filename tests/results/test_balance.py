@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from exudyn_crawler import simulate
 from exudyn_crawler.results.loads.balance import energies, energy_balance, powers
+from studies.grounds import plain
 
 
 def test_the_work_of_the_drive_is_accounted_for(longer):
@@ -14,8 +16,10 @@ def test_the_work_of_the_drive_is_accounted_for(longer):
     assert np.abs(balance.imbalance).max() < 0.01 * drive
 
 
+@pytest.mark.simulation
 def test_no_term_of_the_balance_could_be_left_out(longer):
-    balance = energy_balance(longer).isel(time=-1)
+    """On units that pitch: those that roll, on springs at their edges, damp by 6 J of 131 kJ in all."""
+    balance = energy_balance(simulate(plain(longer.case), longer.duration)).isel(time=-1)
     # half of the smallest counted work is more than what the balance misses
     for name in (
         "drive",

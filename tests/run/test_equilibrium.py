@@ -6,15 +6,16 @@ import pytest
 from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Terrain, simulate
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.model.compiled_system import compiled_system
+from studies.grounds import plain
 
 pytestmark = pytest.mark.simulation
 
 CASES = {
-    "translation": Case.translation(),
-    "turning": Case.turning(),
-    "constrained": Case.translation().with_(terrain_formulation="constrained"),
-    "constrained turning": Case.turning().with_(terrain_formulation="constrained"),
-    "fine grid": Case.translation().with_(terrain=Terrain.stress()),
+    "translation": plain(Case.translation()),
+    "turning": plain(Case.turning()),
+    "constrained": plain(Case.translation()).with_(terrain_formulation="constrained"),
+    "constrained turning": plain(Case.turning()).with_(terrain_formulation="constrained"),
+    "fine grid": plain(Case.translation()).with_(terrain=Terrain.stress()),
 }
 
 
@@ -56,6 +57,20 @@ def test_springs_carry_track_and_terrain(start):
     assert springs == pytest.approx(weight, rel=1e-6)
 
 
+def test_units_that_roll_push_a_track_aside_until_friction_takes_hold():
+    """Their normals lean; friction, which needs slip, has none at rest."""
+    history = simulate(Case.translation(), 0.02).dataset
+    weight, mass = 13 * Case.translation().mean_load, 13 * Case.translation().shoe.mass
+    aside = (history.normal_force + history.friction_force).sel(axis="y").sum("contact").values
+    start, end = history.isel(time=0), history.isel(time=-1)
+    assert 0.0 < -aside[0] < float(np.abs(start.unit_tilt).max()) * weight
+    assert float(start.acceleration.sel(axis="y").mean()) == pytest.approx(aside[0] / mass, rel=1e-3)
+    for name in ("unit_heave_acceleration", "unit_tilt_acceleration"):
+        assert np.abs(start[name]).max() < 1e-3
+    assert abs(aside[-1]) < 0.1 * abs(aside[0])
+    assert np.abs(end.velocity.sel(axis="y")).max() < 3e-4  # m/s of creep
+
+
 @pytest.mark.parametrize("point", ["com node", "front pins"])
 def test_a_shoe_that_is_pulled_at_a_point_is_held_there(point):
     """The ground leans on the front shoe, and the drive takes over what held it.
@@ -64,7 +79,7 @@ def test_a_shoe_that_is_pulled_at_a_point_is_held_there(point):
     comes of the points' places beside the shoe's middle: nothing but friction, which needs slip, withstands
     the turn.
     """
-    case = Case.translation().with_(
+    case = plain(Case.translation()).with_(
         terrain=Terrain.stress(),
         drive=Drive.translation().with_(point=point),
         flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(13,)),

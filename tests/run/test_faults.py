@@ -73,7 +73,7 @@ def test_a_track_that_nothing_carries_is_singular(rest):
         system.rest(settings)
     # the springs of the units push up what no shoe holds down
     fault = at_fault(system.layout, failed.value)
-    assert fault == "the equations are singular, greatest residual at terrain (coordinate 1)"
+    assert fault == "the equations are singular, greatest residual at terrain (coordinate 2)"
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import pytest
 from exudyn_crawler import Case, SphereContact
 from exudyn_crawler.model.formulation import track_system
 from exudyn_crawler.run.solve.integration import integrate_from
+from studies.grounds import plain
 from studies.sliding import eigenmodes, linearized, steady_sliding
 from studies.sliding_modes import (
     SPEED,
@@ -83,7 +84,7 @@ def test_modes_with_friction_are_those_of_the_planar_track(friction, shoes):
 
 def test_travel_moves_the_track_over_the_seams():
     """A pitch further, on units as long as a pitch, the track stands on the same ground."""
-    case = Case.translation()
+    case = plain(Case.translation())
     pitch = case.track.pitch
     terrain = case.terrain.with_(columns=30, unit_length=pitch, origin=(3.0, 0.0), spring_stiffness=1e11)
     law = case.contact.with_(static_friction=0.1, dynamic_friction=0.1, sharing="area")
@@ -209,12 +210,14 @@ def test_what_has_no_steady_sliding_is_refused():
         steady_sliding(Case.translation().with_(contact=SphereContact.oil_sand()), SPEED)
     with pytest.raises(ValueError, match=r"drive\.turn_rate must be None"):
         steady_sliding(Case.turning(), SPEED)
+    with pytest.raises(ValueError, match=r"terrain\.tilt must be 'pitch'"):
+        steady_sliding(Case.translation(), SPEED)
 
 
 @pytest.fixture(scope="module")
 def rubbed():
     """The papers' track with constant friction, and its modes."""
-    case = with_friction(Case.translation(), 0.3, 0.3)
+    case = with_friction(plain(Case.translation()), 0.3, 0.3)
     return case, sliding_modes(case, SPEED)
 
 

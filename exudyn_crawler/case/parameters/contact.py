@@ -11,7 +11,7 @@ from exudyn_crawler.case.parameters.base import Parameters, quantity
 
 
 class PairContact(Parameters):
-    """One contact a pair of shoe and unit: ADAMS IMPACT law with Coulomb friction.
+    """One contact a volume in which a shoe and a unit overlap: ADAMS IMPACT law with Coulomb friction.
 
     Formulas in `exudyn_crawler.ground.laws`.
     """
@@ -48,6 +48,18 @@ class PairContact(Parameters):
         le=100,
     )
 
+    normal: Literal["face", "area"] = Field(
+        default="face",
+        description="direction of the normal force: that of the unit's top face, or of the area vector of "
+        "all faces of the unit within the shoe, which leans where the unit's edge is under the shoe; for "
+        "units at least as large as a shoe",
+    )
+    penetration: Literal["centroid", "closest"] = Field(
+        default="centroid",
+        description="depth at the centroid of the overlap, or the distance of the closest points of both "
+        "surfaces there, which is less where the overlap is a strip narrower than deep",
+    )
+
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.dynamic_friction > self.static_friction:
@@ -66,6 +78,17 @@ class PairContact(Parameters):
     def oil_sand(cls, sharing: Literal["pair", "area"] = "pair") -> Self:
         """Steel shoe on oil sand (all papers, contact table); sharing and edge width are chosen here."""
         return cls(**ph4100c.PAIR_CONTACT, sharing=sharing)
+
+    @classmethod
+    def adams(cls) -> Self:
+        """Same on units larger than a shoe, as the rigid studies' numbers show ADAMS' contact.
+
+        ADAMS documents volume, centroid and closest points of an intersection, the direction of the normal
+        nowhere. The area vector gives the F-paper's mean forces at a unit's edge, and the depth at the
+        centroid its penetrations there, which the closest points would let fall to zero
+        (`docs/validation.md`).
+        """
+        return cls.oil_sand().with_(normal="area")
 
     def settled_depth(self, load: ArrayLike) -> NDArray:
         """Penetration (m) of an evenly carried shoe under each load (N); none where a load lifts."""

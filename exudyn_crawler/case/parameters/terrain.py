@@ -91,21 +91,25 @@ class Terrain(Parameters):
     def kinematics(cls) -> Self:
         """50 units of 7 x 7 x 2 m (K-chapter, K-paper and F-paper).
 
-        Open in the papers and chosen here: units pitch, as their results describe; the two springs
-        stand at the Gauss points of the unit's length, +-L / (2 sqrt 3), where they resist heave and
-        pitch exactly as an evenly spread support of the same stiffness does.
+        Open in the papers' words: which rotation units keep and where their two springs stand. They roll, and
+        the springs stand below their edges, as the F-paper's steady lateral force on shoe 10 shows
+        (`docs/validation.md`).
         """
         return cls(**ph4100c.COARSE_TERRAIN)
 
     @classmethod
-    def stress(cls) -> Self:
+    def stress(cls, seams: Literal["margin", "fitted"] = "margin") -> Self:
         """247 units of 1 x 1 x 1 m (S-paper): one spring of k = E A / L = 20 MN/m per unit.
 
         Open in the paper and chosen here: the spring stands at the unit's centre and, being a column of
         oil sand as wide as the unit (E = 20 MPa), resists tilting with E I / L; without it a row of
-        units could fold without resistance. The terrain's place is open too.
+        units could fold without resistance. The terrain's place is open too:
+        by the margins about the track, or fitted to the contact forces in loading.
         """
-        return cls(**ph4100c.FINE_TERRAIN)
+        terrain = cls(**ph4100c.FINE_TERRAIN)
+        if seams == "margin":
+            return terrain
+        return terrain.with_(origin=(ph4100c.FITTED_SEAMS_X, terrain.origin[1]))
 
     def with_step(self, x: float, height: float) -> Self:
         """Copy with all units whose centres lie beyond `x` (m) higher by `height` (m)."""
@@ -140,13 +144,15 @@ class Terrain(Parameters):
     def with_profile(self, height: Callable[[NDArray], ArrayLike]) -> Self:
         """Copy with a smooth ground whose height (m) is a function of x (m, array), straight along each unit.
 
+        Its units pitch.
+
         Raises
         ------
         ValueError
-            If it is too steep, the units do not pitch or already have heights.
+            If it is too steep, or the units already have heights.
         """
         heights = np.broadcast_to(np.asarray(height(self.edges), dtype=float), self.edges.shape)
-        return self.with_(profile=tuple(heights.tolist()))
+        return self.with_(profile=tuple(heights.tolist()), tilt="pitch")
 
     def _raised(self, change: NDArray) -> Self:
         return self.with_(heights=tuple((self.top_heights + change).tolist()))

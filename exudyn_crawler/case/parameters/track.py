@@ -46,6 +46,8 @@ class Rails(Parameters):
         return self.right, self.left
 
 
+UNEVENNESS: float = ph4100c.UNEVENNESS
+"""m, of the underside's middle beside the COM: `Shoe.uneven`."""
 STEEL_DENSITY: float = ph4100c.FLEXIBLE_SHOES["density"]
 """kg/m3."""
 ORIGIN_TOLERANCE = 0.01
@@ -68,6 +70,21 @@ class Shoe(Parameters):
     underside_center: tuple[Place, Place] = quantity(
         "m", "x and y of the underside's centre in the shoe's frame", plausible=(-1.0, 1.0)
     )
+    finger_length: float = quantity(
+        "m",
+        "length of the fingers at the underside's rear edge, which lie between the front lugs of the shoe "
+        "behind; 0: an edge without fingers",
+        plausible=(0.0, 0.5),
+        ge=0,
+        le=100,
+        default=0.0,
+    )
+    finger_sides: tuple[Place, ...] = quantity(
+        "m",
+        "y of the right and the left side of every finger in the shoe's frame, from right to left",
+        plausible=(-3.0, 3.0),
+        default=(),
+    )
     load_point: tuple[Place, Place, Place] = quantity(
         "m",
         "centroid of the top face, where the machine load acts, in the shoe's frame",
@@ -76,14 +93,55 @@ class Shoe(Parameters):
 
     rails: Rails | None = Field(default=None, description="rails that rollers roll on")
 
+    @model_validator(mode="after")
+    def _check_fingers(self) -> Self:
+        sides, (low, high) = self.finger_sides, self.footprint[2:4]
+        if (self.finger_length > 0.0) != bool(sides):
+            raise ValueError(
+                "finger_length must be positive where finger_sides are given and zero where they are not, "
+                f"got {self.finger_length:g} m and {len(sides)} sides"
+            )
+        if self.finger_length >= self.length:
+            raise ValueError(
+                f"finger_length must be less than the underside's length {self.length:g} m, "
+                f"got {self.finger_length:g}"
+            )
+        in_order = np.all(np.diff(sides) > 0.0) if sides else True
+        if len(sides) % 2 or not in_order or (sides and (sides[0] < low - 1e-9 or sides[-1] > high + 1e-9)):
+            raise ValueError(
+                "finger_sides must be two a finger, grow from right to left and stay within the underside "
+                f"from {low:g} to {high:g} m, got {list(sides)}"
+            )
+        return self
+
     @classmethod
     def ph4100c(cls) -> Self:
-        """Shoe of the P&H 4100C BOSS in the rigid studies.
+        """Shoe of the P&H 4100C BOSS.
 
         Mass and COM height are the papers'. They print no inertia and no outline of the underside (CAD): both
         are those of the shoe in `meshes/`.
         """
         return cls(**ph4100c.SHOE)
+
+    @classmethod
+    def kinematics(cls) -> Self:
+        """Shoe of the rigid studies, with the rear edge and fingers that the F-paper's contacts show."""
+        return cls.ph4100c().with_(**ph4100c.FINGERED_UNDERSIDE)
+
+    @classmethod
+    def uneven(cls, unevenness: float = UNEVENNESS) -> Self:
+        """Shoe of the rigid studies whose underside's middle lies beside its COM and its load.
+
+        Parameters
+        ----------
+        unevenness : float
+            m; the middle lies to the right.
+        """
+        even = cls.kinematics()
+        return even.with_(
+            underside_center=(even.underside_center[0], even.underside_center[1] - unevenness),
+            finger_sides=tuple(y - unevenness for y in even.finger_sides),
+        )
 
     @classmethod
     def from_mesh(
@@ -152,6 +210,11 @@ class Shoe(Parameters):
     def inertia_tensor(self) -> NDArray:
         """Inertia tensor about the COM, array (3, 3), kg m2."""
         return inertia_tensor(self.inertia)
+
+    @property
+    def fingers(self) -> NDArray:
+        """Right and left side of every finger: array (fingers, 2), m, y in the shoe's frame."""
+        return np.array(self.finger_sides, dtype=float).reshape(-1, 2)
 
     @property
     def footprint(self) -> NDArray:

@@ -23,6 +23,8 @@ from exudyn_crawler.files import blocks
 Variable = tuple[tuple[str, ...], NDArray, dict[str, str]]
 """Dimensions, values and attributes, as xarray takes a variable."""
 
+CONTACT_KEYS = ("contact_shoe", "contact_unit", "contact_finger")
+"""Coordinates along the contacts: numbers of shoe and unit, and of a finger, 0 for a whole underside."""
 CATALOGUE = Path(__file__).with_name("quantities.csv")
 """Columns as the fields of `Quantity`; several words in one with spaces between."""
 SEVERAL = ("dimensions", "files", "derived_from", "needs", "curve_axes")
@@ -264,7 +266,7 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
             parts = [part.isel(contact=one) for part, one in zip(parts, deepest, strict=True)]
         columns[name] = xr.concat(parts, dim="shoe", coords="minimal", compat="override")
     result = xr.Dataset(columns).assign_coords(shoe=shoes)
-    result = result.drop_vars(["contact_shoe", "contact_unit"], errors="ignore")
+    result = result.drop_vars(CONTACT_KEYS, errors="ignore")
     result = result.assign({name: with_meaning(name, DERIVED[name](case, result)) for name in derived})
     return result[wanted]
 

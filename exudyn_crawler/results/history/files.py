@@ -26,7 +26,7 @@ from exudyn_crawler.case.files.files import saved_case
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.files import blocks, write_netcdf_along
 from exudyn_crawler.model.state import VERSION
-from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, select, variable
+from exudyn_crawler.results.history.catalogue import CONTACT_KEYS, QUANTITIES, Variable, select, variable
 from fem.interrupts import interrupts_wait
 
 CASE = "case"
@@ -186,8 +186,8 @@ class _Computed(BackendArray):
 class Chunk:
     """Part of a history along time, read when it is needed.
 
-    `times` is the number of its stored times, `pairs` (contacts, 2) shoe and unit of each of its contacts;
-    `parts` gives its datasets, one after the other.
+    `times` is the number of its stored times, `pairs` (contacts, 3) shoe, unit and finger of each of its
+    contacts; `parts` gives its datasets, one after the other.
     """
 
     times: int
@@ -213,8 +213,13 @@ class Chunk:
         return cls(times, pairs, parts)
 
 
+def contact_coordinates(pairs: NDArray) -> dict[str, tuple[str, NDArray]]:
+    """Coordinates of contacts of which shoe, unit and finger are given (contacts, 3)."""
+    return {name: ("contact", column) for name, column in zip(CONTACT_KEYS, pairs.T, strict=True)}
+
+
 def _pairs(dataset: xr.Dataset) -> NDArray:
-    return np.column_stack((dataset.contact_shoe.values, dataset.contact_unit.values))
+    return np.column_stack([dataset[name].values for name in CONTACT_KEYS])
 
 
 def joined(chunks: Sequence[Chunk]) -> xr.Dataset:
@@ -244,7 +249,7 @@ def _parts(chunks: Sequence[Chunk]) -> Iterator[xr.Dataset]:
 
 
 def _with_contacts(dataset: xr.Dataset, pairs: NDArray) -> xr.Dataset:
-    """Dataset with a contact for each of the sorted pairs (contacts, 2), among them those that it has."""
+    """Dataset with a contact for each of the sorted pairs (contacts, 3), among them those that it has."""
     met = _pairs(dataset)
     if np.array_equal(met, pairs):
         return dataset
@@ -257,5 +262,5 @@ def _with_contacts(dataset: xr.Dataset, pairs: NDArray) -> xr.Dataset:
             values = np.zeros((*one.shape[:axis], len(pairs), *one.shape[axis + 1 :]))
             values[(slice(None),) * axis + (columns,)] = one.values
             wider[name] = (one.dims, values, one.attrs)
-    coordinates = {"contact_shoe": ("contact", pairs[:, 0]), "contact_unit": ("contact", pairs[:, 1])}
+    coordinates = contact_coordinates(pairs)
     return dataset.drop_dims("contact").assign(wider).assign_coords(coordinates)

@@ -16,7 +16,12 @@ from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, StateLayout, pin_name
 from exudyn_crawler.results.history.catalogue import Variable, select, variable
-from exudyn_crawler.results.history.files import LAYOUT_VERSION, TERRAIN_COORDINATES, motion_variables
+from exudyn_crawler.results.history.files import (
+    LAYOUT_VERSION,
+    TERRAIN_COORDINATES,
+    contact_coordinates,
+    motion_variables,
+)
 from exudyn_crawler.results.history.history import History
 
 if TYPE_CHECKING:
@@ -72,8 +77,7 @@ def system_history(system: "TrackSystem", rows: NDArray) -> History:
             **motion,
             **_flexible_coordinates(system),
             **_rolled_coordinates(case),
-            "contact_shoe": ("contact", pairs[:, 0]),
-            "contact_unit": ("contact", pairs[:, 1]),
+            **contact_coordinates(pairs),
         },
         attrs={
             "title": case.name,
@@ -180,13 +184,14 @@ def _terrain(states: _States) -> dict[str, Variable]:
 
 
 def _contacts(states: _States) -> tuple[dict[str, Variable], NDArray]:
-    """Contacts over time, one column a pair that ever met; zero while the pair is apart."""
+    """Contacts over time, a column for each volume of a pair that ever met; zero while there is none."""
     parts = [states.part("coordinates"), states.part("coordinates rate")]
     if states.layout.contact_forces:
         parts.append(states.part("contact forces"))
     results = [states.system.contact.results(*state) for state in zip(*parts, strict=True)]
     rows = np.concatenate(results)
-    keys = [rows[:, RESULT[name]].astype(int) + 1 for name in ("shoe", "unit")]
+    first = {"shoe": 1, "unit": 1, "finger": 0}
+    keys = [rows[:, RESULT[name]].astype(int) + number for name, number in first.items()]
     pairs, column = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
     when = np.repeat(np.arange(len(results)), [len(one) for one in results])
     variables: dict[str, Variable] = {}

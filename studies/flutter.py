@@ -1,0 +1,89 @@
+"""Flutter of an uneven track on rolling units: growth of its least stable swing over the unevenness.
+
+The law of a pair is not conservative: with depth d, roll a and width W of an underside the penetration is
+``d + a**2 W**2 / (12 d)`` and the force acts ``a W**2 / (12 d)`` beside the middle. Heave and roll of a shoe
+that stands rolled couple one way more than the other, and beyond a threshold their swings feed each other.
+Here the equations of the whole track are linearized about its rest without friction.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+import scipy.linalg
+from numpy.typing import NDArray
+
+from exudyn_crawler import Case, Shoe
+from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+
+UNEVENNESS = (0.0, 0.05, 0.1, 0.12, 0.14, 0.16, 0.17, 0.18, 0.2, 0.25, 0.3)
+"""m."""
+STEP = 1e-7
+"""m, rad and their rates: of central differences, far below the 0.1 mm of the contact's damping law."""
+
+
+def swings(case: Case) -> NDArray:
+    """Complex eigenvalues (1/s) of a rigid track at rest without friction, its front shoe held along x."""
+    contact = case.pair_contact().with_(static_friction=0.0, dynamic_friction=0.0)
+    case = case.with_(contact=contact)
+    system = compiled_system(case)
+    n = system.layout.coordinate_count
+    state = np.zeros((3, n))
+    state[0] = static_equilibrium(case)
+    inputs = system.inputs(0.0)._replace(active=np.array([1.0, 0.0]), speeds=np.zeros(2))
+
+    def residual(change: NDArray, row: int, multipliers: NDArray) -> NDArray:
+        moved = state.copy()
+        moved[row] += change
+        return system.residual(moved, inputs, multipliers)[:n]
+
+    none = np.zeros(len(system.multipliers))
+    force = residual(np.zeros(n), 0, none)
+    directions = np.column_stack([residual(np.zeros(n), 0, one) - force for one in np.eye(len(none))])
+    holding = np.linalg.lstsq(directions, -force, rcond=None)[0]
+    stiffness, damping, mass = (
+        np.column_stack(
+            [
+                (residual(STEP * e, row, holding) - residual(-STEP * e, row, holding)) / (2.0 * STEP)
+                for e in np.eye(n)
+            ]
+        )
+        for row in range(3)
+    )
+    lengths = np.linalg.norm(directions, axis=0)
+    free = scipy.linalg.null_space((directions[:, lengths > 0.0] / lengths[lengths > 0.0]).T)
+    m, c, k = (free.T @ one @ free for one in (mass, damping, stiffness))
+    size = len(m)
+    first_order = np.block([[np.zeros((size, size)), np.eye(size)], [-np.linalg.solve(m, np.hstack((k, c)))]])
+    return np.linalg.eigvals(first_order)
+
+
+def flutter(unevenness: Sequence[float] = UNEVENNESS) -> pd.DataFrame:
+    """Least stable swing of the straight track over the unevenness of its shoes.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns unevenness (m), roll of the shoes at rest (rad), growth (1/s) and frequency (Hz).
+    """
+    rows = []
+    for e in unevenness:
+        case = Case.translation().with_(shoe=Shoe.uneven(e))
+        values = swings(case)
+        swinging = values[values.imag > 1.0]
+        worst = swinging[swinging.real.argmax()]
+        roll = static_equilibrium(case)[: 6 * case.track.shoe_count].reshape(-1, 6)[:, 3]
+        rows.append(
+            {
+                "unevenness": e,
+                "roll": float(np.abs(roll).mean()),
+                "growth": float(worst.real),
+                "frequency": float(worst.imag / (2.0 * np.pi)),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    print(flutter().to_string(index=False, float_format=lambda value: f"{value:.4g}"))

@@ -1,0 +1,80 @@
+"""What the choices of the rigid studies' contact do: every row of the papers under the default and variants.
+
+The default follows what the papers say in words and means; what follows rows alone is a variant.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import pandas as pd
+
+from exudyn_crawler import Case, PairContact, Shoe, simulate
+from studies.comparison import compare_kinematics
+from studies.defaults import DURATION
+from studies.force_comparison import compare_forces
+from studies.grounds import pitching
+from studies.kinematics import CASES
+
+Change = Callable[[Case], Case]
+
+
+VARIANTS: Mapping[str, Change] = {
+    "default": lambda case: case,
+    "closest points": lambda case: case.with_(contact=case.pair_contact().with_(penetration="closest")),
+    "face normal": lambda case: case.with_(contact=PairContact.oil_sand()),
+    "no fingers": lambda case: case.with_(shoe=Shoe.ph4100c()),
+    "units pitch": pitching,
+    "uneven shoe": lambda case: case.with_(shoe=Shoe.uneven()),
+    "uneven shoe, closest points": lambda case: case.with_(
+        shoe=Shoe.uneven(), contact=case.pair_contact().with_(penetration="closest")
+    ),
+}
+"""Changes of the cases of the rigid studies, by name."""
+
+
+def compare_variants(
+    names: Sequence[str] = tuple(VARIANTS), duration: float = DURATION, progress: bool | None = None
+) -> pd.DataFrame:
+    """Every row of the rigid studies for some variants.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns case, quantity, statistic, unit, class, paper, then the computed value of every variant.
+    """
+    columns = {}
+    for name in names:
+        histories = {
+            case: simulate(VARIANTS[name](make()), duration, progress) for case, make in CASES.items()
+        }
+        table = pd.concat([compare_kinematics(histories), compare_forces(histories)], ignore_index=True)
+        columns[name] = table["computed"]
+    return table[["case", "quantity", "statistic", "unit", "class", "paper"]].assign(**columns)
+
+
+def counts(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows of a table of `compare_variants` within their class; lateral ones within a factor of 2.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns variant, then one a case and class: how many of how many.
+    """
+    from studies.reported import verdict
+
+    lines = []
+    for name in table.columns[6:]:
+        line = {"variant": name}
+        for (case, kind), rows in table.groupby(["case", "class"], sort=False):
+            judged = "fluctuation" if kind == "lateral" else kind
+            within = [
+                verdict(abs(row.paper) if kind == "lateral" else row.paper, value, judged, row.unit)
+                for row, value in zip(rows.itertuples(), _values(rows, name, kind), strict=True)
+            ]
+            line[f"{case} {kind}"] = f"{within.count('yes')} of {len(rows)}"
+        lines.append(line)
+    return pd.DataFrame(lines)
+
+
+def _values(rows: pd.DataFrame, name: str, kind: str) -> list[float]:
+    values = rows[name].tolist()
+    return [abs(value) for value in values] if kind == "lateral" else values
