@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from exudyn_crawler.case.parameters.checks import out_of_range, warn_of
 from exudyn_crawler.files import refuse_existing, whole_file, writable_folder, write_netcdf
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty, read_duty
@@ -55,6 +56,7 @@ def life(
         Before anything is counted, if results are there and `overwrite` is false.
     """
     duty = duty if isinstance(duty, Duty) else read_duty(duty)
+    warn_of(out_of_range(duty))
     folder = None if out is None else Path(out)
     if folder is not None:
         for name in FILES:

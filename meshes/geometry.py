@@ -44,6 +44,10 @@ JOINT_CENTERS: dict[str, tuple[float, float, float]] = {
 """Joint centres in shoe axes in m, by interface name."""
 
 
+GREATEST_LENGTH = 10.0
+"""m, beyond which no dimension of a shoe lies."""
+
+
 @dataclass(frozen=True)
 class ShoeDimensions:
     """Dimensions of the shoe in m; heights are above the underside unless said otherwise.
@@ -51,7 +55,8 @@ class ShoeDimensions:
     Raises
     ------
     ValueError
-        Naming a dimension that is not positive, but for `beam_center_x`.
+        Naming a dimension that is not positive, but for `beam_center_x`, or larger than any shoe, or plates
+        that fill the shoe's height.
     """
 
     width: float = 3.505
@@ -88,6 +93,15 @@ class ShoeDimensions:
         for name, value in asdict(self).items():
             if not math.isfinite(value) or (value <= 0.0 and name != "beam_center_x"):
                 raise ValueError(f"{name} must be a positive length in m, got {value}")
+            if abs(value) > GREATEST_LENGTH:
+                raise ValueError(f"{name} must be at most {GREATEST_LENGTH:g} m, got {value}")
+        lowest = min(self.beam_height, self.wing_tip_height_right, self.wing_tip_height_left)
+        if self.top_thickness + self.plate_thickness >= lowest:
+            raise ValueError(
+                f"top_thickness must be less than the {lowest - self.plate_thickness:.4g} m that are above "
+                f"plate_thickness = {self.plate_thickness} up to the top's lowest edge, "
+                f"got {self.top_thickness}"
+            )
 
     @property
     def rear_face(self) -> float:

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Duty, cli, life, read_duty
+from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.life_run import FILES
 
 DUTY = """
@@ -92,3 +93,17 @@ def test_the_command_tells_shortest_lives_and_faults(pit, monkeypatch, capsys, t
     assert code == 2
     assert "run 'propel': no history at" in err
     assert not (tmp_path / "results" / "wrong").exists()
+
+
+def test_implausible_materials_are_warned_of_before_anything_is_counted(tmp_path):
+    (tmp_path / "odd.toml").write_text(DUTY.replace("90e6", "1e6\nslope = 50\nscatter = 10"))
+    with (
+        pytest.warns(ImplausibleWarning) as caught,
+        pytest.raises(FileNotFoundError, match="run 'propel': no history"),
+    ):
+        life(tmp_path / "odd.toml")
+    assert [str(one.message).partition("; ")[0] for one in caught] == [
+        "material.slope: 50 is outside of 3 to 15",
+        "material.scatter: 10 is outside of 1 to 2",
+        "material.fatigue_strength: 1e+06 Pa is outside of 5e+07 to 1e+09 Pa",
+    ]

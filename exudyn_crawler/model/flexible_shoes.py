@@ -62,6 +62,11 @@ def _material(flexible: FlexibleShoes) -> Material:
 @lru_cache(maxsize=4)
 def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[ElasticBody, list[Interface]]:
     mesh = mesh_named(mesh_name)
+    if mesh.order == 1:
+        raise ValueError(
+            f"the mesh {mesh_name!r} must have tetrahedra with 10 nodes, got linear ones with 4, which are "
+            "too stiff in bending; mesh it with elements of second order (gmsh -order 2)"
+        )
     return ElasticBody(mesh, material), pin_interfaces(mesh, mesh_name, track)
 
 
@@ -71,8 +76,8 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list
     Raises
     ------
     ValueError
-        If the mesh has no bores where the track's pins are, or lacks its underside or the surface that is
-        loaded.
+        If the mesh has linear elements or no bores where the track's pins are, or lacks its underside or the
+        surface that is loaded.
     """
     body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track)
     check_surfaces(body.mesh, flexible.load_surface, flexible.mesh)

@@ -4,9 +4,8 @@ import hashlib
 import itertools
 import json
 import math
-import warnings
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -22,8 +21,8 @@ from exudyn_crawler.case import Case, CaseFile, Outputs, read_case
 from exudyn_crawler.case.files.errors import toml_content
 from exudyn_crawler.case.files.files import case_of, errors_named, from_content, with_base
 from exudyn_crawler.case.parameters.base import Parameters
+from exudyn_crawler.case.parameters.checks import implausible, out_of_range, warn_of
 from exudyn_crawler.case.parameters.fields import BASE, named_values
-from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import Answers
 from exudyn_crawler.sweep.vary import Vary, checked_case, idle
@@ -42,6 +41,8 @@ they."""
 MOST_RUNS = 1_000_000
 SHOWN_ERRORS = 3
 """Wrong runs that an error names."""
+SHOWN_WARNINGS = 6
+"""Implausible values that are warned of."""
 FOLDER_DIGITS = 16
 """Of a digest, in the name of a run's folder."""
 OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
@@ -126,11 +127,12 @@ class Sweep(Parameters):
 
     @cached_property
     def planned(self) -> tuple[PlannedRun, ...]:
-        """All runs, each of which was checked; warns of what varies without any effect.
+        """All runs, each of which was checked; warns of what varies without any effect or is implausible.
 
         Raises `ValueError` naming runs whose values do not fit each other, or answers that one cannot give.
         """
         planned, errors, idling = [], [], Counter[str]()
+        odd: dict[str, list[int]] = {}
         for number, values in enumerate(self.rows, 1):
             try:
                 case_file, digest = self.case_of(values)
@@ -143,14 +145,25 @@ class Sweep(Parameters):
                 errors.append(f"run {number} ({settings}): {error}")
                 continue
             idling.update(line for one in self.vary for line in idle(one.keys, case_file.case))
+            for line in implausible(case_file.case, case_file.duration):
+                odd.setdefault(line, []).append(number)
             planned.append(PlannedRun(number, values, digest))
         if errors:
             more = f"; {len(errors)} of {len(self.rows)} runs are at fault" if len(errors) > 1 else ""
             raise ValueError("; ".join(errors[:SHOWN_ERRORS]) + more)
-        for line, count in idling.items():
-            if count == len(self.rows):
-                warnings.warn(line, ImplausibleWarning, stacklevel=2)
+        lines = [line for line, count in idling.items() if count == len(self.rows)]
+        warn_of([*lines, *self._odd_lines(odd)])
         return tuple(planned)
+
+    def _odd_lines(self, odd: Mapping[str, Sequence[int]]) -> Iterator[str]:
+        """What to warn of: implausible values and numbers of their runs, the first few of them."""
+        for answer in self.answers:
+            yield from (f"{answer.label}: {line}" for line in out_of_range(answer))
+        for line, runs in itertools.islice(odd.items(), SHOWN_WARNINGS):
+            more = f" and {len(runs) - 1} more" if len(runs) > 1 else ""
+            yield line if len(runs) == len(self.rows) else f"run {runs[0]}{more}: {line}"
+        if len(odd) > SHOWN_WARNINGS:
+            yield f"{len(odd) - SHOWN_WARNINGS} more warnings of this sweep's values"
 
     def table(self) -> pd.DataFrame:
         """All runs: columns run, folder and those of what varies; raises and warns as `planned`."""

@@ -103,6 +103,10 @@ def test_the_papers_cases_are_plausible(case):
             "contact: a shoe sinks by 2.08 m under its mean load of 432.3 kN",
         ),
         (
+            changed("contact", stiffness=1e18),
+            "contact: a shoe sinks by 6.58e-07 m under its mean load of 432.3 kN, less than 1e-05 m",
+        ),
+        (
             changed("flexible", Case.stress(), youngs_modulus=200e3),
             "flexible.youngs_modulus: 200000 Pa is outside of 5e+10 to 5e+11 Pa; is it in MPa? "
             "It has to be in Pa",

@@ -65,6 +65,10 @@ def test_the_command_writes_a_mesh_that_a_case_takes_and_refuses_what_makes_no_s
 def test_bad_dimensions_and_sizes_are_refused_before_netgen_is_asked_for() -> None:
     with pytest.raises(ValueError, match=r"top_thickness must be a positive length in m, got -0\.05"):
         ShoeDimensions(top_thickness=-0.05)
+    with pytest.raises(ValueError, match=r"top_thickness must be at most 10 m, got 50\.0"):
+        ShoeDimensions(top_thickness=50.0)
+    with pytest.raises(ValueError, match=r"top_thickness must be less than the 0\.3555 m .*, got 5\.0"):
+        ShoeDimensions(top_thickness=5.0)
     with pytest.raises(ValueError, match=r"size must be one of .*, got 'huge'"):
         meshes.mesh_shoe(size="huge")
 

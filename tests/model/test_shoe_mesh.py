@@ -52,6 +52,18 @@ def test_a_mesh_without_a_surface_is_refused_before_anything_is_written(tmp_path
     assert not (tmp_path / "run").exists()
 
 
+def test_linear_tetrahedra_are_refused_before_anything_is_written(tmp_path):
+    path = tmp_path / "linear.msh"
+    surfaces = {name: faces[:, :3] for name, faces in MESH.surfaces.items()}
+    used, numbers = np.unique(MESH.elements[:, :4], return_inverse=True)
+    surfaces = {name: np.searchsorted(used, faces) for name, faces in surfaces.items()}
+    write_mesh(path, Mesh(MESH.nodes[used], numbers.reshape(-1, 4), surfaces))
+    case = CASE.with_(flexible=CASE.flexible_shoes().with_(mesh=str(path)))
+    with pytest.raises(ValueError, match=r"must have tetrahedra with 10 nodes, .* \(gmsh -order 2\)"):
+        run_case(CaseFile(case=case, duration=0.01), tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
 @pytest.mark.simulation
 def test_a_shoe_as_its_mesh_has_it():
     shoe = Shoe.from_mesh(MESH)

@@ -104,6 +104,17 @@ def test_what_varies_without_effect_is_warned_of():
         sweep.planned  # noqa: B018
 
 
+def test_implausible_values_are_warned_of_before_anything_runs():
+    sweep = small_sweep(vary=(Vary(key=STIFFNESS, values=(5.0, 6.0, 7.0, 8.0, 1e7), unit="N/m"),))
+    with pytest.warns(ImplausibleWarning) as caught:
+        sweep.table()
+    lines = [str(one.message) for one in caught]
+    assert lines[0].startswith("run 1: terrain.spring_stiffness: 5 N/m is outside of 100000 to 1e+11 N/m")
+    assert lines[1].startswith("run 1: terrain.spring_stiffness: a unit sinks by ")
+    assert lines[-1] == "2 more warnings of this sweep's values"
+    assert len(lines) == 7
+
+
 @pytest.mark.parametrize(
     ("changes", "told"),
     [

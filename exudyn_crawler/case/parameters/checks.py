@@ -2,11 +2,12 @@
 
 import logging
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from exudyn_crawler.case.case import Case
@@ -28,6 +29,8 @@ MOST_SHOWN = 5
 """Shoes that a line lists."""
 LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0
 """m, radii of gyration of a shoe."""
+SHALLOWEST = 1e-5
+"""m that a shoe plausibly sinks into a unit at least."""
 DEEPEST = 0.5
 """Of the way from a shoe's underside to its load point: how far it plausibly sinks into a unit."""
 GREATEST_SAG = 0.5
@@ -96,6 +99,11 @@ def _sinking(case: Case) -> Iterator[str]:
             f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(case.mean_load)}, more "
             f"than half its height of {height:.3g} m; the stiffness is in N/m^exponent, loads are in N"
         )
+    elif 0.0 < depth < SHALLOWEST:
+        yield (
+            f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(case.mean_load)}, less "
+            f"than {SHALLOWEST:g} m; the stiffness is in N/m^exponent"
+        )
 
 
 def _sag(case: Case) -> Iterator[str]:
@@ -110,17 +118,27 @@ def _sag(case: Case) -> Iterator[str]:
 
 def warn_implausible(case: Case, duration: float | None = None) -> None:
     """Warn, by an `ImplausibleWarning` each, of what no machine and no ground is known to have."""
-    for line in implausible(case, duration):
+    warn_of(implausible(case, duration))
+
+
+def warn_of(lines: Iterable[str]) -> None:
+    """Warn of each line, by an `ImplausibleWarning`, and log it."""
+    for line in lines:
         logger.info("warning: %s", line)
-        warnings.warn(line, ImplausibleWarning, stacklevel=3)
+        warnings.warn(line, ImplausibleWarning, stacklevel=4)
+
+
+def out_of_range(parameters: BaseModel) -> Iterator[str]:
+    """Values outside of their plausible ranges, a line each."""
+    for entry in walk(parameters):
+        told = _out_of_range(entry.value, entry.field)
+        if told:
+            yield f"{entry.path}: {told}"
 
 
 def implausible(case: Case, duration: float | None = None) -> Iterator[str]:
     """Everything in a case that no machine and no ground is known to have, a line each."""
-    for entry in walk(case):
-        told = _out_of_range(entry.value, entry.field)
-        if told:
-            yield f"{entry.path}: {told}"
+    yield from out_of_range(case)
     for check in (_loads, _inertia, _sinking, _sag):
         yield from check(case)
     step = case.solver.step
