@@ -15,7 +15,9 @@ should import what is heavy in its functions.
 """
 
 import inspect
+import itertools
 import os
+import re
 import signal
 import sys
 import traceback
@@ -239,9 +241,15 @@ def run_script(reference: str) -> None:
 def call(commands: typer.Typer) -> None:
     """Call a command line; wrong words are reported in a line, as all errors are.
 
-    A request to terminate ends a command as Ctrl-C does.
+    Empty words are refused, whatever they stand for. A request to terminate ends a command as Ctrl-C does.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for before, word in itertools.pairwise(sys.argv):
+        # an empty path would be the folder that the command is called in
+        if not word or re.fullmatch("--[a-z-]+=", word):
+            got = word or f"{before} ''"
+            print(f"error: no value may be empty, got {got}; --help shows what is allowed", file=sys.stderr)
+            sys.exit(BAD_INPUT)
     try:
         code = commands(standalone_mode=False) or 0
         if code != ENDED_FROM_OUTSIDE:
