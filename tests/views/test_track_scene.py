@@ -122,8 +122,9 @@ def test_shoes_are_seen_from_above_where_the_history_has_them(translation):
     heave = 1e3 * translation.unit_heave.values
     above = by_name(plan_solids(translation.case, now, (heave.min(), heave.max())))
     moment = now.isel(time=0)
-    underneath = np.array([[0.0, 0.0, -translation.case.shoe.com_height]])
-    expected = [shoe_pose(moment, int(shoe)).place(underneath)[0, :2] for shoe in now.shoe.values]
+    shoe = translation.case.shoe
+    underneath = np.array([[*shoe.underside_center, -shoe.com_height]])
+    expected = [shoe_pose(moment, int(n)).place(underneath)[0, :2] for n in now.shoe.values]
     lower = above["rigid shoes"].points.reshape(-1, 8, 3)[:, :4, :2]
     assert lower.mean(axis=1) == pytest.approx(np.array(expected), abs=1e-9)
     ground = above["ground"]
