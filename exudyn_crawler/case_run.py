@@ -9,6 +9,7 @@ from html import escape
 from pathlib import Path
 
 from exudyn_crawler.case import Case, CaseFile
+from exudyn_crawler.case.files.case_file import check_case_file
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import move_file, note_written
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
@@ -107,6 +108,8 @@ def run_case(
 
     Raises
     ------
+    TypeError
+        If `case_file` is none.
     FileNotFoundError, ValueError
         Before anything is written, if `reuse` holds no history or one of other parameters, or if the flexible
         shoes' mesh does not fit the track; or if checkpoints come from other parameters.
@@ -117,6 +120,7 @@ def run_case(
     SimulationStopped
         If the run ends early; its history stays in the folder.
     """
+    check_case_file(case_file)
     case, outputs = case_file.case, case_file.outputs
     path = None if out is None else Path(out)
     reused = None if reuse is None else matching_history(Path(reuse), case_file)

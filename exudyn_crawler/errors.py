@@ -7,6 +7,8 @@ INTERRUPTED = "interrupted"
 """Why a simulation stopped that could have gone on."""
 GOES_ON = "the same command goes on"
 """What a user does then."""
+ASK_TO_OVERWRITE = "ask for overwriting (--overwrite, in Python overwrite=True)"
+"""What a user may do about results that are there."""
 ENDED_FROM_OUTSIDE = 130
 """Exit code of a command that an interrupt ended outside of a simulation."""
 

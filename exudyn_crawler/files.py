@@ -11,6 +11,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
+from exudyn_crawler.errors import ASK_TO_OVERWRITE
 from fem.interrupts import interrupts_wait
 
 PARTIAL = ".partial-"
@@ -20,7 +21,7 @@ PARTIAL = ".partial-"
 def refuse_existing(path: Path, overwrite: bool = False) -> None:
     """Refuse to write over a file: FileExistsError if it exists and `overwrite` is false."""
     if path.exists() and not overwrite:
-        raise FileExistsError(f"{path} exists; ask for overwriting (--overwrite) to replace it")
+        raise FileExistsError(f"{path} exists; {ASK_TO_OVERWRITE} to replace it")
 
 
 @contextmanager

@@ -25,6 +25,12 @@ def test_the_shovel_cycle_keeps_every_sum_and_the_printed_loads():
     assert cycle.loads(18.75)[0, 6] == pytest.approx((386.4e3 + 384e3) / 2, rel=1e-12)
 
 
+def test_one_number_is_a_constant_load_on_every_shoe():
+    assert LoadCycle.constant(450e3) == LoadCycle.constant([450e3] * 13)
+    assert LoadCycle.constant(7, 3).phases[0].loads == (7.0, 7.0, 7.0)
+    assert LoadCycle.constant(np.array([1.0, 2.0])).phases[0].loads == (1.0, 2.0)
+
+
 def test_a_cycle_is_read_from_toml(tmp_path):
     path = tmp_path / "cycle.toml"
     path.write_text(

@@ -21,6 +21,7 @@ from exudyn_crawler import (
     Terrain,
     Track,
     read_case,
+    run_case,
     simulate,
 )
 from exudyn_crawler.case import Solver
@@ -199,6 +200,13 @@ def test_cases_are_copied_and_sent_as_they_are():
 def test_a_duration_that_is_none_is_refused_before_anything_runs(duration, told):
     with pytest.raises(ValueError, match=f"^{re.escape(told)}$"):
         simulate(Case.translation(), duration)
+
+
+def test_what_is_no_case_is_answered_with_how_to_get_one():
+    with pytest.raises(TypeError, match=r"^case must be a Case, .*, got 'translation'$"):
+        simulate("translation", 1)
+    with pytest.raises(TypeError, match=r"^case_file must be a CaseFile, .*\(path\), got a Case$"):
+        run_case(Case.translation())
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,10 @@ def test_the_constrained_case_keeps_its_formulation(constrained, tmp_path):
 def test_an_existing_file_is_kept_unless_asked(translation, turning, tmp_path):
     path = translation.save(tmp_path / "run.nc")
     before = path.read_bytes()
-    with pytest.raises(FileExistsError, match=r"run\.nc exists; ask for overwriting"):
+    with pytest.raises(
+        FileExistsError,
+        match=r"run\.nc exists; ask for .* in Python overwrite=True",
+    ):
         turning.save(path)
     assert path.read_bytes() == before
     turning.save(path, overwrite=True)

@@ -81,7 +81,7 @@ def test_a_film_of_very_many_pictures_is_refused_with_what_is_allowed(translatio
     with pytest.raises(
         ValueError, match=r"speed must be at least 0\.0004 .* at most 20000 pictures; got 1e-09"
     ):
-        write_animation(translation, tmp_path / "track.mp4", speed=1e-9)
+        write_animation(translation, str(tmp_path / "track.mp4"), speed=1e-9)
     assert len(film_times(0.4, speed=0.0004)) == MOST_PICTURES + 1
 
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, Field, model_validator
 
 import meshes
 from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.files.errors import shown
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Parameters, StepProfile, quantity
 from exudyn_crawler.case.parameters.fields import BESIDE, in_units
@@ -29,6 +30,24 @@ COPIES_OF_MODES = 6
 """Arrays as large as a basis that a reduction and the stresses of its modes hold at a time."""
 A_UNIT = 20e3
 """Bytes of a unit that is a body of the multibody system with its joints."""
+
+
+def check_case(case: object) -> None:
+    """Refuse, by a `TypeError` that says how to get one, what is no `Case`."""
+    if not isinstance(case, Case):
+        raise TypeError(
+            f"case must be a Case, such as Case.translation() or read_case(path).case, got {shown(case)}"
+        )
+
+
+def check_case_file(case_file: object) -> None:
+    """Refuse, by a `TypeError` that says how to get one, what is no `CaseFile`."""
+    if not isinstance(case_file, CaseFile):
+        got = "a Case" if isinstance(case_file, Case) else shown(case_file)
+        raise TypeError(
+            f"case_file must be a CaseFile, such as CaseFile(case=case, duration=10.0) or read_case(path), "
+            f"got {got}"
+        )
 
 
 def check_duration(duration: object) -> None:

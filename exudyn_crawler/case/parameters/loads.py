@@ -84,14 +84,15 @@ class LoadCycle(Cycle):
         return self
 
     @classmethod
-    def constant(cls, loads: Sequence[float]) -> Self:
-        """Same loads (N, shoes 1..n) at all times."""
-        return cls(phases=(Phase(name="constant", end=0.0, loads=tuple(loads)),))
+    def constant(cls, loads: float | Sequence[float], shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
+        """Same loads (N, shoes 1..n) at all times; one number is the load on each of `shoe_count` shoes."""
+        every = [loads] * shoe_count if isinstance(loads, int | float) else loads
+        return cls(phases=(Phase(name="constant", end=0.0, loads=tuple(every)),))
 
     @classmethod
     def propel(cls, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
         """Machine weight spread evenly (F-paper): 386.4 kN on each shoe."""
-        return cls.constant([ph4100c.PROPEL_LOAD] * shoe_count)
+        return cls.constant(ph4100c.PROPEL_LOAD, shoe_count)
 
     @classmethod
     def shovel_cycle(cls) -> Self:

@@ -50,8 +50,9 @@ class ShoeLoads:
     centers: NDArray
     table: pd.DataFrame
 
-    def write(self, path: Path, program: Program = "calculix", overwrite: bool = False) -> Path:
+    def write(self, path: str | Path, program: Program = "calculix", overwrite: bool = False) -> Path:
         """Write mesh, joints and loads as a static step for CalculiX or Abaqus; raises as `whole_file`."""
+        path = Path(path)
         remarks = [
             f"shoe {self.shoe} at t = {self.time:.6g} s; N, m, Pa; axes of the shoe, from its nominal COM",
             "loads, contacts, drive, joints, weight and inertia are in balance; the six held degrees of "

@@ -59,9 +59,9 @@ class StressResults:
         ]
         return "".join([*tables, self.dataset._repr_html_()])
 
-    def save(self, path: Path, overwrite: bool = False) -> Path:
+    def save(self, path: str | Path, overwrite: bool = False) -> Path:
         """Write the dataset to a NetCDF file, whole or not at all; raises as `write_netcdf`."""
-        return write_netcdf(self.dataset, path, overwrite)
+        return write_netcdf(self.dataset, Path(path), overwrite)
 
 
 def recover_stresses(

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.files.case_file import differences
 from exudyn_crawler.case.files.files import saved_case
+from exudyn_crawler.errors import ASK_TO_OVERWRITE
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.results.history.files import Chunk, save_joined
 
@@ -106,7 +107,7 @@ class Checkpoints:
             if saved != case:
                 raise ValueError(
                     f"checkpoint {path} comes from other parameters ({differences(saved, case)[0]}): choose "
-                    f"another folder or ask for overwriting (--overwrite)"
+                    f"another folder or {ASK_TO_OVERWRITE}"
                 )
             if layout is not None and (others := _other_parts(content.layout, layout)):
                 raise ValueError(

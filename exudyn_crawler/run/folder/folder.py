@@ -15,7 +15,7 @@ import xarray as xr
 
 from exudyn_crawler.case import Case, CaseFile, read_case, write_case
 from exudyn_crawler.case.files.case_file import differences
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.errors import ASK_TO_OVERWRITE, CaseFileError
 from exudyn_crawler.files import clear_partial_files, writable_folder
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.run.folder.record import (
@@ -180,7 +180,7 @@ def _refuse_results(out: Path, below: bool = False) -> None:
     if found:
         raise FileExistsError(
             f"{out} holds results already ({', '.join(found[:3])}, ...): "
-            f"choose another folder or ask for overwriting (--overwrite)"
+            f"choose another folder or {ASK_TO_OVERWRITE}"
         )
 
 
@@ -193,8 +193,7 @@ def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
     if path.exists() and found != case_file and not replace:
         other = "" if found is None else f" ({differences(found, case_file)[0]})"
         raise FileExistsError(
-            f"{path} is the case of another run{other}: "
-            f"choose another folder or ask for overwriting (--overwrite)"
+            f"{path} is the case of another run{other}: choose another folder or {ASK_TO_OVERWRITE}"
         )
     if found != case_file:
         write_case(case_file, path, overwrite=True)

@@ -40,8 +40,8 @@ HOT_SPOTS = (
 
 
 def write_report(
-    folder: Path,
-    out: Path | None = None,
+    folder: str | Path,
+    out: str | Path | None = None,
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
 ) -> Path:
@@ -52,9 +52,9 @@ def write_report(
 
     Parameters
     ----------
-    folder : Path
+    folder : path
         What a study or a run left.
-    out : Path, optional
+    out : path, optional
         File to write; `report.html` in the folder if not given.
     overwrite : bool
         Replace an earlier report.

@@ -264,7 +264,7 @@ def film_times(
 
 def write_animation(
     history: History,
-    path: Path,
+    path: str | Path,
     overwrite: bool = False,
     scale: float | None = None,
     shoe: int | None = None,
@@ -278,7 +278,7 @@ def write_animation(
 
     Parameters
     ----------
-    path : Path
+    path : path
         File to write; its suffix, `.mp4` or `.gif`, says which.
     scale : float, optional
         Magnification of the ground's displacements in the side view; a fitting round one if not given.
@@ -304,6 +304,7 @@ def write_animation(
     FileExistsError
         If the file exists and `overwrite` is false.
     """
+    path = Path(path)
     if path.suffix not in FORMATS:
         raise ValueError(f"an animation is an .mp4 or .gif file, got {path}")
     refuse_existing(path, overwrite)
