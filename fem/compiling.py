@@ -42,7 +42,7 @@ def compiler(*sources: Path, **options: Any) -> Callable[[Callable], Any]:
         kind: type = type(file)
         if _compares_stamps(kind):
             _add_stamp(file, stamp)
-            cached.save_overload = _forgiving(cached.save_overload)
+            cached.save_overload = _forgiving(cached.save_overload, cached.flush)
         else:
             dispatcher = njit(no_cfunc_wrapper=True, **options)(function)
         # LLVM asks Python for cached code; if an interrupt comes just then, it calls what is not there
@@ -110,11 +110,15 @@ class _Once(Listener):
         """Nothing happens at the end."""
 
 
-def _forgiving(save: Callable[..., None]) -> Callable[..., None]:
+def _forgiving(save: Callable[..., None], forget: Callable[[], None]) -> Callable[..., None]:
     """Save compiled code, which only saves time: a full disk must not end the run that compiled it."""
 
     def saved(*values: Any) -> None:
-        with suppress(OSError):
+        try:
             save(*values)
+        except OSError:
+            # numba writes the index first, whose name for the code may be that of a file of earlier sources
+            with suppress(OSError):
+                forget()
 
     return saved

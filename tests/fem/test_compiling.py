@@ -101,6 +101,17 @@ def test_a_function_that_finds_no_space_for_its_cache_is_compiled_all_the_same(f
 
 
 @pytest.mark.simulation
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are those of Unix")
+def test_code_of_earlier_sources_is_not_taken_after_a_full_disk(functions):
+    assert result(functions).startswith("7.0 1 ")
+    (functions / "inner.py").write_text(INNER.format(factor="5.0"))
+    # room for the index of the cache, none for the code
+    small = FULL_DISK.replace("(100, 100)", "(4000, 4000)")
+    assert result(functions, small).startswith("16.0 1 ")
+    assert result(functions).startswith("16.0 1 ")
+
+
+@pytest.mark.simulation
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_an_interrupt_waits_until_a_function_is_compiled_or_loaded(functions):
     for _ in range(2):
