@@ -64,8 +64,8 @@ def test_a_grid_has_a_curve_a_level_of_what_varies_next():
     assert [(one.name, list(one.x), list(one.y)) for one in curves] == [
         ("law = area", [1e7], [3.0]),
         ("law = pair", [1e7, 2e7], [1.0, 2.0]),
-        ("stiffness = 1e+07", ["area", "pair"], [3.0, 1.0]),
-        ("stiffness = 2e+07", ["pair"], [2.0]),
+        ("stiffness = 10 000 000", ["area", "pair"], [3.0, 1.0]),
+        ("stiffness = 20 000 000", ["pair"], [2.0]),
     ]
 
 
