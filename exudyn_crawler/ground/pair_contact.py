@@ -79,8 +79,6 @@ class PairGroundContact:
         If there are flexible shoes and the units have coordinates of their own.
     """
 
-    spheres = None
-
     def __init__(
         self,
         com_positions: NDArray,
@@ -128,11 +126,6 @@ class PairGroundContact:
     def track(self) -> tuple:
         """`pair_track.Track` as plain tuples."""
         return self._track
-
-    @property
-    def flexible_rows(self) -> NDArray:
-        """Row of every shoe in the modal coordinates, -1 for a rigid one: array (shoes,) of int."""
-        return self._row
 
     @property
     def greatest_count(self) -> int:
