@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from exudyn_crawler import Case, simulate
-from exudyn_crawler.ground.coordinates import reduced_coordinates
+from exudyn_crawler.ground.terrain import reduced_coordinates
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.views.tables import print_table

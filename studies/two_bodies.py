@@ -15,8 +15,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import PairContact, Shoe, Terrain
-from exudyn_crawler.ground.coordinates import UnitCoordinates
 from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.terrain import UnitCoordinates
 from exudyn_crawler.model.engine import exu, items
 from studies.comparison import comparison_table
 from studies.reported import reported_values

@@ -6,9 +6,9 @@ from typing import Protocol
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.ground.coordinates import TerrainCoordinates, UnitCoordinates, terrain_coordinates
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.sphere_contact import SphereGroundContact
+from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, terrain_coordinates
 from fem.patches import Underside
 
 

@@ -8,18 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import PairContact, Shoe, Terrain
-from exudyn_crawler.ground.coordinates import TerrainCoordinates, UnitCoordinates
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.grid import grid_of, units_below
 from exudyn_crawler.ground.laws import Law
 from exudyn_crawler.ground.laws.coulomb import Coulomb
 from exudyn_crawler.ground.laws.impact import Impact
 from exudyn_crawler.ground.overlap import overlap_workspace
+from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Fingers, Flexible
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
-from exudyn_crawler.ground.pair_track import Bodies, Fingers, Flexible, Track
 from exudyn_crawler.ground.pairs import RESULT, Footprint, PairLaw
 from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
 from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates
 from fem.patches import Underside
 
 NO_DERIVATIVES = Weights(0.0, 0.0, 0.0, False, 1.0)
@@ -106,14 +106,14 @@ class PairGroundContact:
         self._law = law
         self._row = row
         self._grid = grid_of(terrain)
-        track = Track(
+        geometry = ContactGeometry(
             self._grid,
             Footprint(*shoe.footprint.tolist()),
             Flexible(underside.corner, underside.cell, underside.integral, row),
             pair_law(law, shoe.length * shoe.width),
             Fingers(shoe.finger_length, shoe.fingers),
         )
-        self._track = plain(track)
+        self._geometry = plain(geometry)
         # units that a shoe's outline can meet at once, at any yaw
         diagonal = float(np.hypot(shoe.length, shoe.width))
         reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)
@@ -123,9 +123,9 @@ class PairGroundContact:
         self._modal_shape = (len(flexible_shoes), modes)
 
     @property
-    def track(self) -> tuple:
-        """`pair_track.Track` as plain tuples."""
-        return self._track
+    def geometry(self) -> tuple:
+        """`pair_geometry.ContactGeometry` as plain tuples."""
+        return self._geometry
 
     @property
     def greatest_count(self) -> int:
@@ -137,7 +137,7 @@ class PairGroundContact:
         """Number of generalized coordinates: six a shoe, the terrain's, the flexible shoes' modes."""
         return self.shoe_reference.size + self.coordinates.size + prod(self._modal_shape)
 
-    def bodies(self, shoes: NDArray, shoe_rates: NDArray, q: NDArray, q_t: NDArray) -> Bodies:
+    def bodies(self, shoes: NDArray, shoe_rates: NDArray, q: NDArray, q_t: NDArray) -> BodyStates:
         """Places of all bodies, as the contact takes them.
 
         Parameters
@@ -149,7 +149,7 @@ class PairGroundContact:
         """
         ground = self.coordinates.size
         modal = slice(ground, ground + prod(self._modal_shape))
-        return Bodies(
+        return BodyStates(
             shoes,
             shoe_rates,
             self.unit_reference + self.coordinates.motion(q[:ground]),
@@ -158,20 +158,20 @@ class PairGroundContact:
             q_t[modal].reshape(self._modal_shape),
         )
 
-    def bodies_at(self, q: NDArray, q_t: NDArray) -> Bodies:
+    def bodies_at(self, q: NDArray, q_t: NDArray) -> BodyStates:
         """Places of all bodies at generalized coordinates and their rates."""
         shoes, rates = (values[: self.shoe_reference.size].reshape(-1, 6) for values in (q, q_t))
         rest = slice(self.shoe_reference.size, None)
         return self.bodies(self.shoe_reference + shoes, rates, q[rest], q_t[rest])
 
-    def _touching(self, bodies: Bodies) -> tuple[NDArray, NDArray]:
+    def _touching(self, bodies: BodyStates) -> tuple[NDArray, NDArray]:
         """Contacts (contacts, RESULTS), and how modes move their patches (contacts, 3, modes)."""
         count = touching_pairs(
-            tuple(bodies), self._track, tuple(NO_DERIVATIVES), tuple(self._contacts), self._work
+            tuple(bodies), self._geometry, tuple(NO_DERIVATIVES), tuple(self._contacts), self._work
         )
         return self._contacts.results[:count], self._contacts.modes[:count]
 
-    def wrenches(self, bodies: Bodies) -> "ContactWrenches":
+    def wrenches(self, bodies: BodyStates) -> "ContactWrenches":
         """Forces of all contacts on the bodies."""
         rows, modes = self._touching(bodies)
         shoe, unit = rows[:, RESULT["shoe"]].astype(int), rows[:, RESULT["unit"]].astype(int)

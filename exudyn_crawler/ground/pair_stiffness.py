@@ -24,15 +24,18 @@ from exudyn_crawler.ground.frames import (
 )
 from exudyn_crawler.ground.laws import drag_ratio, normal_force, spin_torque
 from exudyn_crawler.ground.overlap import GRADIENT, Overlap, write_gradient
-from exudyn_crawler.ground.pair_overlaps import (
+from exudyn_crawler.ground.pair_geometry import (
+    BodyStates,
     below,
     fading_of,
     finger_volume,
+    named,
     outline_of,
+    patch_rectangle,
+    patch_rows,
     standing,
     whole_volume,
 )
-from exudyn_crawler.ground.pair_track import Bodies, named, patch_rectangle, patch_rows
 from exudyn_crawler.ground.pairs import (
     FROM_CURVE,
     RESULTS,
@@ -262,7 +265,7 @@ def _write_wrench(contact: Contact, normal: Vector, wrench: FloatArray) -> None:
 
 
 @within
-def _patch(bodies: Bodies, f: int, rows: FloatArray) -> Patch:
+def _patch(bodies: BodyStates, f: int, rows: FloatArray) -> Patch:
     """Mean motion of the patch that has these rows (3, modes) on the flexible shoe in row f."""
     moved, moving = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(rows.shape[1]):
@@ -296,8 +299,8 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
     Parameters
     ----------
     places, model, factors, out : tuple
-        `Bodies`, `Track`, `Weights` and `UnitContacts` as plain tuples; without weights of position and
-        velocity the tangents are left as they are.
+        `BodyStates`, `ContactGeometry`, `Weights` and `UnitContacts` as plain tuples; without weights of
+        position and velocity the tangents are left as they are.
     work : array (2, VERTICES, COLUMNS)
         Scratch memory as of `overlap_workspace`.
 
@@ -306,17 +309,17 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
     int
         Number of contacts, in the order of the shoes, units and fingers.
     """
-    bodies, track = named(places, model)
+    bodies, geometry = named(places, model)
     weights, contacts = Weights(*factors), UnitContacts(*out)
     rows = ForceRows(*contacts.rows)
     derive = weights.position != 0.0 or weights.velocity != 0.0
-    law, outline, sides = track.law, outline_of(track), track.fingers.sides
+    law, outline, sides = geometry.law, outline_of(geometry), geometry.fingers.sides
     gradient = np.zeros((GRADIENT, 4))
     greatest, count = rows.unit.shape[0], 0
     for s in range(bodies.shoes.shape[0]):
-        shoe = standing(bodies, track, s)
+        shoe = standing(bodies, geometry, s)
         for k in range(shoe.cells.columns * shoe.cells.rows):
-            u, unit = below(bodies, track, shoe, k)
+            u, unit = below(bodies, geometry, shoe, k)
             whole = whole_volume(shoe.frame, unit, outline, work)
             if whole.part.area <= 0.0:
                 continue
@@ -331,9 +334,9 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
                 rows.bodies[count, 0], rows.unit[count] = s, u
                 patch, result = RIGID, contacts.results[count]
                 if shoe.row >= 0:
-                    rectangle = patch_rectangle(volume.part, shoe.frame, unit, track)
+                    rectangle = patch_rectangle(volume.part, shoe.frame, unit, geometry)
                     keep_patch(rectangle, result)
-                    patch_rows(rectangle, track, contacts.modes[count])
+                    patch_rows(rectangle, geometry, contacts.modes[count])
                     patch = _patch(bodies, shoe.row, contacts.modes[count])
                     _write_modal_jacobian(shoe.frame, contacts.modes[count], rows.jacobian[count, 0])
                 else:
@@ -347,7 +350,7 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
                     normal,
                     (shoe.frame, unit),
                     shoe.at,
-                    track.grid.tilt_axis,
+                    geometry.grid.tilt_axis,
                     rows.jacobian[count, 0],
                     rows.unit_jacobian[count],
                 )

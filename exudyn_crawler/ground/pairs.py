@@ -251,6 +251,6 @@ def keep(contact: Contact, shoe: int, unit: int, finger: int, row: FloatArray) -
 
 @compiled
 def keep_patch(rectangle: tuple[float, float, float, float], row: FloatArray) -> None:
-    """Write the patch of a contact, as of `pair_track.patch_rectangle`, into a row of results."""
+    """Write the patch of a contact, as of `pair_geometry.patch_rectangle`, into a row of results."""
     for k in range(4):
         row[RESULTS - 4 + k] = rectangle[k]

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, Terrain
-from exudyn_crawler.ground.coordinates import TerrainCoordinates, UnitCoordinates
 from exudyn_crawler.ground.grid import grid_of, units_below
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import angular_velocity, rotation_matrices
+from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates
 
 
 def sphere_centers(case: Case) -> NDArray:

@@ -10,9 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from exudyn_crawler.case import Case, Rails, Undercarriage
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.contact import GroundContact, ground_contact
-from exudyn_crawler.ground.coordinates import ReducedCoordinates, reduced_coordinates
 from exudyn_crawler.ground.pair_contact import PairGroundContact
-from exudyn_crawler.ground.terrain import TerrainModes
+from exudyn_crawler.ground.terrain import ReducedCoordinates, TerrainModes, reduced_coordinates
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
 from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.elimination import Fronts, fronts_of
@@ -334,7 +333,7 @@ def _tables_of(
             builder.first_terrain,
         ),
         flexible=np.array([builder.first_modal, int(builder.flexible.sum())]),
-        contact=contact.track if isinstance(contact, PairGroundContact) else (),
+        contact=contact.geometry if isinstance(contact, PairGroundContact) else (),
         fronts=Fronts(*[nothing] * len(Fronts._fields)),
         rows=FrontRows(*[nothing] * len(FrontRows._fields)),
         rollers=builder.rollers(),

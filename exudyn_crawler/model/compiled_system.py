@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters.base import StepProfile
-from exudyn_crawler.ground.coordinates import ReducedCoordinates
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.rotations import moments_on_angles
 from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
 from exudyn_crawler.model.engine import coordinates_only, exu, predict

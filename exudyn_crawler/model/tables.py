@@ -52,7 +52,7 @@ class Tables(NamedTuple):
     flexible : array (2,)
         First modal coordinate of all, and the number of flexible bodies.
     contact : tuple
-        `pair_track.Track`.
+        `pair_geometry.ContactGeometry`.
     fronts, rows :
         Order of the elimination, and where terms go.
     rollers : Rollers, optional

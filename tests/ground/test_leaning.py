@@ -11,8 +11,8 @@ from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.grid import grid_of
 from exudyn_crawler.ground.overlap import GRADIENT, overlap, overlap_workspace, write_gradient
 from exudyn_crawler.ground.pair_contact import pair_law
+from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Fingers, Flexible
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
-from exudyn_crawler.ground.pair_track import Bodies, Fingers, Flexible, Track
 from exudyn_crawler.ground.pairs import RESULT, Footprint
 from exudyn_crawler.ground.rows import ForceRows, Weights
 from tests.ground.test_overlap import HALF, rectangle
@@ -99,7 +99,7 @@ class Pair(NamedTuple):
         """Results, wrenches and tangents of the contacts of a shoe at places and rates (6,)."""
         none = np.zeros((0, 0))
         unit, unit_rates = np.array([[3.5, 3.5, -1.0, self.pitch]]), np.array([[0.0, 0.0, 0.02, 0.003]])
-        bodies = Bodies(places[None].copy(), rates[None].copy(), unit, unit_rates, none, none)
+        bodies = BodyStates(places[None].copy(), rates[None].copy(), unit, unit_rates, none, none)
         weights = Weights(*derive, 0.0, False, 1.0)
         count = touching_pairs(tuple(bodies), self.track, tuple(weights), tuple(self.contacts), self.work)
         rows = ForceRows(*self.contacts.rows)
@@ -111,7 +111,7 @@ def pair_of(contact, shoe=None, pitch=0.0) -> Pair:
     shoe = Shoe.kinematics() if shoe is None else shoe
     terrain = Terrain.kinematics().with_(columns=1, rows=1)
     flexible = Flexible(np.zeros(2), np.ones(2), np.zeros((2, 2, 3, 0)), np.array([-1]))
-    track = Track(
+    track = ContactGeometry(
         grid_of(terrain),
         Footprint(*shoe.footprint.tolist()),
         flexible,

@@ -82,7 +82,7 @@ def tangent(contact, q, q_t, weights):
     """Weighted derivative of the forces on the shoes by their coordinates, as the kernel has it."""
     found = UnitContacts.allocate(contact.greatest_count, 0)
     places = tuple(contact.bodies_at(q, q_t))
-    count = touching_pairs(places, contact.track, tuple(weights), tuple(found), overlap_workspace())
+    count = touching_pairs(places, contact.geometry, tuple(weights), tuple(found), overlap_workspace())
     rows, out = ForceRows(*found.rows), np.zeros((SHOES, 6, SHOES, 6))
     for k in range(count):
         shoe, J = rows.bodies[k, 0], rows.jacobian[k, 0]

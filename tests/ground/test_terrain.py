@@ -8,8 +8,14 @@ import scipy.linalg
 import scipy.stats
 
 from exudyn_crawler import Case, PairContact, Terrain, simulate
-from exudyn_crawler.ground.coordinates import terrain_coordinates
-from exudyn_crawler.ground.terrain import TerrainModes, localized, terrain_joints, terrain_modes, units_near
+from exudyn_crawler.ground.terrain import (
+    TerrainModes,
+    localized,
+    terrain_coordinates,
+    terrain_joints,
+    terrain_modes,
+    units_near,
+)
 from exudyn_crawler.model.build import parts_of
 from exudyn_crawler.model.exudyn.bodies import add_terrain_modes, add_units, coordinate_marker
 from exudyn_crawler.run.solve.integration import set_times, solver_settings

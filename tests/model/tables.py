@@ -33,7 +33,7 @@ def hinged(masses, inertias, pins, held=()):
     zeros, empty = np.zeros((len(places), 3, 0)), np.zeros((0, 1))
     grid, footprint, (corner, cell, integral, row), law, fingers = compiled_system(
         Case.translation()
-    ).contact.track
+    ).contact.geometry
     unknowns = list(range(6 * count))
     last = list(range(6 * count, size + len(rows)))
     fronts = fronts_of([unknowns, last], [[*unknowns, *last]])

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case, StepProfile
-from exudyn_crawler.ground.coordinates import UnitCoordinates
 from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.terrain import UnitCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.compiled_system import layout_of
 from exudyn_crawler.model.engine import exu, items

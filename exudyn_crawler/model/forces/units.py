@@ -68,7 +68,7 @@ def unit_contacts(
     flexible : array (2,)
         Number of the first modal coordinate, and how many flexible bodies there are.
     contact : tuple
-        `pair_track.Track` as plain tuples; its shoes are the first bodies.
+        `pair_geometry.ContactGeometry` as plain tuples; its shoes are the first bodies.
     """
     _place_units(terrain, state[0], work.units)
     _place_units(terrain, state[1], work.rates)

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters.track import SIDES
-from exudyn_crawler.ground.coordinates import ReducedCoordinates
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
+from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, StateLayout, pin_name
 from exudyn_crawler.results.history.catalogue import Variable, select, variable
 from exudyn_crawler.results.history.files import (

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, SphereContact
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.ground.coordinates import ReducedCoordinates, terrain_coordinates
+from exudyn_crawler.ground.terrain import ReducedCoordinates, terrain_coordinates
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.exudyn.system import ExudynSystem
