@@ -5,7 +5,9 @@ import pytest
 
 from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Terrain, simulate
 from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies.grounds import plain
 
 pytestmark = pytest.mark.simulation
@@ -55,6 +57,17 @@ def test_springs_carry_track_and_terrain(start):
     weight += case.terrain.unit_count * case.terrain.unit_mass * case.gravity
     springs = -case.terrain.heave_stiffness * float(start.unit_heave.isel(time=0).sum())
     assert springs == pytest.approx(weight, rel=1e-6)
+
+
+def test_a_long_track_rests_on_normals_that_lean():
+    # twice as long as the papers' track: from the first guess alone Newton's method does not find it
+    shoes, base = 24, Case.translation()
+    track, terrain = base.track.with_(shoe_count=shoes), base.terrain.with_(columns=8)
+    case = base.with_(track=track, terrain=terrain, loads=LoadCycle.constant([386.4e3] * shoes))
+    rest, system = static_equilibrium(case), compiled_system(case)
+    contacts = system.contact.results(rest, np.zeros_like(rest))
+    carried = contacts[:, RESULT["normal_force"]].sum(axis=0)
+    assert carried[2] == pytest.approx(shoes * (case.shoe.mass * case.gravity + 386.4e3), rel=1e-6)
 
 
 def test_units_that_roll_push_a_track_aside_until_friction_takes_hold():

@@ -86,9 +86,23 @@ def _compiled_rest(case: Case) -> NDArray:
             return _crept(case, guess)
         return rest(system, guess, RESIDUAL, ITERATIONS)
     except NewtonError as failed:
-        if case.terrain.profile is None or case.is_rolled:
+        if case.is_rolled:
             raise _no_rest(system, failed) from failed
-    return _on_rising_ground(case)
+        if case.terrain.profile is not None:
+            return _on_rising_ground(case)
+        if case.pair_contact().normal == "face":
+            raise _no_rest(system, failed) from failed
+    # normals that lean push a long chain about at the seams: it starts from its rest on faces alone
+    return _rest_from(case, _compiled_rest(case.with_(contact=case.pair_contact().with_(normal="face"))))
+
+
+def _rest_from(case: Case, start: NDArray) -> NDArray:
+    """Rest by Newton's method from coordinates near to it."""
+    system = compiled_system(case)
+    try:
+        return rest(system, start, RESIDUAL, ITERATIONS)
+    except NewtonError as failed:
+        raise _no_rest(system, failed) from failed
 
 
 def _on_rising_ground(case: Case) -> NDArray:
@@ -97,13 +111,10 @@ def _on_rising_ground(case: Case) -> NDArray:
     found = guess = np.zeros(0)
     for share in np.linspace(0.0, 1.0, PORTIONS + 1):
         terrain = case.terrain.with_(profile=tuple((share * profile).tolist()))
-        system = compiled_system(case.with_(terrain=terrain))
-        before, guess = guess, _first_guess(system)
+        raised = case.with_(terrain=terrain)
+        before, guess = guess, _first_guess(compiled_system(raised))
         start = found + guess - before if found.size else guess
-        try:
-            found = rest(system, start, RESIDUAL, ITERATIONS)
-        except NewtonError as failed:
-            raise _no_rest(system, failed) from failed
+        found = _rest_from(raised, start)
     return found
 
 
