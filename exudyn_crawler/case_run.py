@@ -9,7 +9,7 @@ from html import escape
 from pathlib import Path
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.files.case_file import check_case_file
+from exudyn_crawler.case.case_file import check_case_file
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import move_file, note_written
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction

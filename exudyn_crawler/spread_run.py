@@ -12,8 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case import Case, CaseFile, PairContact, read_case
-from exudyn_crawler.case.files.case_file import Outputs
+from exudyn_crawler.case import Case, CaseFile, Outputs, PairContact, read_case
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.files import refuse_existing, writable_folder, write_netcdf
 from exudyn_crawler.results.history.catalogue import variable

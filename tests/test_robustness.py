@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from exudyn_crawler import Case, History, run_case, simulate
 from exudyn_crawler.case import CaseFile, read_case
-from exudyn_crawler.case.files.case_file import Outputs, case_text
+from exudyn_crawler.case.case_file import Outputs, case_text
 from exudyn_crawler.cli import main
 from exudyn_crawler.errors import CaseFileError
 from studies.stress import study as stress_study

@@ -6,15 +6,15 @@ Values of the P&H 4100C and of the papers are named constructors of the class th
 """
 
 from exudyn_crawler.case.case import Case as Case
-from exudyn_crawler.case.files.case_file import CaseFile as CaseFile
-from exudyn_crawler.case.files.case_file import Outputs as Outputs
-from exudyn_crawler.case.files.files import read_case as read_case
-from exudyn_crawler.case.files.files import write_case as write_case
-from exudyn_crawler.case.parameters.base import StepProfile as StepProfile
+from exudyn_crawler.case.case_file import CaseFile as CaseFile
+from exudyn_crawler.case.case_file import Outputs as Outputs
+from exudyn_crawler.case.files import read_case as read_case
+from exudyn_crawler.case.files import write_case as write_case
 from exudyn_crawler.case.parameters.contact import PairContact as PairContact
 from exudyn_crawler.case.parameters.contact import SphereContact as SphereContact
 from exudyn_crawler.case.parameters.drive import Drive as Drive
 from exudyn_crawler.case.parameters.drive import Solver as Solver
+from exudyn_crawler.case.parameters.drive import StepProfile as StepProfile
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes as FlexibleShoes
 from exudyn_crawler.case.parameters.loads import LoadCycle as LoadCycle
 from exudyn_crawler.case.parameters.loads import Phase as Phase

@@ -5,9 +5,10 @@ from typing import Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.parameters import undercarriage as rolled
 from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
 from exudyn_crawler.case.parameters.contact import Contact, PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
@@ -15,13 +16,7 @@ from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
-from exudyn_crawler.case.parameters.undercarriage import (
-    MachineCycle,
-    Undercarriage,
-    check_length,
-    check_rolled,
-    ground_below,
-)
+from exudyn_crawler.case.parameters.undercarriage import MachineCycle, Undercarriage
 
 Kind = TypeVar("Kind", PairContact, SphereContact)
 
@@ -55,7 +50,7 @@ class Case(Parameters):
         "and contacts, the reference; None takes the compiled ones where they carry the case",
     )
     gravity: float = quantity(
-        "m/s2", "downward on level ground", plausible=(9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY
+        "m/s2", "downward on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY
     )
     undercarriage: Undercarriage | None = Field(
         default=None,
@@ -66,87 +61,84 @@ class Case(Parameters):
         default=None, description="what the machine does on the side frame; none: its weight alone"
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        for is_wrong, message in self._conflicts():
-            if is_wrong:
-                raise ValueError(message)
-        if isinstance(self.contact, SphereContact):
-            self._check_spheres(self.contact.radius)
+    def _errors(self) -> Iterator[str]:
+        count, shoe, terrain, contact = self.track.shoe_count, self.shoe, self.terrain, self.contact
+        spheres, reduced = isinstance(contact, SphereContact), self.terrain_formulation == "reduced"
+        if (loaded := self.loads.shoe_count) != count:
+            yield f"loads must name every shoe of the track ({count}), got loads for {loaded}"
+        if self.track.pitch + 1e-9 < shoe.length:
+            yield (
+                f"shoe.length must not exceed the track's pitch {self.track.pitch}, got {shoe.length}: "
+                "neighbours would share ground"
+            )
+        if self.flexible is not None:
+            shoes = self.flexible.shoes
+            if shoes[0] < 1 or shoes[-1] > count:
+                yield f"flexible.shoes must be in 1..{count}, got {shoes}"
+            if not reduced:
+                yield "flexible shoes need terrain_formulation 'reduced'"
+            if spheres:
+                yield (
+                    "flexible must be None with contact.model 'spheres', whose shoes are rigid; flexible "
+                    "shoes go with contact.model 'pair' on even ground or a smooth terrain.profile, which "
+                    "both may slope as a whole by terrain.grade and terrain.side_slope"
+                )
+        small = terrain.unit_length < shoe.length or terrain.unit_width < shoe.width
+        if isinstance(contact, PairContact) and contact.normal == "area" and small:
+            yield (
+                f"contact.normal must be 'face' on units of {terrain.unit_length:g} x {terrain.unit_width:g} "
+                f"m, smaller than a shoe of {shoe.length:g} x {shoe.width:g} m: units under one shoe "
+                "would push each other aside through it, with 30 to 160 kN at rest"
+            )
+        if terrain.heights is not None and not spheres:
+            yield (
+                "terrain.heights must be None with contact.model 'pair', whose law takes no steps between "
+                "units but a smooth terrain.profile, also with flexible shoes; contact.model 'spheres' takes "
+                "steps, with rigid shoes; ground that slopes as a whole, by terrain.grade and "
+                "terrain.side_slope, goes with both"
+            )
+        if terrain.profile is not None and spheres:
+            yield (
+                "terrain.profile must be None with contact.model 'spheres', which takes terrain.heights; "
+                "contact.model 'pair' takes a profile"
+            )
+        if terrain.profile is not None and not reduced:
+            yield "terrain_formulation must be 'reduced' on a terrain.profile, got 'constrained'"
+        if self.undercarriage is not None and not self.is_compiled:
+            yield (
+                "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
+                "not go with an undercarriage, which the compiled equations alone carry"
+            )
+        if self.machine is not None and self.undercarriage is None:
+            yield "machine must be None without an undercarriage, on which it acts"
+        if self.formulation == "compiled" and not self.is_compiled:
+            yield (
+                "formulation must be 'engine' with contact.model 'spheres' or terrain_formulation "
+                "'constrained', which the compiled equations do not carry"
+            )
+        if isinstance(contact, SphereContact):
+            yield from self._sphere_errors(contact.radius)
         if self.undercarriage is not None:
-            check_rolled(self.undercarriage, self.shoe, self.track, self.drive, self.loads)
+            yield from rolled.rolled_errors(self.undercarriage, shoe, self.track, self.drive, self.loads)
             if self.machine is not None:
-                self.machine.check_balance(self.undercarriage, self.gravity_vector())
-        self.check_support(0.0)
-        return self
+                yield from self.machine.balance_errors(self.undercarriage, self.gravity_vector())
+        yield from self._support_errors(0.0)
 
-    def _conflicts(self) -> Iterator[tuple[bool, str]]:
-        """What of parts does not fit others, and what is said of it."""
-        count, terrain, flexible = self.track.shoe_count, self.terrain, self.flexible
-        spheres, reduced = isinstance(self.contact, SphereContact), self.terrain_formulation == "reduced"
-        yield (
-            self.loads.shoe_count != count,
-            f"loads must name every shoe of the track ({count}), got loads for {self.loads.shoe_count}",
-        )
-        yield (
-            self.track.pitch + 1e-9 < self.shoe.length,
-            f"shoe.length must not exceed the track's pitch {self.track.pitch}, got {self.shoe.length}: "
-            "neighbours would share ground",
-        )
-        if flexible is not None:
+    def _sphere_errors(self, radius: float) -> Iterator[str]:
+        """Spheres that cannot carry the shoes."""
+        if not self.mean_load > 0.0:
+            yield f"loads must press the shoes down on the whole, got {self.mean_load:g} N a shoe"
+        # of the most loaded shoe at its most loaded time on linear spheres
+        load = max(max(phase.loads) for phase in self.loads.phases)
+        depth = self.settled_penetration * float(self.pressed(load)) / self.mean_load
+        if radius <= depth:
             yield (
-                flexible.shoes[0] < 1 or flexible.shoes[-1] > count,
-                f"flexible.shoes must be in 1..{count}, got {flexible.shoes}",
+                f"contact.radius must exceed the settled penetration of the most loaded shoe, "
+                f"{depth:.4g} m, got {radius}: its spheres would sink through the ground"
             )
-            yield not reduced, "flexible shoes need terrain_formulation 'reduced'"
-            yield (
-                spheres,
-                "flexible must be None with contact.model 'spheres', whose shoes are rigid; flexible shoes "
-                "go with contact.model 'pair' on even ground or a smooth terrain.profile, which both may "
-                "slope as a whole by terrain.grade and terrain.side_slope",
-            )
-        small = terrain.unit_length < self.shoe.length or terrain.unit_width < self.shoe.width
-        yield (
-            isinstance(self.contact, PairContact) and self.contact.normal == "area" and small,
-            f"contact.normal must be 'face' on units of {terrain.unit_length:g} x {terrain.unit_width:g} m, "
-            f"smaller than a shoe of {self.shoe.length:g} x {self.shoe.width:g} m: units under one shoe "
-            "would push each other aside through it, with 30 to 160 kN at rest",
-        )
-        yield (
-            terrain.heights is not None and not spheres,
-            "terrain.heights must be None with contact.model 'pair', whose law takes no steps between "
-            "units but a smooth terrain.profile, also with flexible shoes; contact.model 'spheres' takes "
-            "steps, with rigid shoes; ground that slopes as a whole, by terrain.grade and "
-            "terrain.side_slope, goes with both",
-        )
-        yield (
-            terrain.profile is not None and spheres,
-            "terrain.profile must be None with contact.model 'spheres', which takes terrain.heights; "
-            "contact.model 'pair' takes a profile",
-        )
-        yield (
-            terrain.profile is not None and not reduced,
-            f"terrain_formulation must be 'reduced' on a terrain.profile, got {self.terrain_formulation!r}",
-        )
-        yield (
-            self.undercarriage is not None and not self.is_compiled,
-            "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
-            "not go with an undercarriage, which the compiled equations alone carry",
-        )
-        yield (
-            self.machine is not None and self.undercarriage is None,
-            "machine must be None without an undercarriage, on which it acts",
-        )
-        yield (
-            self.formulation == "compiled" and not self.is_compiled,
-            "formulation must be 'engine' with contact.model 'spheres' or terrain_formulation "
-            "'constrained', which the compiled equations do not carry",
-        )
-
-    @property
-    def roller_count(self) -> int:
-        """Rollers on the track."""
-        return 0 if self.undercarriage is None else len(self.undercarriage.rollers)
+        side = 0.25 * min(self.terrain.unit_length, self.terrain.unit_width)
+        if radius > side:
+            yield f"contact.radius must not exceed a quarter of a unit's side, {side:g} m, got {radius}"
 
     @property
     def frame_start(self) -> NDArray:
@@ -167,24 +159,6 @@ class Case(Parameters):
         """Whether a run takes the compiled equations of motion."""
         can_be = isinstance(self.contact, PairContact) and self.terrain_formulation == "reduced"
         return can_be and self.formulation != "engine"
-
-    def _check_spheres(self, radius: float) -> None:
-        """Refuse spheres that cannot carry the shoes."""
-        if not self.mean_load > 0.0:
-            raise ValueError(f"loads must press the shoes down on the whole, got {self.mean_load:g} N a shoe")
-        # of the most loaded shoe at its most loaded time on linear spheres
-        load = max(max(phase.loads) for phase in self.loads.phases)
-        depth = self.settled_penetration * float(self.pressed(load)) / self.mean_load
-        if radius <= depth:
-            raise ValueError(
-                f"contact.radius must exceed the settled penetration of the most loaded shoe, "
-                f"{depth:.4g} m, got {radius}: its spheres would sink through the ground"
-            )
-        side = min(self.terrain.unit_length, self.terrain.unit_width)
-        if 4.0 * radius > side:
-            raise ValueError(
-                f"contact.radius must not exceed a quarter of a unit's side, {0.25 * side:g} m, got {radius}"
-            )
 
     def flexible_shoes(self) -> FlexibleShoes:
         """Flexible shoes of the case; raises `ValueError` if it has none."""
@@ -229,13 +203,9 @@ class Case(Parameters):
         return loads
 
     def machine_wrench(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
-        """Force (N) and moment about a side frame's origin (N m) of the machine beside the frame's weight.
-
-        Those at each time (s): array (times, 3) each, global.
-        """
-        if self.machine is None:
-            return np.zeros((np.size(time), 3)), np.zeros((np.size(time), 3))
-        return self.machine.wrench(time)
+        """Force (N) and moment (N m) on a side frame's origin beside its weight, global: (times, 3) each."""
+        nothing = np.zeros((np.size(time), 3))
+        return (nothing, nothing.copy()) if self.machine is None else self.machine.wrench(time)
 
     @property
     def mean_load(self) -> float:
@@ -321,7 +291,7 @@ class Case(Parameters):
             name="rolled",
             shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
             track=track,
-            terrain=ground_below(track, Terrain.stress()),
+            terrain=rolled.ground_below(track, Terrain.stress()),
             contact=PairContact.oil_sand(sharing="area"),
             drive=Drive.translation(),
             loads=LoadCycle.constant([0.0] * shoe_count),
@@ -349,24 +319,26 @@ class Case(Parameters):
 
     def check_support(self, duration: float) -> None:
         """Refuse, by a `ValueError`, a drive off the terrain, or a frame off the track, in `duration` (s)."""
-        if self.undercarriage is not None:
-            check_length(self.undercarriage, self.track, self.drive, duration)
         for time in np.linspace(0.0, duration, 101 if duration > 0.0 else 1):
-            corners = self.outline(time)
-            for axis, name in enumerate("xy"):
-                low, high = corners[:, axis].min(), corners[:, axis].max()
-                least, greatest = self.terrain.bounds[axis]
-                if low < least or high > greatest:
-                    raise ValueError(
-                        f"terrain must carry the track over the whole drive: at t = {time:.3g} s the "
-                        f"track reaches {name} = {low:.3f}..{high:.3f} m, "
-                        f"the terrain {least:g}..{greatest:g} m"
-                    )
-            if self.terrain.heights is not None and isinstance(self.contact, SphereContact):
-                self._check_steps(time, corners, self.contact.radius)
+            for error in self._support_errors(time):
+                raise ValueError(error)
 
-    def _check_steps(self, time: float, corners: NDArray, radius: float) -> None:
-        """Refuse a step between neighbouring units under the track that its spheres cannot stand on.
+    def _support_errors(self, time: float) -> Iterator[str]:
+        if self.undercarriage is not None:
+            yield from rolled.length_errors(self.undercarriage, self.track, self.drive, time)
+        corners = self.outline(time)
+        for name, places, (least, greatest) in zip("xy", corners.T, self.terrain.bounds, strict=True):
+            low, high = places.min(), places.max()
+            if low < least or high > greatest:
+                yield (
+                    f"terrain must carry the track over the whole drive: at t = {time:.3g} s the track "
+                    f"reaches {name} = {low:.3f}..{high:.3f} m, the terrain {least:g}..{greatest:g} m"
+                )
+        if self.terrain.heights is not None and isinstance(self.contact, SphereContact):
+            yield from self._step_errors(time, corners, self.contact.radius)
+
+    def _step_errors(self, time: float, corners: NDArray, radius: float) -> Iterator[str]:
+        """Steps between neighbouring units under the track that its spheres cannot stand on.
 
         A sphere settled on a unit has its centre at its radius less its depth above that unit. A neighbour
         higher than that lies above the centre: the sphere would pass under its face unhindered, and where
@@ -384,7 +356,7 @@ class Case(Parameters):
             if steps.size and steps.max() >= allowed:
                 i, j = np.unravel_index(steps.argmax(), steps.shape)
                 unit = int((i0 + i) * terrain.rows + j0 + j + 1)
-                raise ValueError(
+                yield (
                     f"terrain.heights leave the track unsupported: at t = {time:.3g} s units {unit} and "
                     f"{unit + stride} below it differ by {steps.max():.4g} m, allowed is less than "
                     f"{allowed:.4g} m: contact.radius = {radius} m less the "

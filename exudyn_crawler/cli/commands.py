@@ -71,7 +71,7 @@ def init(
 
     Example: exudyn-crawler init soft_ground --study kinematics
     """
-    from exudyn_crawler.case.files.files import write_case
+    from exudyn_crawler.case.files import write_case
 
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     case_file = study_case(study)
@@ -90,8 +90,8 @@ def info(
 
     Example: exudyn-crawler info soft_ground.toml
     """
-    from exudyn_crawler.case.files.case_file import nearest_base, shoe_weights
-    from exudyn_crawler.case.files.files import read_case
+    from exudyn_crawler.case.case_file import nearest_base, shoe_weights
+    from exudyn_crawler.case.files import read_case
     from exudyn_crawler.case.parameters.checks import warn_implausible
     from exudyn_crawler.case.parameters.fields import case_rows
     from exudyn_crawler.views.tables import print_rows
@@ -132,7 +132,7 @@ def run(
 
     Example: exudyn-crawler run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7
     """
-    from exudyn_crawler.case.files.files import read_case
+    from exudyn_crawler.case.files import read_case
     from exudyn_crawler.run.folder.folder import refuse_occupied
 
     # what is refused is refused before the engine is loaded, which takes a second

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from exudyn_crawler.case import Case
-from exudyn_crawler.case.parameters.base import StepProfile
+from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.rotations import moments_on_angles

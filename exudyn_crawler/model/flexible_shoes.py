@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
-from exudyn_crawler.case.files.case_file import check_modes
+from exudyn_crawler.case.case_file import check_modes
 from exudyn_crawler.case.parameters.flexible import CONSTRAINT_MODES
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.reductions import cached_reduction

@@ -6,11 +6,11 @@ all of them.
 
 import difflib
 import math
-from collections.abc import Callable
-from typing import Annotated, Any, ClassVar, Literal, Self
+from collections.abc import Callable, Iterator
+from typing import Annotated, Any, ClassVar, Literal
 
 import xarray as xr
-from pydantic import Field, TypeAdapter, model_validator
+from pydantic import Field, TypeAdapter
 
 from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.parameters.base import Name, Parameters
@@ -22,10 +22,8 @@ from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.stress.hot_spots import HOT_SPOTS, Region, shoe_regions
 from exudyn_crawler.run.folder.folder import SAME_TIME
 
-NOT_COUNTED = ("pair", "terrain coordinate", "tread")
-"""What no answer is of."""
-DIMENSIONS = ("shoe", "joint", "unit", "flexible_shoe", "roller")
-"""Of what an answer is of."""
+NOT_COUNTED = ("pair", "terrain coordinate", "tread")  # what no answer is of
+DIMENSIONS = ("shoe", "joint", "unit", "flexible_shoe", "roller")  # of what an answer is of
 
 STATISTICS: dict[str, Callable[[xr.DataArray], xr.DataArray]] = {
     "greatest": xr.DataArray.max,
@@ -42,9 +40,9 @@ Statistic = Literal["greatest", "least", "largest", "mean", "rms", "range", "end
 class AnyAnswer(Parameters):
     """What all answers have.
 
-    A kind of answer adds a field `model` with its name, `default_label`, `unit` and `meaning` of its column,
-    ``check(case_file)``, which refuses what runs of a case cannot give by a `ValueError` that names the
-    answer, and ``of_run(run)``, its number, NaN where a run has none.
+    A kind of answer adds a field `model` with its name, `_default_label`, `unit` and `meaning` of its column,
+    ``_case_errors(case_file)``, what of it runs of a case cannot give, and ``of_run(run)``, its number, NaN
+    where a run has none.
     """
 
     name: Name | None = Field(default=None, description="column of the table; made of the rest, if not given")
@@ -52,12 +50,20 @@ class AnyAnswer(Parameters):
         default="less", description="which runs are the best ones: those with less or with more of it"
     )
 
-    default_label: ClassVar[Any]
+    _default_label: ClassVar[Any]
 
     @property
     def label(self) -> str:
         """Name of the column."""
-        return self.name or self.default_label
+        return self.name or self._default_label
+
+    def _case_errors(self, case_file: CaseFile) -> Iterator[str]:
+        raise NotImplementedError
+
+    def check(self, case_file: CaseFile) -> None:
+        """Refuse, by a `ValueError` that names the answer, what runs of a case cannot give."""
+        for error in self._case_errors(case_file):
+            raise ValueError(f"{self.label}: {error}")
 
 
 class Answer(AnyAnswer):
@@ -82,28 +88,26 @@ class Answer(AnyAnswer):
     start: float = measured("s", "first time that counts", ge=0, default=0.0)
     end: float | None = measured("s", "last time that counts; the run's end, if not given", default=None)
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         over_time = select(dimensions="time")
         if self.quantity not in over_time:
             near = difflib.get_close_matches(self.quantity, over_time, n=1, cutoff=0.0)
-            raise ValueError(
-                f"quantity must be one over time, got {self.quantity!r}; the nearest is {near[0]!r}"
-            )
-        if not _is_answer(over_time[self.quantity]):
-            raise ValueError(
+            yield f"quantity must be one over time, got {self.quantity!r}; the nearest is {near[0]!r}"
+        quantity = over_time[self.quantity]
+        # statistics are of real numbers of what is counted, of no matrix
+        is_real = quantity.numbers in ("double", "single") and "body_axis" not in quantity.dimensions
+        if not is_real or not (quantity.by_shoe or quantity.per not in NOT_COUNTED):
+            yield (
                 "quantity must be a number or a vector of a shoe, link, unit, roller or the whole track, "
-                f"got {self.quantity!r}: {over_time[self.quantity].meaning}"
+                f"got {self.quantity!r}: {quantity.meaning}"
             )
-        if self.axis is not None and "axis" not in QUANTITIES[self.quantity].dimensions:
-            raise ValueError(f"axis must be left out with {self.quantity}, which is no vector")
+        if self.axis is not None and "axis" not in quantity.dimensions:
+            yield f"axis must be left out with {self.quantity}, which is no vector"
         if self.end is not None and self.end <= self.start:
-            raise ValueError(f"end must be greater than start = {self.start:g} s, got {self.end:g} s")
-        return self
+            yield f"end must be greater than start = {self.start:g} s, got {self.end:g} s"
 
     @property
-    def default_label(self) -> str:
-        """Name of the column, if no other is given."""
+    def _default_label(self) -> str:
         return "_".join(filter(None, [self.quantity, self.axis, self.statistic, *map(str, self.of or ())]))
 
     @property
@@ -117,23 +121,20 @@ class Answer(AnyAnswer):
         axis = f", {self.axis}" if self.axis else ""
         return f"{self.statistic} of {QUANTITIES[self.quantity].meaning}{axis}"
 
-    def check(self, case_file: CaseFile) -> None:
-        """Refuse what runs of a case cannot give."""
+    def _case_errors(self, case_file: CaseFile) -> Iterator[str]:
         case, quantity = case_file.case, QUANTITIES[self.quantity]
         if lacking := quantity.lacking(case):
             near = " (joint_force is that of whole links)" if self.quantity == "pin_force" else ""
-            raise ValueError(f"{self.label}: {self.quantity} needs {lacking}{near}")
-        _check_within(self.label, case_file, start=self.start, end=self.end)
+            yield f"{self.quantity} needs {lacking}{near}"
+        yield from _beyond(case_file, start=self.start, end=self.end)
         what, numbers = _counted(quantity, case)
         wrong = [one for one in self.of or () if one not in numbers]
         if wrong and not what:
-            raise ValueError(
-                f"{self.label}: of must be left out, {self.quantity} is of the whole {quantity.per}"
-            )
+            yield f"of must be left out, {self.quantity} is of the whole {quantity.per}"
         if wrong:
             whole = numbers == [*range(1, len(numbers) + 1)]
             span = f"1..{len(numbers)}" if whole else ", ".join(map(str, numbers))
-            raise ValueError(f"{self.label}: of must be {what} of {span}, got {wrong}")
+            yield f"of must be {what} of {span}, got {wrong}"
 
     def of_run(self, run: CaseRun) -> float:
         """Number of a run."""
@@ -158,8 +159,7 @@ class HotSpot(AnyAnswer):
     unit: ClassVar[str] = "Pa"
 
     @property
-    def default_label(self) -> str:
-        """Name of the column, if no other is given."""
+    def _default_label(self) -> str:
         return f"hot_spot_{self.rank}_shoe_{self.shoe}"
 
     @property
@@ -167,12 +167,11 @@ class HotSpot(AnyAnswer):
         """What it is, for reading."""
         return f"von Mises stress of hot spot {self.rank} of shoe {self.shoe}"
 
-    def check(self, case_file: CaseFile) -> None:
-        """Refuse what runs of a case cannot give."""
+    def _case_errors(self, case_file: CaseFile) -> Iterator[str]:
         flexible = case_file.case.flexible
         if flexible is None or self.shoe not in flexible.shoes:
             there = "none" if flexible is None else ", ".join(map(str, flexible.shoes))
-            raise ValueError(f"{self.label}: shoe must be a flexible one ({there}), got {self.shoe}")
+            yield f"shoe must be a flexible one ({there}), got {self.shoe}"
 
     def of_run(self, run: CaseRun) -> float:
         """Stress in a run."""
@@ -194,14 +193,12 @@ class Life(AnyAnswer, Damage, Often):
     survival: Survival = Field(default=0.975, description="part of the shoes that survive it")
     unit: ClassVar[str] = "h"
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         self.duty()
-        return self
+        yield from ()
 
     @property
-    def default_label(self) -> str:
-        """Name of the column, if no other is given."""
+    def _default_label(self) -> str:
         return f"life_{self.region}".replace(" ", "_") if self.region else "life"
 
     @property
@@ -219,11 +216,10 @@ class Life(AnyAnswer, Damage, Often):
         damage = {name: getattr(self, name) for name in Damage.model_fields}
         return Duty(runs=(run,), survivals=(self.survival,), plane_nodes=0, **damage)
 
-    def check(self, case_file: CaseFile) -> None:
-        """Refuse what runs of a case cannot give."""
+    def _case_errors(self, case_file: CaseFile) -> Iterator[str]:
         if case_file.case.flexible is None:
-            raise ValueError(f"{self.label}: life needs flexible shoes, the case has none")
-        _check_within(self.label, case_file, begin=self.begin, end=self.end)
+            yield "life needs flexible shoes, the case has none"
+        yield from _beyond(case_file, begin=self.begin, end=self.end)
 
     def of_run(self, run: CaseRun) -> float:
         """Shortest life of a run, h; 1e9 stands for all beyond."""
@@ -241,19 +237,11 @@ ANSWERS: TypeAdapter[tuple[Answers, ...]] = TypeAdapter(tuple[Answers, ...])
 """Reads and writes answers as JSON."""
 
 
-def _check_within(label: str, case_file: CaseFile, **times: float | None) -> None:
-    """Refuse times that lie beyond a run."""
+def _beyond(case_file: CaseFile, **times: float | None) -> Iterator[str]:
+    """Times that lie beyond a run."""
     for name, time in times.items():
         if time is not None and time > case_file.duration:
-            raise ValueError(
-                f"{label}: {name} must lie within the run of {case_file.duration:g} s, got {time:g} s"
-            )
-
-
-def _is_answer(quantity: Quantity) -> bool:
-    """Whether a quantity over time has statistics: real numbers of what is counted, no matrix."""
-    is_real = quantity.numbers in ("double", "single") and "body_axis" not in quantity.dimensions
-    return is_real and (bool(quantity.by_shoe) or quantity.per not in NOT_COUNTED)
+            yield f"{name} must lie within the run of {case_file.duration:g} s, got {time:g} s"
 
 
 def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
@@ -263,6 +251,7 @@ def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
     """
     flexible = () if case.flexible is None else case.flexible.shoes
     joints = case.track.joints.tolist()
+    rollers = [] if case.undercarriage is None else [*range(1, len(case.undercarriage.rollers) + 1)]
     counted = {
         "shoe": ("shoes", case.track.shoes.tolist()),
         "flexible shoe": ("flexible shoes", [*flexible]),
@@ -270,6 +259,6 @@ def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
         # a link has two pins where one of its shoes is flexible
         "pin": ("links", [one for one in joints if {one, one + 1} & set(flexible)]),
         "unit": ("units", case.terrain.units.tolist()),
-        "roller": ("rollers", [*range(1, case.roller_count + 1)]),
+        "roller": ("rollers", rollers),
     }
     return counted.get("shoe" if quantity.by_shoe else quantity.per, ("", []))

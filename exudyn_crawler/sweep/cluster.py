@@ -17,12 +17,10 @@ from distributed.scheduler import KilledWorker
 from distributed.versions import VersionMismatchWarning
 
 from exudyn_crawler.errors import CrawlerError
-from exudyn_crawler.sweep.worker import Outcome, Task, check_versions, failed_outcome, own_versions, run_task
+from exudyn_crawler.sweep.worker import Outcome, Task, check_versions, own_versions, run_task, write_outcome
 
-CONNECT_WAIT = 20.0
-"""s to wait for a scheduler."""
-WORKER_WAIT = 120.0
-"""s to wait for the first worker: a batch system may have to start it."""
+CONNECT_WAIT = 20.0  # s to wait for a scheduler
+WORKER_WAIT = 120.0  # s to wait for the first worker: a batch system may have to start it
 LEAST_AHEAD, AHEAD = 64, 4
 """Tasks that the scheduler holds: so many at least, and so many a worker. It never has all of a sweep."""
 
@@ -33,10 +31,9 @@ def connected(
 ) -> Iterator[Client]:
     """Client of a cluster whose workers can do what a sweep asks for, and see the folder of its runs.
 
-    The scheduler is given by its address (``tcp://host:8786``) or file; None starts a cluster on this
-    machine, of one process a core with one thread each, or of so many workers. It is not made the process's
-    own scheduler: one that never answered would stay that, and whoever saves a dataset afterwards would be
-    sent to it. Raises `ValueError` if no scheduler answers, or its workers are not fit.
+    Arguments as of `run_sweep`. The scheduler does not become the process's own: one that never answered
+    would stay that, and whoever saves a dataset afterwards would be sent to it. Raises `ValueError` if no
+    scheduler answers, or its workers are not fit.
     """
     with warnings.catch_warnings():
         # check_versions says it in a line, and of what matters
@@ -57,11 +54,7 @@ def _local(workers: int | None) -> Iterator[Client]:
         patch.dict(os.environ),
         dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),
         LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address="127.0.0.1:0",
-            silence_logs=logging.CRITICAL,
+            count, 1, processes=True, dashboard_address="127.0.0.1:0", silence_logs=logging.CRITICAL
         ) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
@@ -146,7 +139,7 @@ def outcomes(
         except KilledWorker as error:
             times, last = error.allowed_failures + 1, error.last_worker.address
             reason = f"{times} workers died while they ran it, the last one {last}"
-            outcome = failed_outcome(task, CrawlerError(reason))
+            outcome = write_outcome(task, CrawlerError(reason), {})
         except FutureCancelledError as error:
             raise ConnectionError(f"the scheduler was lost: {error}") from error
         future.release()

@@ -9,44 +9,37 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, Self
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 from scipy.stats import qmc
 
 from exudyn_crawler.case import Case, CaseFile, Outputs, read_case
-from exudyn_crawler.case.files.errors import toml_content
-from exudyn_crawler.case.files.files import case_of, errors_named, from_content, with_base
+from exudyn_crawler.case.files import case_of
+from exudyn_crawler.case.parameters import checks, fields
 from exudyn_crawler.case.parameters.base import Parameters
-from exudyn_crawler.case.parameters.checks import implausible, out_of_range, warn_of
-from exudyn_crawler.case.parameters.fields import BASE, named_values
+from exudyn_crawler.case.parameters.reading import Content, read_parameters, with_base
 from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import Answers
 from exudyn_crawler.sweep.vary import Vary, checked_case, idle
 from meshes import SHOE_SIZES
 
 Design = Literal["grid", "list", "latin_hypercube", "sobol", "saltelli"]
-"""Names of the designs."""
-SAMPLED = ("latin_hypercube", "sobol", "saltelli")
-"""Those that draw points between bounds."""
-
-Row = tuple[Any, ...]
-"""Values of a run, one of every `Vary`."""
+SAMPLED = ("latin_hypercube", "sobol", "saltelli")  # designs that draw points between bounds
+Row = tuple[Any, ...]  # values of a run, one of every `Vary`
 LIGHT = Outputs(figures=False, pictures=False, paraview=False, forces=False, tables=False)
 """What a run leaves beside its history where a sweep says nothing: pictures of all runs take longer than
 they."""
 MOST_RUNS = 1_000_000
-SHOWN_ERRORS = 3
-"""Wrong runs that an error names."""
-SHOWN_WARNINGS = 6
-"""Implausible values that are warned of."""
-FOLDER_DIGITS = 16
-"""Of a digest, in the name of a run's folder."""
+SHOWN_ERRORS = 3  # wrong runs that an error names
+SHOWN_WARNINGS = 6  # implausible values that are warned of
+FOLDER_DIGITS = 16  # of a digest, in the name of a run's folder
 OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
 """Columns of a sweep's table beside those of what varies and of the answers."""
+MESH = "flexible.mesh"
 
 
 class PlannedRun(NamedTuple):
@@ -78,24 +71,19 @@ class Sweep(Parameters):
         default=LIGHT, description="what every run leaves; those of the case do not count"
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]
-        twice = [name for name, count in Counter(names).items() if count > 1]
-        if twice:
-            raise ValueError(f"name must be given where columns would be the same: {', '.join(twice)}")
+        if twice := [name for name, count in Counter(names).items() if count > 1]:
+            yield f"name must be given where columns would be the same: {', '.join(twice)}"
         paths = Counter(path for one in self.vary for path in one.keys)
         if again := [path for path, count in paths.items() if count > 1]:
-            raise ValueError(f"a path must vary once, got {', '.join(again)} again")
+            yield f"a path must vary once, got {', '.join(again)} again"
         sizes = [len(one.values) if one.values is not None else one.count or 1 for one in self.vary]
         if self.design == "grid" and self.runs is None and (count := math.prod(sizes)) > MOST_RUNS:
-            raise ValueError(f"runs must be at most {MOST_RUNS}, got a grid of at least {count}")
-        for one in self.vary:
+            yield f"runs must be at most {MOST_RUNS}, got a grid of at least {count}"
+        for one in (*self.vary, *self.answers):
             one.check(self.case)
-        for answer in self.answers:
-            answer.check(self.case)
         self.rows  # noqa: B018 - refuses numbers of runs that do not fit the design
-        return self
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -139,26 +127,24 @@ class Sweep(Parameters):
                 for answer in self.answers:
                     answer.check(case_file)
             except ValueError as error:
-                settings = ", ".join(
-                    f"{name} = {value}" for name, value in zip(self.columns, values, strict=True)
-                )
-                errors.append(f"run {number} ({settings}): {error}")
+                settings = (f"{name} = {value}" for name, value in zip(self.columns, values, strict=True))
+                errors.append(f"run {number} ({', '.join(settings)}): {error}")
                 continue
             idling.update(line for one in self.vary for line in idle(one.keys, case_file.case))
-            for line in implausible(case_file.case, case_file.duration):
+            for line in checks.implausible(case_file.case, case_file.duration):
                 odd.setdefault(line, []).append(number)
             planned.append(PlannedRun(number, values, digest))
         if errors:
             more = f"; {len(errors)} of {len(self.rows)} runs are at fault" if len(errors) > 1 else ""
             raise ValueError("; ".join(errors[:SHOWN_ERRORS]) + more)
         lines = [line for line, count in idling.items() if count == len(self.rows)]
-        warn_of([*lines, *self._odd_lines(odd)])
+        checks.warn_of([*lines, *self._odd_lines(odd)])
         return tuple(planned)
 
     def _odd_lines(self, odd: Mapping[str, Sequence[int]]) -> Iterator[str]:
         """What to warn of: implausible values and numbers of their runs, the first few of them."""
         for answer in self.answers:
-            yield from (f"{answer.label}: {line}" for line in out_of_range(answer))
+            yield from (f"{answer.label}: {line}" for line in checks.out_of_range(answer))
         for line, runs in itertools.islice(odd.items(), SHOWN_WARNINGS):
             more = f" and {len(runs) - 1} more" if len(runs) > 1 else ""
             yield line if len(runs) == len(self.rows) else f"run {runs[0]}{more}: {line}"
@@ -249,9 +235,6 @@ def salib_problem(dimensions: int) -> dict[str, Any]:
     return {"num_vars": dimensions, "names": names, "bounds": [[0.0, 1.0]] * dimensions}
 
 
-MESH = "flexible.mesh"
-
-
 def read_sweep(path: str | Path) -> Sweep:
     """Read a sweep file; paths of cases and meshes count from its folder.
 
@@ -260,39 +243,39 @@ def read_sweep(path: str | Path) -> Sweep:
     `FileNotFoundError`, or `CaseFileError` naming everything that is wrong by its path.
     """
     path = Path(path)
-    with errors_named(path, Sweep):
-        content = toml_content(path, "sweep file")
-        if "case" not in content:
-            raise ValueError("case must be a case file, the name of a case, or a table of one")
-        case = _case(content.pop("case"), path).model_dump(mode="json")
+
+    def values(content: Content) -> Content:
+        case = _case(content.pop("case", None), path).model_dump(mode="json")
         for one in content["vary"] if isinstance(content.get("vary"), list) else ():
             _resolve_meshes(one, path.parent)
-        return from_content(Sweep, with_base(content, (Sweep,), {}, ()) | {"case": case})
+        return with_base(content, Sweep) | {"case": case}
+
+    return read_parameters(path, Sweep, "sweep file", values)
 
 
 def _case(entry: Any, path: Path) -> CaseFile:
     """Case of a sweep file."""
-    if isinstance(entry, str) and entry in named_values(Case):
-        entry = {BASE: entry}
+    if isinstance(entry, str) and entry in fields.named_values(Case):
+        entry = {fields.BASE: entry}
     if isinstance(entry, dict):
         return case_of(entry, path)
-    if not isinstance(entry, str):
-        raise ValueError(f"case must be a case file, the name of a case, or a table of one, got {entry!r}")
-    return read_case(path.parent / entry)
+    if isinstance(entry, str):
+        return read_case(path.parent / entry)
+    got = "" if entry is None else f", got {entry!r}"
+    raise ValueError(f"case must be a case file, the name of a case, or a table of one{got}")
 
 
 def _resolve_meshes(varied: Any, folder: Path) -> None:
     """Put whole paths in place of names of mesh files that vary."""
+
+    def resolved(mesh: Any) -> Any:
+        return mesh if mesh in SHOE_SIZES or not isinstance(mesh, str) else str((folder / mesh).resolve())
+
     match varied:
         case {"key": str(key), "values": list(values)} if key == MESH:
-            values[:] = [_resolved(one, folder) for one in values]
+            values[:] = map(resolved, values)
         case {"key": list(keys), "settings": list(rows)} if MESH in keys:
             place = keys.index(MESH)
             for row in rows:
                 if isinstance(row, list) and len(row) > place:
-                    row[place] = _resolved(row[place], folder)
-
-
-def _resolved(mesh: Any, folder: Path) -> Any:
-    """Whole path of a mesh that is a file."""
-    return mesh if mesh in SHOE_SIZES or not isinstance(mesh, str) else str((folder / mesh).resolve())
+                    row[place] = resolved(row[place])

@@ -19,14 +19,10 @@ from exudyn_crawler.views.pages.report import REPORT, write_report
 from exudyn_crawler.views.pages.sweep import Best, SweepView, sweep_page
 from exudyn_crawler.views.tables import write_table
 
-MISSING = "missing"
-"""Status of a run without an outcome."""
-BINS = 8
-"""Of what varies continuously, for main effects."""
-LEAST_RUNS = 64
-"""Finished runs of a sample from which first-order indices are estimated."""
-SMALL = 1e-12
-"""Of an answer's size: spread below which it does not vary."""
+MISSING = "missing"  # status of a run without an outcome
+BINS = 8  # of what varies continuously, for main effects
+LEAST_RUNS = 64  # finished runs of a sample from which first-order indices are estimated
+SMALL = 1e-12  # of an answer's size: spread below which it does not vary
 EFFECTS = ("answer", "varied", "level", "mean", "least", "greatest", "runs")
 INDICES = ("answer", "varied", "first", "first_conf", "total", "total_conf")
 
@@ -45,15 +41,14 @@ def results_table(
         rows.append(
             {"run": one.number, "folder": one.digest[:FOLDER_DIGITS]}
             | {name: _cell(value) for name, value in zip(sweep.columns, one.values, strict=True)}
-            | {answer.label: _number(answers.get(answer.label)) for answer in sweep.answers}
-            | {
-                "status": outcome.get("status", MISSING),
-                "reason": outcome.get("reason", ""),
-                "wall_time_s": _number(outcome.get("wall_time_s")),
-            }
+            | {answer.label: answers.get(answer.label) for answer in sweep.answers}
+            | {"status": outcome.get("status", MISSING), "reason": outcome.get("reason", "")}
+            | {"wall_time_s": outcome.get("wall_time_s")}
         )
     table = pd.DataFrame(rows)
-    table.attrs = {"units": dict(sweep.units()), "meanings": dict(sweep.meanings())}
+    numbers = [*(answer.label for answer in sweep.answers), "wall_time_s"]
+    table[numbers] = table[numbers].astype(float)
+    table.attrs = {"units": sweep.units(), "meanings": sweep.meanings()}
     return table
 
 
@@ -66,30 +61,23 @@ def _tuples(value: Any) -> Any:
     return tuple(map(_tuples, value)) if isinstance(value, list | tuple) else value
 
 
-def _number(value: Any) -> float:
-    return float("nan") if value is None else float(value)
-
-
 def results_dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
     """Answers of a table over what varies if the design is a grid, else over the runs; with units."""
     names = [answer.label for answer in sweep.answers]
     if sweep.design == "grid":
-        levels = {one.label: [_cell(value) for value in one.levels()] for one in sweep.vary}
-        shape = [len(values) for values in levels.values()]
-        dimensions: list[str] = list(levels)
-        coordinates: dict[str, Any] = levels
+        coordinates: dict[str, Any] = {one.label: [*map(_cell, one.levels())] for one in sweep.vary}
+        shape, dimensions = [len(values) for values in coordinates.values()], [*coordinates]
     else:
+        coordinates = {name: ("run", table[name].to_numpy()) for name in ("run", *sweep.columns)}
         shape, dimensions = [len(table)], ["run"]
-        coordinates = {"run": table["run"].to_numpy()}
-        coordinates |= {name: ("run", table[name].to_numpy()) for name in sweep.columns}
     columns = {name: table[name].to_numpy(dtype=float) for name in (*names, "wall_time_s")}
     columns["run_number"] = table["run"].to_numpy()
     dataset = xr.Dataset(
         {name: (dimensions, values.reshape(shape)) for name, values in columns.items()}, coords=coordinates
     )
     units, meanings = sweep.units() | {"wall_time_s": "s"}, sweep.meanings()
-    for name in dataset.variables:
-        attributes = {"units": units.get(str(name), ""), "long_name": meanings.get(str(name), "")}
+    for name in map(str, dataset.variables):
+        attributes = {"units": units.get(name, ""), "long_name": meanings.get(name, "")}
         dataset[name].attrs |= {key: text for key, text in attributes.items() if text}
     return dataset
 
@@ -106,15 +94,14 @@ def write_parquet(table: pd.DataFrame, path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    units, meanings = table.attrs["units"] | {"wall_time_s": "s"}, table.attrs["meanings"]
+    of = {"units": table.attrs["units"] | {"wall_time_s": "s"}, "long_name": table.attrs["meanings"]}
     columns = pa.Table.from_pandas(table, preserve_index=False)
     fields = [
-        field.with_metadata({"units": units.get(field.name, ""), "long_name": meanings.get(field.name, "")})
+        field.with_metadata({key: texts.get(field.name, "") for key, texts in of.items()})
         for field in columns.schema
     ]
-    whole = columns.cast(pa.schema(fields, metadata=columns.schema.metadata))
     with whole_file(path, overwrite=True) as temporary:
-        pq.write_table(whole, temporary)
+        pq.write_table(columns.cast(pa.schema(fields, metadata=columns.schema.metadata)), temporary)
 
 
 def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:
@@ -135,7 +122,9 @@ def main_effects(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
     frames = [pd.DataFrame(columns=list(EFFECTS))]
     for name in sweep.columns if len(done) else ():
         values, texts = numbers_of(done, name)
-        groups = _binned(values) if len(np.unique(values)) > 2 * BINS else values
+        groups = values
+        if len(np.unique(values)) > 2 * BINS:
+            groups = (pd.Series(values).rank(method="first").to_numpy() - 1.0) * BINS // len(values)
         levels = pd.Series(values).groupby(groups).mean()
         for answer in sweep.answers:
             numbers = done[answer.label].where(np.isfinite(done[answer.label])).groupby(groups)
@@ -143,12 +132,6 @@ def main_effects(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
             by_level["level"] = [texts[round(level)] if texts else level for level in levels]
             frames.append(by_level[by_level["runs"] > 0].assign(answer=answer.label, varied=name))
     return pd.concat(frames[1:] or frames, ignore_index=True)[list(EFFECTS)]
-
-
-def _binned(values: NDArray) -> NDArray:
-    """Bin of every value, as many values in each."""
-    order = np.argsort(np.argsort(values, kind="stable"), kind="stable")
-    return (order * BINS) // len(values)
 
 
 def sobol_indices(sweep: Sweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]:
@@ -161,32 +144,22 @@ def sobol_indices(sweep: Sweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]
     """
     none = pd.DataFrame(columns=list(INDICES))
     done = table[table["status"] == DONE]
-    varying = [
-        answer.label
-        for answer in sweep.answers
-        if done[answer.label].notna().all() and _varies(done[answer.label])
-    ]
-    if not varying:
+    values = done[[answer.label for answer in sweep.answers]]
+    spread = values.max() - values.min()
+    varying = values.columns[values.notna().all() & (spread > SMALL * values.abs().max())]
+    if varying.empty:
         return none, "no answer varies"
     if sweep.design in ("grid", "saltelli"):
         if len(done) < len(table):
             return none, f"design {sweep.design!r} needs all runs to have finished"
     elif sweep.design == "list" or len(done) < LEAST_RUNS:
         return none, f"they need a grid, or at least {LEAST_RUNS} finished runs of a sample"
-    methods = {
-        "grid": (_of_grid, "variance of the grid's points"),
-        "saltelli": (_of_saltelli, "Saltelli's estimators"),
-    }
-    indices, method = methods.get(sweep.design, (_of_sample, "RBD-FAST, first order"))
+    indices, method = METHODS.get(sweep.design, (_of_sample, "RBD-FAST, first order"))
     frames = [
         pd.DataFrame({"answer": name, "varied": sweep.columns} | indices(sweep, done, done[name].to_numpy()))
         for name in varying
     ]
     return pd.concat(frames, ignore_index=True).reindex(columns=list(INDICES)), method
-
-
-def _varies(values: pd.Series) -> bool:
-    return bool(values.max() - values.min() > SMALL * values.abs().max())
 
 
 def _of_grid(sweep: Sweep, _done: pd.DataFrame, answer: NDArray) -> dict[str, Any]:
@@ -201,8 +174,7 @@ def _of_saltelli(sweep: Sweep, _done: pd.DataFrame, answer: NDArray) -> dict[str
     from SALib.analyze.sobol import analyze
 
     found = analyze(salib_problem(len(sweep.vary)), answer, calc_second_order=False, seed=sweep.seed)
-    names = {"first": "S1", "first_conf": "S1_conf", "total": "ST", "total_conf": "ST_conf"}
-    return {name: found[theirs] for name, theirs in names.items()}
+    return dict(zip(INDICES[2:], (found[name] for name in ("S1", "S1_conf", "ST", "ST_conf")), strict=True))
 
 
 def _of_sample(sweep: Sweep, done: pd.DataFrame, answer: NDArray) -> dict[str, Any]:
@@ -213,9 +185,15 @@ def _of_sample(sweep: Sweep, done: pd.DataFrame, answer: NDArray) -> dict[str, A
     return {"first": found["S1"], "first_conf": found["S1_conf"]}
 
 
+METHODS = {
+    "grid": (_of_grid, "variance of the grid's points"),
+    "saltelli": (_of_saltelli, "Saltelli's estimators"),
+}
+
+
 def write_page(
     sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, say: Callable[[str], None]
-) -> Path:
+) -> None:
     """Write the page of a sweep's results into its folder, and reports of its best and worst runs.
 
     `runs` is the folder of their folders; `say` gets a line about each report that cannot be written.
@@ -224,9 +202,12 @@ def write_page(
     for name in dict.fromkeys(one.folder for one in best):
         _report_of(runs / name, say)
     indices, method = sobol_indices(sweep, table)
+    counts = ", ".join(f"{count} {status}" for status, count in table["status"].value_counts().items())
+    drawn = f", {sweep.runs} points drawn with seed {sweep.seed}" if sweep.runs else ""
+    lead = f"{len(table)} runs of {sweep.case.duration:g} s, design {sweep.design}{drawn}: {counts}"
     view = SweepView(
         title=f"Sweep of {sweep.case.case.name}",
-        lead=(_lead(sweep, table),),
+        lead=(lead,),
         table=table,
         varied=sweep.columns,
         answers=tuple(answer.label for answer in sweep.answers),
@@ -238,40 +219,27 @@ def write_page(
         best=best,
         links={name: _link(folder, runs / name) for name in table["folder"]},
     )
-    path = folder / REPORT
-    with whole_file(path, overwrite=True) as temporary:
+    with whole_file(folder / REPORT, overwrite=True) as temporary:
         temporary.write_text(sweep_page(view), encoding="utf-8")
-    return path
 
 
 def best_and_worst(sweep: Sweep, table: pd.DataFrame) -> list[Best]:
     """Best and worst finished run of every answer."""
-    done = table[table["status"] == DONE]
-    rows = []
+    done, rows = table[table["status"] == DONE], []
     for answer in sweep.answers:
         values = done[answer.label].dropna()
         if values.empty:
             continue
-        ends = (values.idxmin(), values.idxmax())
-        for which, index in zip(
-            ("best", "worst"), ends[:: -1 if answer.better == "more" else 1], strict=True
-        ):
-            run, folder = done.loc[index, ["run", "folder"]]
-            rows.append(Best(answer.label, which, int(run), str(folder), float(values[index])))
+        least, greatest = values.idxmin(), values.idxmax()
+        best, worst = (greatest, least) if answer.better == "more" else (least, greatest)
+        for which, row in (("best", done.loc[best]), ("worst", done.loc[worst])):
+            rows.append(Best(answer.label, which, int(row["run"]), row["folder"], float(row[answer.label])))
     return rows
-
-
-def _lead(sweep: Sweep, table: pd.DataFrame) -> str:
-    counts = table["status"].value_counts().to_dict()
-    by_status = ", ".join(f"{count} {status}" for status, count in counts.items())
-    drawn = f", {sweep.runs} points drawn with seed {sweep.seed}" if sweep.runs else ""
-    return f"{len(table)} runs of {sweep.case.duration:g} s, design {sweep.design}{drawn}: {by_status}"
 
 
 def _report_of(run: Path, say: Callable[[str], None]) -> None:
     """Write the report of a run, unless it is there and as new as the run."""
-    report = run / REPORT
-    outcome = run / OUTCOME
+    report, outcome = run / REPORT, run / OUTCOME
     if report.is_file() and outcome.is_file() and report.stat().st_mtime >= outcome.stat().st_mtime:
         note_written(report)
         return

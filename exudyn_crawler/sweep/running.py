@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -11,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.case import CaseFile, write_case
-from exudyn_crawler.case.files.case_file import NUMBER, stored_numbers
+from exudyn_crawler.case.case_file import NUMBER, stored_numbers
 from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
 from exudyn_crawler.run.folder.progress import progress_bar
@@ -21,24 +20,19 @@ from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
 from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome
 
-RUNS = "runs"
-"""Folder of the folders of runs, where a sweep names no other storage."""
+RUNS = "runs"  # folder of the folders of runs, where a sweep names no other storage
 BASE_CASE, DEFINITION = "base.toml", "sweep.json"
 TABLE, COLUMNS, DATASET = "results.csv", "results.parquet", "results.nc"
 REDUCTIONS = "reductions"
-BEGIN = 0.5
-"""s of a run beside its steps: rest, files, record."""
-STEP, STEP_FLEXIBLE = {True: 0.6e-3, False: 1.2e-3}, {True: 0.1e-3, False: 2.0e-3}
-"""s a step of 13 rigid shoes, half of it for the history, and more of it a flexible shoe, with compiled
-equations and without (docs/speed.md, docs/sweeps.md)."""
+# rules of thumb for the wall time of a run (docs/speed.md, docs/sweeps.md)
+BEGIN = 0.5  # s of a run beside its steps: rest, files, record
 SHOES = 13
-ROLLED, ROLLED_FLEXIBLE = 2.5, 1.0e-3
-"""How many times as much a step of rigid shoes takes in a rolled case, and s more of a flexible one there."""
-RECOVERY = 1.0e-3
-"""s a stored time of a flexible shoe, whose stresses are recovered."""
+STEP = {True: 0.6e-3, False: 1.2e-3}  # s a step of so many rigid shoes, with compiled equations and without
+STEP_FLEXIBLE = {True: 0.1e-3, False: 2.0e-3}  # s more of a flexible one
+ROLLED, ROLLED_FLEXIBLE = 2.5, 1.0e-3  # times that of rigid shoes, and s more of a flexible one, if rolled
+RECOVERY = 1.0e-3  # s a stored time of a flexible shoe, whose stresses are recovered
 TIMES = {"days": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
-PACKED = 0.75
-"""Size of a history on disk to that in memory."""
+PACKED = 0.75  # size of a history on disk to that in memory
 
 
 @dataclass(frozen=True)
@@ -107,7 +101,11 @@ def run_sweep(
     planned = sweep.planned
     folder = writable_folder(Path(out))
     runs = writable_folder(_runs_folder(folder, storage))
-    with _held_folder(folder, sweep, say) as work:
+    work = RunFolder(folder, say)
+    with held(folder, "sweep"), recorded(work):
+        write_case(sweep.case, folder / BASE_CASE, overwrite=True)
+        with whole_file(folder / DEFINITION, overwrite=True) as temporary:
+            temporary.write_text(sweep.model_dump_json(indent=2) + "\n", encoding="utf-8")
         stored, missing, line = _state(sweep, runs, retry)
         work.say(line)
         if missing:
@@ -150,18 +148,6 @@ def _runs_folder(folder: Path, storage: str | None) -> Path:
     return (folder / RUNS if storage is None else Path(storage)).resolve()
 
 
-@contextmanager
-def _held_folder(folder: Path, sweep: Sweep, say: Callable[[str], None]) -> Iterator[RunFolder]:
-    """Hold the folder of a sweep; its log, record, base case and definition are there."""
-    with held(folder, "sweep"):
-        work = RunFolder(folder, say)
-        with recorded(work):
-            write_case(sweep.case, folder / BASE_CASE, overwrite=True)
-            with whole_file(folder / DEFINITION, overwrite=True) as temporary:
-                temporary.write_text(sweep.model_dump_json(indent=2) + "\n", encoding="utf-8")
-            yield work
-
-
 def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], list[PlannedRun], str]:
     """Outcomes that are there, by digest, runs that are missing, each once, and both in a line.
 
@@ -192,30 +178,21 @@ def tasks_of(
     Workers may share a folder of `reductions`; `retry` runs those anew that have failed.
     """
     answers = ANSWERS.dump_json(sweep.answers).decode()
+    shared = None if reductions is None else str(reductions.resolve())
     for one in missing:
-        case_file, _ = sweep.case_of(one.values)
-        yield Task(
-            digest=one.digest,
-            case=case_file.model_dump_json(),
-            answers=answers,
-            runs=str(runs),
-            reductions=None if reductions is None else str(reductions.resolve()),
-            versions=own_versions(),
-            again=retry,
-        )
+        case = sweep.case_of(one.values)[0].model_dump_json()
+        yield Task(one.digest, case, answers, str(runs), shared, own_versions(), again=retry)
 
 
 def run_time(case_file: CaseFile) -> float:
     """Wall time of a run by a rule of thumb, s; a reduction, done once, is not in it."""
     case, solver = case_file.case, case_file.case.solver
     flexible = 0 if case.flexible is None else len(case.flexible.shoes)
-    compiled = case.is_compiled
-    step, more = STEP[compiled] * case.track.shoe_count / SHOES, STEP_FLEXIBLE[compiled]
+    step, more = STEP[case.is_compiled] * case.track.shoe_count / SHOES, STEP_FLEXIBLE[case.is_compiled]
     if case.is_rolled:
         step, more = ROLLED * step, ROLLED_FLEXIBLE
-    step += more * flexible
-    recovered = flexible * solver.stored_times(case_file.duration)
-    return BEGIN + case_file.duration / solver.step * step + RECOVERY * recovered
+    recovered = RECOVERY * flexible * solver.stored_times(case_file.duration)
+    return BEGIN + case_file.duration / solver.step * (step + more * flexible) + recovered
 
 
 def run_bytes(case_file: CaseFile) -> float:

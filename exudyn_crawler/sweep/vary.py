@@ -3,24 +3,29 @@
 import math
 from collections.abc import Iterable, Iterator
 from functools import partial
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.files.errors import error_lines, shown
-from exudyn_crawler.case.files.files import from_content
 from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Name, Parameters
+from exudyn_crawler.case.parameters.base import Name, Parameters, error_lines, shown
 from exudyn_crawler.case.parameters.loads import with_equal_loads
+from exudyn_crawler.case.parameters.reading import from_content
 
-MOST_ERRORS = 3
-"""That an error names."""
-
-Puts = tuple[Any, ...]
-"""Values, one a path."""
+MOST_ERRORS = 3  # that an error names
+Puts = tuple[Any, ...]  # values, one a path
 Key = Annotated[str, Field(min_length=1, max_length=200)]
+IDLE: dict[str, dict[str, Any]] = {
+    "contact.edge_width": {"contact.sharing": "area"},
+    "contact.damping_depth": {"contact.damping": 0.0},
+    "contact.stiction_speed": {"contact.static_friction": 0.0},
+    "contact.friction_speed": {"contact.static_friction": 0.0, "contact.friction": 0.0},
+    "terrain.spring_offset": {"terrain.springs_per_unit": 1},
+    "solver.quiet_step": {"drive.on": None},
+}
+"""Paths whose values change nothing where one of others has a value."""
 
 
 def checked_case(content: dict[str, Any]) -> CaseFile:
@@ -61,37 +66,36 @@ class Vary(Parameters):
     )
     factor: bool = Field(default=False, description="whether values and bounds multiply what the base has")
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         for path in self.keys:
             fields.parse_path(path)
         if not self.keys or len(set(self.keys)) != len(self.keys):
-            raise ValueError(f"key must be a path, or different ones, got {list(self.keys)}")
-        if self.values is not None:
-            if (self.low, self.high, self.count) != (None, None, None):
-                raise ValueError(f"{self.label}: values take the place of low, high and count")
-            if not self.values or any(one in self.values[:k] for k, one in enumerate(self.values)):
-                raise ValueError(f"{self.label}: values must be different ones, got {list(self.values)}")
-            if self.settings is not None:
-                self._check_settings(self.values, self.settings)
-            return self
-        if self.settings is not None:
-            raise ValueError(f"{self.label}: settings need values, which they stand for")
-        if self.low is None or self.high is None:
-            raise ValueError(f"{self.label}: give values, or low and high")
-        if self.low >= self.high:
-            raise ValueError(f"{self.label}: low must be less than high = {self.high:g}, got {self.low:g}")
-        if self.scale == "log" and self.low <= 0.0:
-            raise ValueError(f"{self.label}: low must be positive with scale 'log', got {self.low:g}")
-        return self
+            yield f"key must be a path, or different ones, got {list(self.keys)}"
+        yield from (f"{self.label}: {error}" for error in self._value_errors())
 
-    def _check_settings(self, values: tuple[Any, ...], settings: tuple[Puts, ...]) -> None:
+    def _value_errors(self) -> Iterator[str]:
+        if self.values is None:
+            if self.settings is not None:
+                yield "settings need values, which they stand for"
+            if self.low is None or self.high is None:
+                yield "give values, or low and high"
+            elif self.low >= self.high:
+                yield f"low must be less than high = {self.high:g}, got {self.low:g}"
+            elif self.scale == "log" and self.low <= 0.0:
+                yield f"low must be positive with scale 'log', got {self.low:g}"
+            return
+        if (self.low, self.high, self.count) != (None, None, None):
+            yield "values take the place of low, high and count"
+        if not self.values or any(one in self.values[:k] for k, one in enumerate(self.values)):
+            yield f"values must be different ones, got {list(self.values)}"
+        if self.settings is None:
+            return
         if self.name is None or self.factor:
-            raise ValueError(f"{self.label}: settings need a name of their values, and no factor")
-        counts = [len(row) for row in settings]
-        if counts != [len(self.keys)] * len(values):
-            raise ValueError(
-                f"{self.label}: settings must be {len(values)} lists, one a value, of {len(self.keys)} each, "
+            yield "settings need a name of their values, and no factor"
+        counts, paths = [len(row) for row in self.settings], len(self.keys)
+        if counts != [paths] * len(self.values):
+            yield (
+                f"settings must be {len(self.values)} lists, one a value, of {paths} each, "
                 f"one a path, got lists of {counts}"
             )
 
@@ -144,15 +148,13 @@ class Vary(Parameters):
             whole = isinstance(before, int) and not isinstance(before, bool) and isinstance(put, float)
             return round(put) if whole and self.values is None else put
 
-        settings, values = self.settings, self.values
-        puts = (
-            (value,) * len(self.keys) if settings is None or values is None else settings[values.index(value)]
-        )
+        puts: Puts = (value,) * len(self.keys)
+        if self.settings is not None and self.values is not None:
+            puts = self.settings[self.values.index(value)]
         for path, put in zip(self.keys, puts, strict=True):
             try:
-                content = fields.with_change(
-                    content, fields.parse_path(path), partial(change, put=put), CaseFile
-                )
+                change_to = partial(change, put=put)
+                content = fields.with_change(content, fields.parse_path(path), change_to, CaseFile)
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
         return content
@@ -168,23 +170,21 @@ class Vary(Parameters):
             # settings are computed: their unit is that of what they stand for
             if entry is not None and self.settings is None:
                 self._check_unit(path, entry)
-        for value in self.values or (self.low, self.high):
+        content = case_file.model_dump(mode="json")
+        values = self.values or (self.low, self.high)
+        for value in values:
             try:
-                checked_case(self.applied(case_file.model_dump(mode="json"), value))
+                checked_case(self.applied(content, value))
             except ValueError as error:
                 # whether values fit each other depends on what else varies
                 if not _only_together(error):
                     raise
         if self.factor:
-            self._check_multiplies(case_file)
-
-    def _check_multiplies(self, case_file: CaseFile) -> None:
-        """Refuse factors of what is zero."""
-        before = content = case_file.model_dump(mode="json")
-        for value in (self.values or (self.low, self.high))[:2]:
-            content = self.applied(content, value)
-        if content == before:
-            raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
+            after = content
+            for value in values[:2]:
+                after = self.applied(after, value)
+            if after == content:
+                raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
 
     def _check_unit(self, path: str, entry: fields.Entry) -> None:
         """Refuse another unit, and numbers that without a unit are likely in another."""
@@ -194,9 +194,8 @@ class Vary(Parameters):
         if self.unit is not None or self.factor:
             return
         for value in self.values or (self.low, self.high):
-            if not isinstance(value, int | float) or isinstance(value, bool):
-                continue
-            if cause := fields.likely_cause(float(value), entry.field):
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if number and (cause := fields.likely_cause(float(value), entry.field)):
                 unit = f" {entry.unit}" if entry.unit else ""
                 raise ValueError(
                     f"{path}: {value:g}{unit} is beyond what there is{cause}; if it is meant, say "
@@ -220,17 +219,6 @@ def _multiplied(before: Any, factor: Any) -> Any:
     if not math.isfinite(product):
         raise ValueError(f"the product must be finite, got {product}")
     return round(product) if isinstance(before, int) and product == round(product) else product
-
-
-IDLE: dict[str, dict[str, Any]] = {
-    "contact.edge_width": {"contact.sharing": "area"},
-    "contact.damping_depth": {"contact.damping": 0.0},
-    "contact.stiction_speed": {"contact.static_friction": 0.0},
-    "contact.friction_speed": {"contact.static_friction": 0.0, "contact.friction": 0.0},
-    "terrain.spring_offset": {"terrain.springs_per_unit": 1},
-    "solver.quiet_step": {"drive.on": None},
-}
-"""Paths whose values change nothing where one of others has a value."""
 
 
 def idle(paths: Iterable[str], case: Case) -> Iterator[str]:

@@ -1,6 +1,7 @@
 """One run of a sweep in its folder, as a worker does it, and what became of it."""
 
 import json
+import math
 import os
 import platform
 import socket
@@ -25,9 +26,7 @@ from exudyn_crawler.sweep.definition import FOLDER_DIGITS
 LOCK_WAIT = 600.0
 """s for which a run waits for another process at it: a worker that the scheduler took for dead, say."""
 DONE, FAILED = "done", "failed"
-OUTCOME = "outcome.json"
-"""What became of a run of a sweep, in its folder."""
-
+OUTCOME = "outcome.json"  # what became of a run of a sweep, in its folder
 Outcome = dict[str, Any]
 """Of a run: digest, status ("done" or "failed"), reason, answers by name, asked (definitions of the answers),
 wall_time_s, host, process and finished."""
@@ -57,22 +56,15 @@ class Task:
 @cache
 def own_versions() -> dict[str, str]:
     """What has to be the same on client and workers, by name."""
-    python = ".".join(platform.python_version_tuple()[:2])
     names = ("exudyn-crawler", "exudyn", "numpy", "scipy", "distributed")
-    return {
-        "Python": python,
-        **{name: version(name) for name in names},
-        "sources": program_digest()[:12],
-    }
+    python = {"Python": ".".join(platform.python_version_tuple()[:2])}
+    return python | {name: version(name) for name in names} | {"sources": program_digest()[:12]}
 
 
 def check_versions(wanted: Mapping[str, str], there: Mapping[str, str], where: str) -> None:
     """Refuse, by `VersionsDiffer`, a worker whose versions are not the client's."""
-    differing = [
-        f"{name} {there.get(name, 'missing')} there, {here} here"
-        for name, here in wanted.items()
-        if there.get(name) != here
-    ]
+    pairs = [(name, there.get(name, "missing"), here) for name, here in wanted.items()]
+    differing = [f"{name} {other} there, {here} here" for name, other, here in pairs if other != here]
     if differing:
         raise VersionsDiffer(f"worker {where} has other versions: {', '.join(differing)}")
 
@@ -85,18 +77,14 @@ def run_task(task: Task) -> Outcome:
     check_versions(task.versions, own_versions(), socket.gethostname())
     begun = time.perf_counter()
     failed_before = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
-    folder = folder_of(task.runs, task.digest)
-    folder.mkdir(parents=True, exist_ok=True)
-    outcome: Outcome
+    error, answers = None, {}
     try:
-        answers = _answered(task, folder, overwrite=task.again and failed_before)
-        outcome = {"status": DONE, "reason": "", "answers": answers}
-    except Exception as error:
-        outcome = {"status": FAILED, "reason": reason_of(error), "answers": {}}
-    outcome |= {"host": socket.gethostname(), "process": os.getpid()}
-    outcome |= {"wall_time_s": round(time.perf_counter() - begun, 3)}
-    outcome = _written(task, folder, outcome)
-    note_file(folder / OUTCOME)
+        answers = _answered(task, overwrite=task.again and failed_before)
+    except Exception as raised:
+        error = raised
+    here = {"host": socket.gethostname(), "process": os.getpid()}
+    outcome = write_outcome(task, error, answers, **here, wall_time_s=round(time.perf_counter() - begun, 3))
+    note_file(folder_of(task.runs, task.digest) / OUTCOME)
     return outcome
 
 
@@ -115,49 +103,42 @@ def read_outcome(runs: str | Path, digest: str) -> Outcome | None:
     return outcome if whole and isinstance(outcome.get("answers"), dict) else None
 
 
-def _written(task: Task, folder: Path, outcome: Outcome) -> Outcome:
-    """Outcome of a task, written into its folder."""
-    outcome = {"digest": task.digest, "asked": json.loads(task.answers), **outcome, "finished": timestamp()}
+def write_outcome(
+    task: Task, error: BaseException | None, answers: Mapping[str, float | None], **more: Any
+) -> Outcome:
+    """Write the outcome of a run, which fails with an error, into its folder.
+
+    An error is a line, with its kind where it is none of the package's own.
+    """
+    reason = "" if error is None else " ".join(str(error).split())
+    if error is not None and not (isinstance(error, CrawlerError | ValueError | OSError) and reason):
+        reason = f"{type(error).__name__}: {reason}"
+    outcome = {"digest": task.digest, "asked": json.loads(task.answers)}
+    outcome |= {"status": DONE if error is None else FAILED, "reason": reason, "answers": answers, **more}
+    outcome |= {"finished": timestamp()}
+    folder = folder_of(task.runs, task.digest)
+    folder.mkdir(parents=True, exist_ok=True)
     with whole_file(folder / OUTCOME, overwrite=True) as temporary:
         temporary.write_text(json.dumps(outcome, indent=2) + "\n", encoding="utf-8")
     return outcome
 
 
-def reason_of(error: BaseException) -> str:
-    """Error in a line, with its kind where it is none of the package's own."""
-    text = " ".join(str(error).split())
-    is_clear = isinstance(error, CrawlerError | ValueError | OSError) and text
-    return text if is_clear else f"{type(error).__name__}: {text}"
-
-
-def failed_outcome(task: Task, error: BaseException) -> Outcome:
-    """Outcome of a run whose worker could not report it: it died, say."""
-    folder = folder_of(task.runs, task.digest)
-    folder.mkdir(parents=True, exist_ok=True)
-    return _written(task, folder, {"status": FAILED, "reason": reason_of(error), "answers": {}})
-
-
-def _answered(task: Task, folder: Path, overwrite: bool) -> dict[str, float | None]:
+def _answered(task: Task, overwrite: bool) -> dict[str, float | None]:
     """Answers of a run by name; None where a run has none."""
-    case_file = CaseFile.model_validate_json(task.case)
+    case_file, folder = CaseFile.model_validate_json(task.case), folder_of(task.runs, task.digest)
+    folder.mkdir(parents=True, exist_ok=True)
+    how = {"overwrite": overwrite, "take_finished": True, "progress": False, "reductions": task.reductions}
     give_up = time.monotonic() + LOCK_WAIT
     with warnings.catch_warnings():
         # the sweep warns of them once
         warnings.simplefilter("ignore", ImplausibleWarning)
         while True:
             try:
-                run = run_case(
-                    case_file,
-                    folder,
-                    overwrite=overwrite,
-                    take_finished=True,
-                    progress=False,
-                    reductions=task.reductions,
-                )
+                run = run_case(case_file, folder, **how)
                 break
             except BlockingIOError:
                 if time.monotonic() > give_up:
                     raise
                 time.sleep(1.0)
         answers = {one.label: one.of_run(run) for one in ANSWERS.validate_json(task.answers)}
-    return {name: None if value != value else value for name, value in answers.items()}
+    return {name: None if math.isnan(value) else value for name, value in answers.items()}

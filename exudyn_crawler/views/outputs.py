@@ -5,7 +5,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from exudyn_crawler.case.files.case_file import Outputs
+from exudyn_crawler.case import Outputs
 from exudyn_crawler.files import blocks, whole_file, write_netcdf_along
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History

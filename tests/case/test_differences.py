@@ -3,7 +3,7 @@
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case.files.case_file import differences, nearest_base
+from exudyn_crawler.case.case_file import differences, nearest_base
 
 
 @pytest.mark.parametrize("name", ["translation", "turning", "stress"])

@@ -20,7 +20,7 @@ from exudyn_crawler import (
     write_case,
 )
 from exudyn_crawler.case import Outputs
-from exudyn_crawler.case.files.case_file import case_text
+from exudyn_crawler.case.case_file import case_text
 from exudyn_crawler.case.parameters.fields import case_rows, key_paths, named_values, number_text
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from meshes import shoe_path

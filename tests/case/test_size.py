@@ -5,7 +5,7 @@ import time
 import pytest
 
 from exudyn_crawler import Case, CaseFile, SphereContact, simulate
-from exudyn_crawler.case.files.case_file import check_modes, check_size, machine_memory
+from exudyn_crawler.case.case_file import check_modes, check_size, machine_memory
 
 STRAIGHT = Case.translation()
 

@@ -7,7 +7,7 @@ import pytest
 
 from exudyn_crawler import Case, StepProfile
 from exudyn_crawler.case import Drive
-from exudyn_crawler.case.files.case_file import Outputs
+from exudyn_crawler.case.case_file import Outputs
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress.basis import stress_basis

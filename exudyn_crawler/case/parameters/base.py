@@ -1,27 +1,38 @@
-"""What all parameter classes are: checked, frozen, with units; quantities over time among them."""
+"""What all parameter classes are: checked, frozen, with units; and the words for what is wrong with one."""
 
-from collections.abc import Mapping
-from functools import lru_cache
+import difflib
+from collections.abc import Iterator, Mapping
 from html import escape
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from annotated_types import Ge, Le, MaxLen, MinLen
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
-from exudyn_crawler.case.files.errors import error_lines, shown
-from exudyn_crawler.case.parameters.fields import case_rows, parse_path, with_value
+from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import ParameterError
 
-FAR = 1e6
-"""m, beyond which places are no longer exact to a tenth of a micrometre."""
+FAR = 1e6  # m, beyond which places are no longer exact to a tenth of a micrometre
+FORMULA = ("=", "+", "-", "@")  # what a cell of a table begins with that spreadsheets take for a formula
+SHOWN = 60  # characters of a refused value that an error shows
+MOST_UNKNOWN = 10  # unknown keys that errors name
+
+# bounds beyond which no machine could be meant, or numbers fail
 Place = Annotated[float, Ge(-FAR), Le(FAR)]
-"""Coordinate of a place."""
-Component = Annotated[float, Ge(-1e12), Le(1e12)]
-"""Of a force, a moment or an inertia."""
-FORMULA = ("=", "+", "-", "@")
-"""What a cell of a table begins with that spreadsheets take for a formula."""
+Component = Annotated[float, Ge(-1e12), Le(1e12)]  # of a force, a moment or an inertia
+Length = Annotated[float, Ge(1e-3), Le(100.0)]
+Depth = Annotated[float, Ge(1e-9), Le(10.0)]
+Speed = Annotated[float, Ge(1e-9), Le(100.0)]
+Density = Annotated[float, Ge(1e-3), Le(1e6)]
+Stiffness = Annotated[float, Ge(1.0), Le(1e18)]
+Exponent = Annotated[float, Ge(1.0), Le(10.0)]
+Damping = Annotated[float, Ge(0.0), Le(1e12)]
+Coefficient = Annotated[float, Ge(0.0), Le(10.0)]  # of friction or resistance
+Two = tuple[Place, Place]
+Three = tuple[Place, Place, Place]
+Six = tuple[Component, Component, Component, Component, Component, Component]
 
 
 def _fit_for_tables(name: str) -> str:
@@ -36,7 +47,6 @@ def _fit_for_tables(name: str) -> str:
 
 Name = Annotated[str, MinLen(1), MaxLen(100), AfterValidator(_fit_for_tables)]
 """Of a case, a phase or a run, as tables and pages show it."""
-Six = tuple[Component, Component, Component, Component, Component, Component]
 
 
 def _of_a_body(inertia: Six) -> Six:
@@ -59,8 +69,20 @@ def inertia_tensor(inertia: Six) -> NDArray:
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
+def quantity(unit: str, description: str, plausible: tuple[float, float] | None = None, **bounds: Any) -> Any:
+    """Pydantic field of a physical quantity.
+
+    A run warns of values outside of those `plausible` of machines and ground as there are. Outside of the
+    `bounds` (gt, ge, lt, le of `pydantic.Field`) no machine could be meant, or numbers fail.
+    """
+    extra: dict[str, Any] = {"unit": unit}
+    if plausible is not None:
+        extra["plausible"] = list(plausible)
+    return Field(description=description, json_schema_extra=extra, **bounds)
+
+
 class Parameters(BaseModel):
-    """Frozen, validated group of parameters.
+    """Frozen, validated group of parameters; what does not fit each other is what `_errors` yields first.
 
     Raises
     ------
@@ -79,6 +101,16 @@ class Parameters(BaseModel):
     # parts that are given as tables are validated in one go, so that their faults have the whole path
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
+    @model_validator(mode="after")
+    def _refuse_errors(self) -> Self:
+        for error in self._errors():
+            raise ValueError(error)
+        return self
+
+    def _errors(self) -> Iterator[str]:
+        """What of the values does not fit each other; each may take for granted what stands before it."""
+        yield from ()
+
     def __setattr__(self, name: str, value: Any) -> None:
         try:
             super().__setattr__(name, value)
@@ -87,15 +119,15 @@ class Parameters(BaseModel):
                 f"{name}: parameters do not change, got {shown(value)}; with_({name}=...) gives a copy"
             ) from None
 
-    def with_(self, changes: Mapping[str, Any] | None = None, /, **fields: Any) -> Self:
+    def with_(self, changes: Mapping[str, Any] | None = None, /, **values: Any) -> Self:
         """Copy with some values changed, validated again.
 
         Parameters
         ----------
         changes : mapping, optional
             Values by their paths: ``{"terrain.spring_stiffness": 1e7, "loads.phases[*].side_shift": 0.1}``.
-        **fields
-            Values of fields.
+        **values
+            Of fields.
 
         Raises
         ------
@@ -103,105 +135,130 @@ class Parameters(BaseModel):
             Naming each field at fault, its value and what is allowed.
         """
         # of its pairs: a class may have a property `keys`
-        values = dict(iter(self)) | fields
+        changed = dict(iter(self)) | values
         for path, value in (changes or {}).items():
             try:
-                values = with_value(values, parse_path(path), value, type(self))
+                changed = fields.with_value(changed, fields.parse_path(path), value, type(self))
             except ValueError as error:
                 raise ParameterError(f"{path}: {error}") from None
-        return type(self)(**values)
+        return type(self)(**changed)
 
     def _repr_html_(self) -> str:
         """Table of every value with unit and meaning, for notebooks."""
         head = "".join(f"<th>{name}</th>" for name in ("", "value", "unit", "meaning"))
         rows = "".join(
             "<tr>" + "".join(f'<td style="text-align: left">{escape(cell)}</td>' for cell in row) + "</tr>"
-            for row in case_rows(self)
+            for row in fields.case_rows(self)
         )
         return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
 
 
-def quantity(unit: str, description: str, plausible: tuple[float, float] | None = None, **bounds: Any) -> Any:
-    """Pydantic field of a physical quantity.
+def shown(value: object) -> str:
+    """Value as an error shows it, on one line and cut where it is long."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= SHOWN else text[: SHOWN - 4] + " ..."
 
-    A run warns of values outside of those `plausible` of machines and ground as there are. Outside of the
-    `bounds` (gt, ge, lt, le of `pydantic.Field`) no machine could be meant, or numbers fail.
+
+def error_lines(error: ValidationError, model: type[BaseModel], in_file: bool = True) -> Iterator[str]:
+    """Errors that a validation found, a line each: the key's path, what is wrong and what is allowed.
+
+    `model` is the class that was to be made, of values in a file or of arguments.
     """
-    extra: dict[str, Any] = {"unit": unit}
-    if plausible is not None:
-        extra["plausible"] = list(plausible)
-    return Field(description=description, json_schema_extra=extra, **bounds)
+    found, unknown = error.errors(include_url=False), 0
+    for one in found:
+        loc = tuple(one["loc"])
+        unknown += one["type"] == "extra_forbidden"
+        if one["type"] == "extra_forbidden" and unknown > MOST_UNKNOWN:
+            continue
+        if one["type"] == "too_short" and any(
+            other["loc"][: len(loc)] == loc and other is not one for other in found
+        ):
+            continue  # what is in the list is wrong, not how much
+        yield " ".join(_message(one, _spot(loc, model, in_file), model, in_file).split())
+    if unknown > MOST_UNKNOWN:
+        yield f"{unknown} keys are unknown, of which the first {MOST_UNKNOWN} are named"
 
 
-class StepProfile(Parameters):
-    """Values at increasing times, joined by cubic STEPs, constant before and after.
+class _Spot(NamedTuple):
+    """Where an error is: the place as a file has it, the class of the table there, and classes beside."""
 
-    With ``s = (t - t0) / (t1 - t0)`` the value runs as ``v0 + (v1 - v0) s**2 (3 - 2 s)``, so its rate
-    is zero at every given time (ADAMS STEP).
-    """
-
-    is_value: ClassVar[bool] = True
-
-    times: Annotated[tuple[float, ...], Field(min_length=1, description="increasing times, s")]
-    values: Annotated[
-        tuple[Component, ...],
-        Field(min_length=1, description="value at each time"),
-    ]
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if len(self.times) != len(self.values):
-            raise ValueError(
-                f"times and values must be equally many: {len(self.times)} != {len(self.values)}"
-            )
-        if np.any(np.diff(self.times) <= 0.0):
-            raise ValueError(f"times must increase, got {self.times}")
-        with np.errstate(all="ignore"):
-            cubes = np.diff(self.times) ** 3
-            joined = np.isfinite(cubes) & np.isfinite(np.diff(self.values) / cubes)
-        if not joined.all():
-            raise ValueError(f"times must be apart enough to be joined in numbers, got {self.times}")
-        return self
-
-    def __str__(self) -> str:
-        return ", ".join(f"{v:.8g} at {t:g}" for t, v in zip(self.times, self.values, strict=True))
-
-    @classmethod
-    def constant(cls, value: float) -> Self:
-        """Same value at all times."""
-        return cls(times=(0.0,), values=(value,))
-
-    def _at(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
-        """Number of the STEP that each time lies in, and the share of it that is over; 0 before the first."""
-        times, _, lengths, _ = _steps(self.times, self.values)
-        inside = np.minimum(np.maximum(time, times[0]), times[-1])
-        step = times.searchsorted(inside, side="right") - 1
-        return step, (inside - times[step]) / lengths[step]
-
-    def value(self, time: ArrayLike) -> NDArray:
-        """Value at each time."""
-        _, values, _, rises = _steps(self.times, self.values)
-        step, s = self._at(time)
-        return values[step] + rises[step] * s**2 * (3.0 - 2.0 * s)
-
-    def rate(self, time: ArrayLike) -> NDArray:
-        """Time derivative at each time."""
-        _, _, lengths, rises = _steps(self.times, self.values)
-        step, s = self._at(time)
-        return 6.0 * rises[step] / lengths[step] * s * (1.0 - s)
-
-    def integral(self, time: ArrayLike) -> NDArray:
-        """Integral from the first given time to each time (negative before it)."""
-        times, values, lengths, rises = _steps(self.times, self.values)
-        step, s = self._at(time)
-        before = np.append(0.0, np.cumsum(lengths * (values + 0.5 * rises))[:-1])
-        within = lengths[step] * s * (values[step] + rises[step] * s**2 * (1.0 - 0.5 * s))
-        beyond = time - np.minimum(np.maximum(time, times[0]), times[-1])
-        return before[step] + within + beyond * self.value(time)
+    place: fields.KeyPath
+    table: type[BaseModel]
+    others: tuple[type[BaseModel], ...]  # that the table might be of instead
+    held: tuple[type[BaseModel], ...]  # one of which the field there holds
 
 
-@lru_cache(maxsize=256)
-def _steps(times: tuple[float, ...], values: tuple[float, ...]) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """Start (s), first value, length (s) and rise of every STEP, a flat one last."""
-    starts, firsts = np.array(times), np.array(values)
-    return starts, firsts, np.append(np.diff(starts), 1.0), np.append(np.diff(firsts), 0.0)
+def _spot(loc: fields.KeyPath, model: type[BaseModel], in_file: bool) -> _Spot:
+    """Where pydantic's place is, which names the tag of a part that may be of several classes, too."""
+    spot, instead = _Spot((), model, (), (model,)), ()
+    for part in loc:
+        if isinstance(part, int):
+            spot = spot._replace(place=(*spot.place, part))
+            continue
+        if len(spot.held) > 1 and part in map(fields.tag_of, spot.held):
+            instead = tuple(kind for kind in spot.held if fields.tag_of(kind) != part)
+            spot = spot._replace(held=tuple(kind for kind in spot.held if kind not in instead))
+            continue
+        table = spot.held[0] if spot.held else spot.table
+        field = table.model_fields.get(part)
+        place = spot.place if in_file and part == fields.beside(table) else (*spot.place, part)
+        spot = _Spot(place, table, instead, fields.models_of(field.annotation) if field else ())
+        instead = ()
+    return spot
+
+
+def _message(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
+    kind, given, path = one["type"], one["input"], fields.path_text(spot.place)
+    head = f"{path}: " if path else ""
+    message = one["msg"].removeprefix("Value error, ")
+    if kind.endswith("_parsing"):
+        message = message.partition(", unable to ")[0]
+    if kind == "extra_forbidden":
+        return f"{path}: {_unknown(spot, model, in_file)}"
+    if kind == "missing":
+        return f"{path}: missing{_remedy(one, spot, in_file)}"
+    if kind == "value_error":
+        return f"{head}{message}"
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        tag = given.get(fields.TAG) if isinstance(given, dict) else given
+        allowed = " or ".join(repr(fields.tag_of(held)) for held in spot.held)
+        return f"{path}.{fields.TAG}: Input should be {allowed}, got {shown(tag)}"
+    if in_file:
+        message = message.replace("be an object", "be a table")
+    elif kind in ("model_type", "model_attributes_type"):
+        message = f"Input should be {' or '.join(held.__name__ for held in spot.held)}"
+    name = next((part for part in reversed(spot.place) if isinstance(part, str)), "")
+    field, cause = spot.table.model_fields.get(name), ""
+    if kind.startswith(("less_than", "greater_than")) and field and isinstance(given, int | float):
+        cause = fields.likely_cause(float(given), field)
+    return f"{head}{message}, got {shown(given)}{cause}"
+
+
+def _remedy(one: ErrorDetails, spot: _Spot, in_file: bool) -> str:
+    """What to do about a value that is not there."""
+    if isinstance(spot.place[-1], int):
+        return f", got {shown(one['input'])}"
+    if in_file:
+        in_list = any(isinstance(part, int) for part in spot.place)
+        return "" if in_list else "; give it, or a base for what is left out"
+    named = " or ".join(f"{spot.table.__name__}.{name}()" for name in fields.named_values(spot.table))
+    return f"; give it, or change a copy of {named}" if named else ""
+
+
+def _unknown(spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
+    """Hint at the name that was meant: of the same table if one is near, else of another."""
+    wrong, start = str(spot.place[-1]), spot.place[:-1]
+    for other in spot.others:
+        if wrong in other.model_fields:
+            this, that = fields.tag_of(spot.table), fields.tag_of(other)
+            return f"unknown key with {fields.TAG} = {this!r}; {fields.TAG} = {that!r} has it"
+    names = [*(fields.file_fields(model) if in_file and not start else spot.table.model_fields)]
+    near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.7)
+    if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
+        return f"unknown key; did you mean {fields.path_text((*start, near[0]))}?"
+    # of several the first
+    elsewhere = {path.rpartition(".")[2]: path for path in reversed([*fields.key_paths(model)])}
+    if near := difflib.get_close_matches(wrong, elsewhere, n=1, cutoff=0.7):
+        return f"unknown key; did you mean {elsewhere[near[0]]}?"
+    near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.0) or names[:1]
+    return f"unknown key; the nearest is {near[0]}, allowed are {', '.join(names)}"

@@ -1,4 +1,4 @@
-"""Before a run: whether it fits the memory, and what no machine and no ground is known to have."""
+"""Before a run: what no machine and no ground is known to have."""
 
 import logging
 import warnings
@@ -8,33 +8,24 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
-from pydantic.fields import FieldInfo
 
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.parameters.base import StepProfile
-from exudyn_crawler.case.parameters.fields import in_units, likely_cause, plausible_range, unit_of, walk
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters.drive import StepProfile
 from exudyn_crawler.errors import ImplausibleWarning
 
 logger = logging.getLogger("exudyn_crawler")
 
-_newtons = partial(in_units, units={"GN": 1e9, "MN": 1e6, "kN": 1e3, "N": 1.0}, digits=4)
-LEAST_LOAD, GREATEST_LOAD = 1e3, 1e7
-"""N, mean load of the machine on a shoe."""
+_newtons = partial(fields.in_units, units={"GN": 1e9, "MN": 1e6, "kN": 1e3, "N": 1.0}, digits=4)
+LEAST_LOAD, GREATEST_LOAD = 1e3, 1e7  # N, mean load of the machine on a shoe
 KILO = 1e3
-CLEARLY_LESS = 200.0
-"""Times that a load is less than the greatest of its phase to be a likely mistake."""
-LIKE = 2.0
-"""Ratio of loads that are alike."""
-MOST_SHOWN = 5
-"""Shoes that a line lists."""
-LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0
-"""m, radii of gyration of a shoe."""
-SHALLOWEST = 1e-5
-"""m that a shoe plausibly sinks into a unit at least."""
-DEEPEST = 0.5
-"""Of the way from a shoe's underside to its load point: how far it plausibly sinks into a unit."""
-GREATEST_SAG = 0.5
-"""Of a unit's height: how far its weight and its share of the track plausibly press it down."""
+CLEARLY_LESS = 200.0  # times that a load is less than the greatest of its phase to be a likely mistake
+LIKE = 2.0  # ratio of loads that are alike
+MOST_SHOWN = 5  # shoes that a line lists
+LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0  # m, radii of gyration of a shoe
+SHALLOWEST = 1e-5  # m that a shoe plausibly sinks into a unit at least
+DEEPEST = 0.5  # of the way from a shoe's underside to its load point: how far it plausibly sinks into a unit
+GREATEST_SAG = 0.5  # of a unit's height: how far its weight and its share of the track press it down
 
 
 def _loads(case: Case) -> Iterator[str]:
@@ -46,7 +37,7 @@ def _loads(case: Case) -> Iterator[str]:
         whole = loads.sum()
         if loads.min() < 0.0:
             up = _shoes(np.flatnonzero(loads < 0.0) + 1)
-            yield (f"{at}.loads: {_newtons(loads.min())} {end} lifts {up}; loads press down and are positive")
+            yield f"{at}.loads: {_newtons(loads.min())} {end} lifts {up}; loads press down and are positive"
         elif not case.is_rolled and not LEAST_LOAD <= whole / len(loads) <= GREATEST_LOAD:
             cause = f"{_newtons(whole)} in all; loads are in N"
             if whole == 0.0:
@@ -88,25 +79,20 @@ def _inertia(case: Case) -> Iterator[str]:
         yield (
             f"shoe.inertia: with a mass of {case.shoe.mass:g} kg it gives radii of gyration of "
             f"{radii[0]:.3g} to {radii[-1]:.3g} m, outside of {LEAST_GYRATION} to {GREATEST_GYRATION} m; "
-            f"it is in kg m2"
+            "it is in kg m2"
         )
 
 
 def _sinking(case: Case) -> Iterator[str]:
     depth, height = case.settled_penetration, case.shoe.com_height + case.shoe.load_point[2]
+    sinks = f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(case.mean_load)},"
     if depth > DEEPEST * height:
         yield (
-            f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(case.mean_load)}, more "
-            f"than half its height of {height:.3g} m; the stiffness is in N/m^exponent, loads are in N"
+            f"{sinks} more than half its height of {height:.3g} m; "
+            "the stiffness is in N/m^exponent, loads are in N"
         )
     elif 0.0 < depth < SHALLOWEST:
-        yield (
-            f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(case.mean_load)}, less "
-            f"than {SHALLOWEST:g} m; the stiffness is in N/m^exponent"
-        )
-
-
-def _sag(case: Case) -> Iterator[str]:
+        yield f"{sinks} less than {SHALLOWEST:g} m; the stiffness is in N/m^exponent"
     terrain = case.terrain
     sag = (case.mean_load - terrain.unit_mass * case.gravity_vector()[2]) / terrain.heave_stiffness
     if sag > GREATEST_SAG * terrain.unit_height:
@@ -130,34 +116,26 @@ def warn_of(lines: Iterable[str]) -> None:
 
 def out_of_range(parameters: BaseModel) -> Iterator[str]:
     """Values outside of their plausible ranges, a line each."""
-    for entry in walk(parameters):
-        told = _out_of_range(entry.value, entry.field)
-        if told:
-            yield f"{entry.path}: {told}"
+    for entry in fields.walk(parameters):
+        plausible, numbers = fields.plausible_range(entry.field), _numbers(entry.value)
+        if plausible is None or not numbers:
+            continue
+        least, greatest = plausible
+        worst = max(numbers, key=lambda one: max(least - one, one - greatest))
+        if not least <= worst <= greatest:
+            unit = f" {entry.unit}" if entry.unit else ""
+            cause = fields.likely_cause(worst, entry.field)
+            yield f"{entry.path}: {worst:g}{unit} is outside of {least:g} to {greatest:g}{unit}{cause}"
 
 
 def implausible(case: Case, duration: float | None = None) -> Iterator[str]:
     """Everything in a case that no machine and no ground is known to have, a line each."""
     yield from out_of_range(case)
-    for check in (_loads, _inertia, _sinking, _sag):
+    for check in (_loads, _inertia, _sinking):
         yield from check(case)
     step = case.solver.step
     if duration is not None and duration < step:
         yield f"solver.step: {step:g} s is longer than the run of {duration:g} s"
-
-
-def _out_of_range(value: object, field: FieldInfo) -> str:
-    """What is to be said of a value outside of its plausible range; empty within it."""
-    plausible = plausible_range(field)
-    numbers = _numbers(value)
-    if plausible is None or not numbers:
-        return ""
-    least, greatest = plausible
-    worst = max(numbers, key=lambda one: max(least - one, one - greatest))
-    if least <= worst <= greatest:
-        return ""
-    unit = unit_of(field)
-    return f"{worst:g}{unit} is outside of {least:g} to {greatest:g}{unit}{likely_cause(worst, field)}"
 
 
 def _numbers(value: object) -> list[float]:

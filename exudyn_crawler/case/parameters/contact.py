@@ -1,12 +1,14 @@
 """Contact of a shoe with a terrain unit: by the pair law, or by spheres under the shoes."""
 
+from collections.abc import Iterator
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Parameters, quantity
 
 
@@ -19,22 +21,16 @@ class PairContact(Parameters):
     model: Literal["pair"] = Field(
         default="pair", description="pair: one contact a pair of shoe and unit; spheres: for uneven ground"
     )
-    stiffness: float = quantity("N/m^exponent", "contact stiffness k", ge=1.0, le=1e18)
-    exponent: float = quantity("1", "exponent e of the penetration", plausible=(1.0, 3.0), ge=1, le=10)
-    damping: float = quantity(
-        "N s/m", "greatest damping coefficient c_max", plausible=(0.0, 1e8), ge=0, le=1e12
+    stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness k")
+    exponent: base.Exponent = quantity("1", "exponent e of the penetration", (1.0, 3.0))
+    damping: base.Damping = quantity("N s/m", "greatest damping coefficient c_max", (0.0, 1e8))
+    damping_depth: base.Depth = quantity("m", "penetration d at which the damping is full", (1e-6, 0.02))
+    static_friction: base.Coefficient = quantity("1", "coefficient mu_s at the stiction speed", (0.0, 1.5))
+    dynamic_friction: base.Coefficient = quantity(
+        "1", "coefficient mu_d beyond the friction speed", (0.0, 1.5)
     )
-    damping_depth: float = quantity(
-        "m", "penetration d at which the damping is full", plausible=(1e-6, 0.02), ge=1e-9, le=10
-    )
-    static_friction: float = quantity(
-        "1", "coefficient mu_s at the stiction speed", plausible=(0.0, 1.5), ge=0, le=10
-    )
-    dynamic_friction: float = quantity(
-        "1", "coefficient mu_d beyond the friction speed", plausible=(0.0, 1.5), ge=0, le=10
-    )
-    stiction_speed: float = quantity("m/s", "V_st", plausible=(1e-5, 0.2), ge=1e-9, le=100)
-    friction_speed: float = quantity("m/s", "V_d", plausible=(1e-4, 2.0), ge=1e-9, le=1000)
+    stiction_speed: base.Speed = quantity("m/s", "V_st", (1e-5, 0.2))
+    friction_speed: float = quantity("m/s", "V_d", (1e-4, 2.0), ge=1e-9, le=1000)
     sharing: Literal["pair", "area"] = Field(
         description="what of the law a pair of shoe and unit has: all of it, however little they overlap, or "
         "the part of the shoe's underside that is on the unit",
@@ -43,11 +39,10 @@ class PairContact(Parameters):
         "m",
         "overlap width at which a pair has all of the law; with sharing 'pair' the force grows with STEP "
         "from zero, since that law knows no area and would jump when a shoe reaches a unit's edge",
-        plausible=(1e-4, 0.5),
+        (1e-4, 0.5),
         ge=1e-9,
         le=100,
     )
-
     normal: Literal["face", "area"] = Field(
         default="face",
         description="direction of the normal force: that of the unit's top face, or of the area vector of "
@@ -60,19 +55,13 @@ class PairContact(Parameters):
         "surfaces there, which is less where the overlap is a strip narrower than deep",
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if self.dynamic_friction > self.static_friction:
-            raise ValueError(
-                f"dynamic_friction must not exceed static_friction = {self.static_friction}, "
-                f"got {self.dynamic_friction}"
-            )
-        if self.friction_speed <= self.stiction_speed:
-            raise ValueError(
-                f"friction_speed must exceed stiction_speed = {self.stiction_speed}, "
-                f"got {self.friction_speed}"
-            )
-        return self
+    def _errors(self) -> Iterator[str]:
+        static, dynamic = self.static_friction, self.dynamic_friction
+        if dynamic > static:
+            yield f"dynamic_friction must not exceed static_friction = {static}, got {dynamic}"
+        stiction, full = self.stiction_speed, self.friction_speed
+        if full <= stiction:
+            yield f"friction_speed must exceed stiction_speed = {stiction}, got {full}"
 
     @classmethod
     def oil_sand(cls, sharing: Literal["pair", "area"] = "pair") -> Self:
@@ -83,10 +72,8 @@ class PairContact(Parameters):
     def adams(cls) -> Self:
         """Same on units larger than a shoe, as the rigid studies' numbers show ADAMS' contact.
 
-        ADAMS documents volume, centroid and closest points of an intersection, the direction of the normal
-        nowhere. The area vector gives the F-paper's mean forces at a unit's edge, and the depth at the
-        centroid its penetrations there, which the closest points would let fall to zero
-        (`docs/validation.md`).
+        ADAMS documents no direction of the normal. The area vector gives the F-paper's mean forces at a
+        unit's edge, the depth at the centroid its penetrations there (`docs/validation.md`).
         """
         return cls.oil_sand().with_(normal="area")
 
@@ -109,21 +96,14 @@ class SphereContact(Parameters):
     )
     spheres_x: int = quantity("1", "spheres along a shoe; two are needed to balance it", ge=2, le=100)
     spheres_y: int = quantity("1", "spheres across a shoe; two are needed to balance it", ge=2, le=100)
-    radius: float = quantity("m", "radius of the spheres", plausible=(0.02, 2.0), ge=1e-3, le=100)
-    reference_stiffness: float = quantity(
-        "N/m^exponent",
-        "k of the IMPACT law by which a shoe settles as deep under the mean load",
-        ge=1.0,
-        le=1e18,
+    radius: base.Length = quantity("m", "radius of the spheres", (0.02, 2.0))
+    reference_stiffness: base.Stiffness = quantity(
+        "N/m^exponent", "k of the IMPACT law by which a shoe settles as deep under the mean load"
     )
-    reference_exponent: float = quantity("1", "exponent e of that law", plausible=(1.0, 3.0), ge=1, le=10)
-    damping: float = quantity(
-        "N s/m", "normal damping of all spheres of a shoe together", plausible=(0.0, 1e8), ge=0, le=1e12
-    )
-    friction: float = quantity("1", "coefficient of friction", plausible=(0.0, 1.5), ge=0, le=10)
-    friction_speed: float = quantity(
-        "m/s", "slip speed at which friction is full", plausible=(1e-5, 0.2), ge=1e-9, le=100
-    )
+    reference_exponent: base.Exponent = quantity("1", "exponent e of that law", (1.0, 3.0))
+    damping: base.Damping = quantity("N s/m", "normal damping of all spheres of a shoe together", (0.0, 1e8))
+    friction: base.Coefficient = quantity("1", "coefficient of friction", (0.0, 1.5))
+    friction_speed: base.Speed = quantity("m/s", "slip speed at which friction is full", (1e-5, 0.2))
     faces: Literal["whole", "drawn_back"] = quantity(
         "",
         "whole: as large as the units, each of which pushes a sphere over their seam by its own law, as in "

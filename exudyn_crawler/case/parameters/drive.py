@@ -1,29 +1,95 @@
-"""What runs over time: the drive of the front shoe, and the steps of the integration."""
+"""What runs over time: a quantity, the drive of the front shoe, and the steps of the integration."""
 
-from typing import Literal, Self
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from annotated_types import Ge, Le
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Parameters, StepProfile, quantity
+from exudyn_crawler.case.parameters.base import Component, Parameters, quantity
 
-SAME_TIME = 1e-9
-"""Relative difference below which two times are the same."""
+SAME_TIME = 1e-9  # relative difference below which two times are the same
+FASTEST = 100.0  # m/s and rad/s: no track is as fast, and nothing of it could be integrated
+TimeStep = Annotated[float, Ge(1e-9), Le(10.0)]
 
-FASTEST = 100.0
-"""m/s and rad/s: no track is as fast, and nothing of it could be integrated."""
+
+class StepProfile(Parameters):
+    """Values at increasing times, joined by cubic STEPs, constant before and after.
+
+    With ``s = (t - t0) / (t1 - t0)`` the value runs as ``v0 + (v1 - v0) s**2 (3 - 2 s)``, so its rate
+    is zero at every given time (ADAMS STEP).
+    """
+
+    is_value: ClassVar[bool] = True
+
+    times: tuple[float, ...] = Field(min_length=1, description="increasing times, s")
+    values: tuple[Component, ...] = Field(min_length=1, description="value at each time")
+
+    def _errors(self) -> Iterator[str]:
+        if len(self.times) != len(self.values):
+            yield f"times and values must be equally many: {len(self.times)} != {len(self.values)}"
+        if np.any(np.diff(self.times) <= 0.0):
+            yield f"times must increase, got {self.times}"
+        with np.errstate(all="ignore"):
+            cubes = np.diff(self.times) ** 3
+            joined = np.isfinite(cubes) & np.isfinite(np.diff(self.values) / cubes)
+        if not joined.all():
+            yield f"times must be apart enough to be joined in numbers, got {self.times}"
+
+    def __str__(self) -> str:
+        return ", ".join(f"{v:.8g} at {t:g}" for t, v in zip(self.times, self.values, strict=True))
+
+    @classmethod
+    def constant(cls, value: float) -> Self:
+        """Same value at all times."""
+        return cls(times=(0.0,), values=(value,))
+
+    def _at(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
+        """Number of the STEP that each time lies in, and the share of it that is over; 0 before the first."""
+        times, _, lengths, _ = _steps(self.times, self.values)
+        inside = np.minimum(np.maximum(time, times[0]), times[-1])
+        step = times.searchsorted(inside, side="right") - 1
+        return step, (inside - times[step]) / lengths[step]
+
+    def value(self, time: ArrayLike) -> NDArray:
+        """Value at each time."""
+        _, values, _, rises = _steps(self.times, self.values)
+        step, s = self._at(time)
+        return values[step] + rises[step] * s**2 * (3.0 - 2.0 * s)
+
+    def rate(self, time: ArrayLike) -> NDArray:
+        """Time derivative at each time."""
+        _, _, lengths, rises = _steps(self.times, self.values)
+        step, s = self._at(time)
+        return 6.0 * rises[step] / lengths[step] * s * (1.0 - s)
+
+    def integral(self, time: ArrayLike) -> NDArray:
+        """Integral from the first given time to each time (negative before it)."""
+        times, values, lengths, rises = _steps(self.times, self.values)
+        step, s = self._at(time)
+        before = np.append(0.0, np.cumsum(lengths * (values + 0.5 * rises))[:-1])
+        within = lengths[step] * s * (values[step] + rises[step] * s**2 * (1.0 - 0.5 * s))
+        beyond = time - np.minimum(np.maximum(time, times[0]), times[-1])
+        return before[step] + within + beyond * self.value(time)
+
+
+@lru_cache(maxsize=256)
+def _steps(times: tuple[float, ...], values: tuple[float, ...]) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Start (s), first value, length (s) and rise of every STEP, a flat one last."""
+    starts, firsts = np.array(times), np.array(values)
+    return starts, firsts, np.append(np.diff(starts), 1.0), np.append(np.diff(firsts), 0.0)
 
 
 class Drive(Parameters):
     """Velocity of a point of the front shoe along x, in a turn the rate about its z axis, and when."""
 
-    speed: StepProfile = quantity("m/s", "velocity along global x", plausible=(-1.5, 1.5))
+    speed: StepProfile = quantity("m/s", "velocity along global x", (-1.5, 1.5))
     turn_rate: StepProfile | None = quantity(
-        "rad/s",
-        "angular velocity about the shoe's z axis; None leaves it free",
-        plausible=(-0.2, 0.2),
-        default=None,
+        "rad/s", "angular velocity about the shoe's z axis; None leaves it free", (-0.2, 0.2), default=None
     )
     on: tuple[tuple[float, float], ...] | None = quantity(
         "s",
@@ -37,27 +103,23 @@ class Drive(Parameters):
         "centres; frame: the shoe as a whole, which spreads the force over a flexible shoe like a weight",
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         for name, rate in (("speed", self.speed), ("turn_rate", self.turn_rate)):
             if rate is None:
                 continue
             if rate.times[0] != 0.0 or rate.values[0] != 0.0:
-                got = f"{rate.values[0]} at {rate.times[0]} s"
-                raise ValueError(f"{name} must start from zero at t = 0, got {got}")
+                yield f"{name} must start from zero at t = 0, got {rate.values[0]} at {rate.times[0]} s"
             if max(map(abs, rate.values)) > FASTEST:
-                raise ValueError(f"{name} must not exceed {FASTEST:g} in size, got {list(rate.values)}")
+                yield f"{name} must not exceed {FASTEST:g} in size, got {list(rate.values)}"
         times = [time for window in self.on or () for time in window]
         if times and (times[0] < 0.0 or np.any(np.diff(times) <= 0.0)):
-            raise ValueError(f"on must be times from 0 s that increase, got {self.on}")
-        for start, _ in self.on or ():
-            speed = float(self.speed.value(start))
-            if abs(speed) > 1e-9:
-                raise ValueError(
+            yield f"on must be times from 0 s that increase, got {self.on}"
+        for start in times[::2]:
+            if abs(speed := float(self.speed.value(start))) > 1e-9:
+                yield (
                     f"speed must be zero where the drive goes on, at {start:g} s, got {speed:g} m/s: "
                     "the front shoe is at rest there"
                 )
-        return self
 
     @classmethod
     def translation(cls) -> Self:
@@ -73,12 +135,8 @@ class Drive(Parameters):
     def to_rest(cls) -> Self:
         """Propel of the S-paper: as in translation up to 10 s, then to rest at 15 s, and off."""
         speed, rest = ph4100c.PROPEL_SPEED, ph4100c.REST_START
-        return cls(
-            speed=StepProfile(
-                times=(0.0, ph4100c.PROPEL_RISE, ph4100c.BRAKE_START, rest), values=(0.0, speed, speed, 0.0)
-            ),
-            on=((0.0, rest),),
-        )
+        times = (0.0, ph4100c.PROPEL_RISE, ph4100c.BRAKE_START, rest)
+        return cls(speed=StepProfile(times=times, values=(0.0, speed, speed, 0.0)), on=((0.0, rest),))
 
     @property
     def switch_times(self) -> tuple[float, ...]:
@@ -93,9 +151,7 @@ class Drive(Parameters):
 
     def drives_after(self, time: float) -> bool:
         """Whether the drive is on just after a time (s)."""
-        if self.on is None:
-            return True
-        return any(start <= time * (1.0 + SAME_TIME) < end for start, end in self.on)
+        return self.on is None or any(start <= time * (1.0 + SAME_TIME) < end for start, end in self.on)
 
     def travel(self, time: float) -> float:
         """Way that the drive has moved the front shoe by a time (s), m."""
@@ -120,13 +176,13 @@ def _risen(value: float) -> StepProfile:
 class Solver(Parameters):
     """Implicit generalized-alpha integration; `docs/validation.md` shows what the defaults cost."""
 
-    step: float = quantity("s", "time step", plausible=(1e-5, 0.02), ge=1e-9, le=10, default=2.0e-3)
-    quiet_step: float = quantity(
-        "s", "longer step, 1 s after the drive went off", plausible=(1e-5, 0.1), ge=1e-9, le=10, default=0.01
+    step: TimeStep = quantity("s", "time step", (1e-5, 0.02), default=2.0e-3)
+    quiet_step: TimeStep = quantity(
+        "s", "longer step, 1 s after the drive went off", (1e-5, 0.1), default=0.01
     )
     minimum_step: float = quantity("s", "least step tried before giving up", ge=1e-15, le=10, default=1.0e-6)
     residual: float = quantity(
-        "N", "rms that ends Newton's method", plausible=(1e-6, 50.0), ge=1e-12, le=1e9, default=0.2
+        "N", "rms that ends Newton's method", (1e-6, 50.0), ge=1e-12, le=1e9, default=0.2
     )
     maximum_iterations: int = quantity(
         "1", "iterations before the step is halved", ge=2, le=10_000, default=40
@@ -141,7 +197,6 @@ class Solver(Parameters):
         le=1e9,
         default=2.0e-3,
     )
-
     checkpoint_interval: float = quantity(
         "s",
         "the integration starts anew from its state at every multiple of this, where a killed run goes on",
@@ -150,11 +205,9 @@ class Solver(Parameters):
         default=1.0,
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         if self.minimum_step > self.step:
-            raise ValueError(f"minimum_step must not exceed step = {self.step}, got {self.minimum_step}")
-        return self
+            yield f"minimum_step must not exceed step = {self.step}, got {self.minimum_step}"
 
     def stored_times(self, duration: float) -> float:
         """Stored states of a run (s), about."""

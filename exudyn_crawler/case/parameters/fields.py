@@ -14,8 +14,12 @@ from pydantic.fields import FieldInfo
 
 KeyPath = tuple[int | str, ...]
 """Names and numbers on the way to a value: ("loads", "phases", 2, "end")."""
-EVERY = "*"
-"""In place of a number: all items of a list."""
+EVERY = "*"  # in place of a number: all items of a list
+BASE = "base"  # key of a file: the named value that gives what its table leaves out
+NONE = "none"  # what a file says where a field has no value, which TOML cannot
+TAG = "model"  # field that tells which class of several a part is of
+BESIDE = object()
+"""Marks, in the annotation of a field, that a file has its fields beside those of the class that holds it."""
 NAME = re.compile(r"([A-Za-z_]\w*)((?:\[(?:\d+|\*)\])*)", re.ASCII)
 NUMBER = re.compile(r"\[(\d+|\*)\]")
 
@@ -70,9 +74,8 @@ def with_change(
     if isinstance(part, int) or part == EVERY:
         if not isinstance(values, list | tuple):
             raise ValueError(f"there is no list {path_text(above)} to change an item of")
-        numbers = range(len(values)) if part == EVERY else [int(part)]
         items = list(values)
-        for number in numbers:
+        for number in range(len(items)) if part == EVERY else [int(part)]:
             if number >= len(items):
                 raise ValueError(f"{path_text(above)} has {len(items)} items, counted from 0, no [{number}]")
             items[number] = with_change(items[number], below, change, above=(*above, number))
@@ -80,10 +83,8 @@ def with_change(
     table = dict(iter(values)) if isinstance(values, BaseModel) else values
     if not isinstance(table, dict):
         raise ValueError(f"{path_text(above)} must be a table to change a value of it, got {values!r}")
-    fields = {} if kind is None else kind.model_fields
-    for name, field in fields.items():
-        if is_beside(field) and (part == name or part not in fields):
-            return table | {name: with_change(table[name], path, change)}
+    if kind is not None and (name := beside(kind)) and (part == name or part not in kind.model_fields):
+        return table | {name: with_change(table[name], path, change)}
     before = table.get(part, {} if below and isinstance(below[0], str) and below[0] != EVERY else None)
     return table | {part: with_change(before, below, change, above=(*above, part))}
 
@@ -93,32 +94,23 @@ def with_value(values: Any, path: KeyPath, value: Any, kind: type[BaseModel] | N
     return with_change(values, path, lambda _before: value, kind)
 
 
-BASE = "base"
-"""Key of a file: the named value that gives what its table leaves out."""
-NONE = "none"
-"""What a file says where a field has no value, which TOML cannot."""
-TAG = "model"
-"""Field that tells which class of several a part is of."""
-
-BESIDE = object()
-"""Marks, in the annotation of a field, that a file has its fields beside those of the class that holds it."""
+def beside(kind: type[BaseModel]) -> str:
+    """Field of a class whose fields a file has beside the class's own; empty if there is none."""
+    return next((name for name, field in kind.model_fields.items() if BESIDE in field.metadata), "")
 
 
-def is_beside(field: FieldInfo) -> bool:
-    """Whether a file has the fields of a part beside those of the class that holds it."""
-    return BESIDE in field.metadata
+def file_fields(kind: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Fields of a class as a file has them."""
+    name, found = beside(kind), dict(kind.model_fields)
+    return file_fields(models_of(found.pop(name).annotation)[0]) | found if name else found
 
 
 def key_paths(kind: type[BaseModel], start: str = "") -> Iterator[str]:
     """Paths of all values that a parameter class may have in a file, each once."""
-    found: dict[str, None] = {}
-    for name, field in kind.model_fields.items():
-        parts, below = models_of(field.annotation), start if is_beside(field) else f"{start}{name}."
-        for part in parts:
-            found |= dict.fromkeys(key_paths(part, below))
-        if not parts:
-            found[f"{start}{name}"] = None
-    yield from found
+    for name, field in file_fields(kind).items():
+        parts = models_of(field.annotation)
+        below = (path for part in parts for path in key_paths(part, f"{start}{name}."))
+        yield from dict.fromkeys(below if parts else [f"{start}{name}"])
 
 
 def models_of(annotation: Any) -> tuple[type[BaseModel], ...]:
@@ -141,15 +133,11 @@ def allows_none(annotation: Any) -> bool:
 
 def named_values(kind: type[BaseModel]) -> dict[str, Callable[[], BaseModel]]:
     """Constructors of a parameter class that need no argument, by name: ``Terrain.stress``, say."""
-    found: dict[str, Callable[[], BaseModel]] = {}
-    for name, attribute in vars(kind).items():
-        if name.startswith("_") or not isinstance(attribute, classmethod):
-            continue
-        method = getattr(kind, name)
-        arguments = inspect.signature(method).parameters.values()
-        if all(argument.default is not inspect.Parameter.empty for argument in arguments):
-            found[name] = method
-    return found
+    names = [name for name, one in vars(kind).items() if isinstance(one, classmethod) and name[0] != "_"]
+    makers = {name: getattr(kind, name) for name in names}
+    arguments = {name: inspect.signature(make).parameters.values() for name, make in makers.items()}
+    empty = inspect.Parameter.empty
+    return {name: makers[name] for name in names if all(one.default is not empty for one in arguments[name])}
 
 
 class Entry(NamedTuple):
@@ -164,8 +152,9 @@ class Entry(NamedTuple):
         """Tables that it holds: itself, or those of its list."""
         if not isinstance(self.value, tuple):
             return [self] if is_table(self.value) else []
-        numbered = enumerate(self.value)
-        return [Entry((*self.place, k), self.field, part) for k, part in numbered if is_table(part)]
+        return [
+            Entry((*self.place, k), self.field, part) for k, part in enumerate(self.value) if is_table(part)
+        ]
 
     @property
     def path(self) -> str:
@@ -175,7 +164,7 @@ class Entry(NamedTuple):
     @property
     def unit(self) -> str:
         """Unit; empty for what has none."""
-        return unit_of(self.field).strip()
+        return unit_of(self.field)
 
     @property
     def meaning(self) -> str:
@@ -190,31 +179,28 @@ def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
     A table comes before what it holds, its values before its tables. A quantity over time is a value. The
     fields of a case that a case file holds stand beside that file's own.
     """
-    entries = [Entry((*place, name), field, value) for name, field, value in _fields(model)]
+    values = _values(model)
+    entries = [Entry((*place, name), one, values[name]) for name, one in file_fields(type(model)).items()]
     yield from (entry for entry in entries if not entry.tables)
-    for entry in entries:
-        for table in entry.tables:
-            yield table
-            yield from walk(table.value, table.place)
+    for table in (table for entry in entries for table in entry.tables):
+        yield table
+        yield from walk(table.value, table.place)
 
 
-def _fields(model: BaseModel) -> Iterator[tuple[str, FieldInfo, object]]:
-    for name, field in type(model).model_fields.items():
-        value = getattr(model, name)
-        if is_beside(field) and isinstance(value, BaseModel):
-            yield from _fields(value)
-        else:
-            yield name, field, value
+def _values(model: BaseModel) -> dict[str, Any]:
+    """Values of `file_fields`."""
+    name, found = beside(type(model)), dict(iter(model))
+    return _values(found.pop(name)) | found if name else found
 
 
 def entry_at(model: BaseModel, path: KeyPath) -> Entry | None:
     """Table or value at a path, or that holds the list which the path leads into; None if there is none."""
     wanted = tuple(0 if part == EVERY else part for part in path)
     within = [entry for entry in walk(model) if wanted[: len(entry.place)] == entry.place]
-    if not within:
+    deepest = max(within, key=lambda entry: len(entry.place), default=None)
+    if deepest is None or any(isinstance(part, str) for part in wanted[len(deepest.place) :]):
         return None
-    deepest = max(within, key=lambda entry: len(entry.place))
-    return deepest if all(isinstance(part, int) for part in wanted[len(deepest.place) :]) else None
+    return deepest
 
 
 def is_table(value: object) -> bool:
@@ -242,11 +228,10 @@ def value_text(value: object) -> str:
 
 def number_text(value: float) -> str:
     """Shortest text that reads back as the same number: ``20e6`` in place of ``20000000.0``."""
-    if abs(value) >= 1e6:
-        for power in (9, 6, 3):
-            text = f"{value / 10.0**power:.6g}e{power}"
-            if abs(value) >= 10.0**power and "e" not in text[:-2] and float(text) == value:
-                return text
+    for power in (9, 6, 3) if abs(value) >= 1e6 else ():
+        text = f"{value / 10.0**power:.6g}e{power}"
+        if abs(value) >= 10.0**power and "e" not in text[:-2] and float(text) == value:
+            return text
     return repr(value)
 
 
@@ -267,11 +252,8 @@ class Row(NamedTuple):
 
 def case_rows(case: BaseModel) -> list[Row]:
     """Every value of a case or a case file."""
-    return [
-        Row(entry.path, value_text(entry.value), entry.unit, entry.meaning)
-        for entry in walk(case)
-        if not is_table(entry.value)
-    ]
+    values = (entry for entry in walk(case) if not is_table(entry.value))
+    return [Row(entry.path, value_text(entry.value), entry.unit, entry.meaning) for entry in values]
 
 
 MISTAKEN: dict[str, dict[str, float]] = {
@@ -301,19 +283,19 @@ def plausible_range(field: FieldInfo) -> tuple[float, float] | None:
 
 
 def unit_of(field: FieldInfo) -> str:
-    """Unit of a field after a number: with a space before it, or nothing."""
+    """Unit of a field; empty for what has none."""
     extra = field.json_schema_extra
     unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
-    return "" if unit in ("", "1") else f" {unit}"
+    return "" if unit == "1" else unit
 
 
 def likely_cause(value: float, field: FieldInfo) -> str:
     """Hint at the unit in which a value would be plausible; empty if there is none."""
-    plausible = plausible_range(field)
-    if plausible is None or not value or plausible[0] <= value <= plausible[1]:
+    least, greatest = plausible_range(field) or (value, value)
+    if not value or least <= value <= greatest:
         return ""
-    own = unit_of(field).strip()
-    for unit, size in MISTAKEN.get(own, {}).items():
-        if plausible[0] <= value * size <= plausible[1]:
-            return f"; is it in {unit}? It has to be {f'in {own}' if own else 'a fraction of 1'}"
+    unit = unit_of(field)
+    for mistaken, size in MISTAKEN.get(unit, {}).items():
+        if least <= value * size <= greatest:
+            return f"; is it in {mistaken}? It has to be {f'in {unit}' if unit else 'a fraction of 1'}"
     return ""

@@ -1,12 +1,14 @@
 """Flexible shoes of a track."""
 
 import re
-from typing import Annotated, Self
+from collections.abc import Iterator
+from typing import Self
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Parameters, Place, StepProfile, quantity
+from exudyn_crawler.case.parameters.base import Density, Parameters, Three, quantity
+from exudyn_crawler.case.parameters.drive import StepProfile
 
 PAPER_DAMPING = StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph4100c.DAMPING_RATIOS)
 """Modal damping ratio over frequency of the S-paper: 0.005 up to 1000 Hz, a STEP to 1 at 10 kHz."""
@@ -22,11 +24,11 @@ SHOWN_DIGITS = 20
 class FlexibleShoes(Parameters):
     """Which shoes are flexible, and the finite-element model that all of them share."""
 
-    shoes: Annotated[tuple[int, ...], Field(min_length=1, description="numbers of the flexible shoes")]
+    shoes: tuple[int, ...] = Field(min_length=1, description="numbers of the flexible shoes")
     mesh: str = Field(description="coarse, study or fine, or the path of a mesh with the same surfaces")
-    youngs_modulus: float = quantity("Pa", "E", plausible=(5e10, 5e11), ge=1.0, le=1e15)
-    poissons_ratio: float = quantity("1", "nu", plausible=(0.0, 0.45), gt=-1, lt=0.5)
-    density: float = quantity("kg/m3", "density", plausible=(1000.0, 2e4), ge=1e-3, le=1e6)
+    youngs_modulus: float = quantity("Pa", "E", (5e10, 5e11), ge=1.0, le=1e15)
+    poissons_ratio: float = quantity("1", "nu", (0.0, 0.45), gt=-1, lt=0.5)
+    density: Density = quantity("kg/m3", "density", (1000.0, 2e4))
     fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0, le=10_000)
     recovered_modes: int = quantity(
         "1", "fixed-interface modes of the basis that stress is made of", ge=0, le=10_000
@@ -36,7 +38,7 @@ class FlexibleShoes(Parameters):
         description="surface of the mesh that the machine load is spread over: whole top, plateau (without "
         "the wings), rails, or another that the mesh names",
     )
-    com_node: tuple[Place, Place, Place] = quantity(
+    com_node: Three = quantity(
         "m",
         "the drive may move the mesh node nearest to this place, in the shoe's frame",
         default=(0.0, 0.0, 0.0),
@@ -54,7 +56,7 @@ class FlexibleShoes(Parameters):
     highest_frequency: float | None = quantity(
         "Hz",
         "modes of the integrated basis above this are left out",
-        plausible=(50.0, 1e6),
+        (50.0, 1e6),
         gt=0,
         le=1e12,
         default=None,
@@ -63,29 +65,25 @@ class FlexibleShoes(Parameters):
         default=None, description="numbers (from 1) of the modes of the integrated basis that are kept"
     )
     damping: StepProfile = quantity(
-        "1", "modal damping ratio over frequency (Hz, in place of times)", plausible=(0.0, 2.0)
+        "1", "modal damping ratio over frequency (Hz, in place of times)", (0.0, 2.0)
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if len(set(self.shoes)) != len(self.shoes) or list(self.shoes) != sorted(self.shoes):
-            raise ValueError(f"shoes must be different numbers in rising order, got {self.shoes}")
+    def _errors(self) -> Iterator[str]:
+        if list(self.shoes) != sorted(set(self.shoes)):
+            yield f"shoes must be different numbers in rising order, got {self.shoes}"
         if min(self.damping.values) < 0.0:
-            raise ValueError(f"damping ratios must not be negative, got {self.damping.values}")
-        if self.fixed_modes > self.recovered_modes:
-            raise ValueError(
-                f"fixed_modes must not exceed recovered_modes = {self.recovered_modes}, "
-                f"got {self.fixed_modes}"
-            )
-        if self.modes is not None:
-            if self.highest_frequency is not None:
-                raise ValueError("choose modes by number or by highest_frequency, not by both")
-            numbers = list(self.modes)
-            if not numbers or numbers != sorted(set(numbers)):
-                raise ValueError(f"modes must be different numbers in rising order, got {self.modes}")
-            if numbers[0] < 1 or numbers[-1] > self.mode_count:
-                raise ValueError(f"modes must be in 1..{self.mode_count}, got {self.modes}")
-        return self
+            yield f"damping ratios must not be negative, got {self.damping.values}"
+        most = self.recovered_modes
+        if self.fixed_modes > most:
+            yield f"fixed_modes must not exceed recovered_modes = {most}, got {self.fixed_modes}"
+        if self.modes is None:
+            return
+        if self.highest_frequency is not None:
+            yield "choose modes by number or by highest_frequency, not by both"
+        if not self.modes or list(self.modes) != sorted(set(self.modes)):
+            yield f"modes must be different numbers in rising order, got {self.modes}"
+        if self.modes[0] < 1 or self.modes[-1] > self.mode_count:
+            yield f"modes must be in 1..{self.mode_count}, got {self.modes}"
 
     @property
     def mode_count(self) -> int:
@@ -108,24 +106,24 @@ class FlexibleShoes(Parameters):
             If the choice is none of these or names modes that do not exist.
         """
         text = choice.strip().lower()
-        whole = {"fixed_modes": self.recovered_modes, "highest_frequency": None, "modes": None}
+        whole = self.with_(fixed_modes=self.recovered_modes, highest_frequency=None, modes=None)
         if text == "all":
-            return self.with_(**whole)
+            return whole
         if match := re.fullmatch(r"(\d+) *fixed", text):
-            return self.with_(**whole | {"fixed_modes": int(match[1])})
+            return whole.with_(fixed_modes=int(match[1]))
         if match := re.fullmatch(r"(\d+(?:\.\d+)?) *hz", text):
-            return self.with_(**whole | {"highest_frequency": float(match[1])})
+            return whole.with_(highest_frequency=float(match[1]))
         if re.fullmatch(r"\d+(-\d+)?(, *\d+(-\d+)?)*", text):
             numbers: set[int] = set()
             # a range is as long as it says: none is made of more numbers than there are modes
-            most = self.with_(**whole).mode_count
+            most = whole.mode_count
             for part in text.split(","):
                 first, _, last = part.strip().partition("-")
                 greatest = last or first
                 if len(greatest.lstrip("0")) > len(str(most)) or int(greatest) > most:
                     raise ValueError(f"modes must be in 1..{most}, got {greatest[:SHOWN_DIGITS]}")
                 numbers |= set(range(int(first), int(greatest) + 1))
-            return self.with_(**whole | {"modes": tuple(sorted(numbers))})
+            return whole.with_(modes=tuple(sorted(numbers)))
         raise ValueError(f'modes must be like "all", "1200Hz", "1-20,25" or "10 fixed", got {choice!r}')
 
     @classmethod

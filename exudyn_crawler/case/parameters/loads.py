@@ -1,24 +1,23 @@
 """Machine and dipper loads on the shoes over time."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.files.errors import error_lines, toml_content
-from exudyn_crawler.case.parameters.base import Name, Parameters, StepProfile, quantity
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.case.parameters import reading
+from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
+from exudyn_crawler.case.parameters.drive import StepProfile
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Load = Annotated[float, Ge(-1e10), Le(1e10)]
-"""Load on a shoe, N."""
+Load = Annotated[float, Ge(-1e10), Le(1e10)]  # on a shoe, N
 
 
 class PhaseEnd(Parameters):
@@ -33,12 +32,10 @@ class Cycle(Parameters):
 
     phases: Annotated[tuple[Any, ...], Field(min_length=1)]
 
-    @model_validator(mode="after")
-    def _check_ends(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         ends = [phase.end for phase in self.phases]
         if np.any(np.diff(ends) <= 0.0):
-            raise ValueError(f"the phases' ends must increase, got {ends}")
-        return self
+            yield f"the phases' ends must increase, got {ends}"
 
     def over_time(self, values: Iterable[float]) -> StepProfile:
         """Quantity over time of its values at the ends of the phases."""
@@ -57,12 +54,7 @@ class Phase(PhaseEnd):
         "N", "downward load on shoes 1..n at the end of the phase", min_length=1
     )
     side_shift: float = quantity(
-        "m",
-        "how far to the left (+y) loads act at its end",
-        plausible=(-1.0, 1.0),
-        ge=-10,
-        le=10,
-        default=0.0,
+        "m", "how far to the left (+y) loads act at its end", (-1.0, 1.0), ge=-10, le=10, default=0.0
     )
 
 
@@ -74,14 +66,13 @@ class LoadCycle(Cycle):
 
     phases: Annotated[tuple[Phase, ...], Field(min_length=1)]
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
+        yield from super()._errors()
         counts = {phase.name: len(phase.loads) for phase in self.phases}
         if len(counts) != len(self.phases):
-            raise ValueError(f"the phases' names must differ, got {[p.name for p in self.phases]}")
+            yield f"the phases' names must differ, got {[p.name for p in self.phases]}"
         if len(set(counts.values())) != 1:
-            raise ValueError(f"every phase needs a load for every shoe, got counts {counts}")
-        return self
+            yield f"every phase needs a load for every shoe, got counts {counts}"
 
     @classmethod
     def constant(cls, loads: float | Sequence[float], shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
@@ -130,11 +121,8 @@ class LoadCycle(Cycle):
             "dump": (ph4100c.DUMP_END, dump),
             "return": (ph4100c.RETURN_END, even),
         }
-        return cls(
-            phases=tuple(
-                Phase(name=name, end=end, loads=tuple(loads.tolist())) for name, (end, loads) in ends.items()
-            )
-        )
+        phases = [Phase(name=name, end=end, loads=tuple(one.tolist())) for name, (end, one) in ends.items()]
+        return cls(phases=tuple(phases))
 
     @classmethod
     def from_toml(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
@@ -152,19 +140,16 @@ class LoadCycle(Cycle):
         ValueError
             If it is not TOML or not a load cycle, naming what is wrong.
         """
-        try:
-            return cls.model_validate(with_equal_loads(cycle_content(path), shoe_count))
-        except ValidationError as error:
-            raise CaseFileError(Path(path), list(error_lines(error, cls))) from None
+        content = with_equal_loads(cycle_content(path), shoe_count)
+        with reading.errors_named(Path(path), cls):
+            return cls.model_validate(content)
 
     def table(self) -> "pd.DataFrame":
         """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""
         # a third of the time that a case takes to be shown
         import pandas as pd
 
-        columns = {
-            f"{phase.name} ({phase.end:g} s)": [*phase.loads, sum(phase.loads)] for phase in self.phases
-        }
+        columns = {f"{one.name} ({one.end:g} s)": [*one.loads, sum(one.loads)] for one in self.phases}
         shoes = [*map(str, range(1, self.shoe_count + 1)), "sum"]
         return pd.DataFrame({"shoe": shoes, **{n: np.array(v) / 1e3 for n, v in columns.items()}})
 
@@ -192,7 +177,7 @@ class LoadCycle(Cycle):
 def cycle_content(path: str | Path) -> dict[str, Any]:
     """Content of a file with a load cycle; errors are those of `LoadCycle.from_toml`."""
     try:
-        content = toml_content(path, "load cycle")
+        content = reading.toml_content(Path(path), "load cycle")
     except ValueError as error:
         raise ValueError(f"{path} is {error}") from error
     if not content:

@@ -1,18 +1,19 @@
 """Oil-sand terrain as a grid of units on spring-dampers."""
 
 import math
-from collections.abc import Callable
-from typing import Literal, Self
+from collections.abc import Callable, Iterator
+from typing import Annotated, Literal, Self
 
 import numpy as np
+from annotated_types import Gt, Lt
 from numpy.typing import ArrayLike, NDArray
-from pydantic import model_validator
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import Density, Parameters, Place, Two, quantity
 
 STEEPEST = 0.2
 """Greatest slope of a profile: gaps between the units' faces are half its square of their length, 2 %."""
+Slope = Annotated[float, Gt(-1.0), Lt(1.0)]
 
 
 class Terrain(Parameters):
@@ -22,78 +23,62 @@ class Terrain(Parameters):
     directions are in the ground's own axes: on a slope gravity leans, and z stays normal to the ground.
     """
 
-    origin: tuple[Place, Place] = quantity(
-        "m", "x and y of the corner of the top face at unit 1, global", default=(0.0, 0.0)
-    )
+    origin: Two = quantity("m", "x and y of the corner of the top face at unit 1, global", default=(0.0, 0.0))
     columns: int = quantity("1", "units along x", ge=1, le=10_000)
     rows: int = quantity("1", "units along y", ge=1, le=10_000)
-    unit_length: float = quantity("m", "side of a unit in x", plausible=(0.1, 50.0), ge=1e-2, le=1e4)
-    unit_width: float = quantity("m", "side of a unit in y", plausible=(0.1, 50.0), ge=1e-2, le=1e4)
-    unit_height: float = quantity("m", "height of a unit", plausible=(0.1, 50.0), ge=1e-3, le=1e4)
-    density: float = quantity("kg/m3", "density of the units", plausible=(500.0, 4000.0), ge=1e-3, le=1e6)
+    unit_length: float = quantity("m", "side of a unit in x", (0.1, 50.0), ge=1e-2, le=1e4)
+    unit_width: float = quantity("m", "side of a unit in y", (0.1, 50.0), ge=1e-2, le=1e4)
+    unit_height: float = quantity("m", "height of a unit", (0.1, 50.0), ge=1e-3, le=1e4)
+    density: Density = quantity("kg/m3", "density of the units", (500.0, 4000.0))
     springs_per_unit: Literal[1, 2] = quantity("1", "vertical spring-dampers under each unit")
-    spring_stiffness: float = quantity(
-        "N/m", "stiffness of each spring", plausible=(1e5, 1e11), ge=1.0, le=1e15
-    )
-    spring_damping: float = quantity(
-        "N s/m", "damping of each spring-damper", plausible=(0.0, 1e10), ge=0, le=1e15
-    )
+    spring_stiffness: float = quantity("N/m", "stiffness of each spring", (1e5, 1e11), ge=1.0, le=1e15)
+    spring_damping: float = quantity("N s/m", "damping of each spring-damper", (0.0, 1e10), ge=0, le=1e15)
     spring_offset: float = quantity(
         "m", "distance of each of two springs from the unit's centre, across the tilt axis", ge=0, le=1e4
     )
     column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
     tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
-    grade: float = quantity(
-        "1", "rise over horizontal run along x; + is uphill", plausible=(-0.3, 0.3), gt=-1, lt=1, default=0.0
-    )
-    side_slope: float = quantity(
-        "1", "the same along y; + rises to the left", plausible=(-0.3, 0.3), gt=-1, lt=1, default=0.0
-    )
-
+    grade: Slope = quantity("1", "rise over horizontal run along x; + is uphill", (-0.3, 0.3), default=0.0)
+    side_slope: Slope = quantity("1", "the same along y; + rises to the left", (-0.3, 0.3), default=0.0)
     heights: tuple[Place, ...] | None = quantity(
         "m",
         "height of every unit's top face above even ground, units counting along y first; None: all even. "
         "The units' centres, masses and springs stay as they are",
-        plausible=(-20.0, 20.0),
+        (-20.0, 20.0),
         default=None,
     )
-
     profile: tuple[Place, ...] | None = quantity(
         "m",
         "height of the ground at the edges of the columns along x, the same across y, for a smooth ground: "
         "units are moved and pitched so that their faces meet; None: even",
-        plausible=(-20.0, 20.0),
+        (-20.0, 20.0),
         default=None,
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         if self.heights is not None and len(self.heights) != self.unit_count:
-            raise ValueError(f"heights must name every unit ({self.unit_count}), got {len(self.heights)}")
+            yield f"heights must name every unit ({self.unit_count}), got {len(self.heights)}"
         if self.profile is None:
-            return self
-        edges, count = self.columns + 1, len(self.profile)
-        if count != edges:
-            raise ValueError(f"profile must name every edge of columns ({edges}), got {count}")
+            return
+        if len(self.profile) != self.columns + 1:
+            yield f"profile must name every edge of columns ({self.columns + 1}), got {len(self.profile)}"
         if self.heights is not None:
-            raise ValueError("heights must be None where a profile is given, got both")
+            yield "heights must be None where a profile is given, got both"
         if self.tilt != "pitch":
-            raise ValueError(f"tilt must be 'pitch' where a profile is given, got {self.tilt!r}")
+            yield f"tilt must be 'pitch' where a profile is given, got {self.tilt!r}"
         steepest = float(self.slopes[np.abs(self.slopes).argmax()])
         if abs(steepest) > STEEPEST:
-            raise ValueError(
+            yield (
                 f"profile must not rise or fall by more than {STEEPEST:g} m a metre, got {steepest:g}, "
                 "which the model's small gaps and tilts would not hold for; terrain.grade leans all of it"
             )
-        return self
 
     @classmethod
     def kinematics(cls) -> Self:
         """50 units of 7 x 7 x 2 m (K-chapter, K-paper and F-paper).
 
-        Open in the papers' words: which rotation units keep and where their two springs stand. They roll, and
-        the springs stand below their edges, as the F-paper's steady lateral force on shoe 10 shows
-        (`docs/validation.md`).
+        They roll on springs below their edges, as the F-paper's steady lateral force on shoe 10 shows; the
+        papers' words leave both open (`docs/validation.md`).
         """
         return cls(**ph4100c.COARSE_TERRAIN)
 
@@ -101,15 +86,12 @@ class Terrain(Parameters):
     def stress(cls, seams: Literal["margin", "fitted"] = "margin") -> Self:
         """247 units of 1 x 1 x 1 m (S-paper): one spring of k = E A / L = 20 MN/m per unit.
 
-        Open in the paper and chosen here: the spring stands at the unit's centre and, being a column of
-        oil sand as wide as the unit (E = 20 MPa), resists tilting with E I / L; without it a row of
-        units could fold without resistance. The terrain's place is open too:
-        by the margins about the track, or fitted to the contact forces in loading.
+        Open in the paper and chosen here: the spring stands at the unit's centre and, being a column of oil
+        sand as wide as the unit (E = 20 MPa), resists tilting with E I / L, without which a row could fold.
+        Its place is open too: by the margins about the track, or fitted to the contact forces in loading.
         """
         terrain = cls(**ph4100c.FINE_TERRAIN)
-        if seams == "margin":
-            return terrain
-        return terrain.with_(origin=(ph4100c.FITTED_SEAMS_X, terrain.origin[1]))
+        return terrain if seams == "margin" else terrain.with_({"origin[0]": ph4100c.FITTED_SEAMS_X})
 
     def with_step(self, x: float, height: float) -> Self:
         """Copy with all units whose centres lie beyond `x` (m) higher by `height` (m)."""
@@ -119,11 +101,7 @@ class Terrain(Parameters):
         """Copy that rises from `x0` to `x1` (m) by `height` (m), unit by unit, and stays up beyond.
 
         Each unit is raised by the ramp's height at its centre and stays level: a ramp of many small steps.
-
-        Raises
-        ------
-        ValueError
-            If `x1` is not beyond `x0`.
+        ValueError if `x1` is not beyond `x0`.
         """
         if not x1 > x0:
             raise ValueError(f"x1 must be greater than x0 = {x0}, got {x1}")
@@ -132,10 +110,7 @@ class Terrain(Parameters):
     def with_roughness(self, standard_deviation: float, seed: int) -> Self:
         """Copy with normally distributed random heights (m) of the units added; same seed, same heights.
 
-        Raises
-        ------
-        ValueError
-            If `standard_deviation` is negative or not finite.
+        ValueError if `standard_deviation` is negative or not finite.
         """
         if not 0.0 <= standard_deviation < math.inf:
             raise ValueError(f"standard_deviation must be finite and not negative, got {standard_deviation}")
@@ -144,12 +119,7 @@ class Terrain(Parameters):
     def with_profile(self, height: Callable[[NDArray], ArrayLike]) -> Self:
         """Copy with a smooth ground whose height (m) is a function of x (m, array), straight along each unit.
 
-        Its units pitch.
-
-        Raises
-        ------
-        ValueError
-            If it is too steep, or the units already have heights.
+        Its units pitch. ValueError if it is too steep, or the units already have heights.
         """
         heights = np.broadcast_to(np.asarray(height(self.edges), dtype=float), self.edges.shape)
         return self.with_(profile=tuple(heights.tolist()), tilt="pitch")
@@ -263,8 +233,7 @@ class Terrain(Parameters):
     def tilt_stiffness(self) -> float:
         """Stiffness of a unit's support against its tilt, N m."""
         offset = self.spring_offset if self.springs_per_unit == 2 else 0.0
-        one = self.spring_stiffness * offset**2 + self.column_tilt_stiffness
-        return self.springs_per_unit * one
+        return self.springs_per_unit * (self.spring_stiffness * offset**2 + self.column_tilt_stiffness)
 
     @property
     def damping_time(self) -> float:

@@ -1,39 +1,46 @@
 """The chain of shoes on the ground: shoe, rails and track."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import FAR, Inertia, Parameters, Place, inertia_tensor, quantity
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters.base import Length, Parameters, Place, quantity
 
 if TYPE_CHECKING:
     from fem import Mesh
+
+UNEVENNESS: float = ph4100c.UNEVENNESS  # m, of the underside's middle beside the COM: `Shoe.uneven`
+STEEL_DENSITY: float = ph4100c.FLEXIBLE_SHOES["density"]  # kg/m3
+ORIGIN_TOLERANCE = 0.01  # m, between the origin of a mesh and its COM
+MOST_SHOES = 1000
+SIDES = ("right", "left")
+"""Pins of a link: the spherical joint (right) and the parallel-axes joint (left)."""
 
 
 class Rails(Parameters):
     """Two level rails of a shoe, in its frame."""
 
-    rear: Place = quantity("m", "x of the rear ends", plausible=(-1.0, 0.0))
-    front: Place = quantity("m", "x of the front ends", plausible=(0.0, 1.0))
-    right: Place = quantity("m", "y of the middle of the right rail", plausible=(-1.5, 0.0))
-    left: Place = quantity("m", "y of the middle of the left rail", plausible=(0.0, 1.5))
-    width: float = quantity("m", "width of a rail", plausible=(0.05, 1.0), ge=1e-3, le=100)
-    height: Place = quantity("m", "z of their tops", plausible=(0.0, 1.0))
+    rear: Place = quantity("m", "x of the rear ends", (-1.0, 0.0))
+    front: Place = quantity("m", "x of the front ends", (0.0, 1.0))
+    right: Place = quantity("m", "y of the middle of the right rail", (-1.5, 0.0))
+    left: Place = quantity("m", "y of the middle of the left rail", (0.0, 1.5))
+    width: Length = quantity("m", "width of a rail", (0.05, 1.0))
+    height: Place = quantity("m", "z of their tops", (0.0, 1.0))
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         if self.front <= self.rear:
-            raise ValueError(f"front must be greater than rear = {self.rear}, got {self.front}")
+            yield f"front must be greater than rear = {self.rear}, got {self.front}"
         if self.left - self.right < self.width:
-            raise ValueError(
+            yield (
                 f"left and right must be apart by the width {self.width} at least, "
                 f"got {self.right} and {self.left}: the rails overlap"
             )
-        return self
 
     @classmethod
     def ph4100c(cls) -> Self:
@@ -46,35 +53,27 @@ class Rails(Parameters):
         return self.right, self.left
 
 
-UNEVENNESS: float = ph4100c.UNEVENNESS
-"""m, of the underside's middle beside the COM: `Shoe.uneven`."""
-STEEL_DENSITY: float = ph4100c.FLEXIBLE_SHOES["density"]
-"""kg/m3."""
-ORIGIN_TOLERANCE = 0.01
-"""m, between the origin of a mesh and its COM."""
-
-
 class Shoe(Parameters):
     """Rigid crawler shoe.
 
     Places are given in the shoe's frame: origin at the COM, x in the propel direction, y lateral, z up.
     """
 
-    mass: float = quantity("kg", "mass", plausible=(50.0, 2e4), ge=0.1, le=1e7)
-    inertia: Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor components)")
-    com_height: float = quantity(
-        "m", "height of the COM above the underside", plausible=(0.02, 1.0), ge=1e-3, le=100
+    mass: float = quantity("kg", "mass", (50.0, 2e4), ge=0.1, le=1e7)
+    inertia: base.Inertia = quantity(
+        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor components)"
     )
-    length: float = quantity("m", "length of the flat underside in x", plausible=(0.1, 2.0), ge=1e-3, le=100)
-    width: float = quantity("m", "width of the flat underside in y", plausible=(0.2, 6.0), ge=1e-3, le=100)
-    underside_center: tuple[Place, Place] = quantity(
-        "m", "x and y of the underside's centre in the shoe's frame", plausible=(-1.0, 1.0)
+    com_height: Length = quantity("m", "height of the COM above the underside", (0.02, 1.0))
+    length: Length = quantity("m", "length of the flat underside in x", (0.1, 2.0))
+    width: Length = quantity("m", "width of the flat underside in y", (0.2, 6.0))
+    underside_center: base.Two = quantity(
+        "m", "x and y of the underside's centre in the shoe's frame", (-1.0, 1.0)
     )
     finger_length: float = quantity(
         "m",
         "length of the fingers at the underside's rear edge, which lie between the front lugs of the shoe "
         "behind; 0: an edge without fingers",
-        plausible=(0.0, 0.5),
+        (0.0, 0.5),
         ge=0,
         le=100,
         default=0.0,
@@ -82,37 +81,32 @@ class Shoe(Parameters):
     finger_sides: tuple[Place, ...] = quantity(
         "m",
         "y of the right and the left side of every finger in the shoe's frame, from right to left",
-        plausible=(-3.0, 3.0),
+        (-3.0, 3.0),
         default=(),
     )
-    load_point: tuple[Place, Place, Place] = quantity(
-        "m",
-        "centroid of the top face, where the machine load acts, in the shoe's frame",
-        plausible=(-3.0, 3.0),
+    load_point: base.Three = quantity(
+        "m", "centroid of the top face, where the machine load acts, in the shoe's frame", (-3.0, 3.0)
     )
-
     rails: Rails | None = Field(default=None, description="rails that rollers roll on")
 
-    @model_validator(mode="after")
-    def _check_fingers(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         sides, (low, high) = self.finger_sides, self.footprint[2:4]
         if (self.finger_length > 0.0) != bool(sides):
-            raise ValueError(
+            yield (
                 "finger_length must be positive where finger_sides are given and zero where they are not, "
                 f"got {self.finger_length:g} m and {len(sides)} sides"
             )
         if self.finger_length >= self.length:
-            raise ValueError(
+            yield (
                 f"finger_length must be less than the underside's length {self.length:g} m, "
                 f"got {self.finger_length:g}"
             )
-        in_order = np.all(np.diff(sides) > 0.0) if sides else True
-        if len(sides) % 2 or not in_order or (sides and (sides[0] < low - 1e-9 or sides[-1] > high + 1e-9)):
-            raise ValueError(
+        beyond = sides and (sides[0] < low - 1e-9 or sides[-1] > high + 1e-9)
+        if len(sides) % 2 or np.any(np.diff(sides) <= 0.0) or beyond:
+            yield (
                 "finger_sides must be two a finger, grow from right to left and stay within the underside "
                 f"from {low:g} to {high:g} m, got {list(sides)}"
             )
-        return self
 
     @classmethod
     def ph4100c(cls) -> Self:
@@ -130,13 +124,7 @@ class Shoe(Parameters):
 
     @classmethod
     def uneven(cls, unevenness: float = UNEVENNESS) -> Self:
-        """Shoe of the rigid studies whose underside's middle lies beside its COM and its load.
-
-        Parameters
-        ----------
-        unevenness : float
-            m; the middle lies to the right.
-        """
+        """Shoe of the rigid studies whose underside's middle lies right of its COM and its load, by m."""
         even = cls.kinematics()
         return even.with_(
             underside_center=(even.underside_center[0], even.underside_center[1] - unevenness),
@@ -145,10 +133,7 @@ class Shoe(Parameters):
 
     @classmethod
     def from_mesh(
-        cls,
-        mesh: "str | Mesh",
-        density: float = STEEL_DENSITY,
-        load_surface: str = "whole top",
+        cls, mesh: "str | Mesh", density: float = STEEL_DENSITY, load_surface: str = "whole top"
     ) -> Self:
         """Shoe as its mesh has it: mass, inertia, underside and load point.
 
@@ -209,7 +194,7 @@ class Shoe(Parameters):
     @property
     def inertia_tensor(self) -> NDArray:
         """Inertia tensor about the COM, array (3, 3), kg m2."""
-        return inertia_tensor(self.inertia)
+        return base.inertia_tensor(self.inertia)
 
     @property
     def fingers(self) -> NDArray:
@@ -224,11 +209,6 @@ class Shoe(Parameters):
         return np.array([cx - x, cx + x, cy - y, cy + y, -self.com_height])
 
 
-MOST_SHOES = 1000
-SIDES = ("right", "left")
-"""Pins of a link: the spherical joint (right) and the parallel-axes joint (left)."""
-
-
 class Track(Parameters):
     """Open chain of equal shoes, linked by pins along y; shoe 1 is the rearmost, the last the front.
 
@@ -236,23 +216,17 @@ class Track(Parameters):
     an axis kept parallel at the other.
     """
 
-    shoe_count: int = quantity("1", "number of shoes", plausible=(2, 60), ge=2, le=MOST_SHOES)
-    first_com: tuple[Place, Place] = quantity("m", "x and y of the COM of shoe 1 at t = 0")
-    pitch: float = quantity(
-        "m", "distance of the COMs of neighbours in x", plausible=(0.1, 2.0), ge=1e-3, le=100
-    )
-    pin_ahead: float = quantity(
-        "m", "x of the front pins ahead of the COM", plausible=(0.02, 2.0), ge=1e-3, le=100
-    )
-    pin_height: float = quantity("m", "z of the pins above the COM", plausible=(-1.0, 1.0), ge=-100, le=100)
-    spherical_y: float = quantity("m", "y of the spherical joints, global, at t = 0", ge=-FAR, le=FAR)
-    parallel_y: float = quantity("m", "y of the parallel-axes joints, global, at t = 0", ge=-FAR, le=FAR)
+    shoe_count: int = quantity("1", "number of shoes", (2, 60), ge=2, le=MOST_SHOES)
+    first_com: base.Two = quantity("m", "x and y of the COM of shoe 1 at t = 0")
+    pitch: Length = quantity("m", "distance of the COMs of neighbours in x", (0.1, 2.0))
+    pin_ahead: Length = quantity("m", "x of the front pins ahead of the COM", (0.02, 2.0))
+    pin_height: float = quantity("m", "z of the pins above the COM", (-1.0, 1.0), ge=-100, le=100)
+    spherical_y: Place = quantity("m", "y of the spherical joints, global, at t = 0")
+    parallel_y: Place = quantity("m", "y of the parallel-axes joints, global, at t = 0")
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         if self.pin_ahead >= self.pitch:
-            raise ValueError(f"pin_ahead must be less than the pitch {self.pitch}, got {self.pin_ahead}")
-        return self
+            yield f"pin_ahead must be less than the pitch {self.pitch}, got {self.pin_ahead}"
 
     @classmethod
     def ph4100c(cls) -> Self:
@@ -276,11 +250,8 @@ class Track(Parameters):
 
     def com_positions(self, com_height: float) -> NDArray:
         """COMs at t = 0 with the undersides at z = 0: array (shoes, 3), m, global."""
-        positions = np.empty((self.shoe_count, 3))
-        positions[:, 0] = self.first_com[0] + self.pitch * np.arange(self.shoe_count)
-        positions[:, 1] = self.first_com[1]
-        positions[:, 2] = com_height
-        return positions
+        along = self.first_com[0] + self.pitch * np.arange(self.shoe_count)
+        return np.column_stack(np.broadcast_arrays(along, self.first_com[1], com_height))
 
     @property
     def front_pin(self) -> NDArray:

@@ -1,30 +1,26 @@
 """What rides on a track: side frame, rollers and drive, whether they fit, and what the machine does to it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import (
-    Component,
-    Inertia,
-    Parameters,
-    Place,
-    inertia_tensor,
-    quantity,
-)
+from exudyn_crawler.case.parameters import base, track
+from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.loads import Cycle, LoadCycle, PhaseEnd
 from exudyn_crawler.case.parameters.terrain import Terrain
-from exudyn_crawler.case.parameters.track import Shoe, Track
 
-Roller = Annotated[float, Ge(-1e3), Le(1e3)]
-"""Place of a roller along the frame, m."""
+Roller = Annotated[float, Ge(-1e3), Le(1e3)]  # place of a roller along the frame, m
+Vector = tuple[base.Component, base.Component, base.Component]
+MARGIN = 4.0  # m of ground ahead of the track
+FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them
+TIPPING = 0.24  # m, from the middle of the track to that of a rail of the P&H 4100C
 
 
 class Undercarriage(Parameters):
@@ -35,70 +31,54 @@ class Undercarriage(Parameters):
     the frame, whose travel is the drive; heave, roll and pitch are free, y and yaw are held.
     """
 
-    mass: float = quantity(
-        "kg", "half of the machine without its shoes", plausible=(1e4, 2e6), ge=1.0, le=1e9
-    )
-    inertia: Inertia = quantity(
+    mass: float = quantity("kg", "half of the machine without its shoes", (1e4, 2e6), ge=1.0, le=1e9)
+    inertia: base.Inertia = quantity(
         "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of this mass about its COM (tensor components)"
     )
-    com: tuple[Place, Place, Place] = quantity("m", "its COM", plausible=(-10.0, 10.0))
+    com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
     start: Place = quantity("m", "x of the frame's origin at t = 0, global")
-    ends: tuple[Place, Place] = quantity("m", "x of the frame's rear and front end", plausible=(-20.0, 20.0))
+    ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))
     rollers: tuple[Roller, ...] = quantity("m", "x of the rollers' axes, rear to front", min_length=2)
-    radius: float = quantity("m", "radius of the treads", plausible=(0.05, 1.5), ge=1e-2, le=100)
-    tread_width: float = quantity(
-        "m",
-        "width of each tread; it stands in the middle of its rail",
-        plausible=(0.02, 1.0),
-        ge=1e-3,
-        le=100,
+    radius: float = quantity("m", "radius of the treads", (0.05, 1.5), ge=1e-2, le=100)
+    tread_width: base.Length = quantity(
+        "m", "width of each tread; it stands in the middle of its rail", (0.02, 1.0)
     )
     strips: Literal[1, 2] = quantity(
         "1", "strips of a tread, which share its load as a tilted rail has it", default=2
     )
-    stiffness: float = quantity(
-        "N/m^exponent", "contact stiffness of a tread on a rail", plausible=(1e7, 1e12), ge=1.0, le=1e18
+    stiffness: base.Stiffness = quantity(
+        "N/m^exponent", "contact stiffness of a tread on a rail", (1e7, 1e12)
     )
-    exponent: float = quantity("1", "exponent of the depth", plausible=(1.0, 1.6), ge=1, le=10, default=1.0)
-    damping: float = quantity("N s/m", "greatest damping of a tread", plausible=(0.0, 1e8), ge=0, le=1e12)
-    damping_depth: float = quantity(
-        "m", "depth at which the damping is full", plausible=(1e-7, 1e-2), ge=1e-9, le=10
+    exponent: base.Exponent = quantity("1", "exponent of the depth", (1.0, 1.6), default=1.0)
+    damping: base.Damping = quantity("N s/m", "greatest damping of a tread", (0.0, 1e8))
+    damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
+    rolling_resistance: base.Coefficient = quantity(
+        "1", "resistance of a roller over its normal force", (0.0, 0.2)
     )
-    rolling_resistance: float = quantity(
-        "1", "resistance of a roller over its normal force", plausible=(0.0, 0.2), ge=0, le=10
+    resistance_speed: base.Speed = quantity(
+        "m/s", "travel at which the resistance has 0.7 of its value, nothing at rest", (1e-5, 0.1)
     )
-    resistance_speed: float = quantity(
-        "m/s",
-        "travel at which the resistance has 0.7 of its value, nothing at rest",
-        plausible=(1e-5, 0.1),
-        ge=1e-9,
-        le=100,
-    )
-    tumbler: Place = quantity("m", "x where the drive tumbler pulls the chain", plausible=(-20.0, 20.0))
+    tumbler: Place = quantity("m", "x where the drive tumbler pulls the chain", (-20.0, 20.0))
     end_tension: float = quantity(
-        "N", "pull on both ends of the chain", plausible=(0.0, 5e6), ge=0, le=1e10, default=0.0
+        "N", "pull on both ends of the chain", (0.0, 5e6), ge=0, le=1e10, default=0.0
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         rear, front = self.ends
         if front <= rear:
-            raise ValueError(f"ends must be rear and front end in this order, got {self.ends}")
-        apart = np.diff(self.rollers)
-        if np.any(apart < 2.0 * self.radius):
-            raise ValueError(
+            yield f"ends must be rear and front end in this order, got {self.ends}"
+        if np.any(np.diff(self.rollers) < 2.0 * self.radius):
+            yield (
                 f"rollers must stand in order and apart by their diameter {2.0 * self.radius:g} m at least, "
                 f"got {list(self.rollers)}: they overlap"
             )
-        outside = [x for x in self.rollers if not rear + self.radius <= x <= front - self.radius]
-        if outside:
-            raise ValueError(
+        if outside := [x for x in self.rollers if not rear + self.radius <= x <= front - self.radius]:
+            yield (
                 f"rollers must be within the frame, whose ends are at {rear:g} and {front:g} m, by their "
                 f"radius {self.radius:g} m, got {outside}"
             )
         if not rear <= self.tumbler <= front:
-            raise ValueError(f"tumbler must be within the frame's ends {self.ends}, got {self.tumbler}")
-        return self
+            yield f"tumbler must be within the frame's ends {self.ends}, got {self.tumbler}"
 
     @classmethod
     def ph4100c(cls) -> Self:
@@ -108,7 +88,7 @@ class Undercarriage(Parameters):
     @property
     def inertia_tensor(self) -> NDArray:
         """Inertia tensor about the COM: array (3, 3), kg m2."""
-        return inertia_tensor(self.inertia)
+        return base.inertia_tensor(self.inertia)
 
     @property
     def strip_places(self) -> NDArray:
@@ -128,75 +108,62 @@ class Undercarriage(Parameters):
         return np.clip(1.0 - np.abs(place - np.arange(links)), 0.0, None)
 
 
-MARGIN = 4.0
-"""m of ground ahead of the track."""
-FEWEST_SHOES = 4
-"""Two links that the tumbler pulls lie between them."""
-
-
-def ground_below(track: Track, terrain: Terrain) -> Terrain:
+def ground_below(chain: track.Track, terrain: Terrain) -> Terrain:
     """Terrain with as many units along x as a track of any length needs."""
-    end = track.first_com[0] + track.shoe_count * track.pitch + MARGIN
+    end = chain.first_com[0] + chain.shoe_count * chain.pitch + MARGIN
     return terrain.with_(columns=math.ceil((end - terrain.origin[0]) / terrain.unit_length))
 
 
-def check_rolled(frame: Undercarriage, shoe: Shoe, track: Track, drive: Drive, loads: LoadCycle) -> None:
-    """Refuse what does not go with a side frame, by a `ValueError` that names the field."""
+def rolled_errors(
+    frame: Undercarriage, shoe: track.Shoe, chain: track.Track, drive: Drive, loads: LoadCycle
+) -> Iterator[str]:
+    """What does not go with a side frame."""
     rails = shoe.rails
     if rails is None:
-        raise ValueError("shoe.rails must be given with an undercarriage, which rolls on them")
+        yield "shoe.rails must be given with an undercarriage, which rolls on them"
+        return
     if frame.tread_width > rails.width:
-        raise ValueError(
+        yield (
             f"undercarriage.tread_width must not exceed the rails' width {rails.width} m, "
             f"got {frame.tread_width}"
         )
-    gap = track.pitch - (rails.front - rails.rear)
+    gap = chain.pitch - (rails.front - rails.rear)
     if not 0.0 <= gap < 2.0 * frame.radius:
-        raise ValueError(
+        yield (
             f"shoe.rails must leave a gap from shoe to shoe that rollers cross: none below 0 and less than "
-            f"their diameter {2.0 * frame.radius:g} m, got {gap:.4g} m with the pitch {track.pitch}"
+            f"their diameter {2.0 * frame.radius:g} m, got {gap:.4g} m with the pitch {chain.pitch}"
         )
-    if track.shoe_count < FEWEST_SHOES:
-        raise ValueError(
-            f"track.shoe_count must be at least {FEWEST_SHOES} with an undercarriage, got {track.shoe_count}"
-        )
+    if (count := chain.shoe_count) < FEWEST_SHOES:
+        yield f"track.shoe_count must be at least {FEWEST_SHOES} with an undercarriage, got {count}"
     if drive.turn_rate is not None:
-        raise ValueError("drive.turn_rate must be None with an undercarriage, whose yaw is held")
+        yield "drive.turn_rate must be None with an undercarriage, whose yaw is held"
     if drive.on is not None:
-        raise ValueError(
+        yield (
             "drive.on must be None with an undercarriage, which the drive moves or holds at all times; "
             "a speed of zero is a brake"
         )
     if any(load != 0.0 for phase in loads.phases for load in phase.loads):
-        raise ValueError(
-            "loads must be zero on every shoe with an undercarriage, whose rollers carry the machine"
-        )
+        yield "loads must be zero on every shoe with an undercarriage, whose rollers carry the machine"
 
 
-def check_length(frame: Undercarriage, track: Track, drive: Drive, duration: float) -> None:
-    """Refuse, by a `ValueError`, a drive that takes rollers or tumbler off the track in `duration` (s)."""
-    first, last = track.first_com[0], track.first_com[0] + (track.shoe_count - 1) * track.pitch
-    pins = first + track.pin_ahead, last - track.pitch + track.pin_ahead
+def length_errors(frame: Undercarriage, chain: track.Track, drive: Drive, time: float) -> Iterator[str]:
+    """Rollers or tumbler off the track at a time (s)."""
+    first, last = chain.first_com[0], chain.first_com[0] + (chain.shoe_count - 1) * chain.pitch
+    pins = first + chain.pin_ahead, last - chain.pitch + chain.pin_ahead
     parts = (
         ("rear roller", frame.rollers[0], (first, last)),
         ("front roller", frame.rollers[-1], (first, last)),
         ("tumbler", frame.tumbler, pins),
     )
-    for time in np.linspace(0.0, duration, 101 if duration > 0.0 else 1):
-        travel = drive.travel(time)
-        for name, place, (least, greatest) in parts:
-            x = frame.start + travel + place
-            if not least <= x <= greatest:
-                raise ValueError(
-                    f"track must be long enough for the drive: at t = {time:.3g} s the {name} is at "
-                    f"x = {x:.4g} m, the shoes reach from {least:.4g} to {greatest:.4g} m; "
-                    f"more shoes (track.shoe_count) or another undercarriage.start give it way"
-                )
-
-
-Vector = tuple[Component, Component, Component]
-TIPPING = 0.24
-"""m, from the middle of the track to that of a rail of the P&H 4100C."""
+    travel = drive.travel(time)
+    for name, place, (least, greatest) in parts:
+        x = frame.start + travel + place
+        if not least <= x <= greatest:
+            yield (
+                f"track must be long enough for the drive: at t = {time:.3g} s the {name} is at "
+                f"x = {x:.4g} m, the shoes reach from {least:.4g} to {greatest:.4g} m; "
+                f"more shoes (track.shoe_count) or another undercarriage.start give it way"
+            )
 
 
 class MachinePhase(PhaseEnd):
@@ -269,11 +236,10 @@ class MachineCycle(Cycle):
         ValueError
             If the machine tips over a track.
         """
-        own = Undercarriage.ph4100c() if frame is None else frame
-        masses = Shovel() if shovel is None else shovel
-        phases = []
+        frame = frame or Undercarriage.ph4100c()
+        gravity, phases = np.asarray(down, dtype=float), []
         for pose in poses:
-            forces, places = _loads(masses, pose, np.asarray(down, dtype=float))
+            forces, places = _loads(shovel or Shovel(), pose, gravity)
             whole, moment = forces.sum(axis=0), np.cross(places, forces).sum(axis=0)
             aside = moment[0] / whole[2]
             share = 0.5 + side * aside / ph4100c.TRACK_DISTANCE
@@ -282,14 +248,10 @@ class MachineCycle(Cycle):
                     f"the machine tips sideways at the end of {pose.name!r}: its weight acts {aside:.3g} m "
                     f"beside the middle, its tracks stand {0.5 * ph4100c.TRACK_DISTANCE:.3g} m beside it"
                 )
-            weight = own.mass * ph4100c.GRAVITY * np.asarray(down, dtype=float)
-            force = share * whole - weight
-            turn = share * moment[1] - np.cross(own.com, weight)[1]
-            phases.append(
-                MachinePhase(
-                    name=pose.name, end=pose.end, force=tuple(force.tolist()), moment=(0.0, float(turn), 0.0)
-                )
-            )
+            weight = frame.mass * ph4100c.GRAVITY * gravity
+            force = tuple((share * whole - weight).tolist())
+            turn = float(share * moment[1] - np.cross(frame.com, weight)[1])
+            phases.append(MachinePhase(name=pose.name, end=pose.end, force=force, moment=(0.0, turn, 0.0)))
         return cls(phases=tuple(phases))
 
     def wrench(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
@@ -297,27 +259,27 @@ class MachineCycle(Cycle):
         both = self.columns(time, [(*phase.force, *phase.moment) for phase in self.phases])
         return both[:, :3], both[:, 3:]
 
-    def check_balance(self, frame: Undercarriage, gravity: NDArray) -> None:
-        """Refuse, by a `ValueError`, a cycle in which a roller would have to pull; gravity (3,) is in m/s2.
+    def balance_errors(self, frame: Undercarriage, gravity: NDArray) -> Iterator[str]:
+        """Phases in which a roller would have to pull; gravity (3,) is in m/s2.
 
         Between the ends of phases force and moment are means of those at the ends, so that these tell.
         """
-        weight = frame.mass * gravity
+        weight, rear, front = frame.mass * gravity, frame.rollers[0], frame.rollers[-1]
         for phase in self.phases:
             force = np.array(phase.force) + weight
             moment = np.array(phase.moment) + np.cross(frame.com, weight)
+            at = f"machine: at the end of {phase.name!r} it"
             if force[2] >= 0.0:
-                raise ValueError(f"machine: at the end of {phase.name!r} it lifts the side frame")
+                yield f"{at} lifts the side frame"
             x, y = moment[1] / -force[2], -moment[0] / -force[2]
-            rear, front = frame.rollers[0], frame.rollers[-1]
             if not rear <= x <= front:
-                raise ValueError(
-                    f"machine: at the end of {phase.name!r} its weight acts at x = {x:.3g} m, the rollers "
+                yield (
+                    f"{at}s weight acts at x = {x:.3g} m, the rollers "
                     f"stand from {rear:g} to {front:g} m: it tips"
                 )
             if abs(y) > TIPPING:
-                raise ValueError(
-                    f"machine: at the end of {phase.name!r} its weight acts {y:.3g} m beside the middle of "
+                yield (
+                    f"{at}s weight acts {y:.3g} m beside the middle of "
                     f"the track, more than {TIPPING} m: the side frame tips"
                 )
 

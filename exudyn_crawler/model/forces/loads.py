@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
-from exudyn_crawler.case.parameters.base import StepProfile
+from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.laws.impact import step
 from exudyn_crawler.ground.rotations import FloatArray

@@ -22,7 +22,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.files.files import saved_case
+from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.files import blocks, write_netcdf_along
 from exudyn_crawler.model.state import VERSION

@@ -5,9 +5,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from exudyn_crawler.case.files.errors import toml_content
-from exudyn_crawler.case.files.files import errors_named, from_content, with_base
 from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
+from exudyn_crawler.case.parameters.reading import Content, read_parameters, with_base
 from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
 from fem.fatigue import Miner
 
@@ -135,11 +134,13 @@ def read_duty(path: str | Path) -> Duty:
         Naming every key at fault by its path, and what is allowed there.
     """
     path = Path(path)
-    with errors_named(path, Duty):
-        content = toml_content(path, "duty file")
+
+    def values(content: Content) -> Content:
         content.setdefault("name", path.stem)
         runs = content.get("runs")
         for run in runs if isinstance(runs, list) else []:
             if isinstance(run, dict) and isinstance(run.get("folder"), str):
                 run["folder"] = str((path.parent / run["folder"]).resolve())
-        return from_content(Duty, with_base(content, (Duty,), {}, ()))
+        return with_base(content, Duty)
+
+    return read_parameters(path, Duty, "duty file", values)

@@ -19,8 +19,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.files.case_file import differences
-from exudyn_crawler.case.files.files import saved_case
+from exudyn_crawler.case.case_file import differences
+from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.errors import ASK_TO_OVERWRITE
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.results.history.files import Chunk, save_joined

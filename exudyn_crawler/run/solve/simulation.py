@@ -5,7 +5,7 @@ from contextlib import nullcontext
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.case.files.case_file import check_case, check_duration, check_size
+from exudyn_crawler.case.case_file import check_run
 from exudyn_crawler.case.parameters.checks import warn_implausible
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.model.formulation import EQUATIONS, compile_equations, track_system
@@ -56,10 +56,7 @@ def simulate(
     ImplausibleWarning
         Before anything runs, of what no machine and no ground is known to have.
     """
-    check_case(case)
-    check_duration(duration)
-    check_size(case, duration)
-    case.check_support(duration)
+    check_run(case, duration)
     warn_implausible(case, duration)
     if checkpoints is not None:
         checkpoints.load(case)

@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case.files.case_file import differences
+from exudyn_crawler.case.case_file import differences
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.history.summary import compared, difference_table

@@ -4,40 +4,43 @@ import math
 import os
 from collections.abc import Iterator
 from functools import partial
-from typing import Annotated, Literal, NamedTuple, Self, SupportsFloat
+from typing import Annotated, Literal, NamedTuple, SupportsFloat
 
 import tomlkit
-from pydantic import BaseModel, Field, model_validator
+from pydantic import BaseModel, Field
 
 import meshes
 from exudyn_crawler.case.case import Case
-from exudyn_crawler.case.files.errors import shown
 from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Parameters, StepProfile, quantity
-from exudyn_crawler.case.parameters.fields import BESIDE, in_units
+from exudyn_crawler.case.parameters.base import Parameters, quantity, shown
+from exudyn_crawler.case.parameters.drive import StepProfile
 from meshes.geometry import VOLUMES
 
-_bytes = partial(in_units, units={"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0})
-NUMBER = 8
-"""Bytes."""
-FALLBACK_MEMORY = 64e9
-"""Bytes, taken for the machine's memory where the system does not tell it."""
-GREATEST_HISTORY = 1e12
-"""Bytes of a history on disk."""
-MOST_STAGES = 1_000_000
-"""Stages of a run, which begin at its checkpoints."""
-COPIES_OF_MODES = 6
-"""Arrays as large as a basis that a reduction and the stresses of its modes hold at a time."""
-A_UNIT = 20e3
-"""Bytes of a unit that is a body of the multibody system with its joints."""
+_bytes = partial(fields.in_units, units={"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0})
+NUMBER = 8  # bytes
+FALLBACK_MEMORY = 64e9  # bytes, taken for the machine's memory where the system does not tell it
+GREATEST_HISTORY = 1e12  # bytes of a history on disk
+MOST_STAGES = 1_000_000  # stages of a run, which begin at its checkpoints
+COPIES_OF_MODES = (
+    6  # arrays as large as a basis that a reduction and the stresses of its modes hold at a time
+)
+A_UNIT = 20e3  # bytes of a unit that is a body of the multibody system with its joints
+HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
+ABSENT = "-"  # in place of a value that a case does not have
 
 
-def check_case(case: object) -> None:
-    """Refuse, by a `TypeError` that says how to get one, what is no `Case`."""
+def check_run(case: object, duration: object) -> None:
+    """Refuse what is no `Case` (TypeError), and a run (s) that cannot be (ValueError)."""
     if not isinstance(case, Case):
         raise TypeError(
             f"case must be a Case, such as Case.translation() or read_case(path).case, got {shown(case)}"
         )
+    if not isinstance(duration, SupportsFloat):
+        raise ValueError(f"duration must be a number in s, got {duration!r}")
+    if not 0.0 < float(duration) < math.inf:
+        raise ValueError(f"duration must be positive and finite, got {duration!r} s")
+    check_size(case, float(duration))
+    case.check_support(float(duration))
 
 
 def check_case_file(case_file: object) -> None:
@@ -50,24 +53,14 @@ def check_case_file(case_file: object) -> None:
         )
 
 
-def check_duration(duration: object) -> None:
-    """Refuse, by a `ValueError`, a duration that is no number of seconds above zero."""
-    if not isinstance(duration, SupportsFloat):
-        raise ValueError(f"duration must be a number in s, got {duration!r}")
-    if not 0.0 < float(duration) < math.inf:
-        raise ValueError(f"duration must be positive and finite, got {duration!r} s")
-
-
 def check_size(case: Case, duration: float) -> None:
     """Refuse, by a `ValueError`, a run (s) that no memory of this machine or no disk would hold."""
-    terrain, units = case.terrain, case.terrain.unit_count
+    terrain, units, solver = case.terrain, case.terrain.unit_count, case.solver
+    # singular value decomposition of the joints' equations in the heave and tilt of every unit
+    needed = 4.0 * NUMBER * (2.0 * units) ** 2
     if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
         needed = A_UNIT * units
-    else:
-        # singular value decomposition of the joints' equations in the heave and tilt of every unit
-        needed = 4.0 * NUMBER * (2.0 * units) ** 2
     _check_memory(f"terrain: {terrain.columns} x {terrain.rows} units", needed)
-    solver = case.solver
     times = solver.stored_times(duration)
     needed = times * stored_numbers(case) * NUMBER
     if needed > GREATEST_HISTORY:
@@ -142,14 +135,12 @@ class Outputs(Parameters):
         min_length=1,
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Iterator[str]:
         if self.shoes is not None and list(self.shoes) != sorted(set(self.shoes)):
-            raise ValueError(f"shoes must be different numbers in rising order, got {self.shoes}")
+            yield f"shoes must be different numbers in rising order, got {self.shoes}"
         times = self.picture_times
         if times is not None and (times[0] < 0.0 or list(times) != sorted(set(times))):
-            raise ValueError(f"picture_times must be from 0 s and increase, got {times}")
-        return self
+            yield f"picture_times must be from 0 s and increase, got {times}"
 
     def drawn_shoes(self, shoe_count: int) -> tuple[int, ...]:
         """Shoes to draw of a track: those asked for, else up to five, the ends included."""
@@ -168,57 +159,43 @@ class CaseFile(Parameters):
         Where the duration or the outputs do not fit the case.
     """
 
-    case: Annotated[Case, BESIDE]
+    case: Annotated[Case, fields.BESIDE]
     duration: float = quantity("s", "simulated time", default=10.0, allow_inf_nan=True)
     outputs: Outputs = Outputs()
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        check_duration(self.duration)
-        beyond = [shoe for shoe in self.outputs.shoes or () if not 1 <= shoe <= self.case.track.shoe_count]
-        if beyond:
-            raise ValueError(f"outputs.shoes must be in 1..{self.case.track.shoe_count}, got {beyond}")
-        times = self.outputs.picture_times
+    def _errors(self) -> Iterator[str]:
+        check_run(self.case, self.duration)
+        count, times = self.case.track.shoe_count, self.outputs.picture_times
+        if beyond := [shoe for shoe in self.outputs.shoes or () if not 1 <= shoe <= count]:
+            yield f"outputs.shoes must be in 1..{count}, got {beyond}"
         if times is not None and times[-1] > self.duration:
-            raise ValueError(f"outputs.picture_times must lie in 0..{self.duration:g} s, got {list(times)}")
-        check_size(self.case, self.duration)
-        self.case.check_support(self.duration)
-        return self
-
-
-HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
+            yield f"outputs.picture_times must lie in 0..{self.duration:g} s, got {list(times)}"
 
 
 def case_text(case_file: CaseFile) -> str:
     """Case file as TOML with a comment for every value."""
-    lines = [f"# {line}" for line in (HEAD, *_bases((Case,)))] + [""]
+    lines = [f"# {line}" for line in (HEAD, *_bases(Case))] + [""]
     for entry in fields.walk(case_file):
         if fields.is_table(entry.value):
-            lines += _head(entry, entry.value)
+            lines += _head(entry)
         else:
             words = ", ".join(part for part in (entry.unit, entry.meaning) if part)
-            name = entry.place[-1]
-            lines.append(f"{name} = {_plain(entry.value)}" + (f" # {words}" if words else ""))
+            lines.append(f"{entry.place[-1]} = {_plain(entry.value)}" + (f" # {words}" if words else ""))
     return "\n".join(lines) + "\n"
 
 
-def _head(entry: fields.Entry, table: BaseModel) -> Iterator[str]:
+def _head(entry: fields.Entry) -> list[str]:
     """Lines that begin a table: its name, what it is, and the named values that its `base` may take."""
-    name = ".".join(part for part in entry.place if isinstance(part, str))
-    yield ""
+    name = ".".join(fields.names_of(entry.place))
     if isinstance(entry.place[-1], int):
-        yield f"[[{name}]]"
-        return
-    yield f"[{name}]"
-    yield f"# {entry.field.description or fields.first_line(type(table))}"
-    for line in _bases(fields.models_of(entry.field.annotation)):
-        yield f"# {line}"
+        return ["", f"[[{name}]]"]
+    comments = (entry.meaning, *_bases(*fields.models_of(entry.field.annotation)))
+    return ["", f"[{name}]", *(f"# {line}" for line in comments)]
 
 
-def _bases(kinds: tuple[type[BaseModel], ...]) -> Iterator[str]:
-    names = dict.fromkeys(name for kind in kinds for name in fields.named_values(kind))
-    if names:
-        yield f"{fields.BASE} = " + " or ".join(f'"{name}"' for name in names) + " gives all that is left out"
+def _bases(*kinds: type[BaseModel]) -> list[str]:
+    names = dict.fromkeys(f'"{name}"' for kind in kinds for name in fields.named_values(kind))
+    return [f"{fields.BASE} = {' or '.join(names)} gives all that is left out"] if names else []
 
 
 def _plain(value: object) -> str:
@@ -251,10 +228,6 @@ def shoe_weights(case: Case) -> str:
     )
 
 
-ABSENT = "-"
-"""In place of a value that a case does not have."""
-
-
 class Difference(NamedTuple):
     """A value in which two cases differ."""
 
@@ -273,11 +246,10 @@ def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
         {entry.path: entry for entry in fields.walk(one) if not fields.is_table(entry.value)}
         for one in (first, second)
     )
-    pairs = {key: (a.get(key), b.get(key)) for key in [*a, *b]}
     return [
-        Difference(key, *_texts(one, other), (a.get(key) or b[key]).unit)
-        for key, (one, other) in pairs.items()
-        if one is None or other is None or one.value != other.value
+        Difference(key, *_texts(a.get(key), b.get(key)), (a.get(key) or b[key]).unit)
+        for key in dict.fromkeys([*a, *b])
+        if key not in a or key not in b or a[key].value != b[key].value
     ]
 
 

@@ -1,0 +1,184 @@
+"""Case files: everything that a run depends on, as TOML.
+
+A file gives the fields of `Case` and, beside them, `duration` and `[outputs]`. It may say only what differs
+from a `base`: a named case such as "translation" at the top of the file, a named constructor such as "stress"
+in the table of a part. Names, units and bounds are those of the parameter classes, here and in the errors.
+"""
+
+import os
+import tomllib
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.case_file import CaseFile, case_text
+from exudyn_crawler.case.parameters import fields, reading
+from exudyn_crawler.case.parameters.base import error_lines
+from exudyn_crawler.case.parameters.loads import LoadCycle, cycle_content, with_equal_loads
+from exudyn_crawler.case.parameters.reading import Content
+from exudyn_crawler.case.parameters.track import MOST_SHOES
+from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.files import whole_file
+from meshes import SHOE_SIZES
+
+CYCLE = "file"  # key of the loads that names a file with their cycle
+
+
+def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
+    """Read a case file; paths of a mesh and of a load cycle count from the file's folder.
+
+    Parameters
+    ----------
+    changes : iterable of str
+        Values in place of the file's, each as ``terrain.spring_stiffness=1e7`` or, of an item of a list that
+        the file or a base has, ``loads.phases[0].end=15``.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    CaseFileError
+        Naming every key at fault by its path, and what is allowed there.
+    """
+    folder = Path(path).parent
+    return reading.read_parameters(
+        path,
+        CaseFile,
+        "case file",
+        lambda content: _resolved(content, folder, [_change(change) for change in changes]),
+    )
+
+
+def case_of(content: Content, path: Path) -> CaseFile:
+    """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
+    with reading.errors_named(path, CaseFile):
+        return reading.from_content(CaseFile, _resolved(content, path.parent))
+
+
+def write_case(case_file: CaseFile, path: str | Path, overwrite: bool = False) -> Path:
+    """Write all values with units and meanings; read back, the file gives an equal object.
+
+    Raises
+    ------
+    FileExistsError
+        If the file exists and `overwrite` is false.
+    """
+    path = Path(path)
+    with whole_file(path, overwrite) as temporary:
+        temporary.write_text(case_text(case_file), encoding="utf-8")
+    return path
+
+
+def saved_case(text: str | bytes) -> Case:
+    """Case from the JSON in a history or a checkpoint; `ParameterError` if it is none."""
+    try:
+        return Case.model_validate_json(text)
+    except ValidationError as error:
+        raise ParameterError("\n".join(error_lines(error, Case))) from None
+
+
+class _Change(NamedTuple):
+    """A value and its path in a case file; `key` is the path as it was written."""
+
+    key: str
+    path: fields.KeyPath
+    value: Any
+
+    def made_in(self, content: Content, kind: type[CaseFile] | None = None) -> Content:
+        """Content with the change: tables of a file or, of a `kind`, with what bases give."""
+        try:
+            changed: Content = fields.with_value(content, self.path, self.value, kind)
+        except ValueError as error:
+            raise ValueError(f"{self.key}: {error}") from error
+        return changed
+
+
+def _change(text: str) -> _Change:
+    """Change from a key, "=" and a value as TOML writes it; text needs no quotes.
+
+    A key is the path of a value, or its last names where no other value of a case has them.
+    """
+    key, equals, value = (part.strip() for part in text.partition("="))
+    try:
+        path = fields.parse_path(key)
+    except ValueError:
+        equals = ""
+    if not equals:
+        raise ValueError(
+            f"a change must be like terrain.spring_stiffness=1e7 or loads.phases[0].end=15, got {text!r}"
+        )
+    known = list(fields.key_paths(CaseFile))
+    if path[0] not in {fields.BASE, *Case.model_fields, *CaseFile.model_fields}:
+        end = "." + ".".join(fields.names_of(path))
+        meant = [one for one in known if one.endswith(end)]
+        if len(meant) > 1:
+            raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
+        path = (*fields.parse_path(meant[0].removesuffix(end)), *path) if meant else path
+    # up to the first name that no case file has, of which the check of the content tells
+    for count, part in enumerate(path, 1):
+        above = ".".join(fields.names_of(path[:count])) + "."
+        if part != fields.BASE and not any(f"{one}.".startswith(above) for one in known):
+            path = path[:count]
+            break
+    try:
+        content = tomllib.loads(f"value = {value}")
+    except (ValueError, RecursionError):
+        content = {}
+    # a line break could hide more
+    return _Change(key, path, content["value"] if len(content) == 1 else value)
+
+
+def _resolved(content: Content, folder: Path, changes: Sequence[_Change] = ()) -> Content:
+    """Values of a file as `CaseFile` takes them: bases filled in, "none" replaced, and changes made."""
+    # lists may come from a base
+    of_items = [change for change in changes if len(fields.names_of(change.path)) < len(change.path)]
+    for change in changes:
+        content = content if change in of_items else change.made_in(content)
+    cycle = _cycle_file(content.get("loads"), folder)
+    if cycle is not None:
+        try:
+            content["loads"] = cycle_content(cycle)
+        except OSError as error:
+            raise ValueError(f"loads.{CYCLE}: {error}") from error
+    content = reading.with_base(content, CaseFile)
+    if _spread_equal_loads(content["case"]) and cycle is not None:
+        with reading.errors_named(cycle, LoadCycle):
+            reading.from_content(LoadCycle, content["case"]["loads"])
+    for change in of_items:
+        content = change.made_in(content, CaseFile)
+        _spread_equal_loads(content["case"])
+    flexible = content["case"].get("flexible")
+    if isinstance(flexible, dict) and isinstance(flexible.get("mesh"), str):
+        flexible["mesh"] = _mesh(flexible["mesh"], folder)
+    return content
+
+
+def _cycle_file(loads: object, folder: Path) -> Path | None:
+    """File of the cycle that a table of the loads names."""
+    if not isinstance(loads, dict) or CYCLE not in loads:
+        return None
+    if len(loads) > 1 or not isinstance(loads[CYCLE], str):
+        raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {loads!r}")
+    return folder / loads[CYCLE]
+
+
+def _spread_equal_loads(case: Content) -> bool:
+    """Put one number for the loads on all shoes on each of them; returns whether it is known how many."""
+    track = case.get("track")
+    count = track.get("shoe_count") if isinstance(track, dict) else None
+    if "loads" not in case or not isinstance(count, int) or not 0 < count <= MOST_SHOES:
+        return False
+    case["loads"] = with_equal_loads(case["loads"], count)
+    return True
+
+
+def _mesh(name: str, folder: Path) -> str:
+    if name in SHOE_SIZES:
+        return name
+    # for any text, where Path.is_file raises
+    if not os.path.isfile(folder / name):
+        raise ValueError(f"flexible.mesh: neither one of {', '.join(SHOE_SIZES)} nor a file: {name!r}")
+    return str((folder / name).resolve())

@@ -1,1 +1,0 @@
-"""Case files: reading, writing, changing and comparing cases."""

@@ -1,0 +1,113 @@
+"""Files of parameters: TOML whose tables may say only what differs from a `base`, a named constructor."""
+
+import difflib
+import json
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters.base import error_lines
+from exudyn_crawler.errors import CaseFileError
+
+Model = TypeVar("Model", bound=BaseModel)
+Content = dict[str, Any]
+
+
+def read_parameters(
+    path: str | Path, kind: type[Model], name: str, values: Callable[[Content], Content]
+) -> Model:
+    """Parameter object of a file that is to hold what `name` says, whose content `values` makes its values.
+
+    Raises `FileNotFoundError`, or `CaseFileError` naming everything that is wrong by its path.
+    """
+    path = Path(path)
+    with errors_named(path, kind):
+        return from_content(kind, values(toml_content(path, name)))
+
+
+def toml_content(path: Path, name: str) -> Content:
+    """Content of a TOML file; raises `FileNotFoundError` or, without the path, `ValueError` if it is none."""
+    if not path.is_file():
+        raise FileNotFoundError(f"no {name} {path}")
+    try:
+        # some editors put a mark before the text
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"not TOML: {error}") from error
+
+
+@contextmanager
+def errors_named(path: Path, kind: type[BaseModel]) -> Iterator[None]:
+    """Make what is wrong with the content of a file, of a parameter class, a `CaseFileError`."""
+    try:
+        yield
+    except ValidationError as error:
+        raise CaseFileError(path, list(error_lines(error, kind))) from None
+    except CaseFileError:  # of another file that this one names
+        raise
+    except (ValueError, RecursionError) as error:
+        raise CaseFileError(path, [str(error)]) from error
+
+
+def from_content(kind: type[Model], content: Content) -> Model:
+    """Parameter object of the values of a file; `ValidationError` for what is not allowed."""
+    # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers; it has no type
+    # for TOML's dates and times, which no field takes
+    text = json.dumps(content, default=lambda value: {"date or time": str(value)})
+    return kind.model_validate_json(text, strict=True)
+
+
+def with_base(
+    content: Content,
+    *kinds: type[BaseModel],
+    below: Mapping[str, Any] | None = None,
+    path: fields.KeyPath = (),
+) -> Content:
+    """What a table of one of the classes gives over its base, or over the values `below` it."""
+    content, below = dict(content), below or {}
+    tag = content.get(fields.TAG, below.get(fields.TAG))
+    kind = next((one for one in kinds if len(kinds) > 1 and fields.tag_of(one) == tag), kinds[0])
+    # values of another class say nothing of this one
+    values = dict(below) if len(kinds) == 1 or below.get(fields.TAG) == fields.tag_of(kind) else {}
+    if beside := fields.beside(kind):
+        names = [key for key in content if key == beside or key not in kind.model_fields]
+        inner = {key: content.pop(key) for key in names}
+        values[beside] = with_base(inner, *fields.models_of(kind.model_fields[beside].annotation), path=path)
+    if (name := content.pop(fields.BASE, None)) is not None:
+        values = _named(name, kind, path)
+    if len(kinds) > 1:
+        values.setdefault(fields.TAG, fields.tag_of(kind))
+    for key, value in content.items():
+        field = kind.model_fields.get(key)
+        parts = fields.models_of(field.annotation) if field else ()
+        if field and value == fields.NONE and fields.allows_none(field.annotation):
+            value = None
+        elif parts and isinstance(value, dict):
+            under = values.get(key)
+            under = (
+                under if isinstance(under, dict) else None
+            )  # none, or the list of a table given by mistake
+            value = with_base(value, *parts, below=under, path=(*path, key))
+        elif parts and isinstance(value, list):
+            value = [
+                with_base(one, *parts, path=(*path, key, number)) if isinstance(one, dict) else one
+                for number, one in enumerate(value)
+            ]
+        values[key] = value
+    return values
+
+
+def _named(name: object, kind: type[BaseModel], path: fields.KeyPath) -> Content:
+    """Values of a named constructor."""
+    constructors = fields.named_values(kind)
+    if isinstance(name, str) and name in constructors:
+        return constructors[name]().model_dump(mode="json")
+    near = difflib.get_close_matches(str(name), constructors, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    allowed = ", ".join(map(repr, constructors)) or "no names at all"
+    raise ValueError(f"{fields.path_text((*path, fields.BASE))}: no {name!r}; {hint}There is {allowed}")
