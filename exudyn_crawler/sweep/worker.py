@@ -127,14 +127,14 @@ def _answered(task: Task, overwrite: bool) -> dict[str, float | None]:
     """Answers of a run by name; None where a run has none."""
     case_file, folder = CaseFile.model_validate_json(task.case), folder_of(task.runs, task.digest)
     folder.mkdir(parents=True, exist_ok=True)
-    how = {"overwrite": overwrite, "take_finished": True, "progress": False, "reductions": task.reductions}
+    how: Mapping[str, Any] = {"overwrite": overwrite, "take_finished": True, "progress": False}
     give_up = time.monotonic() + LOCK_WAIT
     with warnings.catch_warnings():
         # the sweep warns of them once
         warnings.simplefilter("ignore", ImplausibleWarning)
         while True:
             try:
-                run = run_case(case_file, folder, **how)
+                run = run_case(case_file, folder, reductions=task.reductions, **how)
                 break
             except BlockingIOError:
                 if time.monotonic() > give_up:

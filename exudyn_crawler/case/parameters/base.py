@@ -190,7 +190,8 @@ class _Spot(NamedTuple):
 
 def _spot(loc: fields.KeyPath, model: type[BaseModel], in_file: bool) -> _Spot:
     """Where pydantic's place is, which names the tag of a part that may be of several classes, too."""
-    spot, instead = _Spot((), model, (), (model,)), ()
+    spot = _Spot((), model, (), (model,))
+    instead: tuple[type[BaseModel], ...] = ()
     for part in loc:
         if isinstance(part, int):
             spot = spot._replace(place=(*spot.place, part))
