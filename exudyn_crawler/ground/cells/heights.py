@@ -1,0 +1,157 @@
+"""Heights of the ground before any shoe came: level or sloping, ridges, ruts and stones, rough, measured.
+
+All parts add up. Cells know no walls: whatever rises does so over a flank of some cells, and has slopes of
+its own.
+"""
+
+import math
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from exudyn_crawler.case.parameters.base import Name, Parameters, Place, quantity
+from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.ground.cells.grid_files import MeasuredGrid
+
+FLANK = 2.0
+"""Cells that a flank has at least, so that a shoe which comes to it is lifted over some steps of time."""
+WAVE = 4.0
+"""Cells that a wave has at least."""
+BANDS, DIRECTIONS = 64, 16
+"""Of the waves that make a rough ground."""
+
+
+class Ridge(Parameters):
+    """Straight ridge, or rut where the height is negative: a flat top and two flanks (cubic STEPs)."""
+
+    model: Literal["ridge"] = "ridge"
+    name: Name = "ridge"
+    x: Place = quantity("m", "of the middle of its top, global", default=0.0)
+    y: Place = quantity("m", "the same", default=0.0)
+    heading: float = quantity("deg", "of the ridge, from x to y", ge=-360, le=360, default=90.0)
+    height: float = quantity("m", "above the ground about it; negative: a rut", ge=-100, le=100)
+    width: float = quantity("m", "of the top", ge=0, le=1e3)
+    flank: float = quantity("m", "length of each flank, seen from above", gt=0, le=1e3)
+    length: float = quantity("m", "of the top along the ridge", gt=0, le=1e6, default=1e6)
+
+    def sample(self, x: NDArray, y: NDArray) -> NDArray:
+        """Height and slopes as of `Heights.sample`."""
+        c, s = math.cos(math.radians(self.heading)), math.sin(math.radians(self.heading))
+        x, y = x - self.x, y - self.y
+        along, along_slope = _hump(x * c + y * s, self.length, self.flank)
+        across, across_slope = _hump(y * c - x * s, self.width, self.flank)
+        u, v = along_slope * across, along * across_slope
+        return self.height * np.stack((along * across, u * c - v * s, u * s + v * c), axis=-1)
+
+
+class Stone(Parameters):
+    """Round stone, or hole where the height is negative: a flat top and a flank (cubic STEP)."""
+
+    model: Literal["stone"] = "stone"
+    name: Name = "stone"
+    x: Place = quantity("m", "of its middle, global")
+    y: Place = quantity("m", "the same")
+    height: float = quantity("m", "above the ground about it", ge=-100, le=100)
+    width: float = quantity("m", "diameter of the top", ge=0, le=1e3, default=0.0)
+    flank: float = quantity("m", "length of the flank, seen from above", gt=0, le=1e3)
+
+    def sample(self, x: NDArray, y: NDArray) -> NDArray:
+        """Height and slopes as of `Heights.sample`."""
+        x, y = x - self.x, y - self.y
+        radius = np.hypot(x, y)
+        height, slope = _hump(radius, self.width, self.flank)
+        slope = np.divide(slope, radius, out=np.zeros_like(radius), where=radius > 0.0)
+        return self.height * np.stack((height, slope * x, slope * y), axis=-1)
+
+
+class Roughness(Parameters):
+    """Random isotropic roughness: along a line the spectrum ``G (n / n0)**-w``, n0 = 0.1 cycles/m (ISO 8608).
+
+    A sum of waves with directions and phases of a seed: the same rock at a place, however large the map. No
+    source gives G of mine floors; ISO 8608 has 16e-6 m3 for a good road (class A) and 256e-6 m3 for a bad one
+    (class C).
+    """
+
+    spectrum: float = quantity("m3", "G at 0.1 cycles/m", plausible=(1e-6, 0.02), ge=0, le=1)
+    exponent: float = quantity("1", "w of the spectrum", plausible=(1.5, 3.0), gt=1, le=5, default=2.0)
+    longest: float = quantity("m", "longest wave", gt=0, le=1e4, default=20.0)
+    shortest: float = quantity("m", "shortest wave", gt=0, le=1e4, default=0.4)
+    seed: int = quantity("1", "of the random numbers", ge=0, le=2**32 - 1, default=0)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.shortest >= self.longest:
+            raise ValueError(f"shortest must be below longest = {self.longest}, got {self.shortest}")
+        return self
+
+    def sample(self, x: NDArray, y: NDArray) -> NDArray:
+        """Height and slopes as of `Heights.sample`."""
+        random, w = np.random.default_rng(self.seed), self.exponent
+        ends = np.geomspace(1.0 / self.longest, 1.0 / self.shortest, BANDS + 1)
+        # plane spectrum c k**-(w + 1) whose lines have the given one
+        beta = math.gamma(0.5) * math.gamma(w / 2.0) / math.gamma((w + 1.0) / 2.0)
+        c = self.spectrum * 0.1**w / (2.0 * beta)
+        variance = 2.0 * math.pi * c * (ends[:-1] ** (1.0 - w) - ends[1:] ** (1.0 - w)) / (w - 1.0)
+        out = np.zeros((*np.shape(x), 3))
+        for low, high, square in zip(ends[:-1], ends[1:], variance, strict=True):
+            number = 2.0 * math.pi * random.uniform(low, high, DIRECTIONS)
+            angle = math.pi / DIRECTIONS * (np.arange(DIRECTIONS) + random.uniform(size=DIRECTIONS))
+            kx, ky = number * np.cos(angle), number * np.sin(angle)
+            phase = np.multiply.outer(x, kx) + np.multiply.outer(y, ky)
+            phase += random.uniform(0.0, 2.0 * math.pi, DIRECTIONS)
+            amplitude, sine = math.sqrt(2.0 * square / DIRECTIONS), np.sin(phase)
+            out += amplitude * np.stack((np.cos(phase).sum(axis=-1), -sine @ kx, -sine @ ky), axis=-1)
+        return out
+
+
+Part = Annotated[Ridge | Stone, Field(discriminator="model")]
+
+
+class Heights(Parameters):
+    """Heights of a ground: a plane, and what is on it."""
+
+    level: Place = quantity("m", "height of the plane at the origin", default=0.0)
+    slope_x: float = quantity("1", "rise of the plane along x", ge=-1, le=1, default=0.0)
+    slope_y: float = quantity("1", "the same along y", ge=-1, le=1, default=0.0)
+    parts: tuple[Part, ...] = Field(default=(), description="ridges, ruts and stones")
+    roughness: Roughness | None = Field(default=None, description="random roughness; None: smooth")
+    measured: MeasuredGrid | None = Field(default=None, description="measured heights; None: none")
+
+    def sample(self, x: NDArray, y: NDArray) -> NDArray:
+        """Height (m) and slopes along x and y at places (m): array (..., 3); NaN beyond measured heights."""
+        z = self.level + self.slope_x * x + self.slope_y * y
+        out = np.stack((z, np.full_like(z, self.slope_x), np.full_like(z, self.slope_y)), axis=-1)
+        for part in (*self.parts, self.roughness, self.measured):
+            if part is not None:
+                out += part.sample(x, y)
+        return out
+
+    def check_cells(self, cell: float) -> None:
+        """Refuse what cells of a side (m) are too large for.
+
+        Raises
+        ------
+        ParameterError
+            With a line for each part that is too fine.
+        """
+        lines = [
+            f"parts[{k}].flank ({part.name}): must be at least {FLANK:g} cells of {cell:g} m, "
+            f"got {part.flank:g} m"
+            for k, part in enumerate(self.parts)
+            if part.flank < FLANK * cell
+        ]
+        rough = self.roughness
+        if rough is not None and rough.shortest < WAVE * cell:
+            lines.append(
+                f"roughness.shortest: must be at least {WAVE:g} cells of {cell:g} m, got {rough.shortest:g} m"
+            )
+        if lines:
+            raise ParameterError("\n".join(lines))
+
+
+def _hump(distance: NDArray, width: float, flank: float) -> tuple[NDArray, NDArray]:
+    """One within half a width of zero, falling to zero over a flank by a cubic STEP; and its derivative."""
+    s = np.clip((np.abs(distance) - 0.5 * width) / flank, 0.0, 1.0)
+    return 1.0 - s * s * (3.0 - 2.0 * s), -6.0 * s * (1.0 - s) / flank * np.sign(distance)

@@ -1,0 +1,321 @@
+"""Forces of the cells on shoes, compiled: wrench and its derivative, trial memory, a coarse grid of forces.
+
+A shoe is a list of points that `covering` has frozen for the step: a place on its underside, the cell below
+it and the area that it stands for. Nothing here reads or writes the map of the ground. Derivatives leave out
+how the areas change as the outline moves (1 % of them) and how turning arms turn velocities (0.2 % at 0.1
+rad/s).
+"""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numba import carray, types
+from numba.np.unsafe.ndarray import to_fixed_tuple
+
+from exudyn_crawler.ground.cells.law import (
+    LawKernel,
+    Memory,
+    Probe,
+    call_at,
+    compile_entry,
+    prepare,
+    respond,
+    within_law,
+)
+from exudyn_crawler.ground.frames import Frame, Vector, along, compiled, cross, dot, turned, within
+from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.rows import IntArray
+
+PLACE, NORMAL, GROUND, AREA, BEFORE, DEEPEST, PREPARED, SHEAR, MOBILIZED = 0, 3, 6, 7, 8, 11, 13, 15, 18
+"""First column of what a point is: its place in the shoe's frame (m), the cell's normal, the distance of the
+cell's plane from the origin along it (m), its true area (m2), where the place was when a step was last
+accepted (m, global); and the cell's memory: greatest sinkage and pressure, `Probe.prepared`, shear and
+mobilized share."""
+POINT = 19
+TRIAL = 5
+"""Trial memory of a point: greatest sinkage, pressure, shear along x and y, mobilized share."""
+FRAME = 18
+"""Numbers of a frame: r, the rows of R, v and omega, global."""
+
+
+class Shoes(NamedTuple):
+    """Points of the shoes and what the kernel makes of them; all arrays stay the same through a run.
+
+    Attributes
+    ----------
+    addresses : array (2,)
+        Of the compiled law: `prepare` and `press`.
+    constants : array (constants,)
+        Of the law.
+    corners : array (4, 3)
+        Of the underside in the shoe's frame, in order; of one z, m.
+    counts : array (shoes,)
+        Number of points of each shoe.
+    cells : array (shoes, most)
+        Cell of each point.
+    points : array (shoes, most, POINT)
+    trial : array (shoes, most, TRIAL)
+    force : array (shoes, most, 4)
+        On the shoe at each point (N, global), and its normal traction (Pa).
+    wrench : array (shoes, 6)
+        Force (N) and moment about the frame's origin (N m) on each shoe, global.
+    tangent : array (shoes, 6, 6)
+        Its weighted derivative by displacements and small rotations (global components).
+    """
+
+    addresses: IntArray
+    constants: FloatArray
+    corners: FloatArray
+    counts: IntArray
+    cells: IntArray
+    points: FloatArray
+    trial: FloatArray
+    force: FloatArray
+    wrench: FloatArray
+    tangent: FloatArray
+
+
+@within
+def frame_at(row: FloatArray) -> Frame:
+    """Frame of its numbers."""
+    rows = (row[3], row[4], row[5]), (row[6], row[7], row[8]), (row[9], row[10], row[11])
+    return Frame((row[0], row[1], row[2]), rows, (row[12], row[13], row[14]), (row[15], row[16], row[17]))
+
+
+@within_law
+def _probe(points: FloatArray, a: int, frame: Frame, arm: Vector, normal: Vector) -> Probe:
+    """What the law sees at a point."""
+    x = along(frame.r, 1.0, arm)
+    velocity = along(frame.v, 1.0, cross(frame.omega, arm))
+    rate = -dot(normal, velocity)
+    moved = (x[0] - points[a, BEFORE], x[1] - points[a, BEFORE + 1], x[2] - points[a, BEFORE + 2])
+    shear = (points[a, SHEAR], points[a, SHEAR + 1], points[a, SHEAR + 2])
+    return Probe(
+        points[a, GROUND] - dot(normal, x),
+        rate,
+        points[a, AREA],
+        along(moved, -dot(moved, normal), normal),
+        along(velocity, rate, normal),
+        Memory(points[a, DEEPEST], points[a, DEEPEST + 1], shear, points[a, MOBILIZED]),
+        (points[a, PREPARED], points[a, PREPARED + 1]),
+    )
+
+
+@within_law
+def press_shoe(law, points, frame, weights, trial, force, wrench, tangent):
+    """Write what the cells do to one shoe at a frame.
+
+    Parameters
+    ----------
+    law : named tuple
+        Constants.
+    frame : array (FRAME,)
+    weights : array (2,)
+        Of the derivatives by displacements and by velocities; without any, the tangent is left as it is.
+    points, trial, force, wrench, tangent : array
+        As of `Shoes`, of this shoe; the latter four are overwritten.
+    """
+    at, count = frame_at(frame), points.shape[0]
+    by_place, by_velocity = weights[0], weights[1]
+    tangents = by_place != 0.0 or by_velocity != 0.0
+    terms = np.empty((14, count if tangents else 0))
+    F, M = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for a in range(count):
+        arm = turned(at.R, (points[a, 0], points[a, 1], points[a, 2]))
+        n = (points[a, NORMAL], points[a, NORMAL + 1], points[a, NORMAL + 2])
+        probe = _probe(points, a, at, arm, n)
+        answer = respond(law, probe, tangents)
+        memory, v = answer.memory, probe.slip_velocity
+        trial[a, 0], trial[a, 1] = memory.deepest, memory.pressure
+        trial[a, 2], trial[a, 3], trial[a, 4] = memory.shear[0], memory.shear[1], memory.mobilized
+        f = along(along((0.0, 0.0, 0.0), answer.normal, n), -1.0, answer.shear)
+        f = along((0.0, 0.0, 0.0), probe.area, along(f, -answer.drag, v))
+        force[a, 0], force[a, 1], force[a, 2], force[a, 3] = f[0], f[1], f[2], answer.normal
+        F, M = along(F, 1.0, f), along(M, 1.0, cross(arm, f))
+        if tangents:
+            # -A (b n' + h m' + c 1) by displacements; the depth falls along n
+            A = -probe.area
+            b = along((0.0, 0.0, 0.0), by_place * (answer.normal_by_depth - answer.across), n)
+            b = along(b, -by_place, answer.tangential_by_depth)
+            b = along(b, by_velocity * (answer.normal_by_rate - answer.drag), n)
+            h = along((0.0, 0.0, 0.0), by_place * (answer.along - answer.across), answer.direction)
+            c, m = by_place * answer.across + by_velocity * answer.drag, answer.direction
+            for i in range(3):
+                for j in range(3):
+                    terms[3 * i + j, a] = A * (b[i] * n[j] + h[i] * m[j] + (c if i == j else 0.0))
+    for i in range(3):
+        wrench[i], wrench[3 + i] = F[i], M[i]
+    if tangents:
+        _write_tangent(points, at.R, by_place, terms, force, tangent)
+
+
+@within
+def _write_tangent(points, R, by_place, terms, force, tangent):
+    """Write the derivative of a wrench by motions of its shoe, of the derivatives (9, points) of its points.
+
+    The arms are linear in the places X, Y on the underside, so that sums of these times 1, X, Y, X2, XY, Y2
+    make it, whatever the number of points.
+    """
+    count, sums = points.shape[0], np.empty((9, 6))
+    for a in range(count):
+        X, Y = points[a, 0], points[a, 1]
+        terms[9, a], terms[10, a] = X, Y
+        terms[11, a], terms[12, a], terms[13, a] = X * X, X * Y, Y * Y
+    for i in range(9):
+        s0 = s1 = s2 = s3 = s4 = s5 = 0.0
+        for a in range(count):
+            g = terms[i, a]
+            s0 += g
+            s1 += g * terms[9, a]
+            s2 += g * terms[10, a]
+            s3 += g * terms[11, a]
+            s4 += g * terms[12, a]
+            s5 += g * terms[13, a]
+        sums[i, 0], sums[i, 1], sums[i, 2], sums[i, 3], sums[i, 4], sums[i, 5] = s0, s1, s2, s3, s4, s5
+    z = points[0, 2] if count > 0 else 0.0
+    _congruence(sums, R, z, tangent)
+    # the arms turn under the forces: sum of a f' - (a . f) 1
+    trace = 0.0
+    for j in range(3):
+        f0 = fx = fy = 0.0
+        for a in range(count):
+            f0, fx, fy = f0 + force[a, j], fx + force[a, j] * points[a, 0], fy + force[a, j] * points[a, 1]
+        for i in range(3):
+            turning = by_place * (R[i][0] * fx + R[i][1] * fy + R[i][2] * z * f0)
+            tangent[3 + i, 3 + j] += turning
+            trace += turning if i == j else 0.0
+    for i in range(3):
+        tangent[3 + i, 3 + i] -= trace
+
+
+@within
+def _congruence(sums, R, z, out):
+    """Write the sum of ``B' g B`` with B = [1, -[arm]x], of sums (9, 6) of g as of `_write_tangent`."""
+    first, second = np.empty((9, 3)), np.empty((9, 3, 3))
+    for q in range(9):
+        s = sums[q]
+        out[q // 3, q % 3] = s[0]
+        m = (s[3], s[4], z * s[1]), (s[4], s[5], z * s[2]), (z * s[1], z * s[2], z * z * s[0])
+        for k in range(3):
+            first[q, k] = R[k][0] * s[1] + R[k][1] * s[2] + R[k][2] * z * s[0]
+            u = (dot(R[k], m[0]), dot(R[k], m[1]), dot(R[k], m[2]))
+            for p in range(3):
+                second[q, k, p] = dot(u, R[p])
+    for i in range(3):
+        i1, i2 = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            j1, j2 = (j + 1) % 3, (j + 2) % 3
+            out[i, 3 + j] = first[3 * i + j2, j1] - first[3 * i + j1, j2]
+            out[3 + i, j] = first[3 * i2 + j, i1] - first[3 * i1 + j, i2]
+            out[3 + i, 3 + j] = (
+                second[3 * i2 + j2, i1, j1]
+                - second[3 * i2 + j1, i1, j2]
+                - second[3 * i1 + j2, i2, j1]
+                + second[3 * i1 + j1, i2, j2]
+            )
+
+
+@within_law
+def prepare_points(law, points):
+    """Write `Probe.prepared` of all points of one shoe."""
+    for a in range(points.shape[0]):
+        prepared = prepare(law, points[a, DEEPEST], points[a, DEEPEST + 1])
+        points[a, PREPARED], points[a, PREPARED + 1] = prepared[0], prepared[1]
+
+
+@cache
+def addresses_of(kernel: LawKernel) -> tuple[int, int]:
+    """Addresses of `prepare_points` and `press_shoe` compiled for a law."""
+    constants_type, size = kernel.constants, len(kernel.constants._fields)  # type: ignore[attr-defined]
+    numbers, number = types.CPointer(types.float64), types.intp
+
+    def law_points(constants, count, points):
+        law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
+        prepare_points(law, carray(points, (count, POINT)))
+        return 0
+
+    def law_press(constants, count, points, frame, weights, trial, force, wrench, tangent):
+        law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
+        press_shoe(
+            law,
+            carray(points, (count, POINT)),
+            carray(frame, (FRAME,)),
+            carray(weights, (2,)),
+            carray(trial, (count, TRIAL)),
+            carray(force, (count, 4)),
+            carray(wrench, (6,)),
+            carray(tangent, (6, 6)),
+        )
+        return 0
+
+    return (
+        compile_entry(kernel, law_points, (numbers, number, numbers)),
+        compile_entry(kernel, law_press, (numbers, number, *7 * [numbers])),
+    )
+
+
+@compiled
+def prepare_shoes(values: tuple) -> None:
+    """Write `Probe.prepared` of all points; `values` as of `press`."""
+    shoes = Shoes(*values)
+    for s in range(shoes.counts.shape[0]):
+        call_at(shoes.addresses[0], shoes.constants, shoes.counts[s], shoes.points[s])
+
+
+@compiled
+def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
+    """Write wrenches, tangents, forces and trial memory of all shoes at their frames (shoes, FRAME).
+
+    Parameters
+    ----------
+    values : tuple
+        `Shoes` as a plain tuple.
+    weights : array (2,)
+        Of the derivatives by displacements and by velocities; without any, the tangents are left as they are.
+    """
+    shoes = Shoes(*values)
+    for s in range(shoes.counts.shape[0]):
+        call_at(
+            shoes.addresses[1],
+            shoes.constants,
+            shoes.counts[s],
+            shoes.points[s],
+            frames[s],
+            weights,
+            shoes.trial[s],
+            shoes.force[s],
+            shoes.wrench[s],
+            shoes.tangent[s],
+        )
+
+
+@compiled
+def coarse_forces(values: tuple, frames: FloatArray, out: FloatArray) -> None:
+    """Write the forces on a grid of the undersides (shoes, a, b, 3): N, in the axes of each shoe.
+
+    The nodes divide the underside evenly, from its least x and y to its greatest. A force goes to the four
+    nodes about its point by hat functions, which keeps forces and moments, and bending moments at the lines
+    of nodes. `values` as of `press`.
+    """
+    shoes = Shoes(*values)
+    out.fill(0.0)
+    last_a, last_b = out.shape[1] - 1, out.shape[2] - 1
+    low, high = shoes.corners[0], shoes.corners[2]
+    for s in range(out.shape[0]):
+        R = frame_at(frames[s]).R
+        for a in range(shoes.counts[s]):
+            u = (shoes.points[s, a, 0] - low[0]) / (high[0] - low[0]) * last_a
+            t = (shoes.points[s, a, 1] - low[1]) / (high[1] - low[1]) * last_b
+            i, j = min(max(int(u), 0), last_a - 1), min(max(int(t), 0), last_b - 1)
+            u, t = u - i, t - j
+            for c in range(3):
+                f = (
+                    R[0][c] * shoes.force[s, a, 0]
+                    + R[1][c] * shoes.force[s, a, 1]
+                    + R[2][c] * shoes.force[s, a, 2]
+                )
+                out[s, i, j, c] += (1.0 - u) * (1.0 - t) * f
+                out[s, i + 1, j, c] += u * (1.0 - t) * f
+                out[s, i, j + 1, c] += (1.0 - u) * t * f
+                out[s, i + 1, j + 1, c] += u * t * f

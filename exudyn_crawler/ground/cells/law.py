@@ -1,0 +1,254 @@
+"""What a law of the cells sees and answers, and its compiled code by address.
+
+A law is one file of `laws`: a named tuple of its constants, two compiled functions (`prepare`, `respond`) and
+a class of parameters. The kernel is compiled once for each law, which it meets as the type of those
+constants. The equations call it by its address, so that neither they nor their cached code know any law: they
+are not compiled again for another one, and a law that another package brings needs no line here.
+"""
+
+import inspect
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+import numpy as np
+from llvmlite import ir
+from numba import njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload
+from numpy.typing import NDArray
+from pydantic import Field
+
+from exudyn_crawler.case.parameters.base import Parameters, quantity
+from exudyn_crawler.ground.frames import SOURCES, Vector
+from fem.compiling import compiler
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+DRAWN = 400e3
+"""Pa, up to which curves are drawn."""
+
+
+class Memory(NamedTuple):
+    """What a cell remembers: committed, or on trial within a step.
+
+    `deepest` is the greatest sinkage (m) and `pressure` the pressure there (Pa), `shear` the shear stress of
+    the ground in the cell's plane (Pa, global), `mobilized` the share of the strength that shear has
+    mobilized.
+    """
+
+    deepest: float
+    pressure: float
+    shear: Vector
+    mobilized: float
+
+
+class Probe(NamedTuple):
+    """What a law sees of a cell under a shoe.
+
+    Depth (m) below the cell's first height along its normal and its rate (m/s); the area of the contact (m2);
+    the slip since the last accepted step (m) and its velocity (m/s), vectors in the cell's plane; the
+    committed memory; and what `prepare` has made of that: the modulus of unloading (Pa/m) and the shear
+    stiffness (Pa/m).
+    """
+
+    depth: float
+    rate: float
+    area: float
+    slip: Vector
+    slip_velocity: Vector
+    memory: Memory
+    prepared: tuple[float, float]
+
+
+class Response(NamedTuple):
+    """What a law answers, a unit area: the shoe receives ``normal n - shear - drag * slip velocity``.
+
+    Attributes
+    ----------
+    normal, normal_by_depth, normal_by_rate : float
+        Normal traction (Pa) and its derivatives by depth and rate.
+    shear, tangential_by_depth : Vector
+        Shear stress (Pa), and how it and the drag change with the depth.
+    along, across : float
+        Derivative of the shear by a slip in the direction of `direction`, and by one across it, Pa/m.
+    direction : Vector
+        Unit vector, or zero where both derivatives are the same.
+    drag : float
+        Viscous part, Pa s/m.
+    memory : Memory
+        On trial; a zero shear with the share of fresh ground where there is no contact.
+    """
+
+    normal: float
+    normal_by_depth: float
+    normal_by_rate: float
+    shear: Vector
+    tangential_by_depth: Vector
+    along: float
+    across: float
+    direction: Vector
+    drag: float
+    memory: Memory
+
+
+class LawKernel(NamedTuple):
+    """Compiled side of a law.
+
+    Attributes
+    ----------
+    constants : type
+        Named tuple of numbers (float).
+    prepare : compiled function (constants, deepest, pressure) -> (float, float)
+        `Probe.prepared`: what stays the same through a step.
+    respond : compiled function (constants, Probe, tangents) -> Response
+        Without `tangents` only `normal`, `shear`, `drag` and `memory` are used.
+    fresh : float
+        Mobilized share of fresh ground.
+    forgets : bool
+        Whether a cell that is left is fresh again, its sinkage too.
+    """
+
+    constants: type
+    prepare: Callable
+    respond: Callable
+    fresh: float
+    forgets: bool
+
+
+class CellLaw(Parameters):
+    """Parameters of a law of the cells, with those that all laws have; base of the classes in `laws`."""
+
+    kernel: ClassVar[LawKernel]
+    model: str = Field(description="which law: the name of its file in ground/cells/laws")
+    shear_deformation: float = quantity(
+        "m",
+        "K: slip at which shear of its first stiffness reaches the strength; in soil 63 % is mobilized there",
+        plausible=(1e-5, 0.1),
+        ge=1e-7,
+        le=10,
+    )
+    shear_viscosity: float = quantity(
+        "s",
+        "time by which ground that sticks resists slip more than its stiffness",
+        ge=0,
+        le=10,
+        default=2e-3,
+    )
+    damping: float = quantity(
+        "s/m", "share by which a sinkage of 1 m/s raises the pressure", ge=0, le=1e3, default=0.5
+    )
+
+    def constants(self, width: float) -> tuple[float, ...]:
+        """Constants of the compiled law for shoes whose shorter side is `width` (m)."""
+        raise NotImplementedError
+
+    def drive(self, depths: NDArray, slips: NDArray, width: float = 0.65) -> tuple[NDArray, NDArray]:
+        """Pressure and shear stress (Pa) of a cell along a path of accepted steps without rates.
+
+        Parameters
+        ----------
+        depths, slips : array (steps,)
+            Depth and place along the cell, m.
+        width : float
+            Shorter side of the shoe, m.
+        """
+        constants, nothing = self.constants(width), (0.0, 0.0, 0.0)
+        memory, out = Memory(0.0, 0.0, nothing, self.kernel.fresh), np.zeros((2, len(depths)))
+        for step, (depth, slip) in enumerate(zip(depths, np.diff(slips, prepend=slips[0]), strict=True)):
+            prepared = self.kernel.prepare(constants, memory.deepest, memory.pressure)
+            probe = Probe(float(depth), 0.0, 1.0, (float(slip), 0.0, 0.0), nothing, memory, prepared)
+            answer = self.kernel.respond(constants, probe, False)
+            # numba gives the numbers of a named tuple back
+            memory = Memory(*answer.memory)
+            out[:, step] = answer.normal, memory.shear[0]
+        return out[0], out[1]
+
+    def draw(self, pressure: "Axes", shear: "Axes") -> None:
+        """Draw pressure over sinkage with unloading and reloading, and shear over slip with a reversal.
+
+        Parameters
+        ----------
+        pressure, shear : matplotlib.axes.Axes
+            Drawn on: kPa over mm.
+        """
+        low, high = 0.0, 1.0
+        for _ in range(50):
+            middle = 0.5 * (low + high)
+            deep = self.drive(np.array([middle]), np.zeros(1))[0][0] > DRAWN
+            low, high = (low, middle) if deep else (middle, high)
+        turns = high * np.array([0.0, 0.6, 0.3, 1.0, 0.5, 0.0])
+        depths = np.concatenate([np.linspace(a, b, 60) for a, b in pairwise(turns)])
+        pressure.plot(1e3 * depths, 1e-3 * self.drive(depths, np.zeros_like(depths))[0])
+        pressure.set(xlabel="sinkage, mm", ylabel="pressure, kPa")
+        K = self.shear_deformation
+        turns = K * np.array([0.0, 3.0, 1.0, 5.0])
+        slips = np.concatenate([np.linspace(a, b, 60) for a, b in pairwise(turns)])
+        for share in (0.25, 0.5, 1.0):
+            held, stress = self.drive(np.full_like(slips, share * high), slips)
+            shear.plot(1e3 * slips, 1e-3 * stress, label=f"{1e-3 * held[0]:.3g} kPa")
+        shear.set(xlabel="slip, mm", ylabel="shear stress, kPa")
+        shear.legend(title="pressure")
+
+
+_KERNELS: dict[type, LawKernel] = {}
+"""Compiled sides by the types of their constants, for the compiler."""
+
+
+def prepare(law, deepest, pressure):
+    """`LawKernel.prepare` of the law that compiled code calls it with."""
+    return _KERNELS[type(law)].prepare(law, deepest, pressure)
+
+
+def respond(law, probe, tangents):
+    """`LawKernel.respond` of the law that compiled code calls it with."""
+    return _KERNELS[type(law)].respond(law, probe, tangents)
+
+
+@overload(prepare, inline="always")
+def _prepare(law, deepest, pressure):
+    function = _KERNELS[law.instance_class].prepare
+    return lambda law, deepest, pressure: function(law, deepest, pressure)
+
+
+@overload(respond, inline="always")
+def _respond(law, probe, tangents):
+    function = _KERNELS[law.instance_class].respond
+    return lambda law, probe, tangents: function(law, probe, tangents)
+
+
+within_law = njit(error_model="numpy", no_cfunc_wrapper=True)
+"""Compiles a function that meets a law, as part of its entry alone (`compile_entry`): cached by itself it
+would outlive a change of the law, whose file may be anywhere."""
+
+
+def compile_entry(kernel: LawKernel, function: Callable, arguments: tuple) -> int:
+    """Address of a function compiled for a law; its cached code is valid until a source changes."""
+    _KERNELS[kernel.constants] = kernel
+    law_file = Path(inspect.getfile(kernel.constants))
+    # numba caches by this name, and a file of its cache is valid for the sources of one law
+    function.__qualname__ = f"{kernel.constants.__module__}.{kernel.constants.__name__}.{function.__name__}"
+    compiled = compiler(
+        *SOURCES, law_file, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=False
+    )(function)
+    compiled.compile(types.intp(*arguments))
+    (code,) = compiled.overloads.values()
+    return int(code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name))
+
+
+@intrinsic
+def call_at(_context, address, *arguments):
+    """Call a compiled function at an address; arrays hand over the address of their numbers."""
+
+    def generate(context, builder, signature, values):
+        handed = []
+        for kind, value in zip(signature.args[1], cgutils.unpack_tuple(builder, values[1]), strict=True):
+            is_array = isinstance(kind, types.Array)
+            handed.append(context.make_array(kind)(context, builder, value).data if is_array else value)
+        returned = context.get_value_type(types.intp)
+        function = ir.FunctionType(returned, [one.type for one in handed])
+        return builder.call(builder.inttoptr(values[0], function.as_pointer()), handed)
+
+    return types.intp(address, types.StarArgTuple(arguments)), generate

@@ -1,0 +1,142 @@
+"""Soil that yields: Bekker's pressure over sinkage, Wong's unloading and reloading, Janosi's shear.
+
+Bekker, Introduction to Terrain-Vehicle Systems (1969); Wong, Theory of Ground Vehicles, chapter 2; Janosi and
+Hanamoto, 1st Int. Conf. on the Mechanics of Soil-Vehicle Systems (1961).
+"""
+
+import math
+from typing import ClassVar, Literal, NamedTuple, Self
+
+from exudyn_crawler.case.parameters.base import quantity
+from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Probe, Response
+from exudyn_crawler.ground.cells.shear import NOTHING, Strength, answer, lifted, shear_strength
+from exudyn_crawler.ground.frames import compiled, inlined
+
+ROUNDING = 1e-3
+"""m, sinkage below which the curve is a parabola of the same value and slope: a power below 1 has no finite
+slope at the surface. Chosen here."""
+
+
+class Bekker(NamedTuple):
+    """Constants: ``p = k z**n`` with k = k_c / b + k_phi (N/m^(n+2)); the rest as in `BekkerSoil`, SI."""
+
+    k: float
+    exponent: float
+    reload: float
+    reload_growth: float
+    damping: float
+    cohesion: float
+    friction: float
+    deformation: float
+    viscosity: float
+
+
+@compiled
+def backbone(law: Bekker, z: float) -> tuple[float, float]:
+    """Pressure (Pa) of first loading at a sinkage (m), and its slope."""
+    if z <= 0.0:
+        return 0.0, 0.0
+    if z >= ROUNDING:
+        p = law.k * z**law.exponent
+        return p, law.exponent * p / z
+    p, s, n = law.k * ROUNDING**law.exponent, z / ROUNDING, law.exponent
+    return p * s * ((2.0 - n) + (n - 1.0) * s), p / ROUNDING * ((2.0 - n) + 2.0 * (n - 1.0) * s)
+
+
+@compiled
+def prepare(law: Bekker, deepest: float, pressure: float) -> tuple[float, float]:
+    """Modulus of unloading, and shear stiffness of the greatest pressure.
+
+    Wong's ``k_0 + A_u z``, but neither less than the secant to where it began nor than the curve's slope
+    there: unloading then never gives back more than loading took.
+    """
+    modulus = 0.0
+    if deepest > 0.0:
+        modulus = max(law.reload + law.reload_growth * deepest, max(1.0, law.exponent) * pressure / deepest)
+    strength = Strength(law.cohesion, law.friction, law.deformation, law.viscosity)
+    return modulus, shear_strength(strength, pressure)[0] / law.deformation
+
+
+@inlined
+def respond(law: Bekker, probe: Probe, tangents: bool) -> Response:
+    """Response of a cell: on the curve deeper than ever before, elastic above."""
+    memory = probe.memory
+    deepest, greatest = memory.deepest, memory.pressure
+    if probe.depth >= deepest:
+        p, slope = backbone(law, probe.depth)
+        deepest, greatest = max(deepest, probe.depth), max(p, greatest)
+    else:
+        slope = probe.prepared[0]
+        p = greatest - slope * (deepest - probe.depth)
+    if p <= 0.0:
+        return lifted(Memory(deepest, greatest, NOTHING, 0.0))
+    strength = Strength(law.cohesion, law.friction, law.deformation, law.viscosity)
+    after = Memory(deepest, greatest, NOTHING, 0.0)
+    return answer(strength, law.damping, probe, (p, slope), after, tangents)
+
+
+class BekkerSoil(CellLaw):
+    """Soil by Bekker, Wong, Janosi and Hanamoto: it keeps ruts, and is stiffer when it is loaded again."""
+
+    model: Literal["bekker"] = "bekker"
+    k_c: float = quantity("N/m^(n+1)", "cohesive modulus", plausible=(0.0, 1e6), ge=0, le=1e12)
+    k_phi: float = quantity("N/m^(n+2)", "frictional modulus", plausible=(1e4, 1e8), gt=0, le=1e15)
+    exponent: float = quantity("1", "n, of the sinkage", plausible=(0.3, 1.5), gt=0, lt=2)
+    reload_stiffness: float = quantity(
+        "Pa/m", "k_0, modulus of unloading and reloading", plausible=(0.0, 1e10), ge=0, le=1e15
+    )
+    reload_growth: float = quantity(
+        "Pa/m2", "A_u, by which that grows with the sinkage", plausible=(0.0, 1e12), ge=0, le=1e18
+    )
+    cohesion: float = quantity("Pa", "c", plausible=(0.0, 1e5), ge=0, le=1e9)
+    friction_angle: float = quantity("deg", "phi, of internal friction", plausible=(5.0, 50.0), ge=0, lt=80)
+    kernel: ClassVar[LawKernel] = LawKernel(Bekker, prepare, respond, fresh=0.0, forgets=False)
+
+    @classmethod
+    def lete_sand(cls, unloading: Literal["chrono", "wong"] = "chrono") -> Self:
+        """LETE sand, dry: pressure and shear as Chrono has them (`demo_VEH_SCMTerrain_RigidTire.cpp`).
+
+        Open: unloading. Chrono's is one modulus, with which a rut of 16 mm stays at 213 kPa; Wong's tables
+        (A_u, not confirmed at the source) leave none below 24 mm.
+        """
+        steep, growth = (4e8, 0.0) if unloading == "chrono" else (0.0, 503e6)
+        return cls(
+            k_c=102e3,
+            k_phi=5301e3,
+            exponent=0.793,
+            reload_stiffness=steep,
+            reload_growth=growth,
+            cohesion=1.3e3,
+            friction_angle=31.1,
+            shear_deformation=0.012,
+        )
+
+    @classmethod
+    def oil_sand_low(cls) -> Self:
+        """McMurray oil sand, the soft and weak end of what is known.
+
+        Shear strength: CIM 1960, 1741 to 1754 kg/m3, c of 2.6 to 5.9 kPa and phi of 30 to 40 deg; less when
+        loose or warm. Open: sinkage, of which no source has k_c, k_phi and n. Here a shoe sinks 66 mm under
+        191 kPa, its share of the machine, as on the papers' ground; n, K and unloading are those of LETE
+        sand.
+        """
+        return cls.lete_sand().with_(k_c=0.0, k_phi=1.65e6, cohesion=2.6e3, friction_angle=30.0)
+
+    @classmethod
+    def oil_sand_high(cls) -> Self:
+        """McMurray oil sand, the stiff and strong end: sinks as LETE sand; strength as of `oil_sand_low`."""
+        return cls.lete_sand().with_(cohesion=5.9e3, friction_angle=40.0)
+
+    def constants(self, width: float) -> Bekker:
+        """Constants for shoes whose shorter side is `width` (m)."""
+        return Bekker(
+            self.k_c / width + self.k_phi,
+            self.exponent,
+            self.reload_stiffness,
+            self.reload_growth,
+            self.damping,
+            self.cohesion,
+            math.tan(math.radians(self.friction_angle)),
+            self.shear_deformation,
+            self.shear_viscosity,
+        )

@@ -1,0 +1,129 @@
+"""Map of the ground: heights and memory of its cells, in tiles that are made where a shoe first comes.
+
+Cell (i, j) is the square from (i, j) to (i + 1, j + 1) times its side. A tile is 32 x 32 of them. Only
+`gather` reads the memory and only `commit` writes it: a step that is not accepted needs nothing undone.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.cells.kernel import AREA, DEEPEST, MOBILIZED, NORMAL, SHEAR, Shoes
+from exudyn_crawler.ground.frames import compiled
+from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.rows import IntArray
+
+BITS = 5
+SIDE = 1 << BITS
+"""Cells along a side of a tile."""
+FIELDS = 6
+"""Memory of a cell: greatest sinkage (m) and the pressure there (Pa), shear stress along x and y (Pa),
+mobilized share of the strength, and the greatest area under load since the contact began (m2), over which the
+shear is the mean."""
+
+
+class Tiles(NamedTuple):
+    """The map as arrays; a larger one takes its place where tiles are added.
+
+    Attributes
+    ----------
+    cell : float
+        Side of a cell, m.
+    fresh : float
+        Mobilized share of fresh ground.
+    forgets : bool
+        Whether cells that are left forget their sinkage.
+    corner : array (2,)
+        Tile of the first entry of the table.
+    table : array (columns, rows)
+        Number of a tile, -1 where there is none.
+    heights : array (tiles, SIDE * SIDE, 3)
+        Height (m) and slopes along x and y at the middles of cells.
+    memory : array (tiles * SIDE * SIDE, FIELDS)
+    loaded : array (tiles * SIDE * SIDE,)
+        Scratch, zero between calls: loaded area of a cell.
+    """
+
+    cell: float
+    fresh: float
+    forgets: bool
+    corner: IntArray
+    table: IntArray
+    heights: FloatArray
+    memory: FloatArray
+    loaded: FloatArray
+
+
+@compiled
+def gather(ground: tuple, values: tuple) -> None:
+    """Write the cells' committed memory beside the points.
+
+    Where a cell is covered further than ever since its contact began, the fresh part is unsheared, and the
+    shear becomes the mean of both. This is exact for Janosi's curve, whose ``1 - share`` decays alike
+    everywhere. `ground` and `values` are `Tiles` and `Shoes` as plain tuples.
+    """
+    tiles, shoes = Tiles(*ground), Shoes(*values)
+    memory, loaded, points = tiles.memory, tiles.loaded, shoes.points
+    for s in range(shoes.counts.shape[0]):
+        for a in range(shoes.counts[s]):
+            loaded[shoes.cells[s, a]] += points[s, a, AREA]
+    for s in range(shoes.counts.shape[0]):
+        for a in range(shoes.counts[s]):
+            cell = shoes.cells[s, a]
+            before, now = memory[cell, 5], loaded[cell]
+            share = before / now if now > before > 0.0 else 1.0
+            x, y = share * memory[cell, 2], share * memory[cell, 3]
+            points[s, a, DEEPEST], points[s, a, DEEPEST + 1] = memory[cell, 0], memory[cell, 1]
+            points[s, a, SHEAR], points[s, a, SHEAR + 1] = x, y
+            rise = points[s, a, NORMAL] * x + points[s, a, NORMAL + 1] * y
+            points[s, a, SHEAR + 2] = -rise / points[s, a, NORMAL + 2]
+            points[s, a, MOBILIZED] = tiles.fresh + share * (memory[cell, 4] - tiles.fresh)
+    for s in range(shoes.counts.shape[0]):
+        for a in range(shoes.counts[s]):
+            loaded[shoes.cells[s, a]] = 0.0
+
+
+@compiled
+def commit(ground: tuple, values: tuple, held: IntArray) -> IntArray:
+    """Write the trial memory into the cells; return the cells in contact now.
+
+    A cell under two shoes keeps the deeper sinkage and the mean shear by area, which loses energy and never
+    makes it. A cell that all shoes have left, or without pressure, releases its shear.
+
+    Parameters
+    ----------
+    ground, values : tuple
+        `Tiles` and `Shoes` as plain tuples.
+    held : array (cells,)
+        Cells that were in contact when the last step was accepted.
+    """
+    tiles, shoes = Tiles(*ground), Shoes(*values)
+    memory, loaded, points, trial = tiles.memory, tiles.loaded, shoes.points, shoes.trial
+    for cell in held:
+        memory[cell, 2], memory[cell, 3], memory[cell, 4] = 0.0, 0.0, tiles.fresh
+        if tiles.forgets:
+            memory[cell, 0], memory[cell, 1] = 0.0, 0.0
+    now, count = np.empty(shoes.counts.sum(), dtype=np.int64), 0
+    for s in range(shoes.counts.shape[0]):
+        for a in range(shoes.counts[s]):
+            cell, area = shoes.cells[s, a], points[s, a, AREA]
+            if trial[s, a, 0] > memory[cell, 0]:
+                memory[cell, 0], memory[cell, 1] = trial[s, a, 0], trial[s, a, 1]
+            sticks = trial[s, a, 2] != 0.0 or trial[s, a, 3] != 0.0
+            if not (sticks or shoes.force[s, a, 3] > 0.0 or (tiles.forgets and trial[s, a, 0] > 0.0)):
+                continue
+            if loaded[cell] == 0.0:
+                memory[cell, 2], memory[cell, 3], memory[cell, 4] = 0.0, 0.0, 0.0
+                now[count] = cell
+                count += 1
+            total = loaded[cell] + area
+            for k in range(2, 5):
+                memory[cell, k] += (trial[s, a, k] - memory[cell, k]) * area / total
+            loaded[cell] = total
+    for cell in held:
+        if loaded[cell] == 0.0:
+            memory[cell, 5] = 0.0
+    for cell in now[:count]:
+        memory[cell, 5] = max(memory[cell, 5], loaded[cell])
+        loaded[cell] = 0.0
+    return now[:count].copy()

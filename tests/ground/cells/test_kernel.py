@@ -1,0 +1,159 @@
+"""Points of the cells under a shoe, tangents against differences, supports, forces on a coarse grid."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from exudyn_crawler.ground.cells.heights import Heights, Ridge, Roughness, Stone
+from tests.ground.cells.driving import LENGTH, LOAD, ROCK, SAND, WIDTH, Shoe, frame, ground, turn
+
+ROUGH = Heights(roughness=Roughness(spectrum=256e-6, seed=3))
+
+
+def test_clipped_areas_and_centroids_are_those_of_the_outline():
+    random, cells = np.random.default_rng(1), ground(SAND)
+    for _ in range(300):
+        R = turn(random.normal(0, 0.02, 3)) @ turn([0, 0, random.uniform(-3, 3)])
+        now = frame([*random.uniform(-1, 4, 2), 0.0], R)
+        cells.cover(now, now)
+        points = cells.shoes.points[0, : cells.shoes.counts[0]]
+        c = cells.shoes.corners @ R.T
+        d, e = c[2] - c[0], c[3] - c[1]
+        true = 0.5 * abs(d[0] * e[1] - d[1] * e[0])
+        assert points[:, 7].sum() == pytest.approx(true, rel=1e-11)
+        assert np.abs(points[:, 7] @ points[:, :2]).max() < 1e-11 * true
+
+
+@pytest.mark.parametrize(("law", "rough", "step"), [(SAND, 0.01, 1e-8), (ROCK, 1e-4, 1e-10)])
+def test_tangents_are_the_differences_of_the_wrench(law, rough, step):
+    """While shoes turn at 0.1 rad/s, the turning arms' velocities make the difference of 0.2 %."""
+    random = np.random.default_rng(2)
+    heights = Heights(roughness=Roughness(spectrum=256e-6 * (rough / 0.009) ** 2, seed=2))
+    shoe, errors = Shoe(law, [3.0, 3.0, -2.0 * rough], turn([0, 0, 0.3]), heights=heights), []
+    for k in range(20):
+        turning = k < 10
+        r = shoe.r + np.r_[random.normal(0, 0.01, 2), random.normal(0, 0.4 * rough)]
+        R = turn(random.normal(0, 0.2 * rough, 3)) @ shoe.R
+        v, w = random.normal(0, 0.1, 3), random.normal(0, 0.1, 3) * turning
+        shoe.cover(r, R)
+        by = np.zeros((2, 6, 6))
+        for n, weights in enumerate(((1.0, 0.0), (0.0, 1.0), (2.0, 3.0))):
+            shoe.press(r, R, v, w, weights)
+            if n < 2:
+                by[n] = shoe.tangent
+        assert_allclose(shoe.tangent, 2.0 * by[0] + 3.0 * by[1], rtol=1e-9, atol=1e-9 * np.abs(by).max())
+
+        def change(x, y, r=r, R=R, v=v, w=w):
+            ends = [
+                shoe.press(r + s * x[:3], turn(s * x[3:]) @ R, v + s * y[:3], w + s * y[3:])
+                for s in (1.0, -1.0)
+            ]
+            return 0.5 * (ends[0] - ends[1])
+
+        none, one = np.zeros(6), np.eye(6)
+        by_place = np.array([change(step * e, none) / step for e in one]).T
+        by_velocity = np.array([change(none, 1e-5 * e) / 1e-5 for e in one]).T
+        assert_allclose(by[1], by_velocity, rtol=0, atol=1e-6 * np.abs(by_velocity).max())
+        errors.append(np.abs(by[0] - by_place).max() / np.abs(by_place).max())
+        shoe.press(r, R, v, w)
+        if k % 3 == 2:
+            shoe.accept(r, R)
+        else:
+            shoe.ground.commit()
+    assert max(errors[10:]) < 1e-6
+    assert max(errors[:10]) < 5e-3
+
+
+def test_supports_carry_their_shares():
+    """Two ridges under a stiff shoe: by the lever."""
+    ridges = [Ridge(x=2.0, y=y, heading=0.0, height=0.3, width=0.0, flank=0.25) for y in (1.85, 4.15)]
+    shoe = Shoe(ROCK, [2.0, 3.0, 0.3], heights=Heights(parts=tuple(ridges)))
+    shoe.settle([0, 0, -LOAD, -0.4 * LOAD, 0, 0], steps=10)
+    y = shoe.points[:, 1]
+    shares = [shoe.force[y < 0, 2].sum() / LOAD, shoe.force[y > 0, 2].sum() / LOAD]
+    assert_allclose(
+        shares, [0.5 - 0.4 / 2.3, 0.5 + 0.4 / 2.3], atol=2e-3
+    )  # the ridges' tops are two cells wide
+
+
+@pytest.mark.parametrize(
+    ("law", "heights", "load", "bounds"),
+    [
+        (SAND, Heights(), [3e4, 0, -LOAD, -0.3 * LOAD, 0, 0], (0.03, 0.008)),
+        (SAND, ROUGH, [3e4, 0, -LOAD, 0, 0, 0], (0.03, 0.008)),
+        (
+            ROCK,
+            Heights(parts=tuple(Stone(x=2.0, y=y, height=0.02, width=0.2, flank=0.25) for y in (1.8, 3.9))),
+            [3e4, 0, -LOAD, 0, 0, 0],
+            (0.08, 0.03),
+        ),
+    ],
+)
+def test_coarse_grid_keeps_force_moment_and_bending(law, heights, load, bounds, monkeypatch):
+    start = 0.06 if law is SAND else 0.02  # a stiff shoe has to begin where it touches
+    shoe = Shoe(law, [2.0, 3.0, start], turn([0, 0, 0.1]), heights=heights)
+    shoe.settle(load)
+    force, points = shoe.force[:, :3] @ shoe.R, shoe.points
+    true = bending(points[:, 1], force[:, 2], cuts := np.linspace(-WIDTH / 2, WIDTH / 2, 701))
+    for nodes, bound in zip((9, 17), bounds, strict=True):
+        monkeypatch.setattr("exudyn_crawler.ground.cells.ground.COARSE", (3, nodes))
+        grid = shoe.ground.coarse_forces(frame(shoe.r, shoe.R))[0]
+        x, y = np.linspace(-LENGTH / 2, LENGTH / 2, 3)[:, None], np.linspace(-WIDTH / 2, WIDTH / 2, nodes)
+        assert_allclose(grid.sum(axis=(0, 1)), force.sum(axis=0), rtol=1e-12, atol=1e-12 * LOAD)
+        for arm, arms in ((x, points[:, 0]), (y, points[:, 1])):
+            moments = (grid * arm[..., None]).sum(axis=(0, 1)), arms @ force
+            assert_allclose(*moments, rtol=1e-12, atol=1e-12 * LOAD)
+        coarse = bending(y, grid[..., 2].sum(axis=0), cuts)
+        assert np.abs(coarse - true).max() < bound * np.abs(true).max()
+        at_nodes = bending(y, grid[..., 2].sum(axis=0), y), bending(points[:, 1], force[:, 2], y)
+        assert_allclose(*at_nodes, atol=1e-12 * LOAD)
+
+
+def bending(y, forces, cuts):
+    """Moment about x at cuts of the forces beyond them, less that of a load in the middle."""
+    return np.array([(forces * np.maximum(y - cut, 0.0)).sum() + LOAD * min(cut, 0.0) for cut in cuts])
+
+
+def test_halving_the_cells_changes_little():
+    found = []
+    for cell in (0.1, 0.05):
+        shoe = Shoe(
+            SAND,
+            [2.0, 3.5, 0.06],
+            turn([0, 0, 0.3]),
+            heights=ROUGH.with_({"roughness.spectrum": 64e-6}),
+            cell=cell,
+        )
+        shoe.settle([2e4, 0, -LOAD, -0.35 * LOAD, 0.05 * LOAD, 0])
+        sunk, tilt, peak = -shoe.r[2], shoe.R[2, 1], shoe.force[:, 3].max()
+        for _ in range(50):
+            pull = shoe.move(shoe.r + np.array([2e-3, 0, 0]))[0]
+        found.append([tilt, sunk, peak, pull])
+    assert_allclose(found[1][1:], found[0][1:], rtol=0.02)
+    assert found[1][0] == pytest.approx(found[0][0], rel=0.03)
+
+
+def test_sliding_force_does_not_feel_the_cells():
+    shoe = Shoe(SAND, [1.5, 3.0, 0.0], turn([0, 0, 0.1]))
+    shoe.move([1.5, 3.0, -0.02])
+    forces = np.array([shoe.move([1.5 + 1e-3 * k, 3.0, -0.02]) for k in range(1, 401)])
+    assert np.ptp(forces[:, 2]) < 1e-12 * forces[-1, 2]
+    assert np.ptp(forces[100:, 0]) < 5e-4 * -forces[-1, 0]
+
+
+def test_two_shoes_share_cells_without_changing_their_sum():
+    cells = ground(SAND, shoes=2)
+    here, there = (
+        np.concatenate([frame([x, 3, -0.0167]) for x in both]) for both in ((1.23, 1.88), (1.24, 1.87))
+    )
+    cells.cover(here, here)
+    cells.press(here)
+    cells.commit()
+    cells.cover(there, here)
+    before = cells.press(there)[:, 0].copy()
+    cells.commit()
+    cells.cover(there, there)
+    after = cells.press(there)[:, 0]
+    assert abs(before.sum()) < 1e-9 * abs(before[0])
+    assert abs(after.sum()) < 1e-9 * abs(after[0])
+    assert abs(after[0]) < abs(before[0])
