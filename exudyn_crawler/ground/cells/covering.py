@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from exudyn_crawler.ground.cells.kernel import AREA, BEFORE, GROUND, NORMAL, Shoes, frame_at
+from exudyn_crawler.ground.cells.kernel import AREA, BEFORE, GROUND, NORMAL, ShoePoints, frame_at
 from exudyn_crawler.ground.cells.tiles import BITS, SIDE, Tiles
 from exudyn_crawler.ground.frames import Frame, along, compiled, turned, within
 from exudyn_crawler.ground.rotations import FloatArray
@@ -23,13 +23,13 @@ def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) 
     Parameters
     ----------
     ground, values : tuple
-        `Tiles` and `Shoes` as plain tuples.
+        `Tiles` and `ShoePoints` as plain tuples.
     frames : array (shoes, FRAME)
         For the outline: those predicted for the end of the step.
     before : array (shoes, FRAME)
         When the last step was accepted: slip counts from there.
     """
-    tiles, shoes = Tiles(*ground), Shoes(*values)
+    tiles, shoes = Tiles(*ground), ShoePoints(*values)
     polygons, total, cell = np.empty((3, 12, 2)), 0, tiles.cell
     for s in range(shoes.counts.shape[0]):
         quad, frame, count = polygons[0], frame_at(frames[s]), 0

@@ -11,7 +11,7 @@ from exudyn_crawler.ground.cells.heights import Heights
 from exudyn_crawler.ground.cells.kernel import (
     POINT,
     TRIAL,
-    Shoes,
+    ShoePoints,
     addresses_of,
     coarse_forces,
     prepare_shoes,
@@ -41,7 +41,7 @@ class CellGround:
 
     Attributes
     ----------
-    shoes : Shoes
+    shoes : ShoePoints
         Arrays that the equations take; they stay the same through a run.
     arrays : tuple
         The same as a plain tuple, as compiled code takes it.
@@ -55,7 +55,7 @@ class CellGround:
         underside = np.array(corners, dtype=float)
         sides = np.linalg.norm(np.diff(underside[:3], axis=0), axis=1)
         most = int(1.6 * np.prod(sides / cell + 4.0))
-        self.shoes = Shoes(
+        self.shoes = ShoePoints(
             addresses=np.array(addresses_of(law.kernel)),
             constants=np.array(law.constants(float(sides.min())), dtype=float),
             corners=underside,

@@ -39,7 +39,7 @@ FRAME = 18
 """Numbers of a frame: r, the rows of R, v and omega, global."""
 
 
-class Shoes(NamedTuple):
+class ShoePoints(NamedTuple):
     """Points of the shoes and what the kernel makes of them; all arrays stay the same through a run.
 
     Attributes
@@ -114,7 +114,7 @@ def press_shoe(law, points, frame, weights, trial, force, wrench, tangent):
     weights : array (2,)
         Of the derivatives by displacements and by velocities; without any, the tangent is left as it is.
     points, trial, force, wrench, tangent : array
-        As of `Shoes`, of this shoe; the latter four are overwritten.
+        As of `ShoePoints`, of this shoe; the latter four are overwritten.
     """
     at, count = frame_at(frame), points.shape[0]
     by_place, by_velocity = weights[0], weights[1]
@@ -258,7 +258,7 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
 @compiled
 def prepare_shoes(values: tuple) -> None:
     """Write `Probe.prepared` of all points; `values` as of `press`."""
-    shoes = Shoes(*values)
+    shoes = ShoePoints(*values)
     for s in range(shoes.counts.shape[0]):
         call_at(shoes.addresses[0], shoes.constants, shoes.counts[s], shoes.points[s])
 
@@ -270,11 +270,11 @@ def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
     Parameters
     ----------
     values : tuple
-        `Shoes` as a plain tuple.
+        `ShoePoints` as a plain tuple.
     weights : array (2,)
         Of the derivatives by displacements and by velocities; without any, the tangents are left as they are.
     """
-    shoes = Shoes(*values)
+    shoes = ShoePoints(*values)
     for s in range(shoes.counts.shape[0]):
         call_at(
             shoes.addresses[1],
@@ -298,7 +298,7 @@ def coarse_forces(values: tuple, frames: FloatArray, out: FloatArray) -> None:
     nodes about its point by hat functions, which keeps forces and moments, and bending moments at the lines
     of nodes. `values` as of `press`.
     """
-    shoes = Shoes(*values)
+    shoes = ShoePoints(*values)
     out.fill(0.0)
     last_a, last_b = out.shape[1] - 1, out.shape[2] - 1
     low, high = shoes.corners[0], shoes.corners[2]

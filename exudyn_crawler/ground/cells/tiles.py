@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.cells.kernel import AREA, DEEPEST, MOBILIZED, NORMAL, SHEAR, Shoes
+from exudyn_crawler.ground.cells.kernel import AREA, DEEPEST, MOBILIZED, NORMAL, SHEAR, ShoePoints
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.ground.rows import IntArray
@@ -60,9 +60,9 @@ def gather(ground: tuple, values: tuple) -> None:
 
     Where a cell is covered further than ever since its contact began, the fresh part is unsheared, and the
     shear becomes the mean of both. This is exact for Janosi's curve, whose ``1 - share`` decays alike
-    everywhere. `ground` and `values` are `Tiles` and `Shoes` as plain tuples.
+    everywhere. `ground` and `values` are `Tiles` and `ShoePoints` as plain tuples.
     """
-    tiles, shoes = Tiles(*ground), Shoes(*values)
+    tiles, shoes = Tiles(*ground), ShoePoints(*values)
     memory, loaded, points = tiles.memory, tiles.loaded, shoes.points
     for s in range(shoes.counts.shape[0]):
         for a in range(shoes.counts[s]):
@@ -93,11 +93,11 @@ def commit(ground: tuple, values: tuple, held: IntArray) -> IntArray:
     Parameters
     ----------
     ground, values : tuple
-        `Tiles` and `Shoes` as plain tuples.
+        `Tiles` and `ShoePoints` as plain tuples.
     held : array (cells,)
         Cells that were in contact when the last step was accepted.
     """
-    tiles, shoes = Tiles(*ground), Shoes(*values)
+    tiles, shoes = Tiles(*ground), ShoePoints(*values)
     memory, loaded, points, trial = tiles.memory, tiles.loaded, shoes.points, shoes.trial
     for cell in held:
         memory[cell, 2], memory[cell, 3], memory[cell, 4] = 0.0, 0.0, tiles.fresh
