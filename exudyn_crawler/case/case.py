@@ -49,9 +49,7 @@ class Case(Parameters):
         description="equations of motion: compiled for the whole track, or of Exudyn's own bodies, joints "
         "and contacts, the reference; None takes the compiled ones where they carry the case",
     )
-    gravity: float = quantity(
-        "m/s2", "downward on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY
-    )
+    gravity: float = quantity("m/s2", "on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY)
     undercarriage: Undercarriage | None = Field(
         default=None,
         description="side frame that rolls over the shoes with the drive's speed; none: the drive drags the "

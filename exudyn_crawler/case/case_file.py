@@ -21,9 +21,7 @@ NUMBER = 8  # bytes
 FALLBACK_MEMORY = 64e9  # bytes, taken for the machine's memory where the system does not tell it
 GREATEST_HISTORY = 1e12  # bytes of a history on disk
 MOST_STAGES = 1_000_000  # stages of a run, which begin at its checkpoints
-COPIES_OF_MODES = (
-    6  # arrays as large as a basis that a reduction and the stresses of its modes hold at a time
-)
+COPIES_OF_MODES = 6  # arrays as large as a basis that a reduction and its modes' stresses hold at a time
 A_UNIT = 20e3  # bytes of a unit that is a body of the multibody system with its joints
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
 ABSENT = "-"  # in place of a value that a case does not have
@@ -92,9 +90,7 @@ def check_modes(nodes: int, modes: int) -> None:
 def _check_memory(what: str, needed: float) -> None:
     allowed = machine_memory()
     if needed > allowed:
-        raise ValueError(
-            f"{what} would take {_bytes(needed)} of memory, more than the {_bytes(allowed)} of this machine"
-        )
+        raise ValueError(f"{what} would take {_bytes(needed)} of memory, this machine has {_bytes(allowed)}")
 
 
 def machine_memory() -> float:

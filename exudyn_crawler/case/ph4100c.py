@@ -9,15 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from meshes.geometry import (
-    COM_HEIGHT,
-    FRONT_PIN_X,
-    PIN_HEIGHT,
-    PITCH,
-    TRACK_PIN_Y,
-    TRACK_Y,
-    ShoeDimensions,
-)
+from meshes.geometry import COM_HEIGHT, FRONT_PIN_X, PIN_HEIGHT, PITCH, TRACK_PIN_Y, TRACK_Y, ShoeDimensions
 
 GRAVITY = 9.81
 """m/s2; the K-paper's two-body figures close with no other."""

@@ -67,9 +67,7 @@ class Sweep(Parameters):
         default=None, ge=1, le=MOST_RUNS, description="points that latin_hypercube, sobol and saltelli draw"
     )
     seed: int = Field(default=1, ge=0, le=2**32 - 1, description="of the random numbers")
-    outputs: Outputs = Field(
-        default=LIGHT, description="what every run leaves; those of the case do not count"
-    )
+    outputs: Outputs = Field(default=LIGHT, description="what every run leaves, whatever its case says")
 
     def _errors(self) -> Iterator[str]:
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]

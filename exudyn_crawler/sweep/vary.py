@@ -49,9 +49,7 @@ class Vary(Parameters):
         "phases; several paths have the same value or factor"
     )
     name: Name | None = Field(default=None, description="column of the table; the path's end, if not given")
-    unit: str | None = Field(
-        default=None, description="of values and bounds, to be sure: it has to be that of the case"
-    )
+    unit: str | None = Field(default=None, description="of values and bounds, to be sure: that of the case")
     values: tuple[Any, ...] | None = Field(default=None, description="all values, in place of bounds")
     settings: tuple[Puts, ...] | None = Field(
         default=None,

@@ -27,7 +27,7 @@ class PairContact(Parameters):
     damping_depth: base.Depth = quantity("m", "penetration d at which the damping is full", (1e-6, 0.02))
     static_friction: base.Coefficient = quantity("1", "coefficient mu_s at the stiction speed", (0.0, 1.5))
     dynamic_friction: base.Coefficient = quantity(
-        "1", "coefficient mu_d beyond the friction speed", (0.0, 1.5)
+        "1", "coefficient mu_d above the friction speed", (0.0, 1.5)
     )
     stiction_speed: base.Speed = quantity("m/s", "V_st", (1e-5, 0.2))
     friction_speed: float = quantity("m/s", "V_d", (1e-4, 2.0), ge=1e-9, le=1000)

@@ -178,15 +178,13 @@ class Solver(Parameters):
 
     step: TimeStep = quantity("s", "time step", (1e-5, 0.02), default=2.0e-3)
     quiet_step: TimeStep = quantity(
-        "s", "longer step, 1 s after the drive went off", (1e-5, 0.1), default=0.01
+        "s", "longer one, 1 s after the drive went off", (1e-5, 0.1), default=0.01
     )
     minimum_step: float = quantity("s", "least step tried before giving up", ge=1e-15, le=10, default=1.0e-6)
     residual: float = quantity(
         "N", "rms that ends Newton's method", (1e-6, 50.0), ge=1e-12, le=1e9, default=0.2
     )
-    maximum_iterations: int = quantity(
-        "1", "iterations before the step is halved", ge=2, le=10_000, default=40
-    )
+    maximum_iterations: int = quantity("1", "iterations before a step is halved", ge=2, le=10_000, default=40)
     spectral_radius: float = quantity(
         "1", "of the integration at infinite frequency: less damps more", gt=0, lt=1, default=0.6
     )

@@ -152,9 +152,8 @@ class Entry(NamedTuple):
         """Tables that it holds: itself, or those of its list."""
         if not isinstance(self.value, tuple):
             return [self] if is_table(self.value) else []
-        return [
-            Entry((*self.place, k), self.field, part) for k, part in enumerate(self.value) if is_table(part)
-        ]
+        items = enumerate(self.value)
+        return [Entry((*self.place, k), self.field, part) for k, part in items if is_table(part)]
 
     @property
     def path(self) -> str:

@@ -30,9 +30,7 @@ class FlexibleShoes(Parameters):
     poissons_ratio: float = quantity("1", "nu", (0.0, 0.45), gt=-1, lt=0.5)
     density: Density = quantity("kg/m3", "density", (1000.0, 2e4))
     fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0, le=10_000)
-    recovered_modes: int = quantity(
-        "1", "fixed-interface modes of the basis that stress is made of", ge=0, le=10_000
-    )
+    recovered_modes: int = quantity("1", "fixed-interface modes that stress is made of", ge=0, le=10_000)
     load_surface: str = Field(
         default="whole top",
         description="surface of the mesh that the machine load is spread over: whole top, plateau (without "
@@ -64,9 +62,7 @@ class FlexibleShoes(Parameters):
     modes: tuple[int, ...] | None = Field(
         default=None, description="numbers (from 1) of the modes of the integrated basis that are kept"
     )
-    damping: StepProfile = quantity(
-        "1", "modal damping ratio over frequency (Hz, in place of times)", (0.0, 2.0)
-    )
+    damping: StepProfile = quantity("1", "modal damping ratio over frequency (Hz, as times)", (0.0, 2.0))
 
     def _errors(self) -> Iterator[str]:
         if list(self.shoes) != sorted(set(self.shoes)):

@@ -89,9 +89,8 @@ def with_base(
             value = None
         elif parts and isinstance(value, dict):
             under = values.get(key)
-            under = (
-                under if isinstance(under, dict) else None
-            )  # none, or the list of a table given by mistake
+            # none, or the list of a table given by mistake
+            under = under if isinstance(under, dict) else None
             value = with_base(value, *parts, below=under, path=(*path, key))
         elif parts and isinstance(value, list):
             value = [

@@ -60,15 +60,11 @@ class Shoe(Parameters):
     """
 
     mass: float = quantity("kg", "mass", (50.0, 2e4), ge=0.1, le=1e7)
-    inertia: base.Inertia = quantity(
-        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor components)"
-    )
+    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor)")
     com_height: Length = quantity("m", "height of the COM above the underside", (0.02, 1.0))
     length: Length = quantity("m", "length of the flat underside in x", (0.1, 2.0))
     width: Length = quantity("m", "width of the flat underside in y", (0.2, 6.0))
-    underside_center: base.Two = quantity(
-        "m", "x and y of the underside's centre in the shoe's frame", (-1.0, 1.0)
-    )
+    underside_center: base.Two = quantity("m", "x and y of the underside's centre in its frame", (-1.0, 1.0))
     finger_length: float = quantity(
         "m",
         "length of the fingers at the underside's rear edge, which lie between the front lugs of the shoe "
@@ -97,10 +93,8 @@ class Shoe(Parameters):
                 f"got {self.finger_length:g} m and {len(sides)} sides"
             )
         if self.finger_length >= self.length:
-            yield (
-                f"finger_length must be less than the underside's length {self.length:g} m, "
-                f"got {self.finger_length:g}"
-            )
+            length, fingers = self.length, self.finger_length
+            yield f"finger_length must be less than the underside's length {length:g} m, got {fingers:g}"
         beyond = sides and (sides[0] < low - 1e-9 or sides[-1] > high + 1e-9)
         if len(sides) % 2 or np.any(np.diff(sides) <= 0.0) or beyond:
             yield (

@@ -32,36 +32,26 @@ class Undercarriage(Parameters):
     """
 
     mass: float = quantity("kg", "half of the machine without its shoes", (1e4, 2e6), ge=1.0, le=1e9)
-    inertia: base.Inertia = quantity(
-        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of this mass about its COM (tensor components)"
-    )
+    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
     com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
     start: Place = quantity("m", "x of the frame's origin at t = 0, global")
     ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))
     rollers: tuple[Roller, ...] = quantity("m", "x of the rollers' axes, rear to front", min_length=2)
     radius: float = quantity("m", "radius of the treads", (0.05, 1.5), ge=1e-2, le=100)
-    tread_width: base.Length = quantity(
-        "m", "width of each tread; it stands in the middle of its rail", (0.02, 1.0)
-    )
+    tread_width: base.Length = quantity("m", "width of each tread, in the middle of its rail", (0.02, 1.0))
     strips: Literal[1, 2] = quantity(
-        "1", "strips of a tread, which share its load as a tilted rail has it", default=2
+        "1", "strips of a tread, which share its load on a tilted rail", default=2
     )
-    stiffness: base.Stiffness = quantity(
-        "N/m^exponent", "contact stiffness of a tread on a rail", (1e7, 1e12)
-    )
+    stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of tread on rail", (1e7, 1e12))
     exponent: base.Exponent = quantity("1", "exponent of the depth", (1.0, 1.6), default=1.0)
     damping: base.Damping = quantity("N s/m", "greatest damping of a tread", (0.0, 1e8))
     damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
-    rolling_resistance: base.Coefficient = quantity(
-        "1", "resistance of a roller over its normal force", (0.0, 0.2)
-    )
+    rolling_resistance: base.Coefficient = quantity("1", "of a roller over its normal force", (0.0, 0.2))
     resistance_speed: base.Speed = quantity(
         "m/s", "travel at which the resistance has 0.7 of its value, nothing at rest", (1e-5, 0.1)
     )
     tumbler: Place = quantity("m", "x where the drive tumbler pulls the chain", (-20.0, 20.0))
-    end_tension: float = quantity(
-        "N", "pull on both ends of the chain", (0.0, 5e6), ge=0, le=1e10, default=0.0
-    )
+    end_tension: float = quantity("N", "pull on the chain's ends", (0.0, 5e6), ge=0, le=1e10, default=0.0)
 
     def _errors(self) -> Iterator[str]:
         rear, front = self.ends
@@ -123,10 +113,8 @@ def rolled_errors(
         yield "shoe.rails must be given with an undercarriage, which rolls on them"
         return
     if frame.tread_width > rails.width:
-        yield (
-            f"undercarriage.tread_width must not exceed the rails' width {rails.width} m, "
-            f"got {frame.tread_width}"
-        )
+        width = frame.tread_width
+        yield f"undercarriage.tread_width must not exceed the rails' width {rails.width} m, got {width}"
     gap = chain.pitch - (rails.front - rails.rear)
     if not 0.0 <= gap < 2.0 * frame.radius:
         yield (
@@ -273,10 +261,8 @@ class MachineCycle(Cycle):
                 yield f"{at} lifts the side frame"
             x, y = moment[1] / -force[2], -moment[0] / -force[2]
             if not rear <= x <= front:
-                yield (
-                    f"{at}s weight acts at x = {x:.3g} m, the rollers "
-                    f"stand from {rear:g} to {front:g} m: it tips"
-                )
+                stand = f"the rollers stand from {rear:g} to {front:g} m"
+                yield f"{at}s weight acts at x = {x:.3g} m, {stand}: it tips"
             if abs(y) > TIPPING:
                 yield (
                     f"{at}s weight acts {y:.3g} m beside the middle of "
