@@ -1,6 +1,5 @@
 """Everything that a run depends on."""
 
-from collections.abc import Iterator
 from typing import Literal, Self, TypeVar
 
 import numpy as np
@@ -9,7 +8,7 @@ from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import undercarriage as rolled
-from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, quantity
 from exudyn_crawler.case.parameters.contact import Contact, PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
@@ -59,7 +58,7 @@ class Case(Parameters):
         default=None, description="what the machine does on the side frame; none: its weight alone"
     )
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         count, shoe, terrain, contact = self.track.shoe_count, self.shoe, self.terrain, self.contact
         spheres, reduced = isinstance(contact, SphereContact), self.terrain_formulation == "reduced"
         if (loaded := self.loads.shoe_count) != count:
@@ -122,7 +121,7 @@ class Case(Parameters):
                 yield from self.machine.balance_errors(self.undercarriage, self.gravity_vector())
         yield from self._support_errors(0.0)
 
-    def _sphere_errors(self, radius: float) -> Iterator[str]:
+    def _sphere_errors(self, radius: float) -> Errors:
         """Spheres that cannot carry the shoes."""
         if not self.mean_load > 0.0:
             yield f"loads must press the shoes down on the whole, got {self.mean_load:g} N a shoe"
@@ -321,7 +320,7 @@ class Case(Parameters):
             for error in self._support_errors(time):
                 raise ValueError(error)
 
-    def _support_errors(self, time: float) -> Iterator[str]:
+    def _support_errors(self, time: float) -> Errors:
         if self.undercarriage is not None:
             yield from rolled.length_errors(self.undercarriage, self.track, self.drive, time)
         corners = self.outline(time)
@@ -335,7 +334,7 @@ class Case(Parameters):
         if self.terrain.heights is not None and isinstance(self.contact, SphereContact):
             yield from self._step_errors(time, corners, self.contact.radius)
 
-    def _step_errors(self, time: float, corners: NDArray, radius: float) -> Iterator[str]:
+    def _step_errors(self, time: float, corners: NDArray, radius: float) -> Errors:
         """Steps between neighbouring units under the track that its spheres cannot stand on.
 
         A sphere settled on a unit has its centre at its radius less its depth above that unit. A neighbour

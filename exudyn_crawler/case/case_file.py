@@ -2,7 +2,6 @@
 
 import math
 import os
-from collections.abc import Iterator
 from functools import partial
 from typing import Annotated, Literal, NamedTuple, SupportsFloat
 
@@ -12,7 +11,7 @@ from pydantic import BaseModel, Field
 import meshes
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Parameters, quantity, shown
+from exudyn_crawler.case.parameters.base import Errors, Parameters, quantity, shown
 from exudyn_crawler.case.parameters.drive import StepProfile
 from meshes.geometry import VOLUMES
 
@@ -131,7 +130,7 @@ class Outputs(Parameters):
         min_length=1,
     )
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         if self.shoes is not None and list(self.shoes) != sorted(set(self.shoes)):
             yield f"shoes must be different numbers in rising order, got {self.shoes}"
         times = self.picture_times
@@ -159,7 +158,7 @@ class CaseFile(Parameters):
     duration: float = quantity("s", "simulated time", default=10.0, allow_inf_nan=True)
     outputs: Outputs = Outputs()
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         check_run(self.case, self.duration)
         count, times = self.case.track.shoe_count, self.outputs.picture_times
         if beyond := [shoe for shoe in self.outputs.shoes or () if not 1 <= shoe <= count]:

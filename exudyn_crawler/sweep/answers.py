@@ -6,14 +6,14 @@ all of them.
 
 import difflib
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal
 
 import xarray as xr
 from pydantic import Field, TypeAdapter
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.parameters.base import Name, Parameters
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters
 from exudyn_crawler.case.parameters.base import quantity as measured
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
@@ -57,7 +57,7 @@ class AnyAnswer(Parameters):
         """Name of the column."""
         return self.name or self._default_label
 
-    def _case_errors(self, case_file: CaseFile) -> Iterator[str]:
+    def _case_errors(self, case_file: CaseFile) -> Errors:
         raise NotImplementedError
 
     def check(self, case_file: CaseFile) -> None:
@@ -88,7 +88,7 @@ class Answer(AnyAnswer):
     start: float = measured("s", "first time that counts", ge=0, default=0.0)
     end: float | None = measured("s", "last time that counts; the run's end, if not given", default=None)
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         over_time = select(dimensions="time")
         if self.quantity not in over_time:
             near = difflib.get_close_matches(self.quantity, over_time, n=1, cutoff=0.0)
@@ -121,7 +121,7 @@ class Answer(AnyAnswer):
         axis = f", {self.axis}" if self.axis else ""
         return f"{self.statistic} of {QUANTITIES[self.quantity].meaning}{axis}"
 
-    def _case_errors(self, case_file: CaseFile) -> Iterator[str]:
+    def _case_errors(self, case_file: CaseFile) -> Errors:
         case, quantity = case_file.case, QUANTITIES[self.quantity]
         if lacking := quantity.lacking(case):
             near = " (joint_force is that of whole links)" if self.quantity == "pin_force" else ""
@@ -167,7 +167,7 @@ class HotSpot(AnyAnswer):
         """What it is, for reading."""
         return f"von Mises stress of hot spot {self.rank} of shoe {self.shoe}"
 
-    def _case_errors(self, case_file: CaseFile) -> Iterator[str]:
+    def _case_errors(self, case_file: CaseFile) -> Errors:
         flexible = case_file.case.flexible
         if flexible is None or self.shoe not in flexible.shoes:
             there = "none" if flexible is None else ", ".join(map(str, flexible.shoes))
@@ -193,7 +193,7 @@ class Life(AnyAnswer, Damage, Often):
     survival: Survival = Field(default=0.975, description="part of the shoes that survive it")
     unit: ClassVar[str] = "h"
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         self.duty()
         yield from ()
 
@@ -216,7 +216,7 @@ class Life(AnyAnswer, Damage, Often):
         damage = {name: getattr(self, name) for name in Damage.model_fields}
         return Duty(runs=(run,), survivals=(self.survival,), plane_nodes=0, **damage)
 
-    def _case_errors(self, case_file: CaseFile) -> Iterator[str]:
+    def _case_errors(self, case_file: CaseFile) -> Errors:
         if case_file.case.flexible is None:
             yield "life needs flexible shoes, the case has none"
         yield from _beyond(case_file, begin=self.begin, end=self.end)
@@ -237,7 +237,7 @@ ANSWERS: TypeAdapter[tuple[Answers, ...]] = TypeAdapter(tuple[Answers, ...])
 """Reads and writes answers as JSON."""
 
 
-def _beyond(case_file: CaseFile, **times: float | None) -> Iterator[str]:
+def _beyond(case_file: CaseFile, **times: float | None) -> Errors:
     """Times that lie beyond a run."""
     for name, time in times.items():
         if time is not None and time > case_file.duration:

@@ -20,7 +20,7 @@ from scipy.stats import qmc
 from exudyn_crawler.case import Case, CaseFile, Outputs, read_case
 from exudyn_crawler.case.files import case_of
 from exudyn_crawler.case.parameters import checks, fields
-from exudyn_crawler.case.parameters.base import Parameters
+from exudyn_crawler.case.parameters.base import Errors, Parameters
 from exudyn_crawler.case.parameters.reading import Content, read_parameters, with_base
 from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import Answers
@@ -69,7 +69,7 @@ class Sweep(Parameters):
     seed: int = Field(default=1, ge=0, le=2**32 - 1, description="of the random numbers")
     outputs: Outputs = Field(default=LIGHT, description="what every run leaves, whatever its case says")
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]
         if twice := [name for name, count in Counter(names).items() if count > 1]:
             yield f"name must be given where columns would be the same: {', '.join(twice)}"

@@ -10,7 +10,7 @@ from pydantic import Field, ValidationError
 
 from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Name, Parameters, error_lines, shown
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, error_lines, shown
 from exudyn_crawler.case.parameters.loads import with_equal_loads
 from exudyn_crawler.case.parameters.reading import from_content
 
@@ -64,14 +64,14 @@ class Vary(Parameters):
     )
     factor: bool = Field(default=False, description="whether values and bounds multiply what the base has")
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         for path in self.keys:
             fields.parse_path(path)
         if not self.keys or len(set(self.keys)) != len(self.keys):
             yield f"key must be a path, or different ones, got {list(self.keys)}"
         yield from (f"{self.label}: {error}" for error in self._value_errors())
 
-    def _value_errors(self) -> Iterator[str]:
+    def _value_errors(self) -> Errors:
         if self.values is None:
             if self.settings is not None:
                 yield "settings need values, which they stand for"

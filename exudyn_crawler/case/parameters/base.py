@@ -6,7 +6,7 @@ from html import escape
 from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
-from annotated_types import Ge, Le, MaxLen, MinLen
+from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
@@ -19,6 +19,7 @@ FORMULA = ("=", "+", "-", "@")  # what a cell of a table begins with that spread
 SHOWN = 60  # characters of a refused value that an error shows
 MOST_UNKNOWN = 10  # unknown keys that errors name
 
+Errors = Iterator[str]  # a line each
 # bounds beyond which no machine could be meant, or numbers fail
 Place = Annotated[float, Ge(-FAR), Le(FAR)]
 Component = Annotated[float, Ge(-1e12), Le(1e12)]  # of a force, a moment or an inertia
@@ -30,8 +31,13 @@ Stiffness = Annotated[float, Ge(1.0), Le(1e18)]
 Exponent = Annotated[float, Ge(1.0), Le(10.0)]
 Damping = Annotated[float, Ge(0.0), Le(1e12)]
 Coefficient = Annotated[float, Ge(0.0), Le(10.0)]  # of friction or resistance
+Slope = Annotated[float, Gt(-1.0), Lt(1.0)]
+TimeStep = Annotated[float, Ge(1e-9), Le(10.0)]
+Load = Annotated[float, Ge(-1e10), Le(1e10)]  # on a shoe, N
+Roller = Annotated[float, Ge(-1e3), Le(1e3)]  # place of a roller along the frame, m
 Two = tuple[Place, Place]
 Three = tuple[Place, Place, Place]
+Vector = tuple[Component, Component, Component]
 Six = tuple[Component, Component, Component, Component, Component, Component]
 
 
@@ -107,7 +113,7 @@ class Parameters(BaseModel):
             raise ValueError(error)
         return self
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         """What of the values does not fit each other; each may take for granted what stands before it."""
         yield from ()
 

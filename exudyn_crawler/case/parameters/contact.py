@@ -1,6 +1,5 @@
 """Contact of a shoe with a terrain unit: by the pair law, or by spheres under the shoes."""
 
-from collections.abc import Iterator
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -9,7 +8,7 @@ from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
-from exudyn_crawler.case.parameters.base import Parameters, quantity
+from exudyn_crawler.case.parameters.base import Errors, Parameters, quantity
 
 
 class PairContact(Parameters):
@@ -55,7 +54,7 @@ class PairContact(Parameters):
         "surfaces there, which is less where the overlap is a strip narrower than deep",
     )
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         static, dynamic = self.static_friction, self.dynamic_friction
         if dynamic > static:
             yield f"dynamic_friction must not exceed static_friction = {static}, got {dynamic}"

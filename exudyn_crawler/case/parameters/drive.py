@@ -1,20 +1,17 @@
 """What runs over time: a quantity, the drive of the front shoe, and the steps of the integration."""
 
-from collections.abc import Iterator
 from functools import lru_cache
-from typing import Annotated, ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self
 
 import numpy as np
-from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Component, Parameters, quantity
+from exudyn_crawler.case.parameters.base import Component, Errors, Parameters, TimeStep, quantity
 
 SAME_TIME = 1e-9  # relative difference below which two times are the same
 FASTEST = 100.0  # m/s and rad/s: no track is as fast, and nothing of it could be integrated
-TimeStep = Annotated[float, Ge(1e-9), Le(10.0)]
 
 
 class StepProfile(Parameters):
@@ -29,7 +26,7 @@ class StepProfile(Parameters):
     times: tuple[float, ...] = Field(min_length=1, description="increasing times, s")
     values: tuple[Component, ...] = Field(min_length=1, description="value at each time")
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         if len(self.times) != len(self.values):
             yield f"times and values must be equally many: {len(self.times)} != {len(self.values)}"
         if np.any(np.diff(self.times) <= 0.0):
@@ -103,7 +100,7 @@ class Drive(Parameters):
         "centres; frame: the shoe as a whole, which spreads the force over a flexible shoe like a weight",
     )
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         for name, rate in (("speed", self.speed), ("turn_rate", self.turn_rate)):
             if rate is None:
                 continue
@@ -203,7 +200,7 @@ class Solver(Parameters):
         default=1.0,
     )
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         if self.minimum_step > self.step:
             yield f"minimum_step must not exceed step = {self.step}, got {self.minimum_step}"
 

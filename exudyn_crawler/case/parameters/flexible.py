@@ -1,13 +1,12 @@
 """Flexible shoes of a track."""
 
 import re
-from collections.abc import Iterator
 from typing import Self
 
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Density, Parameters, Three, quantity
+from exudyn_crawler.case.parameters.base import Density, Errors, Parameters, Three, quantity
 from exudyn_crawler.case.parameters.drive import StepProfile
 
 PAPER_DAMPING = StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph4100c.DAMPING_RATIOS)
@@ -64,7 +63,7 @@ class FlexibleShoes(Parameters):
     )
     damping: StepProfile = quantity("1", "modal damping ratio over frequency (Hz, as times)", (0.0, 2.0))
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         if list(self.shoes) != sorted(set(self.shoes)):
             yield f"shoes must be different numbers in rising order, got {self.shoes}"
         if min(self.damping.values) < 0.0:

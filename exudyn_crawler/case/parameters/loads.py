@@ -1,23 +1,20 @@
 """Machine and dipper loads on the shoes over time."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
-from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import reading
-from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
+from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, quantity
 from exudyn_crawler.case.parameters.drive import StepProfile
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Load = Annotated[float, Ge(-1e10), Le(1e10)]  # on a shoe, N
 
 
 class PhaseEnd(Parameters):
@@ -32,7 +29,7 @@ class Cycle(Parameters):
 
     phases: Annotated[tuple[Any, ...], Field(min_length=1)]
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         ends = [phase.end for phase in self.phases]
         if np.any(np.diff(ends) <= 0.0):
             yield f"the phases' ends must increase, got {ends}"
@@ -64,7 +61,7 @@ class LoadCycle(Cycle):
 
     phases: Annotated[tuple[Phase, ...], Field(min_length=1)]
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         yield from super()._errors()
         counts = {phase.name: len(phase.loads) for phase in self.phases}
         if len(counts) != len(self.phases):

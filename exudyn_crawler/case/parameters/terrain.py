@@ -1,19 +1,17 @@
 """Oil-sand terrain as a grid of units on spring-dampers."""
 
 import math
-from collections.abc import Callable, Iterator
-from typing import Annotated, Literal, Self
+from collections.abc import Callable
+from typing import Literal, Self
 
 import numpy as np
-from annotated_types import Gt, Lt
 from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Density, Parameters, Place, Two, quantity
+from exudyn_crawler.case.parameters.base import Density, Errors, Parameters, Place, Slope, Two, quantity
 
 STEEPEST = 0.2
 """Greatest slope of a profile: gaps between the units' faces are half its square of their length, 2 %."""
-Slope = Annotated[float, Gt(-1.0), Lt(1.0)]
 
 
 class Terrain(Parameters):
@@ -55,7 +53,7 @@ class Terrain(Parameters):
         default=None,
     )
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         if self.heights is not None and len(self.heights) != self.unit_count:
             yield f"heights must name every unit ({self.unit_count}), got {len(self.heights)}"
         if self.profile is None:

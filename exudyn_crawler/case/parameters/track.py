@@ -1,6 +1,5 @@
 """The chain of shoes on the ground: shoe, rails and track."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Self
 
@@ -10,7 +9,7 @@ from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
-from exudyn_crawler.case.parameters.base import Length, Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import Errors, Length, Parameters, Place, quantity
 
 if TYPE_CHECKING:
     from fem import Mesh
@@ -33,7 +32,7 @@ class Rails(Parameters):
     width: Length = quantity("m", "width of a rail", (0.05, 1.0))
     height: Place = quantity("m", "z of their tops", (0.0, 1.0))
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         if self.front <= self.rear:
             yield f"front must be greater than rear = {self.rear}, got {self.front}"
         if self.left - self.right < self.width:
@@ -85,7 +84,7 @@ class Shoe(Parameters):
     )
     rails: Rails | None = Field(default=None, description="rails that rollers roll on")
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         sides, (low, high) = self.finger_sides, self.footprint[2:4]
         if (self.finger_length > 0.0) != bool(sides):
             yield (
@@ -218,7 +217,7 @@ class Track(Parameters):
     spherical_y: Place = quantity("m", "y of the spherical joints, global, at t = 0")
     parallel_y: Place = quantity("m", "y of the parallel-axes joints, global, at t = 0")
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         if self.pin_ahead >= self.pitch:
             yield f"pin_ahead must be less than the pitch {self.pitch}, got {self.pin_ahead}"
 

@@ -1,23 +1,20 @@
 """What rides on a track: side frame, rollers and drive, whether they fit, and what the machine does to it."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
-from annotated_types import Ge, Le
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base, track
-from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import Errors, Parameters, Place, quantity
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.loads import Cycle, LoadCycle, PhaseEnd
 from exudyn_crawler.case.parameters.terrain import Terrain
 
-Roller = Annotated[float, Ge(-1e3), Le(1e3)]  # place of a roller along the frame, m
-Vector = tuple[base.Component, base.Component, base.Component]
 MARGIN = 4.0  # m of ground ahead of the track
 FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them
 TIPPING = 0.24  # m, from the middle of the track to that of a rail of the P&H 4100C
@@ -36,7 +33,7 @@ class Undercarriage(Parameters):
     com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
     start: Place = quantity("m", "x of the frame's origin at t = 0, global")
     ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))
-    rollers: tuple[Roller, ...] = quantity("m", "x of the rollers' axes, rear to front", min_length=2)
+    rollers: tuple[base.Roller, ...] = quantity("m", "x of the rollers' axes, rear to front", min_length=2)
     radius: float = quantity("m", "radius of the treads", (0.05, 1.5), ge=1e-2, le=100)
     tread_width: base.Length = quantity("m", "width of each tread, in the middle of its rail", (0.02, 1.0))
     strips: Literal[1, 2] = quantity(
@@ -53,7 +50,7 @@ class Undercarriage(Parameters):
     tumbler: Place = quantity("m", "x where the drive tumbler pulls the chain", (-20.0, 20.0))
     end_tension: float = quantity("N", "pull on the chain's ends", (0.0, 5e6), ge=0, le=1e10, default=0.0)
 
-    def _errors(self) -> Iterator[str]:
+    def _errors(self) -> Errors:
         rear, front = self.ends
         if front <= rear:
             yield f"ends must be rear and front end in this order, got {self.ends}"
@@ -106,7 +103,7 @@ def ground_below(chain: track.Track, terrain: Terrain) -> Terrain:
 
 def rolled_errors(
     frame: Undercarriage, shoe: track.Shoe, chain: track.Track, drive: Drive, loads: LoadCycle
-) -> Iterator[str]:
+) -> Errors:
     """What does not go with a side frame."""
     rails = shoe.rails
     if rails is None:
@@ -134,7 +131,7 @@ def rolled_errors(
         yield "loads must be zero on every shoe with an undercarriage, whose rollers carry the machine"
 
 
-def length_errors(frame: Undercarriage, chain: track.Track, drive: Drive, time: float) -> Iterator[str]:
+def length_errors(frame: Undercarriage, chain: track.Track, drive: Drive, time: float) -> Errors:
     """Rollers or tumbler off the track at a time (s)."""
     first, last = chain.first_com[0], chain.first_com[0] + (chain.shoe_count - 1) * chain.pitch
     pins = first + chain.pin_ahead, last - chain.pitch + chain.pin_ahead
@@ -157,8 +154,8 @@ def length_errors(frame: Undercarriage, chain: track.Track, drive: Drive, time: 
 class MachinePhase(PhaseEnd):
     """Part of a machine's cycle: force and moment on the side frame at its end."""
 
-    force: Vector = quantity("N", "force at the frame's origin beside the frame's weight, global")
-    moment: Vector = quantity("N m", "moment about the frame's origin, global")
+    force: base.Vector = quantity("N", "force at the frame's origin beside the frame's weight, global")
+    moment: base.Vector = quantity("N m", "moment about the frame's origin, global")
 
 
 class Pose(NamedTuple):
@@ -247,7 +244,7 @@ class MachineCycle(Cycle):
         both = self.columns(time, [(*phase.force, *phase.moment) for phase in self.phases])
         return both[:, :3], both[:, 3:]
 
-    def balance_errors(self, frame: Undercarriage, gravity: NDArray) -> Iterator[str]:
+    def balance_errors(self, frame: Undercarriage, gravity: NDArray) -> Errors:
         """Phases in which a roller would have to pull; gravity (3,) is in m/s2.
 
         Between the ends of phases force and moment are means of those at the ends, so that these tell.
