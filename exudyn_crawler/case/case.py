@@ -187,17 +187,14 @@ class Case(Parameters):
 
     @property
     def first_loads(self) -> NDArray:
-        """Loads on the shoes at t = 0: array (shoes,), N along gravity.
-
-        Those of a side frame about: its weight evenly on the shoes between its outer rollers.
-        """
-        loads = self.loads.loads(0.0)[0]
-        if self.undercarriage is not None:
-            coms = self.track.com_positions(self.shoe.com_height)[:, 0]
-            off = np.array(self.undercarriage.rollers)[[0, -1]] + self.undercarriage.start
-            under = (coms >= off[0] - 0.5 * self.track.pitch) & (coms <= off[1] + 0.5 * self.track.pitch)
-            loads = loads + under * self.undercarriage.mass * self.gravity / max(1, under.sum())
-        return loads
+        """Loads on the shoes at t = 0: array (shoes,), N; a side frame weighs evenly on those below it."""
+        loads, frame = self.loads.loads(0.0)[0], self.undercarriage
+        if frame is None:
+            return loads
+        coms, half = self.track.com_positions(self.shoe.com_height)[:, 0], 0.5 * self.track.pitch
+        rear, front = frame.rollers[0] + frame.start, frame.rollers[-1] + frame.start
+        under = (coms >= rear - half) & (coms <= front + half)
+        return loads + under * frame.mass * self.gravity / max(1, under.sum())
 
     def machine_wrench(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
         """Force (N) and moment (N m) on a side frame's origin beside its weight, global: (times, 3) each."""
@@ -223,10 +220,7 @@ class Case(Parameters):
     def translation(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
         """Straight propel of the K-chapter, the K-paper and the F-paper.
 
-        Parameters
-        ----------
-        shoe : str
-            even, or uneven: the variant `Shoe.uneven`, which is fitted to the turn.
+        Its shoe is even, or uneven: the variant `Shoe.uneven`, which is fitted to the turn.
         """
         return cls(
             name="translation" if shoe == "even" else "uneven translation",
@@ -249,8 +243,8 @@ class Case(Parameters):
         """Propel and loading cycle of the S-paper, with six flexible shoes.
 
         Each pair of shoe and unit has a whole contact law, as the paper states it. On 1 m units a shoe then
-        stands on 4 to 8 of them, so that its stiffness and its share of the load change as it crosses seams;
-        a case of one's own may prefer ``PairContact.oil_sand(sharing="area")``, which knows no seams.
+        stands on 4 to 8 of them, so that its stiffness and its share of the load change as it crosses seams,
+        which ``PairContact.oil_sand(sharing="area")`` does not know.
 
         Parameters
         ----------
@@ -275,13 +269,8 @@ class Case(Parameters):
     def rolled(cls, shoe_count: int = 24) -> Self:
         """Straight propel of a side frame that rolls over rigid shoes laid out before it.
 
-        On units of 1 m, whose contacts share a shoe by area: shoes that tilt under the rollers stand on
-        several.
-
-        Parameters
-        ----------
-        shoe_count : int
-            Of the track: 24 give the frame 5 m of way.
+        Contacts share a shoe by area: shoes that tilt under the rollers stand on several units. 24 shoes give
+        the frame 5 m of way.
         """
         track = Track.ph4100c().with_(shoe_count=shoe_count)
         return cls(
@@ -303,13 +292,11 @@ class Case(Parameters):
         The track is rigid seen from above, since its hinges only pitch: the drive carries its outline
         along and turns it about its middle. A track that a side frame rolls over stays where it is.
         """
-        footprint = self.shoe.footprint
-        coms = self.track.com_positions(self.shoe.com_height)
-        x = np.array([coms[0, 0] + footprint[0], coms[-1, 0] + footprint[1]])
-        y = coms[0, 1] + footprint[2:4]
-        corners = np.array([[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]])
-        middle = corners.mean(axis=0)
-        angle = self.drive.turn(time)
+        footprint, coms = self.shoe.footprint, self.track.com_positions(self.shoe.com_height)
+        rear, front = coms[0, 0] + footprint[0], coms[-1, 0] + footprint[1]
+        right, left = coms[0, 1] + footprint[2:4]
+        corners = np.array([[rear, right], [front, right], [front, left], [rear, left]])
+        middle, angle = corners.mean(axis=0), self.drive.turn(time)
         c, s = np.cos(angle), np.sin(angle)
         travel = np.array([0.0 if self.is_rolled else self.drive.travel(time), 0.0])
         return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + travel
@@ -337,9 +324,8 @@ class Case(Parameters):
     def _step_errors(self, time: float, corners: NDArray, radius: float) -> Errors:
         """Steps between neighbouring units under the track that its spheres cannot stand on.
 
-        A sphere settled on a unit has its centre at its radius less its depth above that unit. A neighbour
-        higher than that lies above the centre: the sphere would pass under its face unhindered, and where
-        the ground falls by as much, shoes hang with nothing in reach.
+        A settled sphere has its centre at its radius less its depth above its unit. Under the face of a
+        neighbour higher than that it would pass unhindered; where the ground falls by as much, shoes hang.
         """
         terrain = self.terrain
         sides = np.array([terrain.unit_length, terrain.unit_width])

@@ -206,10 +206,7 @@ def _plain(value: object) -> str:
 
 
 def shoe_weights(case: Case) -> str:
-    """What rigid and flexible shoes of a case weigh, in a line; empty without flexible shoes.
-
-    Rigid shoes have the mass that the case says, flexible ones that of their mesh; raises if there is none.
-    """
+    """What rigid and flexible shoes weigh, in a line; empty without flexible ones. Raises without a mesh."""
     if case.flexible is None:
         return ""
     mesh = case.flexible.mesh
@@ -237,10 +234,7 @@ class Difference(NamedTuple):
 
 def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
     """Values in which two cases or case files differ."""
-    a, b = (
-        {entry.path: entry for entry in fields.walk(one) if not fields.is_table(entry.value)}
-        for one in (first, second)
-    )
+    a, b = ({entry.path: entry for entry in fields.values_of(one)} for one in (first, second))
     return [
         Difference(key, *_texts(a.get(key), b.get(key)), (a.get(key) or b[key]).unit)
         for key in dict.fromkeys([*a, *b])

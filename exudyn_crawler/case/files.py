@@ -1,8 +1,7 @@
 """Case files: everything that a run depends on, as TOML.
 
-A file gives the fields of `Case` and, beside them, `duration` and `[outputs]`. It may say only what differs
-from a `base`: a named case such as "translation" at the top of the file, a named constructor such as "stress"
-in the table of a part. Names, units and bounds are those of the parameter classes, here and in the errors.
+A file gives the fields of `Case` and, beside them, `duration` and `[outputs]`, or what of them differs from a
+`base`: a named case such as "translation" at its top, a constructor such as "stress" in the table of a part.
 """
 
 import os
@@ -52,10 +51,17 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     )
 
 
-def case_of(content: Content, path: Path) -> CaseFile:
-    """Case file of a content that stands in the file `path`; raises `CaseFileError` as `read_case`."""
+def case_of(entry: Any, path: Path) -> CaseFile:
+    """Case that a file `path` names, of `Case` or a case file, or has as a table; raises as `read_case`."""
+    if isinstance(entry, str) and entry in fields.named_values(Case):
+        entry = {fields.BASE: entry}
+    if isinstance(entry, str):
+        return read_case(path.parent / entry)
+    if not isinstance(entry, dict):
+        got = "" if entry is None else f", got {entry!r}"
+        raise ValueError(f"case must be a case file, the name of a case, or a table of one{got}")
     with reading.errors_named(path, CaseFile):
-        return reading.from_content(CaseFile, _resolved(content, path.parent))
+        return reading.from_content(CaseFile, _resolved(entry, path.parent))
 
 
 def write_case(case_file: CaseFile, path: str | Path, overwrite: bool = False) -> Path:
@@ -97,10 +103,7 @@ class _Change(NamedTuple):
 
 
 def _change(text: str) -> _Change:
-    """Change from a key, "=" and a value as TOML writes it; text needs no quotes.
-
-    A key is the path of a value, or its last names where no other value of a case has them.
-    """
+    """Change from "key = value" as TOML has it; a key is a path, or its last names where they are unique."""
     key, equals, value = (part.strip() for part in text.partition("="))
     try:
         path = fields.parse_path(key)

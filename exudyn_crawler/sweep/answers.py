@@ -1,8 +1,4 @@
-"""Answers of a sweep: what of every run stands in its table.
-
-An answer is a class with the field `model`, checked against the case before anything runs; `Answers` names
-all of them.
-"""
+"""Answers of a sweep: what of every run stands in its table, a class each, checked before anything runs."""
 
 import difflib
 import math
@@ -245,10 +241,7 @@ def _beyond(case_file: CaseFile, **times: float | None) -> Errors:
 
 
 def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
-    """What a quantity is of in a case, and their numbers; nothing where there is one of it.
-
-    Contacts count by shoe, since two runs need not have the same pairs.
-    """
+    """What a quantity is of, and their numbers; contacts count by shoe: pairs differ from run to run."""
     flexible = () if case.flexible is None else case.flexible.shoes
     joints = case.track.joints.tolist()
     rollers = [] if case.undercarriage is None else [*range(1, len(case.undercarriage.rollers) + 1)]

@@ -119,8 +119,7 @@ def outcomes(
 ) -> Iterator[Outcome]:
     """Outcomes of tasks as they come; a task whose worker dies goes to another one, a few times.
 
-    The scheduler holds a few tasks a worker at a time, and a worker does `run` with a task. Raises
-    `VersionsDiffer` for a worker that came later, `ConnectionError` if the scheduler is lost.
+    Raises `VersionsDiffer` for a worker that came later, `ConnectionError` if the scheduler is lost.
     """
     running = as_completed(loop=client.loop, raise_errors=False)
     held: dict[str, Task] = {}

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 from scipy.stats import qmc
 
-from exudyn_crawler.case import Case, CaseFile, Outputs, read_case
+from exudyn_crawler.case import CaseFile, Outputs
 from exudyn_crawler.case.files import case_of
-from exudyn_crawler.case.parameters import checks, fields
+from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.case.parameters.base import Errors, Parameters
 from exudyn_crawler.case.parameters.reading import Content, read_parameters, with_base
 from exudyn_crawler.run.folder.record import PROGRAM
@@ -43,14 +43,11 @@ MESH = "flexible.mesh"
 
 
 class PlannedRun(NamedTuple):
-    """A run of a sweep: its number (from 1), its values, one of every `Vary`, and its digest.
+    """A run of a sweep; runs of the same case, duration, outputs and versions are the same."""
 
-    This SHA-256 of case, duration, outputs and versions names its folder: runs of the same case are the same.
-    """
-
-    number: int
+    number: int  # from 1
     values: Row
-    digest: str
+    digest: str  # SHA-256, names its folder
 
 
 class Sweep(Parameters):
@@ -98,10 +95,7 @@ class Sweep(Parameters):
         return self.case.with_(outputs=self.outputs).model_dump(mode="json")
 
     def case_of(self, values: Row) -> tuple[CaseFile, str]:
-        """Case, duration and outputs of a run, and their digest, with which the case's name ends.
-
-        Raises `ValueError` naming everything that is wrong.
-        """
+        """Case, duration and outputs of a run, and their digest, with which the case's name ends."""
         content = self._content
         for one, value in zip(self.vary, values, strict=True):
             content = one.applied(content, value)
@@ -113,10 +107,7 @@ class Sweep(Parameters):
 
     @cached_property
     def planned(self) -> tuple[PlannedRun, ...]:
-        """All runs, each of which was checked; warns of what varies without any effect or is implausible.
-
-        Raises `ValueError` naming runs whose values do not fit each other, or answers that one cannot give.
-        """
+        """All runs, checked; warns of what varies without any effect or is implausible."""
         planned, errors, idling = [], [], Counter[str]()
         odd: dict[str, list[int]] = {}
         for number, values in enumerate(self.rows, 1):
@@ -237,30 +228,18 @@ def read_sweep(path: str | Path) -> Sweep:
     """Read a sweep file; paths of cases and meshes count from its folder.
 
     `case` is a case file, the name of a case such as "translation", or a table with the content of a case
-    file; the other keys are those of `Sweep`, tables ``[[vary]]`` and ``[[answers]]`` among them. Raises
-    `FileNotFoundError`, or `CaseFileError` naming everything that is wrong by its path.
+    file; the other keys are those of `Sweep`, tables ``[[vary]]`` and ``[[answers]]`` among them. Raises as
+    `read_case`.
     """
     path = Path(path)
 
     def values(content: Content) -> Content:
-        case = _case(content.pop("case", None), path).model_dump(mode="json")
+        case = case_of(content.pop("case", None), path).model_dump(mode="json")
         for one in content["vary"] if isinstance(content.get("vary"), list) else ():
             _resolve_meshes(one, path.parent)
         return with_base(content, Sweep) | {"case": case}
 
     return read_parameters(path, Sweep, "sweep file", values)
-
-
-def _case(entry: Any, path: Path) -> CaseFile:
-    """Case of a sweep file."""
-    if isinstance(entry, str) and entry in fields.named_values(Case):
-        entry = {fields.BASE: entry}
-    if isinstance(entry, dict):
-        return case_of(entry, path)
-    if isinstance(entry, str):
-        return read_case(path.parent / entry)
-    got = "" if entry is None else f", got {entry!r}"
-    raise ValueError(f"case must be a case file, the name of a case, or a table of one{got}")
 
 
 def _resolve_meshes(varied: Any, folder: Path) -> None:

@@ -30,10 +30,7 @@ INDICES = ("answer", "varied", "first", "first_conf", "total", "total_conf")
 def results_table(
     sweep: Sweep, planned: tuple[PlannedRun, ...], outcomes: Mapping[str, Outcome]
 ) -> pd.DataFrame:
-    """A row a run: run, folder, what varies, answers (NaN if there is none), status, reason, wall_time_s.
-
-    Its `attrs` have "units" and "meanings" by column.
-    """
+    """A row a run; its `attrs` have "units" and "meanings" by column, answers are NaN if there is none."""
     rows: list[dict[str, Any]] = []
     for one in planned:
         outcome = outcomes.get(one.digest, {})
@@ -114,10 +111,7 @@ def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:
 
 
 def main_effects(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
-    """Mean and extremes of every answer at the levels of what varies, over all else: columns `EFFECTS`.
-
-    A level is a number, or the text of what has none; of samples it is the mean of a bin with as many runs.
-    """
+    """Mean and extremes of answers over all else, `EFFECTS`, at levels of what varies, or in bins of many."""
     done = table[table["status"] == DONE]
     frames = [pd.DataFrame(columns=list(EFFECTS))]
     for name in sweep.columns if len(done) else ():
@@ -194,10 +188,7 @@ METHODS = {
 def write_page(
     sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, say: Callable[[str], None]
 ) -> None:
-    """Write the page of a sweep's results into its folder, and reports of its best and worst runs.
-
-    `runs` is the folder of their folders; `say` gets a line about each report that cannot be written.
-    """
+    """Write the page of a sweep's results into its folder, and reports of the best and worst of `runs`."""
     best = best_and_worst(sweep, table)
     for name in dict.fromkeys(one.folder for one in best):
         _report_of(runs / name, say)

@@ -37,11 +37,7 @@ PACKED = 0.75  # size of a history on disk to that in memory
 
 @dataclass(frozen=True)
 class SweepRun:
-    """A sweep that was run into a folder.
-
-    `table` has a row a run, as of `results_table`; `dataset` the answers over what varies if the design is a
-    grid, else over the runs.
-    """
+    """A sweep that was run into a folder: its runs, and its answers over a grid or over the runs."""
 
     sweep: Sweep
     table: pd.DataFrame
@@ -149,10 +145,7 @@ def _runs_folder(folder: Path, storage: str | None) -> Path:
 
 
 def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], list[PlannedRun], str]:
-    """Outcomes that are there, by digest, runs that are missing, each once, and both in a line.
-
-    Runs are missing that have not finished, or failed and are retried, or have other answers.
-    """
+    """Outcomes there are, by digest, runs that have to be done (again), each once, and both in a line."""
     different = {one.digest: one for one in sweep.planned}
     read = {digest: read_outcome(runs, digest) for digest in different}
     stored = {digest: outcome for digest, outcome in read.items() if outcome is not None}
@@ -173,10 +166,7 @@ def tasks_of(
     reductions: Path | None = None,
     retry: bool = False,
 ) -> Iterator[Task]:
-    """Tasks of planned runs, each made when it is asked for: all cases take too much memory.
-
-    Workers may share a folder of `reductions`; `retry` runs those anew that have failed.
-    """
+    """Tasks of planned runs, each made when it is asked for: all cases take too much memory."""
     answers = ANSWERS.dump_json(sweep.answers).decode()
     shared = None if reductions is None else str(reductions.resolve())
     for one in missing:

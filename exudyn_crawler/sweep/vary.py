@@ -134,10 +134,7 @@ class Vary(Parameters):
         return "" if self.factor or entry is None else entry.unit
 
     def applied(self, content: dict[str, Any], value: Any) -> dict[str, Any]:
-        """Content of a case with a value, or what it stands for, or with what is there times a factor.
-
-        Raises `ValueError` if a path leads to no item of a list, or a factor to what is no number.
-        """
+        """Content of a case with a value, or what it stands for, or with what is there times a factor."""
 
         def change(before: Any, put: Any) -> Any:
             if self.factor:

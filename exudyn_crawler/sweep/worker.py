@@ -38,19 +38,15 @@ class VersionsDiffer(CrawlerError, ValueError):  # noqa: N818 - it says what is 
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker needs to know of a run, whose case file and answers are JSON.
-
-    `runs` is the folder of the folders of runs, `reductions` that of reductions of flexible shoes (None:
-    that of the worker's machine); `versions` are the client's; `again` runs one anew that has failed.
-    """
+    """What a worker needs to know of a run."""
 
     digest: str
-    case: str
-    answers: str
-    runs: str
-    reductions: str | None
-    versions: Mapping[str, str]
-    again: bool = False
+    case: str  # case file as JSON
+    answers: str  # as JSON
+    runs: str  # folder of the folders of runs
+    reductions: str | None  # folder of reductions of flexible shoes; None: that of the worker's machine
+    versions: Mapping[str, str]  # of the client
+    again: bool = False  # also if it has failed
 
 
 @cache
@@ -70,10 +66,7 @@ def check_versions(wanted: Mapping[str, str], there: Mapping[str, str], where: s
 
 
 def run_task(task: Task) -> Outcome:
-    """Run a case into its folder, or what is missing of it, and answer; what goes wrong is the outcome, too.
-
-    Only a worker that has other versions than the client raises: `VersionsDiffer`.
-    """
+    """Run a case into its folder, or what is missing of it, and answer; raises `VersionsDiffer` alone."""
     check_versions(task.versions, own_versions(), socket.gethostname())
     begun = time.perf_counter()
     failed_before = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
@@ -106,10 +99,7 @@ def read_outcome(runs: str | Path, digest: str) -> Outcome | None:
 def write_outcome(
     task: Task, error: BaseException | None, answers: Mapping[str, float | None], **more: Any
 ) -> Outcome:
-    """Write the outcome of a run, which fails with an error, into its folder.
-
-    An error is a line, with its kind where it is none of the package's own.
-    """
+    """Write the outcome of a run, which fails with an error, into its folder."""
     reason = "" if error is None else " ".join(str(error).split())
     if error is not None and not (isinstance(error, CrawlerError | ValueError | OSError) and reason):
         reason = f"{type(error).__name__}: {reason}"

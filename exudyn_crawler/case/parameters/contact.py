@@ -12,10 +12,7 @@ from exudyn_crawler.case.parameters.base import Errors, Parameters, quantity
 
 
 class PairContact(Parameters):
-    """One contact a volume in which a shoe and a unit overlap: ADAMS IMPACT law with Coulomb friction.
-
-    Formulas in `exudyn_crawler.ground.laws`.
-    """
+    """One contact a volume in which shoe and unit overlap: ADAMS IMPACT, Coulomb friction (`ground.laws`)."""
 
     model: Literal["pair"] = Field(
         default="pair", description="pair: one contact a pair of shoe and unit; spheres: for uneven ground"
@@ -85,9 +82,9 @@ class SphereContact(Parameters):
     """Spheres under each shoe in Exudyn's `GeneralContact`, at the middle of equal parts of the underside.
 
     They touch the underside from within. Their stiffness is no parameter: `Case.sphere_stiffness` makes a
-    shoe under its mean load settle as deep, with the same force, as by the IMPACT law of the reference
-    values. The force is linear in the depth, so that about this state the stiffness against bouncing is that
-    law's over its exponent; friction has one coefficient, without the hump of static friction.
+    shoe under its mean load settle as deep as by the IMPACT law of the reference values. The force is linear
+    in the depth: the stiffness against bouncing is that law's over its exponent; friction has one
+    coefficient.
     """
 
     model: Literal["spheres"] = Field(
@@ -112,12 +109,7 @@ class SphereContact(Parameters):
 
     @classmethod
     def oil_sand(cls) -> Self:
-        """Shoe on oil sand.
-
-        Damping and the slip speed of full friction are the papers' c_max and V_st. The papers' friction
-        falls from mu_s = 0.4 at 0.01 m/s to mu_d = 0.3 at 0.1 m/s; a track at full propel slips at 0.1 m/s,
-        hence mu_d. Number and radius of the spheres are chosen here.
-        """
+        """Shoe on oil sand: friction is mu_d of the papers, at whose speed a track slips at full propel."""
         return cls(**ph4100c.SPHERE_CONTACT)
 
     @property

@@ -175,8 +175,7 @@ class Entry(NamedTuple):
 def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
     """Every table and value of a parameter object, in order.
 
-    A table comes before what it holds, its values before its tables. A quantity over time is a value. The
-    fields of a case that a case file holds stand beside that file's own.
+    A table comes before what it holds, its values before its tables. A quantity over time is a value.
     """
     values = _values(model)
     entries = [Entry((*place, name), one, values[name]) for name, one in file_fields(type(model)).items()]
@@ -249,10 +248,14 @@ class Row(NamedTuple):
     meaning: str
 
 
-def case_rows(case: BaseModel) -> list[Row]:
+def values_of(case: BaseModel) -> Iterator[Entry]:
     """Every value of a case or a case file."""
-    values = (entry for entry in walk(case) if not is_table(entry.value))
-    return [Row(entry.path, value_text(entry.value), entry.unit, entry.meaning) for entry in values]
+    return (entry for entry in walk(case) if not is_table(entry.value))
+
+
+def case_rows(case: BaseModel) -> list[Row]:
+    """The same for reading."""
+    return [Row(one.path, value_text(one.value), one.unit, one.meaning) for one in values_of(case)]
 
 
 MISTAKEN: dict[str, dict[str, float]] = {

@@ -85,14 +85,11 @@ class LoadCycle(Cycle):
         """Propel, dig, hoist and swing, dump and return of the P&H 4100C (S-paper).
 
         Only the loads on shoe 7 are printed. The others follow from what is stated of them, with every
-        sum kept (machine 13 x 386.4 kN, dipper 445 kN):
-
-        - dig: the dipper on shoes 7 to 13, rising evenly from shoe to shoe; the machine's load grows with
-          the square of the distance from shoe 7, where it is what the printed 384 kN leave it;
-        - swing: both symmetric about shoe 7 and falling evenly from there, the machine's from 541 kN, the
-          dipper's from the rest of the printed 732 kN until nothing is left;
-        - dump: the machine's share of the swing alone;
-        - return: even again.
+        sum kept (machine 13 x 386.4 kN, dipper 445 kN). Dig: the dipper on shoes 7 to 13, rising evenly; the
+        machine's load grows with the square of the distance from shoe 7, where it is what the printed 384 kN
+        leave it. Swing: both symmetric about shoe 7 and falling evenly from there, the machine's from 541 kN,
+        the dipper's from the rest of the printed 732 kN until nothing is left. Dump: the machine's share of
+        the swing alone. Return: even again.
         """
         count, middle = ph4100c.SHOE_COUNT, ph4100c.MIDDLE_SHOE
         from_middle = np.abs(np.arange(1, count + 1) - middle)
@@ -123,17 +120,8 @@ class LoadCycle(Cycle):
     def from_toml(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
         """Read a cycle from a TOML file, a list of tables ``[[phases]]`` with name, end and loads.
 
-        Parameters
-        ----------
-        shoe_count : int
-            Shoes that a phase loads which gives one number for all of them.
-
-        Raises
-        ------
-        FileNotFoundError
-            If there is no such file.
-        ValueError
-            If it is not TOML or not a load cycle, naming what is wrong.
+        A phase may give one number for all shoes. Raises FileNotFoundError, or ValueError naming what is
+        wrong.
         """
         content = with_equal_loads(cycle_content(path), shoe_count)
         with reading.errors_named(Path(path), cls):

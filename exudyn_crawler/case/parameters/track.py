@@ -103,11 +103,7 @@ class Shoe(Parameters):
 
     @classmethod
     def ph4100c(cls) -> Self:
-        """Shoe of the P&H 4100C BOSS.
-
-        Mass and COM height are the papers'. They print no inertia and no outline of the underside (CAD): both
-        are those of the shoe in `meshes/`.
-        """
+        """Shoe of the P&H 4100C BOSS; inertia and underside, which no paper prints, are of `meshes/`."""
         return cls(**ph4100c.SHOE)
 
     @classmethod

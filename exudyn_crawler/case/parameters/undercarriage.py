@@ -79,18 +79,13 @@ class Undercarriage(Parameters):
 
     @property
     def strip_places(self) -> NDArray:
-        """Y of the strips' middles beside that of their tread: array (strips,), m.
-
-        Two stand at the Gauss points, where they resist tilting as an evenly spread contact does.
-        """
+        """Y of the strips' middles beside that of their tread: array (strips,), m."""
+        # two resist tilting at the Gauss points as an evenly spread contact does
         points, _ = np.polynomial.legendre.leggauss(self.strips)
         return 0.5 * self.tread_width * points
 
     def shares_of_links(self, ahead: ArrayLike, links: int, pitch: float) -> NDArray:
-        """Shares of the links in the tumbler's pull, which change evenly between neighbours: (times, links).
-
-        `ahead` is x of the tumbler ahead of the pins of link 1 (m) at each time, `pitch` the chain's (m).
-        """
+        """Shares of the links in a tumbler's pull `ahead` (m) of link 1's pins: array (times, links)."""
         place = np.asarray(ahead, dtype=float)[..., None] / pitch
         return np.clip(1.0 - np.abs(place - np.arange(links)), 0.0, None)
 
@@ -245,10 +240,7 @@ class MachineCycle(Cycle):
         return both[:, :3], both[:, 3:]
 
     def balance_errors(self, frame: Undercarriage, gravity: NDArray) -> Errors:
-        """Phases in which a roller would have to pull; gravity (3,) is in m/s2.
-
-        Between the ends of phases force and moment are means of those at the ends, so that these tell.
-        """
+        """Phases at whose ends, and so ever, a roller would have to pull; gravity: (3,), m/s2."""
         weight, rear, front = frame.mass * gravity, frame.rollers[0], frame.rollers[-1]
         for phase in self.phases:
             force = np.array(phase.force) + weight
