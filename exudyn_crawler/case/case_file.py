@@ -29,9 +29,8 @@ ABSENT = "-"  # in place of a value that a case does not have
 def check_run(case: object, duration: object) -> None:
     """Refuse what is no `Case` (TypeError), and a run (s) that cannot be (ValueError)."""
     if not isinstance(case, Case):
-        raise TypeError(
-            f"case must be a Case, such as Case.translation() or read_case(path).case, got {shown(case)}"
-        )
+        how = "such as Case.translation() or read_case(path).case"
+        raise TypeError(f"case must be a Case, {how}, got {shown(case)}")
     if not isinstance(duration, SupportsFloat):
         raise ValueError(f"duration must be a number in s, got {duration!r}")
     if not 0.0 < float(duration) < math.inf:
@@ -44,10 +43,8 @@ def check_case_file(case_file: object) -> None:
     """Refuse, by a `TypeError` that says how to get one, what is no `CaseFile`."""
     if not isinstance(case_file, CaseFile):
         got = "a Case" if isinstance(case_file, Case) else shown(case_file)
-        raise TypeError(
-            f"case_file must be a CaseFile, such as CaseFile(case=case, duration=10.0) or read_case(path), "
-            f"got {got}"
-        )
+        how = "such as CaseFile(case=case, duration=10.0) or read_case(path)"
+        raise TypeError(f"case_file must be a CaseFile, {how}, got {got}")
 
 
 def check_size(case: Case, duration: float) -> None:
@@ -65,12 +62,9 @@ def check_size(case: Case, duration: float) -> None:
             f"duration: {duration:g} s would leave {times:.3g} stored states of {_bytes(needed)}, allowed is "
             f"{_bytes(GREATEST_HISTORY)}; a greater solver.output_interval stores fewer"
         )
-    stages = duration / solver.checkpoint_interval
-    if stages > MOST_STAGES:
-        raise ValueError(
-            f"solver.checkpoint_interval: {solver.checkpoint_interval:g} s in {duration:g} s make "
-            f"{stages:.3g} stages, allowed are {MOST_STAGES}"
-        )
+    stages = f"{duration / (each := solver.checkpoint_interval):.3g} stages, allowed are {MOST_STAGES}"
+    if duration / each > MOST_STAGES:
+        raise ValueError(f"solver.checkpoint_interval: {each:g} s in {duration:g} s make {stages}")
 
 
 def stored_numbers(case: Case) -> int:

@@ -11,11 +11,9 @@ from typing import Any
 
 from meshes.geometry import COM_HEIGHT, FRONT_PIN_X, PIN_HEIGHT, PITCH, TRACK_PIN_Y, TRACK_Y, ShoeDimensions
 
-GRAVITY = 9.81
-"""m/s2; the K-paper's two-body figures close with no other."""
+GRAVITY = 9.81  # m/s2; the K-paper's two-body figures close with no other
 
-STRESS_SHOE_MASS = 4489.63
-"""kg, of every shoe in the stress study, flexible or rigid (S-paper, table 2)."""
+STRESS_SHOE_MASS = 4489.63  # kg, of every shoe in the stress study, flexible or rigid (S-paper, table 2)
 SHOE: Mapping[str, Any] = {
     "mass": 4681.67,  # kg: 0.5966 m3 at 7847.25 kg/m3
     # kg m2, xx, yy, zz, yz, xz, xy. Not printed (CAD): those of the shoe in `meshes/`, scaled from the mesh's
@@ -59,8 +57,7 @@ RAILS: Mapping[str, Any] = {
 }
 """Rails of the roller path. No paper prints them: those of the shoe in `meshes/`."""
 
-SHOE_COUNT = 13
-"""Shoes 1..13 = Parts 2..14."""
+SHOE_COUNT = 13  # shoes 1..13 = Parts 2..14
 TRACK: Mapping[str, Any] = {
     "shoe_count": SHOE_COUNT,
     "first_com": (10.1291, TRACK_Y),  # m, x and y of the COM of shoe 1
@@ -73,18 +70,6 @@ TRACK: Mapping[str, Any] = {
 """Track (K-chapter and K-paper, tables of COMs and joints)."""
 
 
-def _units(columns: int, rows: int, sides: tuple[float, float, float]) -> dict[str, Any]:
-    """Units along x and along y, with their sides along x, y, z (m)."""
-    length, width, height = sides
-    return {
-        "columns": columns,
-        "rows": rows,
-        "unit_length": length,
-        "unit_width": width,
-        "unit_height": height,
-    }
-
-
 _OIL_SAND: Mapping[str, Any] = {
     "density": 1600.0,  # kg/m3
     "spring_stiffness": 20e6,  # N/m, of every spring-damper; of the S-paper E A / L with E = 20 MPa
@@ -93,7 +78,11 @@ _OIL_SAND: Mapping[str, Any] = {
 """Units on springs (all papers)."""
 COARSE_TERRAIN: Mapping[str, Any] = {
     **_OIL_SAND,
-    **_units(columns=10, rows=5, sides=(7.0, 7.0, 2.0)),
+    "columns": 10,
+    "rows": 5,
+    "unit_length": 7.0,  # m
+    "unit_width": 7.0,
+    "unit_height": 2.0,
     # open in the papers' words; the F-paper's shoe 10 has a normal force without x and with a steady y of
     # 0.0015 of it, so that its unit rolls and does not pitch
     "tilt": "roll",
@@ -106,7 +95,11 @@ COARSE_TERRAIN: Mapping[str, Any] = {
 """Terrain of the rigid studies (K-chapter, K-paper and F-paper)."""
 FINE_TERRAIN: Mapping[str, Any] = {
     **_OIL_SAND,
-    **_units(columns=19, rows=13, sides=(1.0, 1.0, 1.0)),
+    "columns": 19,
+    "rows": 13,
+    "unit_length": 1.0,  # m
+    "unit_width": 1.0,
+    "unit_height": 1.0,
     "tilt": "pitch",  # chosen here
     "springs_per_unit": 1,
     "spring_offset": 0.0,
@@ -150,26 +143,22 @@ SPHERE_CONTACT: Mapping[str, Any] = {
 # drive
 PROPEL_SPEED, PROPEL_RISE = 0.1, 5.0
 """m/s and s (K-chapter eq. 27 to 29): 0.012 t2 - 0.0016 t3 up to this speed and time."""
-TURN_RATE = math.radians(1.0)
-"""rad/s (K-chapter): 0.12 t2 - 0.016 t3 deg/s up to 1 deg/s, in the same time."""
+TURN_RATE = math.radians(1.0)  # rad/s (K-chapter): 0.12 t2 - 0.016 t3 deg/s up to 1 deg/s, in the same time
 BRAKE_START, REST_START = 10.0, 15.0
 """s (S-paper): the speed falls from the first time to rest at the second, when the drive is switched off."""
 
 # loads
 PROPEL_LOAD = 386.4e3
 """N on every shoe during propel (F-paper): the weight of the machine less the shoes, evenly spread."""
-DIPPER_LOAD = 445e3
-"""N of dipper load per track (S-paper)."""
-MIDDLE_SHOE = 7
-"""Shoe whose loads the S-paper prints."""
+DIPPER_LOAD = 445e3  # N of dipper load per track (S-paper)
+MIDDLE_SHOE = 7  # shoe whose loads the S-paper prints
 DIG_LOAD, SWING_LOAD, DUMP_LOAD = 384e3, 732e3, 541e3
 """N on the middle shoe at the ends of dig, swing and dump (S-paper)."""
 PROPEL_END, DIG_END, SWING_END, DUMP_END, RETURN_END = REST_START, 22.5, 30.0, 33.5, 40.0
 """s, ends of the phases (S-paper)."""
 
 # rolling propel
-MACHINE_MASS, SHOES_ON_GROUND = 1_410_184.0, 16
-"""kg, and shoes of a track that touch the ground (K-chapter)."""
+MACHINE_MASS, SHOES_ON_GROUND = 1_410_184.0, 16  # kg, and shoes of a track that touch the ground (K-chapter)
 CRAWLER_LENGTH, TRACK_DISTANCE = 11.6, 12.8 - ShoeDimensions.width
 """m (K-chapter): length of a crawler; between the tracks' middles, from the width over both."""
 _CARRIED = 0.5 * MACHINE_MASS - SHOES_ON_GROUND * SHOE["mass"]
@@ -205,8 +194,7 @@ SHOVEL: Mapping[str, Any] = {
     "lower_height": 0.5,  # m. Open
 }
 """Masses of the shovel and their places."""
-_PAYLOAD = 2.0 * DIPPER_LOAD / GRAVITY
-"""kg: the dipper's load on both tracks."""
+_PAYLOAD = 2.0 * DIPPER_LOAD / GRAVITY  # kg: the dipper's load on both tracks
 SHOVEL_POSES: tuple[tuple[Any, ...], ...] = (
     # end in s (S-paper); swing in rad, reach and height in m, payload in kg, force of the bank in N: open
     ("propel", PROPEL_END, 0.0, 14.0, 6.0, 0.0),

@@ -68,7 +68,6 @@ def run_sweep(
 
     Parameters
     ----------
-    sweep : Sweep
     out : path
         Folder of the sweep; every run has a folder in `runs` there.
     scheduler : str, optional
@@ -79,20 +78,16 @@ def run_sweep(
         Folder of the folders of runs in place of `runs`; all workers have to share it.
     retry : bool
         Run those anew that have failed.
-    progress : bool, optional
-        Show a progress bar; None shows one on a terminal and a line every 10 s elsewhere.
-    say : callable
-        Gets a line about what is going on.
+    progress, say
+        As of `run_case`.
 
     Raises
     ------
     ValueError
         Before anything runs: if values do not fit each other, no scheduler answers, a worker has other
         versions or does not see the folder, or `storage` is no folder.
-    BlockingIOError
-        If another sweep works in the folder.
-    NotADirectoryError, PermissionError
-        If the folder cannot be written to.
+    OSError
+        If another sweep works in the folder, or it cannot be written to.
     """
     planned = sweep.planned
     folder = writable_folder(Path(out))

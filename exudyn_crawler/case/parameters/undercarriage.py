@@ -166,10 +166,7 @@ class Pose(NamedTuple):
 
 
 class Shovel(NamedTuple):
-    """Masses (kg) of a shovel and their places: m from the swing axis and above the rollers' axes.
-
-    The rest of the whole stands on the swing axis at the height of the lower works.
-    """
+    """Masses of a shovel (kg), the rest on the swing axis; places (m) from there and above the rollers."""
 
     mass: float = ph4100c.SHOVEL["mass"]
     upper: float = ph4100c.SHOVEL["upper"]
@@ -200,12 +197,10 @@ class MachineCycle(Cycle):
 
         Parameters
         ----------
-        frame : Undercarriage, optional
-            Side frame, of whose weight the machine's share is taken off; that of the P&H 4100C if None.
+        frame, shovel : optional
+            Side frame, whose weight is taken off the share, and masses; those of the P&H 4100C if None.
         poses : sequence of Pose
             At the ends of the phases.
-        shovel : Shovel, optional
-            Masses; those of the P&H 4100C if None.
         side : float
             1 where the track is the left one, -1 for the right one.
         down : array (3,)
@@ -265,9 +260,7 @@ def _loads(shovel: Shovel, pose: Pose, down: NDArray) -> tuple[NDArray, NDArray]
     up = np.array([0.0, 0.0, 1.0])
     back, height = shovel.upper_place
     dipper = pose.reach * ahead + pose.height * up
-    lower = shovel.mass - shovel.upper - shovel.front
-    weights = [(lower, shovel.lower_height * up), (shovel.upper, back * ahead + height * up)]
-    weights += [(shovel.front + pose.payload, dipper)]
-    forces = [mass * ph4100c.GRAVITY * down for mass, _ in weights]
+    masses = shovel.mass - shovel.upper - shovel.front, shovel.upper, shovel.front + pose.payload
+    forces = [mass * ph4100c.GRAVITY * down for mass in masses]
     forces.append(pose.bank[0] * ahead + pose.bank[1] * up)
-    return np.array(forces), np.array([*(place for _, place in weights), dipper])
+    return np.array(forces), np.array([shovel.lower_height * up, back * ahead + height * up, dipper, dipper])
