@@ -33,7 +33,7 @@ SHARED = ("errors", "files", "files")
 ALSO = {("run", "views")}
 """Imports beside those of the floors: (from, to)."""
 FACE = PACKAGE
-"""The public names: imports from any room of the package, and only studies and users import from it."""
+"""The public names: imports from any room of the package; the command, studies and users import from it."""
 
 
 def room_of(module: str) -> str:
@@ -98,7 +98,7 @@ def allowed(room: str) -> set[str]:
     if room in ("fem", "meshes"):
         return below
     also = {b for a, b in ALSO if a == room}
-    return below | also | set(SHARED) | ({FACE} if room == "studies" else set())
+    return below | also | set(SHARED) | ({FACE} if room in ("studies", "cli") else set())
 
 
 def purpose(room: str) -> str:

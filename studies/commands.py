@@ -4,49 +4,31 @@ Nothing heavy is imported before a command needs it, so that help comes at once.
 """
 
 import math
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import typer
 
-from exudyn_crawler.cli import RESULTS, Debug, Out, Overwrite
+from exudyn_crawler.cli import RESULTS, Out, Overwrite
+from exudyn_crawler.views.tables import print_table, within_by_class
 from studies.defaults import CYCLE_DURATION, DURATION
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-class CaseChoice(StrEnum):
-    """Cases of the rigid studies."""
-
-    translation = "translation"
-    turning = "turning"
-    both = "both"
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the cases."""
-        return ("translation", "turning") if self is CaseChoice.both else (self.value,)
-
-
-class GroundChoice(StrEnum):
-    """Uneven grounds that can be run over."""
-
-    step = "step"
-    ramp = "ramp"
-    rough = "rough"
-
-
-def _positive(duration: float) -> float:
+def _positive(duration: float | None) -> float | None:
     """Refuse a duration before a study is loaded, which takes two seconds."""
-    if not (math.isfinite(duration) and duration > 0.0):
+    if duration is not None and not (math.isfinite(duration) and duration > 0.0):
         raise typer.BadParameter(f"duration must be positive and finite, got {duration!r} s")
     return duration
 
 
-Chosen = Annotated[CaseChoice, typer.Option(help="what to run")]
+Propel = Literal["translation", "turning", "both"]
+Chosen = Annotated[Propel, typer.Option(help="what to run")]
+Ground = Literal["step", "ramp", "rough"]
 Duration = Annotated[float, typer.Option(help="simulated time in s", callback=_positive)]
+MeshName = Annotated[str, typer.Option(help="coarse, study or fine, or the path of a mesh")]
 Variants = Annotated[
     bool, typer.Option("--variants", help="show instead every row under variants of the contact and the shoe")
 ]
@@ -55,19 +37,20 @@ Choices = Annotated[
 ]
 
 
-def _show_comparison(table: "pd.DataFrame", study: str) -> None:
-    from exudyn_crawler.views.tables import print_table, within_by_class
+def _names(case: Propel) -> tuple[str, ...]:
+    return ("translation", "turning") if case == "both" else (case,)
 
+
+def _show_comparison(table: "pd.DataFrame", study: str) -> None:
     print_table(table, f"{study}: paper against computed")
     print_table(within_by_class(table), "Rows within their class")
 
 
 def kinematics(
-    case: Chosen = CaseChoice.both,
+    case: Chosen = "both",
     duration: Duration = DURATION,
     out: Out = RESULTS / "kinematics",
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Run the kinematics study and compare it with the papers.
 
@@ -75,13 +58,13 @@ def kinematics(
     """
     from studies.kinematics import study
 
-    _, table = study(out, case.names, duration=duration, overwrite=overwrite, say=typer.echo)
+    _, table = study(out, _names(case), duration=duration, overwrite=overwrite, say=typer.echo)
     _show_comparison(table, "Kinematics")
     typer.echo(f"runs, figures and comparison.csv are in {out}")
 
 
 def forces(
-    case: Chosen = CaseChoice.both,
+    case: Chosen = "both",
     duration: Duration = DURATION,
     out: Out = RESULTS / "forces",
     reuse: Annotated[
@@ -92,13 +75,11 @@ def forces(
     ] = None,
     overwrite: Overwrite = False,
     variants: Variants = False,
-    debug: Debug = False,
 ) -> None:
     """Run the forces study and compare it with the paper.
 
     Example: exudyn-crawler forces --case translation --out results/straight
     """
-    from exudyn_crawler.views.tables import print_table
     from studies.forces import study
 
     if variants:
@@ -110,7 +91,7 @@ def forces(
         return
     _, table = study(
         out,
-        case.names,
+        _names(case),
         duration=duration,
         reuse=RESULTS / "kinematics" if reuse is None else reuse,
         strict=reuse is not None,
@@ -123,7 +104,7 @@ def forces(
 
 def stress(
     duration: Duration = CYCLE_DURATION,
-    mesh: Annotated[str, typer.Option(help="coarse, study or fine, or the path of a mesh")] = "study",
+    mesh: MeshName = "study",
     modes: Annotated[
         str | None,
         typer.Option(
@@ -135,14 +116,12 @@ def stress(
     out: Out = RESULTS / "stress",
     overwrite: Overwrite = False,
     choices: Choices = False,
-    debug: Debug = False,
 ) -> None:
     """Run the stress study and compare it with the paper; a study that was stopped goes on.
 
     Example: exudyn-crawler stress --duration 8 --mesh coarse --out results/short
     """
     from exudyn_crawler import Case, LoadCycle
-    from exudyn_crawler.views.tables import print_table
     from studies.stress import open_choices, study
     from studies.stress_comparison import highest_in_propel_and_loading
 
@@ -166,13 +145,12 @@ def stress(
 
 def uneven(
     grounds: Annotated[
-        list[GroundChoice] | None,
+        list[Ground] | None,
         typer.Argument(help="grounds to run over; all, if none is given", metavar="[step|ramp|rough]..."),
     ] = None,
     duration: Duration = DURATION,
     out: Out = RESULTS / "uneven",
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Run the track over uneven ground; each ground has a folder with its run and a figure of its end.
 
@@ -180,8 +158,7 @@ def uneven(
     """
     from studies.uneven_ground import study
 
-    names = [ground.value for ground in grounds or GroundChoice]
-    study(out, names, duration=duration, overwrite=overwrite, say=typer.echo)
+    study(out, grounds or get_args(Ground), duration=duration, overwrite=overwrite, say=typer.echo)
     typer.echo(f"runs and figures are in {out}")
 
 
@@ -194,13 +171,11 @@ def shovel_life(
     ] = None,
     out: Out = RESULTS / "life",
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Give the life of the P&H 4100C's shoes in machine hours for three materials.
 
     Example: exudyn-crawler shovel-life --stress results/stress --out results/life
     """
-    from exudyn_crawler.views.tables import print_table
     from studies.life import study
 
     _, summary = study(out, stress, rollers, overwrite=overwrite, say=typer.echo)
@@ -211,23 +186,20 @@ def shovel_life(
 
 def rollers(
     duration: Annotated[
-        float | None, typer.Option(help="simulated time in s of every case; all of each, if not given")
+        float | None,
+        typer.Option(help="simulated time in s of every case; all of each, if not given", callback=_positive),
     ] = None,
-    mesh: Annotated[str, typer.Option(help="coarse, study or fine, or the path of a mesh")] = "study",
+    mesh: MeshName = "study",
     out: Out = RESULTS / "rollers",
     overwrite: Overwrite = False,
     choices: Choices = False,
-    debug: Debug = False,
 ) -> None:
     """Roll the machine over six flexible shoes and let it dig above them; beside the papers' dragging.
 
     Example: exudyn-crawler rollers --duration 2 --mesh coarse --out results/short
     """
-    from exudyn_crawler.views.tables import print_table
     from studies.rollers import open_choices, study
 
-    if duration is not None:
-        _positive(duration)
     if choices:
         print_table(open_choices(min(duration or 8.0, 8.0)), "What the open choices of the rollers do")
         return
@@ -239,13 +211,11 @@ def rollers(
 def plate_sweep(
     workers: Annotated[int | None, typer.Option(help="processes; one a core, if not given", min=1)] = None,
     out: Out = RESULTS / "plate_sweep",
-    debug: Debug = False,
 ) -> None:
     """Sweep top plate and ground against the life of the roller path; the same command goes on.
 
     Example: python -m studies.plate_sweep --out results/plate_sweep
     """
-    from exudyn_crawler.views.tables import print_table
     from studies.plate_sweep import study
 
     run = study(out, workers=workers, say=typer.echo)
@@ -257,13 +227,11 @@ def sliding_modes(
     runs: Annotated[bool, typer.Option("--runs", help="make the 10 s runs, too: ten minutes")] = False,
     out: Out = RESULTS / "sliding_modes",
     overwrite: Overwrite = False,
-    debug: Debug = False,
 ) -> None:
     """Show why the shoes bounce: which modes of the sliding track grow, and over what.
 
     Example: python -m studies.sliding_modes --out results/sliding_modes
     """
-    from exudyn_crawler.views.tables import print_table
     from studies.sliding_modes import study
 
     for title, table in study(out, runs=runs, overwrite=overwrite):
@@ -271,12 +239,11 @@ def sliding_modes(
     typer.echo(f"the tables and modes.png are in {out}")
 
 
-def verify(debug: Debug = False) -> None:
+def verify() -> None:
     """Solve the two-body problem by hand and by the engine, side by side.
 
     Example: exudyn-crawler verify
     """
-    from exudyn_crawler.views.tables import print_table
     from studies.two_bodies import study
 
     side_by_side, table = study()

@@ -18,14 +18,15 @@ from exudyn_crawler import CaseFile, History
 from exudyn_crawler.results.history.history import common_phases
 from exudyn_crawler.run.folder.folder import matching_history
 from exudyn_crawler.run.folder.record import quiet
-from exudyn_crawler.views.curves import Panel, panel_figure
 from exudyn_crawler.views.figures import (
     CONTACT_SCALARS,
     CONTACT_VECTORS,
     JOINT_VECTORS,
+    Panel,
     history_series,
     link_names,
     overlay,
+    panel_figure,
     shoe_names,
 )
 from exudyn_crawler.views.style import save_figure

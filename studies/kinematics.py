@@ -14,8 +14,7 @@ from typing import Unpack
 
 from exudyn_crawler import Case, CaseFile, History
 from exudyn_crawler.results.history.history import common_phases
-from exudyn_crawler.views.curves import panel_figure
-from exudyn_crawler.views.figures import KINEMATICS, history_series, overlay, shoe_names
+from exudyn_crawler.views.figures import KINEMATICS, history_series, overlay, panel_figure, shoe_names
 from exudyn_crawler.views.style import save_figure
 from studies.comparison import compare_kinematics
 from studies.defaults import DURATION

@@ -300,8 +300,7 @@ def strangers(tmp_path_factory, monkeypatch):
     folder = tmp_path_factory.mktemp("packages")
     (folder / "stranger.py").write_text(
         "from exudyn_crawler import Case, CaseFile\n"
-        "from exudyn_crawler.cli import Debug\n"
-        "def haul(times: int = 1, debug: Debug = False) -> None:\n"
+        "def haul(times: int = 1) -> None:\n"
         '    """Haul a load.\n\n    Example: exudyn-crawler haul\n    """\n'
         "    if times < 1: raise ValueError(f'times must be positive, got {times}')\n"
         "    print('hauled', times)\n"

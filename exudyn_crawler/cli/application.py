@@ -8,10 +8,10 @@ A package, the studies first of all, registers commands and cases in the metadat
     [project.entry-points."exudyn_crawler.cases"]
     stress = "studies.cases:stress"
 
-A command is a function as Typer takes it, which gets the option `debug`; its options `out` and `overwrite`
-are those of `cli.application`. A case is a function without arguments that returns a `CaseFile`, to start
-from with ``init --study NAME``. Neither is loaded before it is asked for, so that its module of commands
-should import what is heavy in its functions.
+A command is a function as Typer takes it, to which the option `--debug` is added; its options `out` and
+`overwrite` are those of `cli.application`. A case is a function without arguments that returns a `CaseFile`,
+to start from with ``init --study NAME``. Neither is loaded before it is asked for, so that its module of
+commands should import what is heavy in its functions.
 """
 
 import inspect
@@ -26,22 +26,13 @@ from collections.abc import Callable
 from functools import wraps
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from exudyn_crawler.errors import (
-    ENDED_FROM_OUTSIDE,
-    GOES_ON,
-    INTERRUPTED,
-    EquilibriumError,
-    SimulationStopped,
-)
-
-if TYPE_CHECKING:
-    from exudyn_crawler.case import CaseFile
-    from exudyn_crawler.results.history.history import History
+import exudyn_crawler as crawler
+from exudyn_crawler import errors
 
 RESULTS = Path("results")
 """Folder of the folders of runs and studies, where a command names no other."""
@@ -81,7 +72,7 @@ def history_path(run: Path) -> Path:
     raise FileNotFoundError(f"no history at {run / HISTORY}{hint}")
 
 
-def loaded(run: Path, shoe: int | None = None) -> "History":
+def loaded(run: Path, shoe: int | None = None) -> "crawler.History":
     """History of a run, named itself or by its folder; errors are those of `history_path` and loading.
 
     A shoe that its track does not have is refused before the results are read.
@@ -91,24 +82,21 @@ def loaded(run: Path, shoe: int | None = None) -> "History":
         from exudyn_crawler.results.history.files import case_in_file
 
         case_in_file(path).track.check_shoe(shoe)
-    from exudyn_crawler.results.history.history import History
-
-    return History.load(path)
+    return crawler.History.load(path)
 
 
-OTHER = 1
-BAD_INPUT = 2
-STOPPED = 3
+def report_made(path: Path, what_now: str = "") -> None:
+    """Say where a file is that was made of a run, and record it, so that overwriting the run removes it."""
+    from exudyn_crawler.run.folder.record import note_file
 
-BAD_INPUT_ERRORS = (
-    ValueError,
-    FileNotFoundError,
-    FileExistsError,
-    NotADirectoryError,
-    IsADirectoryError,
-    PermissionError,
-    BlockingIOError,
-)
+    note_file(path)
+    typer.echo(f"{path}{what_now}")
+
+
+OTHER, BAD_INPUT, STOPPED = 1, 2, 3
+"""Exit codes."""
+OF_PATHS = FileNotFoundError, FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError
+BAD_INPUT_ERRORS = (ValueError, BlockingIOError, *OF_PATHS)
 
 
 def readable(function: Callable[..., None]) -> Callable[..., None]:
@@ -121,12 +109,8 @@ def readable(function: Callable[..., None]) -> Callable[..., None]:
     def show(message: Warning | str, *_where: Any, **_how: Any) -> None:
         print(f"warning: {' '.join(str(message).split())}", file=sys.stderr)
 
-    signature = inspect.signature(function)
-    takes_debug = "debug" in signature.parameters
-
     @wraps(function)
-    def reporting(*args: Any, **options: Any) -> None:
-        debug = options.get("debug", False) if takes_debug else options.pop("debug", False)
+    def reporting(*args: Any, debug: bool = False, **options: Any) -> None:
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = show
@@ -143,10 +127,10 @@ def readable(function: Callable[..., None]) -> Callable[..., None]:
                 print(f"error: {line}", file=sys.stderr)
             raise SystemExit(code) from error
 
-    if not takes_debug:
-        option = inspect.Parameter("debug", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Debug)
-        parameters = [*signature.parameters.values(), option]
-        reporting.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    signature = inspect.signature(function)
+    option = inspect.Parameter("debug", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Debug)
+    parameters = [*signature.parameters.values(), option]
+    reporting.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
     return reporting
 
 
@@ -159,23 +143,22 @@ def _interrupted(error: BaseException | None) -> bool:
 
 def _lines(error: BaseException) -> tuple[list[str], int]:
     """Lines that report an error, and the exit code."""
-    if isinstance(error, SimulationStopped):
-        how = f"; {GOES_ON}" if error.reason == INTERRUPTED else ""
+    if isinstance(error, errors.SimulationStopped):
+        how = f"; {errors.GOES_ON}" if error.reason == errors.INTERRUPTED else ""
         return [f"{error}; what was computed is in its folder{how}"], STOPPED
     if _interrupted(error):
-        return [f"{INTERRUPTED}; {GOES_ON}"], ENDED_FROM_OUTSIDE
-    if isinstance(error, EquilibriumError):
+        return [f"{errors.INTERRUPTED}; {errors.GOES_ON}"], errors.ENDED_FROM_OUTSIDE
+    if isinstance(error, errors.EquilibriumError):
         return [str(error)], STOPPED
     if isinstance(error, BAD_INPUT_ERRORS):
         return str(error).splitlines() or [repr(error)], BAD_INPUT
     text = " ".join(str(error).split())
-    if not isinstance(error, OSError):
-        text = f"{type(error).__name__}: {text} (unexpected; --debug shows where)"
-    return [text], OTHER
+    of_system = isinstance(error, OSError)
+    return [text if of_system else f"{type(error).__name__}: {text} (unexpected; --debug shows where)"], OTHER
 
 
-COMMANDS = "exudyn_crawler.commands"
-CASES = "exudyn_crawler.cases"
+COMMANDS, CASES = "exudyn_crawler.commands", "exudyn_crawler.cases"
+"""Groups of what packages register."""
 
 
 def registered(group: str) -> dict[str, EntryPoint]:
@@ -183,7 +166,7 @@ def registered(group: str) -> dict[str, EntryPoint]:
     return {entry.name: entry for entry in entry_points(group=group)}
 
 
-def study_case(name: str) -> "CaseFile":
+def study_case(name: str) -> "crawler.CaseFile":
     """Case that a study registers to start from; raises `ValueError` if there is no such study."""
     cases = registered(CASES)
     if name not in cases:
@@ -231,17 +214,14 @@ def _single(
 
 
 def run_script(reference: str) -> None:
-    """Run a command, referred to as packages register it (``studies.commands:stress``), as a script.
-
-    Its module may import that of the script.
-    """
+    """Run a command, referred to as packages register it (``studies.commands:stress``), as a script."""
     call(_single(EntryPoint(reference, reference, COMMANDS).load()))
 
 
 def call(commands: typer.Typer) -> None:
-    """Call a command line; wrong words are reported in a line, as all errors are.
+    """Call a command line; wrong words, and empty ones, are reported in a line, as all errors are.
 
-    Empty words are refused, whatever they stand for. A request to terminate ends a command as Ctrl-C does.
+    A request to terminate ends a command as Ctrl-C does.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     for before, word in itertools.pairwise(sys.argv):
@@ -252,13 +232,13 @@ def call(commands: typer.Typer) -> None:
             sys.exit(BAD_INPUT)
     try:
         code = commands(standalone_mode=False) or 0
-        if code != ENDED_FROM_OUTSIDE:
+        if code != errors.ENDED_FROM_OUTSIDE:
             sys.exit(code)
         # which Typer makes of an interrupt while it reads the words
         raise KeyboardInterrupt
     except KeyboardInterrupt:
-        print(f"error: {INTERRUPTED}; {GOES_ON}", file=sys.stderr)
-        sys.exit(ENDED_FROM_OUTSIDE)
+        print(f"error: {errors.INTERRUPTED}; {errors.GOES_ON}", file=sys.stderr)
+        sys.exit(errors.ENDED_FROM_OUTSIDE)
     except typer.Abort:
         sys.exit(BAD_INPUT)
     except Exception as error:

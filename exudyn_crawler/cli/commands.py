@@ -9,26 +9,17 @@ from typing import Annotated
 
 import typer
 
-from exudyn_crawler.cli.application import (
-    CASES,
-    RESULTS,
-    Changes,
-    Commands,
-    Overwrite,
-    Run,
-    history_path,
-    loaded,
-    readable,
-    registered,
-    run_folder,
-    study_case,
-)
+import exudyn_crawler as crawler
+from exudyn_crawler.cli import application
+from exudyn_crawler.cli.application import CASES, RESULTS, Changes, Overwrite, Run
+from exudyn_crawler.run.folder.progress import heartbeat
+from exudyn_crawler.views.tables import print_rows
 
 START = "kinematics"
 """Study whose case `init` starts from where none is named."""
 
 app = typer.Typer(
-    cls=Commands,
+    cls=application.Commands,
     help="Simulator of the crawler tracks of mining shovels.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -37,7 +28,7 @@ app = typer.Typer(
 
 def command(function: Callable[..., None]) -> Callable[..., None]:
     """Register a command that reports what goes wrong in a line."""
-    return app.command()(readable(function))
+    return app.command()(application.readable(function))
 
 
 def _show_versions(wanted: bool) -> None:
@@ -45,8 +36,7 @@ def _show_versions(wanted: bool) -> None:
         from importlib.metadata import version
         from platform import python_version
 
-        names = ("exudyn-crawler", "exudyn")
-        lines = [f"{name} {version(name)}" for name in names]
+        lines = [f"{name} {version(name)}" for name in ("exudyn-crawler", "exudyn")]
         typer.echo(", ".join([*lines, f"Python {python_version()}"]))
         raise typer.Exit
 
@@ -71,11 +61,9 @@ def init(
 
     Example: exudyn-crawler init soft_ground --study kinematics
     """
-    from exudyn_crawler.case.files import write_case
-
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
-    case_file = study_case(study)
-    written = write_case(case_file.with_({"name": path.stem}), path, overwrite)
+    case_file = application.study_case(study)
+    written = crawler.write_case(case_file.with_({"name": path.stem}), path, overwrite)
     typer.echo(f"{written}: change it, then: exudyn-crawler run {written}")
 
 
@@ -91,27 +79,25 @@ def info(
     Example: exudyn-crawler info soft_ground.toml
     """
     from exudyn_crawler.case.case_file import nearest_base, shoe_weights
-    from exudyn_crawler.case.files import read_case
-    from exudyn_crawler.case.parameters.checks import warn_implausible
-    from exudyn_crawler.case.parameters.fields import case_rows
-    from exudyn_crawler.views.tables import print_rows
+    from exudyn_crawler.case.parameters import checks, fields
 
-    if case in registered(CASES):
+    studies = sorted(application.registered(CASES))
+    if case in studies:
         if changes:
             raise ValueError(f"--set must go with a case file, got the study {case!r}; init writes its file")
-        case_file = study_case(case)
+        case_file = application.study_case(case)
     elif Path(case).suffix or Path(case).exists():
-        case_file = read_case(case, changes or ())
+        case_file = crawler.read_case(case, changes or ())
     else:
-        raise ValueError(f"case must be a case file or a study of {sorted(registered(CASES))}, got {case!r}")
+        raise ValueError(f"case must be a case file or a study of {studies}, got {case!r}")
     base, of_base = nearest_base(case_file.case)
-    rows = [(*row[:2], of_base.get(row.key, ""), *row[2:]) for row in case_rows(case_file)]
+    rows = [(*row[:2], of_base.get(row.key, ""), *row[2:]) for row in fields.case_rows(case_file)]
     differing = sum(row[2] != "" for row in rows)
     columns = ("key", "value", "in the base", "unit", "meaning")
     print_rows(columns, rows, f"{case}: {differing} of {len(rows)} values differ from the case {base!r}")
     if weights := shoe_weights(case_file.case):
         typer.echo(weights)
-    warn_implausible(case_file.case, case_file.duration)
+    checks.warn_implausible(case_file.case, case_file.duration)
     if case_file.case.flexible is not None:
         from exudyn_crawler.model.reductions import reductions_line
 
@@ -132,16 +118,13 @@ def run(
 
     Example: exudyn-crawler run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7
     """
-    from exudyn_crawler.case.files import read_case
     from exudyn_crawler.run.folder.folder import refuse_occupied
 
     # what is refused is refused before the engine is loaded, which takes a second
-    case_file = read_case(case, changes or ())
+    case_file = crawler.read_case(case, changes or ())
     out = out or RESULTS / case.stem
     refuse_occupied(out, case_file, overwrite)
-    from exudyn_crawler.case_run import run_case
-
-    history = run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo).history
+    history = crawler.run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo).history
     typer.echo(f"{case_file.case.name}: {history.duration:g} s; case, log, results and figures are in {out}")
 
 
@@ -155,15 +138,10 @@ def report(
 
     Example: exudyn-crawler report results/stress
     """
-    folder = run_folder(run)  # refused before all that draws is loaded
-    from exudyn_crawler.run.folder.progress import heartbeat
-    from exudyn_crawler.run.folder.record import note_file
-    from exudyn_crawler.views.pages.report import write_report
-
+    folder = application.run_folder(run)  # refused before all that draws is loaded
     with heartbeat(f"report of {folder}"):
-        page = write_report(folder, out, overwrite, typer.echo)
-    note_file(page)
-    typer.echo(f"{page}: open it in a browser")
+        page = crawler.write_report(folder, out, overwrite, typer.echo)
+    application.report_made(page, ": open it in a browser")
 
 
 @command
@@ -191,16 +169,10 @@ def animate(
     """
     if stress is not None and scale is not None:
         raise ValueError("--scale must go without --stress, whose picture shows no ground")
-    beside = history_path(run)
+    beside = application.history_path(run)
     default = beside.with_suffix(".mp4") if stress is None else beside.with_name(f"shoe_{stress}.mp4")
     path = out or default
-    history = loaded(run)  # refused before all that draws is loaded
-    from exudyn_crawler.run.folder.progress import heartbeat
-    from exudyn_crawler.run.folder.record import note_file
-
+    history = application.loaded(run)  # refused before all that draws is loaded
     with heartbeat(f"animation of {run}"):
-        from exudyn_crawler.views.scenes.films import write_animation
-
-        write_animation(history, path, overwrite, scale, stress, speed=speed, start=start, end=end)
-    note_file(path)
-    typer.echo(path)
+        crawler.write_animation(history, path, overwrite, scale, stress, speed=speed, start=start, end=end)
+    application.report_made(path)

@@ -1,32 +1,19 @@
 """The commands that look into runs: stress, forces and loads of one, two compared, lives and sweeps."""
 
-from enum import StrEnum
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from exudyn_crawler.cli.application import (
-    RESULTS,
-    Overwrite,
-    Run,
-    history_path,
-    loaded,
-    run_folder,
-)
+import exudyn_crawler as crawler
+from exudyn_crawler.cli import application
+from exudyn_crawler.cli.application import RESULTS, Overwrite, Run
 from exudyn_crawler.cli.commands import command
+from exudyn_crawler.views.tables import print_table, write_table
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-class Program(StrEnum):
-    """Finite-element programs that decks are written for."""
-
-    calculix = "calculix"
-    abaqus = "abaqus"
-
 
 Shoe = Annotated[int, typer.Option(help="number of the shoe")]
 Out = Annotated[Path | None, typer.Option(help="file to write; one beside the history, if not given")]
@@ -48,7 +35,7 @@ def node_stress(
 
     Example: exudyn-crawler node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05
     """
-    path = history_path(run)
+    path = application.history_path(run)
     from exudyn_crawler.results.stress import node_stress as at_node
 
     stress = at_node.node_stress(path, shoe, near, node)
@@ -81,10 +68,10 @@ def pin_forces(
 
     Example: exudyn-crawler pin-forces results/stress/cycle --shoe 13
     """
-    history = loaded(run, shoe)
+    history = application.loaded(run, shoe)
     from exudyn_crawler.results.loads.exports import pin_table
 
-    out = out or history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
+    out = out or application.history_path(run).parent / f"pin_forces_shoe_{shoe}.csv"
     _write(pin_table(history, shoe), out, overwrite)
 
 
@@ -95,7 +82,9 @@ def shoe_loads(
     time: Annotated[
         float | None, typer.Option(help="s; that of the shoe's highest stress, if not given")
     ] = None,
-    program: Annotated[Program, typer.Option(help="finite-element program of the deck")] = Program.calculix,
+    program: Annotated[
+        Literal["calculix", "abaqus"], typer.Option(help="finite-element program of the deck")
+    ] = "calculix",
     out: Annotated[Path | None, typer.Option(help="folder; that of the history, if not given")] = None,
     overwrite: Overwrite = False,
 ) -> None:
@@ -103,9 +92,8 @@ def shoe_loads(
 
     Example: exudyn-crawler shoe-loads results/stress/cycle --shoe 13 --program abaqus
     """
-    history = loaded(run, shoe)
+    history = application.loaded(run, shoe)
     from exudyn_crawler.results.loads import exports
-    from exudyn_crawler.run.folder.record import note_file
 
     flexible = history.case.flexible is not None and shoe in history.case.flexible.shoes
     if time is None:
@@ -114,13 +102,12 @@ def shoe_loads(
         from exudyn_crawler.results.stress.recovery import peak_time
 
         time = peak_time(history, shoe)
-    folder = out or history_path(run).parent
+    folder = out or application.history_path(run).parent
     table = exports.action_table(history, shoe, time)
     name = f"loads_shoe_{shoe}_{exports.at_instant(history, time).duration:.4f}s"
     if flexible:
-        deck = folder / f"{name}_{program.value}.inp"
-        note_file(exports.shoe_loads(history, shoe, time).write(deck, program.value, overwrite))
-        typer.echo(deck)
+        deck = folder / f"{name}_{program}.inp"
+        application.report_made(exports.shoe_loads(history, shoe, time).write(deck, program, overwrite))
     _write(table, folder / f"{name}.csv", overwrite)
 
 
@@ -138,47 +125,35 @@ def compare(
     Example: exudyn-crawler compare results/soft_ground results/hard_ground --out soft_and_hard.html
     """
     runs = dict(zip(_names(first, second), (first, second), strict=True))
-    histories = {name: loaded(run) for name, run in runs.items()}
-    from exudyn_crawler.views.pages.comparison import (
-        SAME_CASES,
-        SAME_RESULTS,
-        comparison_tables,
-        write_comparison,
-    )
-    from exudyn_crawler.views.pages.folder import stress_of
-    from exudyn_crawler.views.tables import print_table, write_table
+    histories = {name: application.loaded(run) for name, run in runs.items()}
+    from exudyn_crawler.views.pages import comparison, folder
 
-    by_run = {name: stress_of(run_folder(run)) for name, run in runs.items()}
+    by_run = {name: folder.stress_of(application.run_folder(run)) for name, run in runs.items()}
     stresses = {name: stress for name, stress in by_run.items() if stress is not None}
     page = out or Path("_".join(runs) + ".html")
-    write_comparison(histories, page, stresses, overwrite)
-    parameters, results = comparison_tables(histories, stresses)
-    if parameters.empty:
-        typer.echo(SAME_CASES)
-    else:
-        named = ", ".join(f"{letter} is {name}" for letter, name in zip("AB", runs, strict=True))
-        print_table(parameters, f"What differs in the cases: {named}")
-    if results.empty:
-        typer.echo(SAME_RESULTS)
-    else:
-        print_table(results, "What differs in the results")
+    comparison.write_comparison(histories, page, stresses, overwrite)
+    parameters, results = comparison.comparison_tables(histories, stresses)
+    named = ", ".join(f"{letter} is {name}" for letter, name in zip("AB", runs, strict=True))
+    for table, title, same in (
+        (parameters, f"What differs in the cases: {named}", comparison.SAME_CASES),
+        (results, "What differs in the results", comparison.SAME_RESULTS),
+    ):
+        if table.empty:
+            typer.echo(same)
+        else:
+            print_table(table, title)
     write_table(results, page.with_suffix(".csv"), overwrite)
     typer.echo(f"{page}: open it in a browser; {page.with_suffix('.csv')}: the table of results")
 
 
 def _names(first: Path, second: Path) -> tuple[str, str]:
     """Names of two runs: of their folders where these differ, else their paths."""
-    names = [run_folder(run).resolve().name for run in (first, second)]
+    names = [application.run_folder(run).resolve().name for run in (first, second)]
     return (names[0], names[1]) if names[0] != names[1] else ("A", "B")
 
 
 def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
-    """Write a table and show where it is."""
-    from exudyn_crawler.run.folder.record import note_file
-    from exudyn_crawler.views.tables import write_table
-
-    note_file(write_table(table, path, overwrite))
-    typer.echo(path)
+    application.report_made(write_table(table, path, overwrite))
 
 
 @command
@@ -193,15 +168,11 @@ def life(
 
     Example: exudyn-crawler life digging.toml --out results/digging
     """
-    from exudyn_crawler.results.life.duty import read_duty
-
-    asked = read_duty(duty)  # wrong files end the command before all that counts and draws is loaded
-    from exudyn_crawler.life_run import life as life_into
+    asked = crawler.read_duty(duty)  # wrong files end the command before all that counts and draws is loaded
     from exudyn_crawler.results.life.life import in_words
-    from exudyn_crawler.views.tables import print_table
 
     folder = out or RESULTS / duty.stem
-    result = life_into(asked, folder, overwrite=overwrite, say=typer.echo)
+    result = crawler.life(asked, folder, overwrite=overwrite, say=typer.echo)
     shown = result.table.loc[:, :"main load"].drop(columns=[f"{axis} in the shoe in m" for axis in "xyz"])
     print_table(in_words(shown), f"{asked.name}: shortest lives by region")
     typer.echo(f"life, tables, fields and page (life.html) are in {folder}")
@@ -220,9 +191,8 @@ def spread(
 
     Example: exudyn-crawler spread results/stress/cycle
     """
-    folder = run_folder(run)  # before all that runs is loaded
+    folder = application.run_folder(run)  # before all that runs is loaded
     from exudyn_crawler.spread_run import spread as spread_into
-    from exudyn_crawler.views.tables import print_table
 
     result = spread_into(folder, starts, laws=laws, overwrite=overwrite, say=typer.echo)
     print_table(result.by_shoe(), f"{folder}: highest stresses of the repeated runs at the first one's node")
@@ -272,8 +242,6 @@ def sweep(
     from exudyn_crawler.sweep.running import folder_state, run_sweep
 
     if dry_run:
-        from exudyn_crawler.views.tables import print_table
-
         table = plan.table()
         shown = f", the first {SHOWN}" if len(table) > SHOWN else ""
         units = plan.units()

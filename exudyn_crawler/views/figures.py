@@ -1,21 +1,28 @@
-"""What a run offers to be drawn over time, in units for reading, and the figures that the papers draw of it.
+"""What a run offers to be drawn over time, in units for reading, curves in panels, and the papers' figures.
 
-Figures are by names that can be those of files.
+Panels stand one below the other, the phases of the run as light bands behind them. Figures are by names that
+can be those of files.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
+import matplotlib as mpl
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
-from exudyn_crawler.results.history.history import History, common_phases
+from exudyn_crawler.results.history.history import History, RunPhase, common_phases
 from exudyn_crawler.results.stress.recovery import StressResults
-from exudyn_crawler.views.curves import Panel, panel_figure
-from exudyn_crawler.views.style import in_figure_unit
+from exudyn_crawler.views import style
 
+PANEL_WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, TIME_HEIGHT, LABEL_WIDTH = 8.0, 2.2, 0.38, 0.72, 1.1
+"""Inches: width of a figure and height of each of its panels, height of what is written above and below them,
+width of what is written at their left."""
+NAME_SIZE, NAME_INSET = 6.5, 2.0
+"""Points: size of a phase's name, and how far it stands to the right of its band's begin and above it."""
 SHOES, JOINTS = (1, 4, 7, 10, 13), (1, 4, 7, 10, 12)
 """Shoes that the papers draw, and links by their rear shoe: those behind these shoes, and 12-13."""
 GROUPS = ("stress", "motion", "contact", "rollers", "side frame", "links", "track")
@@ -40,15 +47,82 @@ TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}
 
 
 @dataclass(frozen=True)
-class Series:
-    """One quantity over time.
+class Panel:
+    """One pair of axes of a figure over time: what is drawn, its unit, and series (time,) by their names."""
 
-    Attributes
-    ----------
-    group, label, unit : str
-    values : xarray.DataArray
-        Dimensions (time, item, axis); items are named like "shoe 7" or "link 7-8", and without axes the one
-        axis is named "".
+    label: str
+    unit: str
+    curves: Mapping[str, xr.DataArray]
+
+    @classmethod
+    def of(cls, label: str, curves: Mapping[str, xr.DataArray]) -> Self:
+        """Panel of one quantity in the unit for reading; `curves` have the catalogue's attributes."""
+        read = {name: style.in_figure_unit(values) for name, values in curves.items()}
+        return cls(label, next(iter(read.values())).attrs["units"], read)
+
+    def draw(self, ax: Axes) -> None:
+        """Draw the curves over time."""
+        for name, values in self.curves.items():
+            ax.plot(values.time, values, label=name)
+        ax.set_ylabel(f"{self.label}\nin {self.unit}")
+        floor, (low, high) = style.negligible(self.unit), ax.get_ylim()
+        if high - low < 2.0 * floor:
+            ax.set_ylim(-floor, floor)
+
+
+def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase] = ()) -> Figure:
+    """Panels one below the other, with one legend; phases of the run stand behind the curves."""
+    # places that are searched for would take half of the time of a figure
+    with mpl.rc_context(style.STYLE | {"figure.constrained_layout.use": False}):
+        height = TITLE_HEIGHT + PANEL_HEIGHT * len(panels) + TIME_HEIGHT
+        figure = Figure(figsize=(PANEL_WIDTH, height))
+        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0].tolist()
+        top, bottom = 1.0 - TITLE_HEIGHT / height, TIME_HEIGHT / height
+        figure.subplots_adjust(LABEL_WIDTH / PANEL_WIDTH, bottom, 0.985, top, hspace=0.12)
+        for ax, panel in zip(axes, panels, strict=True):
+            panel.draw(ax)
+        draw_phases(axes, phases)
+        axes[-1].set_xlabel("time in s")
+        # a case may have any name, also one that looks like a formula
+        figure.suptitle(title, x=0.01, y=1.0 - 0.06 / height, ha="left", parse_math=False)
+        figure.align_ylabels(axes)
+        handles, labels = axes[0].get_legend_handles_labels()
+        if len(labels) > 1:
+            close = {"columnspacing": 1.2, "handlelength": 1.4}
+            figure.legend(handles, labels, loc="lower center", ncols=len(labels), **close)
+    return figure
+
+
+def draw_phases(axes: Sequence[Axes], phases: Sequence[RunPhase]) -> None:
+    """Draw a band a phase behind the curves of panels over time (s) that have their place and their limits.
+
+    Colours alternate. Names stand above the first panel alone, where no curve can be; one that is wider than
+    its band is left out. A run of one phase has no bands.
+    """
+    for panel, ax in enumerate(axes):
+        low, high = ax.get_xlim()
+        for number, phase in enumerate(phases if len(phases) > 1 else ()):
+            begin, end = max(phase.begin, low), min(phase.end, high)
+            if begin >= end:
+                continue
+            colour = style.PHASE_BANDS[number % len(style.PHASE_BANDS)]
+            ax.axvspan(begin, end, facecolor=colour, edgecolor="none", zorder=0.0)
+            if panel > 0:
+                continue
+            place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
+            place |= {"xytext": (NAME_INSET, NAME_INSET), "va": "bottom"}
+            # a phase may have any name, also one that looks like a formula
+            look: dict[str, Any] = {"fontsize": NAME_SIZE, "color": style.PHASE_NAME, "parse_math": False}
+            text = ax.annotate(phase.name, (begin, 1.0), **place, **look)
+            if text.get_window_extent().x1 > ax.transData.transform((end, 0.0))[0]:
+                text.remove()
+
+
+@dataclass(frozen=True)
+class Series:
+    """One quantity over time: `values` have the dimensions time, item ("shoe 7", "link 7-8") and axis.
+
+    The one axis of what has none is named "".
     """
 
     group: str
@@ -97,7 +171,7 @@ def overlay(found: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
 
 def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
     """Series of a quantity; forces on rails of both sides together, and of each."""
-    values = in_figure_unit(values)
+    values = style.in_figure_unit(values)
     unit, axes = values.attrs["units"], list(quantity.curve_axes)
     if axes:
         # the friction torque turns about the normal, which is z but for the units' tilt

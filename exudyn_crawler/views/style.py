@@ -6,7 +6,8 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.colors import Colormap, ListedColormap
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
@@ -16,10 +17,8 @@ GROUND, GROUND_EDGE = "#e2d3b3", "#8a7748"
 SHOE, FLEXIBLE_SHOE, SHOE_EDGE = "#9fb1bd", "#d98c3f", "#3c4a54"
 ROLLER, ROLLER_EDGE, BEAM = "#6c7a52", "#333d22", "#b9bfa6"
 CONTACT_FORCE, ROLLER_FORCE = "#1f4fd8", "#8a1fb0"
-STRESS_MAP = "YlOrRd"
-"""Colour map of stresses: pale where there is little, so that shading shows the shape."""
-HEAVE_MAP = "cividis"
-"""Colour map of the units' heave."""
+STRESS_MAP, HEAVE_MAP = "YlOrRd", "cividis"
+"""Colour maps of stresses, pale where there is little so that shading shows the shape, and of heave."""
 PHASE_BANDS, PHASE_NAME = ("#eef2f6", "#fbfaf4"), "#66727d"
 """Bands of a run's phases, in turn, behind curves over time, and the names of the phases."""
 
@@ -73,6 +72,11 @@ def save_figure(figure: Figure, path: Path, overwrite: bool = False) -> Path:
 def colour_map(colours: str | tuple[str, ...]) -> Colormap:
     """Colour map of a name, or of a colour for each whole number from 0."""
     return mpl.colormaps[colours] if isinstance(colours, str) else ListedColormap(colours)
+
+
+def scale_of(low: float, high: float, colours: str) -> ScalarMappable:
+    """What a colour bar from one value to another shows."""
+    return ScalarMappable(Normalize(low, high), colours)
 
 
 def round_down(value: float) -> float:

@@ -8,8 +8,6 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from exudyn_crawler.files import whole_file
-
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -98,6 +96,8 @@ def print_table(table: "pd.DataFrame", title: str, console: Console | None = Non
 
 def write_table(table: "pd.DataFrame", path: Path, overwrite: bool = False) -> Path:
     """Write a table as CSV, whole or not at all."""
+    from exudyn_crawler.files import whole_file
+
     with whole_file(path, overwrite) as temporary:
         table.to_csv(temporary, index=False, float_format=NUMBER)
     return path

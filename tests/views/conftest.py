@@ -6,7 +6,7 @@ import pytest
 from exudyn_crawler import History
 from exudyn_crawler.results.stress.hot_spots import hot_spot_table
 from exudyn_crawler.results.stress.recovery import recover_stresses
-from exudyn_crawler.views.scenes.pictures import write_stress_pictures
+from exudyn_crawler.views.scenes.shoes import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
 from studies.comparison import comparison_table
 from studies.forces import study as forces_study
@@ -28,7 +28,7 @@ def stress_folder(flexible_run, tmp_path_factory):
     # within, without verdict and outside; the rest was not computed
     computed = [value * (1.0 if row % 3 else 10.0) for row, value in enumerate(reported["value"])]
     write_table(comparison_table(reported, [*computed[:-1], np.nan]), folder / "comparison.csv")
-    write_stress_pictures(stress, history, folder, backend="painted")
+    write_stress_pictures(stress, history, folder)
     (folder / "run.json").write_text('{"wall time": "<1 s"}')
     return folder
 

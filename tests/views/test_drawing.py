@@ -1,18 +1,14 @@
-"""Scenes: where solids and arrows are, and how both backends draw them."""
+"""Scenes: where solids and arrows are, and how they are painted."""
 
 import io
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from exudyn_crawler.views.scenes import drawing
-from exudyn_crawler.views.scenes.drawing import draw_arrows, draw_solids, usual_backend
+from exudyn_crawler.views.scenes.pictures import draw_arrows, paint
 from exudyn_crawler.views.scenes.scene import (
     Arrows,
     Colouring,
@@ -39,16 +35,13 @@ WEDGE = surface(
     np.zeros(4),
 )
 
-needs_opengl = pytest.mark.skipif(usual_backend() == "painted", reason="this machine has no OpenGL or EGL")
-backends = pytest.mark.parametrize("backend", [pytest.param("opengl", marks=needs_opengl), "painted"])
 
-
-def picture(surfaces, view, backend, window=(-1.0, 1.0, -1.0, 1.0), arrows=None):
+def picture(surfaces, view, window=(-1.0, 1.0, -1.0, 1.0), arrows=None):
     """Red, green and blue of a picture of 200 x 200 pixels, the top row first."""
     figure = Figure(figsize=(2.0, 2.0), dpi=100)
     ax = figure.add_axes((0, 0, 1, 1))
     ax.set_axis_off()
-    draw_solids(ax, surfaces, view, window, backend, dpi=100)
+    paint(ax, surfaces, view, window)
     if arrows is not None:
         draw_arrows(ax, [arrows], view)
     memory = io.BytesIO()
@@ -78,10 +71,9 @@ def test_a_view_has_the_axes_of_the_one_who_looks():
     assert slanted.toward[2] == pytest.approx(-0.5)
 
 
-@backends
-def test_a_solid_covers_what_its_projection_covers(backend):
+def test_a_solid_covers_what_its_projection_covers():
     view = View.seen_from(azimuth=20.0, elevation=35.0)
-    image = picture([WEDGE], view, backend)
+    image = picture([WEDGE], view)
     covered = image.min(axis=2) < 250.0
     y, x = np.mgrid[0.995:-1.0:-0.01, -0.995:1.0:0.01]
     expected = np.zeros_like(covered)
@@ -96,29 +88,20 @@ def test_a_solid_covers_what_its_projection_covers(backend):
     assert (covered != expected).mean() < 0.015
 
 
-@backends
-def test_the_nearer_surface_hides_the_other(backend):
-    pale, dark = (at(picture([square(0.0, value)], ABOVE, backend), 0.0, 0.0) for value in (0.0, 1.0))
+def test_the_nearer_surface_hides_the_other():
+    pale, dark = (at(picture([square(0.0, value)], ABOVE), 0.0, 0.0) for value in (0.0, 1.0))
     near, far = square(0.2, 1.0, half=0.3), square(-0.2, 0.0)
     for order in ([near, far], [far, near]):
-        image = picture(order, ABOVE, backend)
+        image = picture(order, ABOVE)
         assert at(image, 0.0, 0.0) == pytest.approx(dark, abs=6)
         assert at(image, 0.4, 0.0) == pytest.approx(pale, abs=6)
     assert dark[1] < 0.3 * pale[1]
 
 
-@needs_opengl
-def test_both_backends_give_one_colour_to_one_stress():
-    for value in (0.0, 0.4, 1.0):
-        one, other = (at(picture([square(0.0, value)], ABOVE, b), 0.2, 0.1) for b in ("opengl", "painted"))
-        assert one == pytest.approx(other, abs=12)
-
-
-@backends
-def test_arrows_point_from_tail_to_head(backend):
+def test_arrows_point_from_tail_to_head():
     head, along = np.array([[[-0.8, 0.6, 0.1]]]), np.array([[[0.0, 1.4, 0.0]]])
     arrow = Arrows("force", "#1f4fd8", head, along, 1.0)
-    image = picture([square(0.2, 0.0, 0.2)], ABOVE, backend, arrows=arrow)
+    image = picture([square(0.2, 0.0, 0.2)], ABOVE, arrows=arrow)
     blue = image[:, :, 2] - image[:, :, 0] > 60.0
     rows, columns = np.nonzero(blue)
     assert 0.99 - rows.min() / 100 == pytest.approx(0.6, abs=0.03)
@@ -139,15 +122,6 @@ def test_a_point_behind_something_is_not_shown():
     assert not centre.shows(8, ABOVE)
     assert centre.shows(10, ABOVE)
     assert centre.shows(8, View.seen_from(azimuth=-90.0, elevation=-90.0))
-
-
-def test_a_machine_whose_opengl_ends_the_process_gets_painted_pictures(monkeypatch):
-    monkeypatch.setattr(drawing, "TRIAL", "import os; os.abort()")
-    usual_backend.cache_clear()
-    try:
-        assert drawing.usual_backend() == "painted"
-    finally:
-        usual_backend.cache_clear()
 
 
 def test_copies_of_a_solid_stand_where_they_are_placed_and_lifted():
@@ -185,32 +159,3 @@ def test_what_bends_is_drawn_larger_and_seen_the_same_in_its_own_axes():
     assert same.project(moved.at().points) == pytest.approx(view.project(solid.at().points))
     own = np.stack((0.5 * heads[0], heads[0]), axis=1)
     assert same.project(force.at()) == pytest.approx(view.project(own))
-
-
-INTERRUPTED = """
-import signal, sys, traceback
-from tests.views.test_drawing import ABOVE, square
-from exudyn_crawler.views.scenes.drawing import opengl_image
-
-def interrupt(event, arguments):
-    # a part of VTK that another one asks for is imported by compiled code
-    if event == "import" and any("vtkmodules" in one.filename for one in traceback.extract_stack()):
-        signal.raise_signal(signal.SIGINT)
-
-signal.signal(signal.SIGINT, signal.default_int_handler)
-sys.addaudithook(interrupt)
-try:
-    opengl_image([square(0.0, 1.0)], ABOVE, (-1.0, 1.0, -1.0, 1.0), 50.0)
-except KeyboardInterrupt:
-    print("interrupted")
-"""
-
-
-@needs_opengl
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-def test_an_interrupt_waits_while_vtk_is_imported():
-    root = Path(__file__).parents[2]
-    found = subprocess.run(
-        [sys.executable, "-c", INTERRUPTED], cwd=root, capture_output=True, text=True, check=False
-    )
-    assert (found.returncode, found.stdout, found.stderr) == (0, "interrupted\n", "")

@@ -9,16 +9,16 @@ from matplotlib.colorbar import Colorbar
 from PIL import Image
 
 from exudyn_crawler import Case
-from exudyn_crawler.views.scenes.paraview import write_paraview
-from exudyn_crawler.views.scenes.pictures import (
+from exudyn_crawler.views.outputs import write_paraview
+from exudyn_crawler.views.scenes.shoes import (
+    Scales,
     picture_name,
     picture_time,
     stress_picture,
+    stress_scene,
     write_stress_pictures,
 )
-from exudyn_crawler.views.scenes.shoes import Scales, stress_scene
 from exudyn_crawler.views.scenes.track import shoe_forces, shoe_pose
-from tests.views.test_drawing import backends
 from tests.views.test_track_scene import axes_of_rollers
 
 
@@ -28,10 +28,9 @@ def run(flexible_run):
     return history, stress
 
 
-@backends
-def test_every_chosen_time_gets_a_picture(run, backend, tmp_path):
+def test_every_chosen_time_gets_a_picture(run, tmp_path):
     history, stress = run
-    written = write_stress_pictures(stress, history, tmp_path, backend=backend)
+    written = write_stress_pictures(stress, history, tmp_path)
     assert [picture_time(path) for path in written] == pytest.approx(stress.frame.values)
     assert written == sorted(tmp_path.iterdir())
     images = [np.asarray(Image.open(path).convert("RGB")).astype(int) for path in written]
@@ -41,7 +40,7 @@ def test_every_chosen_time_gets_a_picture(run, backend, tmp_path):
     assert min(blue) > 2e-4
     assert red[1] > 1.1 * red[0]
     with pytest.raises(FileExistsError, match=picture_name(0.0)):
-        write_stress_pictures(stress, history, tmp_path, backend=backend)
+        write_stress_pictures(stress, history, tmp_path)
 
 
 def test_all_pictures_share_one_scale_and_say_the_highest_stress(run):
@@ -51,7 +50,7 @@ def test_all_pictures_share_one_scale_and_say_the_highest_stress(run):
     greatest = float(stress.frame_von_mises.isel(node=surface).max())
     assert greatest <= scales.stress < 1.6 * greatest
     for frame in stress.frame.values:
-        figure = stress_picture(stress, history, float(frame), backend="painted")
+        figure = stress_picture(stress, history, float(frame))
         texts = [text.get_text() for text in figure.texts]
         for shoe in (7, 13):
             highest = float(stress.frame_von_mises.sel(shoe=shoe, frame=frame).max()) / 1e6

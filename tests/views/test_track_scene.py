@@ -10,7 +10,7 @@ from exudyn_crawler.views.scenes.pictures import (
     ground_figure,
     plan_solids,
     side_scene,
-    side_window,
+    windows,
 )
 from exudyn_crawler.views.scenes.scene import SIDES
 from exudyn_crawler.views.scenes.shoes import LONGEST_OF_SHOE, shoe_force_scale
@@ -150,7 +150,7 @@ def test_faces_of_uneven_ground_lie_at_their_heights(step):
             unit = np.flatnonzero((surface[:, 0, 0] <= middle[0]) & (middle[0] < surface[:, 1, 0]))[0]
             depth = np.interp(middle[0], *surface[unit].T) - middle[1]
             assert 0.03 < depth < 0.09
-    assert side_window(step)[2] == -MARGIN[2]
+    assert windows(step)[1][2] == -MARGIN[2]
 
 
 def test_a_ground_figure_shows_what_every_shoe_carries(step):
@@ -172,7 +172,7 @@ def test_rollers_stand_where_the_frame_has_them_and_press_where_the_history_says
     surfaces, arrows = side(rolled, force_scale=1e-6)
     hubs = axes_of_rollers(rolled, now)
     assert treads(surfaces["rollers"]).mean(axis=1)[:, [0, 2]] == pytest.approx(hubs[:, [0, 2]], abs=1e-4)
-    assert hubs[:, 2].max() + rolled.case.undercarriage.radius < side_window(rolled)[3]
+    assert hubs[:, 2].max() + rolled.case.undercarriage.radius < windows(rolled)[1][3]
     total = rolled.roller_force.isel(time=-1).sum("rail").transpose("roller", "axis").values
     pressing_there = arrows[1][1]
     assert pytest.approx(1e-6 * total) == pressing_there[:, 1] - pressing_there[:, 0]

@@ -12,13 +12,11 @@ from exudyn_crawler.case.case_file import differences
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.history.summary import compared, difference_table
-from exudyn_crawler.views.curves import panel_figure
-from exudyn_crawler.views.figures import Series, history_series, overlay
+from exudyn_crawler.views.figures import history_series, overlay, panel_figure
 from exudyn_crawler.views.pages import page
 
-MAIN = sorted(
-    (one for one in select(compared=True).values() if one.compared != "table"), key=lambda one: one.compared
-)
+DRAWN = [one for one in select(compared=True).values() if one.compared != "table"]
+MAIN = sorted(DRAWN, key=lambda one: one.compared)
 """Quantities that the page draws, as far as both runs have them."""
 SAME_CASES = "Nothing differs in the cases."
 SAME_RESULTS = "Nothing that both runs have differs in the results, beyond rounding."
@@ -34,20 +32,13 @@ def comparison_figures(
     first, second = (history_series(one, stresses.get(name)) for name, one in histories.items())
     figures, phases = {}, common_phases(*histories.values())
     for label in (one.label for one in MAIN if one.label in first and one.label in second):
-        items = _common_items(first[label], second[label])
-        if not items:
-            continue
-        panels = overlay(dict(zip(histories, (first[label], second[label]), strict=True)), items)
-        is_of_one = len(items) == 1 and items != ["track"]
-        figures[label] = panel_figure(f"{items[0]}: {label}" if is_of_one else label, panels, phases)
+        both = [item for item in first[label].items if item in second[label].items]
+        items = [both[round(place)] for place in np.linspace(0, len(both) - 1, min(ITEMS, len(both)))]
+        if items:
+            panels = overlay(dict(zip(histories, (first[label], second[label]), strict=True)), items)
+            is_of_one = len(items) == 1 and items != ["track"]
+            figures[label] = panel_figure(f"{items[0]}: {label}" if is_of_one else label, panels, phases)
     return figures
-
-
-def _common_items(one: Series, other: Series) -> list[str]:
-    """Some of the items that both series have: the ends and the middle."""
-    both = [item for item in one.items if item in other.items]
-    places = np.linspace(0, len(both) - 1, min(ITEMS, len(both)))
-    return [both[round(place)] for place in places]
 
 
 def comparison_tables(
@@ -68,14 +59,8 @@ def write_comparison(
 ) -> Path:
     """Write a page, to be read offline, of two runs: differences of cases and results, and main curves.
 
-    `histories` are two by name, the first A and the second B, `stresses` their datasets of `StressResults`.
-
-    Raises
-    ------
-    ValueError
-        If there are not two histories.
-    FileExistsError
-        If the file exists and `overwrite` is false.
+    `histories` are two by name, the first A and the second B, else a ValueError; `stresses` their datasets of
+    `StressResults`. A FileExistsError if the file exists and `overwrite` is false.
     """
     if len(histories) != 2:
         raise ValueError(f"histories must be two, got {list(histories)}")

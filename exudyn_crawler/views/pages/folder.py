@@ -68,13 +68,7 @@ def histories_in(folders: list[Path], left_out: LeftOut) -> tuple[dict[str, Hist
 
 
 def stress_of(folder: Path) -> xr.Dataset | None:
-    """Stresses that a run has left in a folder; None if there are none.
-
-    Raises
-    ------
-    ValueError
-        Naming the file, if it cannot be read.
-    """
+    """Stresses that a run has left in a folder; None if there are none; a ValueError if they are broken."""
     path = folder / STRESSES
     return _read(path, _stresses) if path.is_file() else None
 

@@ -16,10 +16,8 @@ from exudyn_crawler.views.style import MEGA, STRESS_MAP
 
 LEAST_DECADES = 2
 """Powers of ten of life that the colours span at least."""
-DRAWN = 3
-"""Nodes of the table whose growing damage is drawn."""
-POINTS = 2000
-"""Of a drawn curve at most."""
+DRAWN, POINTS = 3, 2000
+"""Nodes of the table whose growing damage is drawn, and points of a drawn curve at most."""
 SHARES = (
     "The share of a load is its part of the ranges of stress, weighted by their damage; a load that relieves "
     "has a negative one. Lives by single criteria leave out what goes from run to run."
@@ -28,11 +26,6 @@ SHARES = (
 
 def write_life_page(found: LifeResults, path: Path, overwrite: bool = False) -> Path:
     """Write one self-contained page of a life, to be read offline in a browser; raises as `write_page`."""
-    return page.write_page(life_page(found), path, overwrite)
-
-
-def life_page(found: LifeResults) -> str:
-    """HTML of the page."""
     arrays = SceneArrays()
     scene = packed_scene(Scene(("",), (life_solid(found),)), arrays)
     shortest, parts = (page.table(one, digits=5) for one in (in_words(found.table), damage_parts(found)))
@@ -44,7 +37,8 @@ def life_page(found: LifeResults) -> str:
         page.Section("duty", "Duty", page.table(pd.DataFrame(case_rows(found.duty)))),
     ]
     data = {"scenes": {"life": {"": scene}}, "arrays": arrays.packed, "first": []}
-    return page.page(f"Life of the shoes: {found.duty.name}", _lead(found), sections, data)
+    html = page.page(f"Life of the shoes: {found.duty.name}", _lead(found), sections, data)
+    return page.write_page(html, path, overwrite)
 
 
 def _lead(found: LifeResults) -> list[str]:
@@ -71,48 +65,41 @@ def life_solid(found: LifeResults) -> Solid:
     used, corners = np.unique(data.triangle.values, return_inverse=True)
     at_last = data.place_damage.isel(survival=-1)
     lives = {
-        f"all places, {100 * one:g} % survive": data.life.sel(survival=one).values[used]
+        f"all places, {100 * one:g} % survive": data.life.sel(survival=one).values
         for one in reversed(data.survival.values)
-    } | {
-        f"stays at place {shoe}": life_hours(at_last.sel(shoe=shoe).values)[used] for shoe in data.shoe.values
     }
-    logs, high = {name: np.log10(life) for name, life in lives.items()}, float(np.log10(BEYOND))
+    lives |= {
+        f"stays at place {shoe}": life_hours(at_last.sel(shoe=shoe).values) for shoe in data.shoe.values
+    }
+    logs, high = {name: np.log10(life[used]) for name, life in lives.items()}, float(np.log10(BEYOND))
     low = min(*(float(np.nanmin(one)) for one in logs.values()), high - LEAST_DECADES)
-    colours = f"{STRESS_MAP}_r"
+    colours = (low, high, f"{STRESS_MAP}_r")
     colourings = [
-        Colouring("life in h", log[None, None], low, high, colours, name=name, decades=True)
+        Colouring("life in h", log[None, None], *colours, name=name, decades=True)
         for name, log in logs.items()
     ]
     is_long = data.life.isel(survival=-1).values[used] >= BEYOND
     said = "long: life beyond 1e9 h", "how far to trust it"
     colourings.append(verdict_colouring(data.verdict.values[used], is_long, *said))
-    position = data.node_position.transpose("node", "axis").values[used]
-    faces = (corners.reshape(-1, 3),)
-    return Solid("shoe", position, faces, "white", colourings=tuple(colourings), nodes=used)
+    surface = data.node_position.transpose("node", "axis").values[used], (corners.reshape(-1, 3),)
+    return Solid("shoe", *surface, "white", colourings=tuple(colourings), nodes=used)
 
 
 def damage_curves(found: LifeResults) -> go.Figure:
     """Damage of the worst nodes of the table as it grows over the runs, each at its worst place."""
     figure = go.Figure()
     for _, row in found.table.head(DRAWN).iterrows():
-        node = int(row["node"])
+        node, place = int(row["node"]), row["worst place"]
         history = found.nodes[node].damage_history()
-        own = history[history["shoe"] == row["worst place"]]
-        for run, rows in own.groupby("run", sort=False):
+        for run, rows in history[history["shoe"] == place].groupby("run", sort=False):
             shown = rows.iloc[np.unique(np.linspace(0, len(rows) - 1, POINTS).astype(int))]
-            figure.add_scatter(
-                x=shown["time in s"].to_numpy(),
-                y=shown["damage an hour"].to_numpy(),
-                name=f"{row['region']}, node {node}, place {row['worst place']}: {run}",
-                line={"shape": "hv"},
-            )
-    figure.update_layout(
-        xaxis={"title": {"text": "time in the run in s"}},
-        yaxis={"title": {"text": "damage an hour"}, "exponentformat": "e"},
-        legend={"orientation": "h", "y": -0.25},
-        margin={"l": 70, "r": 10, "t": 10, "b": 10},
-    )
-    return figure
+            time, damage = (shown[name].to_numpy() for name in ("time in s", "damage an hour"))
+            name = f"{row['region']}, node {node}, place {place}: {run}"
+            figure.add_scatter(x=time, y=damage, name=name, line={"shape": "hv"})
+    figure.update_xaxes(title_text="time in the run in s")
+    figure.update_yaxes(title_text="damage an hour", exponentformat="e")
+    margin = {"l": 70, "r": 10, "t": 10, "b": 10}
+    return figure.update_layout(legend={"orientation": "h", "y": -0.25}, margin=margin)
 
 
 def damage_parts(found: LifeResults) -> pd.DataFrame:

@@ -16,18 +16,15 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.views import figures
-from exudyn_crawler.views.figures import Series, history_series
-from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Scene, Solid
+from exudyn_crawler.views.scenes.scene import Scene, Solid
 from exudyn_crawler.views.style import colour_map, negligible
 
 SERIES_BYTES = 4_500_000
 """Size on the page that all series together may have."""
 BYTES_A_POINT = 6 * 4 / 3
 """A 16-bit number of the time and a 32-bit value, in base64."""
-LEAST_POINTS, MOST_POINTS = 200, 4000
-"""Points that a series keeps at least and at most."""
-FEW = 5
-"""Items of many that are drawn at first."""
+LEAST_POINTS, MOST_POINTS, FEW = 200, 4000, 5
+"""Points that a series keeps at least and at most; items of many that are drawn at first."""
 
 
 def packed(array: NDArray, kind: str) -> str:
@@ -66,21 +63,20 @@ class SceneArrays:
 def packed_scene(
     scene: Scene, arrays: SceneArrays, window: Sequence[Sequence[float]] | None = None, first: int = 0
 ) -> dict[str, Any]:
-    """Scene for a view in 3D.
+    """Scene for a view in 3D from the time of index `first` on.
 
-    Parameters
-    ----------
-    window : sequence of (float, float), optional
-        Least and greatest x, y and z to be shown, m; all that is drawn, if not given.
-    first : int
-        Index of the time that is shown first.
+    `window` are the least and greatest x, y and z to be shown, m; all that is drawn, if not given.
     """
     return {
         "titles": scene.titles,
         "first": first,
         "window": window,
         "solids": [_packed_solid(one, arrays) for one in scene.solids],
-        "arrows": [_packed_arrows(one, arrays) for one in scene.arrows],
+        "arrows": [
+            _as_they_are(one, "name", "colour", "scale", "solid", "through")
+            | {name: arrays.add_over_time(getattr(one, name)) for name in ("heads", "forces")}
+            for one in scene.arrows
+        ],
     }
 
 
@@ -94,24 +90,18 @@ def _packed_solid(solid: Solid, arrays: SceneArrays) -> dict[str, Any]:
         "turn": arrays.add_over_time(solid.turn),
         "lift": arrays.add_over_time(solid.lift, stepped=True),
         "bend": arrays.add_over_time(solid.bend, stepped=True),
-        "colourings": [_packed_colouring(one, arrays) for one in solid.colourings],
+        "colourings": [
+            {
+                **_as_they_are(one, "name", "title", "words", "decades"),
+                "low": float(one.low),
+                "high": float(one.high),
+                "colours": _colour_scale(one.colours),
+                "nodal": one.values.ndim == 3,
+                "values": arrays.add_over_time(one.values, stepped=not one.words),
+            }
+            for one in solid.colourings
+        ],
     }
-
-
-def _packed_colouring(colouring: Colouring, arrays: SceneArrays) -> dict[str, Any]:
-    return {
-        **_as_they_are(colouring, "name", "title", "words", "decades"),
-        "low": float(colouring.low),
-        "high": float(colouring.high),
-        "colours": _colour_scale(colouring.colours),
-        "nodal": colouring.values.ndim == 3,
-        "values": arrays.add_over_time(colouring.values, stepped=not colouring.words),
-    }
-
-
-def _packed_arrows(arrows: Arrows, arrays: SceneArrays) -> dict[str, Any]:
-    over_time = {name: arrays.add_over_time(getattr(arrows, name)) for name in ("heads", "forces")}
-    return _as_they_are(arrows, "name", "colour", "scale", "solid", "through") | over_time
 
 
 def _as_they_are(one: object, *names: str) -> dict[str, Any]:
@@ -130,7 +120,8 @@ def packed_curves(
     histories: Mapping[str, History], stresses: Mapping[str, xr.Dataset]
 ) -> tuple[dict[str, Any], str]:
     """Time histories of runs by name for the page, and what a reader has to know about left-out times."""
-    found = {name: list(history_series(one, stresses.get(name)).values()) for name, one in histories.items()}
+    offered = {name: figures.history_series(one, stresses.get(name)) for name, one in histories.items()}
+    found = {name: list(series.values()) for name, series in offered.items()}
     count = sum(series.values.isel(time=0).size for own in found.values() for series in own)
     points = int(np.clip(SERIES_BYTES / BYTES_A_POINT / max(count, 1), LEAST_POINTS, MOST_POINTS))
     cases = {}
@@ -149,7 +140,7 @@ def packed_curves(
         f"{points // 2 - 1} equal parts of the run, so that no extreme is lost; in between it is thinner "
         "than what was computed."
     )
-    first = _first_plots({series.label for own in found.values() for series in own}) if found else []
+    first = _first_plots({label for series in offered.values() for label in series}) if found else []
     return {"cases": cases, "first": first}, said if most > points else "Every stored time is drawn."
 
 
@@ -166,7 +157,7 @@ def thinned(values: NDArray, points: int) -> NDArray:
     return np.unique(np.minimum(kept, n - 1))
 
 
-def _packed_series(series: Series, points: int, times: list[NDArray]) -> dict[str, Any]:
+def _packed_series(series: figures.Series, points: int, times: list[NDArray]) -> dict[str, Any]:
     """Quantity for the page: names, and for every item and axis packed indices of time and values.
 
     Its stored times are those of the same number in `times`, to which they are added where they are new.
@@ -191,7 +182,7 @@ def _packed_series(series: Series, points: int, times: list[NDArray]) -> dict[st
     }
 
 
-def _drawn(series: Series) -> list[int]:
+def _drawn(series: figures.Series) -> list[int]:
     """Numbers of the items that are drawn at first: those that the papers draw, else some evenly spread."""
     found = (re.search(r"\d+", item) for item in series.items)
     numbers = sorted({int(one[0]) for one in found if one})

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from matplotlib.figure import Figure
 from PIL import Image
@@ -53,24 +53,17 @@ def page(
 ) -> str:
     """HTML of a page.
 
-    Parameters
-    ----------
-    lead : sequence of str
-        Lines below the title.
-    data : mapping, optional
-        What the page's own scripts draw: time histories and 3D views.
-    top : Markup
-        What stands between these and the list of sections.
+    `lead` are lines below the title, and `top` stands between them and the list of sections; `data` is what
+    the page's own scripts draw: time histories and 3D views.
     """
     shown = [one for one in sections if one.body]
     has_plots = any("plotly-graph-div" in one.body for one in shown) or bool(data and data["scenes"])
     # nothing in the data of the scripts can end or begin one, such as a name with <!--<script>
     packed = "" if data is None else json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     parts = {"title": title, "lead": lead, "top": top, "sections": shown, "data": Markup(packed)}
+    parts |= {"style": _text("page.css"), "scripts": [_text(name) for name in SCRIPTS]}
     plotly = Markup(get_plotlyjs() if has_plots else "")
-    scripts = [_text(name) for name in SCRIPTS]
-    whole = _environment().get_template("page.html")
-    return whole.render(parts, style=_text("page.css"), plotly=plotly, scripts=scripts)
+    return _environment().get_template("page.html").render(parts, plotly=plotly)
 
 
 def write_page(html: str, path: Path, overwrite: bool = False) -> Path:
@@ -104,15 +97,7 @@ def table(
     compact: bool = False,
     headed: bool = True,
 ) -> Markup:
-    """Table of a frame, whose cells are values or `Cell`.
-
-    Parameters
-    ----------
-    digits : int
-        Of a number.
-    kinds : sequence of str, optional
-        CSS class of each row.
-    """
+    """Table of a frame, whose cells are values or `Cell`; `kinds` are the CSS classes of its rows."""
     rows = [
         {"kind": kind, "cells": [_cell(value, digits) for value in row]}
         for kind, row in zip(kinds or [""] * len(frame), frame.itertuples(index=False), strict=True)
@@ -158,13 +143,9 @@ def _address(picture: io.BytesIO, kind: str) -> str:
 
 @cache
 def _environment() -> Environment:
-    return Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=select_autoescape(default=True),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        finalize=_printable,
-    )
+    loader = FileSystemLoader(TEMPLATES)
+    how: dict[str, Any] = {"undefined": StrictUndefined, "trim_blocks": True, "finalize": _printable}
+    return Environment(loader=loader, autoescape=True, **how)
 
 
 def _printable(value: object) -> object:

@@ -22,16 +22,14 @@ from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.pages.folder import STRESSES, LeftOut, histories_in, run_folders, stress_of
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_curves, packed_scene
 from exudyn_crawler.views.pages.page import Section, part, table, together
-from exudyn_crawler.views.scenes import pictures, shoes, track
+from exudyn_crawler.views.scenes import shoes, track
 from exudyn_crawler.views.tables import within_by_class
 
 REPORT, RECORD, COMPARISON = "report.html", "run.json", "comparison.csv"
 LONGEST_TABLE = 300
 """Rows of a table on the page; longer ones are series, which plots show."""
-INSTANTS = 101
-"""Of the run that the moving track shows, evenly spread."""
-MARGIN = (0.6, 0.4, 0.3)
-"""m that it shows beyond the track, beside it and below the ground."""
+INSTANTS, MARGIN = 101, (0.6, 0.4, 0.3)
+"""Instants that the moving track shows, evenly spread; m beyond the track, beside it and below the ground."""
 VERDICTS = {"yes": "within", "no": "outside"}
 HOT_SPOTS = (
     "Highest von Mises stresses over the run and where they are. A jump as large as the value means that the "
@@ -100,12 +98,9 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     owner = None if bent is None else histories[bent]
     stresses = {} if bent is None or stress is None else {bent: stress}
     arrays = SceneArrays()
-    scenes: dict[str, dict[str, Any]] = {}
-    if histories:
-        scenes["track"] = {name: packed_track(one, arrays) for name, one in histories.items()}
+    tracks = {name: packed_track(one, arrays) for name, one in histories.items()}
     bodies = left_out.unless_broken(stressed / STRESSES, lambda _: packed_shoes(stress, owner, arrays))
-    if bodies is not None:
-        scenes["shoe"] = {"": bodies}
+    scenes = ({"track": tracks} if tracks else {}) | ({"shoe": {"": bodies}} if bodies else {})
     curves, thinned = packed_curves(histories, stresses)
     shown, first = _pictures(stressed, stress, owner, left_out)
     rolled = any(one.case.is_rolled for one in histories.values())
@@ -121,16 +116,12 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     ]
     for line in left_out:
         say(f"{line}; left out")
-    title = " and ".join(histories) if histories else folder.resolve().name
+    title = f"Crawler track: {' and '.join(histories) or folder.resolve().name}"
     lead = [*provenance(folder, histories), *bouncing_lines(histories)]
-    bands = {"bands": style.PHASE_BANDS, "phase_name": style.PHASE_NAME}
-    return page.page(
-        f"Crawler track: {title}",
-        [*lead, *(f"Left out: {line}" for line in left_out)],
-        sections,
-        curves | {"first_picture": first, "scenes": scenes, "arrays": arrays.packed} | bands,
-        _key_table(histories, stresses),
-    )
+    lead += [f"Left out: {line}" for line in left_out]
+    data = curves | {"first_picture": first, "scenes": scenes, "arrays": arrays.packed}
+    data |= {"bands": style.PHASE_BANDS, "phase_name": style.PHASE_NAME}
+    return page.page(title, lead, sections, data, _key_table(histories, stresses))
 
 
 def packed_track(history: History, arrays: SceneArrays) -> dict[str, Any]:
@@ -189,41 +180,37 @@ def _key_table(histories: Mapping[str, History], stresses: Mapping[str, xr.Datas
     """Key results: a row a result, with value and unit, where and when for each case."""
     columns: dict[str, dict[str, page.Cell | str]] = {}
     for name, history in histories.items():
-        for _, one in key_results(history, stresses.get(name)).iterrows():
-            row = columns.setdefault(one["result"], {})
-            row[name] = page.Cell(f"{one['value']:.4g} {one['unit']}", True)
-            row[f"where, {name}"] = ", ".join(filter(None, (one["of"], f"t = {one['at']:.4g} s")))
+        for one in key_results(history, stresses.get(name)).itertuples():
+            row = columns.setdefault(one.result, {})
+            row[name] = page.Cell(f"{one.value:.4g} {one.unit}", True)
+            row[f"where, {name}"] = ", ".join(filter(None, (one.of, f"t = {one.at:.4g} s")))
     if not columns:
         return Markup()
     shown = pd.DataFrame.from_dict(columns, orient="index").fillna("").reset_index()
     heads = ["", *("" if name.startswith("where, ") else name for name in shown.columns[1:])]
-    several = len(histories) > 1
-    return table(shown.set_axis(heads, axis=1), anchor="key-results", compact=True, headed=several)
+    headed = shown.set_axis(heads, axis=1)
+    return table(headed, anchor="key-results", compact=True, headed=len(histories) > 1)
 
 
 def _comparison(path: Path) -> pd.DataFrame | None:
     if not path.is_file():
         return None
     found = pd.read_csv(path, dtype={"within": str})
-    missing = [name for name in ("class", "within") if name not in found]
+    missing = {"class", "within"}.difference(found)
     if missing:
-        raise ValueError(f"{path} has no column {missing[-1]!r} and is no comparison")
-    return found.assign(within=found["within"].fillna(""))
+        raise ValueError(f"{path} has no column {max(missing)!r} and is no comparison")
+    return found
 
 
 def _compared(comparison: pd.DataFrame | None) -> Markup:
     """How many rows of a comparison are within, and all of them with their verdicts."""
     if comparison is None:
         return Markup()
-    verdicts = comparison["within"]
-    shown = comparison.assign(within=verdicts.map(lambda one: VERDICTS.get(one, one) or "no verdict"))
-    kinds = [VERDICTS.get(one, "none") for one in verdicts]
-    summary = within_by_class(comparison)
-    return together(
-        Markup() if summary.empty else table(summary, compact=True),
-        part("verdict_filter"),
-        table(shown, kinds=kinds, anchor="comparison-table"),
-    )
+    kinds, summary = comparison["within"].map(VERDICTS).fillna("none"), within_by_class(comparison)
+    shown = comparison.assign(within=kinds.replace("none", "no verdict"))
+    counts = Markup() if summary.empty else table(summary, compact=True)
+    rows = table(shown, kinds=kinds.tolist(), anchor="comparison-table")
+    return together(counts, part("verdict_filter"), rows)
 
 
 def _hot_spots(folder: Path, left_out: LeftOut) -> Markup:
@@ -274,16 +261,13 @@ def _cases(folder: Path, histories: Mapping[str, History], left_out: LeftOut) ->
 def _pictures(
     folder: Path, stress: xr.Dataset | None, history: History | None, left_out: LeftOut
 ) -> tuple[Markup, int]:
-    """Stress pictures of the folder, or new ones where it has none, and which of them is shown first.
-
-    That is the picture of the highest stress.
-    """
+    """Stress pictures of the folder, or new ones, and which is shown first: that of the highest stress."""
     with TemporaryDirectory() as temporary:
-        paths = sorted(folder.glob(pictures.PICTURES))
+        paths = sorted(folder.glob(shoes.PICTURES))
         if not paths and stress is not None and history is not None:
-            paths = pictures.write_stress_pictures(stress, history, Path(temporary))
+            paths = shoes.write_stress_pictures(stress, history, Path(temporary))
         found = {path: left_out.unless_broken(path, page.picture_file) for path in paths}
-    uris = {pictures.picture_time(path): uri for path, uri in found.items() if uri is not None}
+    uris = {shoes.picture_time(path): uri for path, uri in found.items() if uri is not None}
     if not uris:
         return Markup(), 0
     times, named, shown = np.array(list(uris)), {}, 0
@@ -294,8 +278,6 @@ def _pictures(
         next((title for frame, title in named.items() if abs(frame - time) < 1e-4), f"t = {time:.6g} s")
         for time in times
     ]
-    figures = [
-        part("picture", f"von Mises stress at {title}", uri, "picture")
-        for title, uri in zip(titles, uris.values(), strict=True)
-    ]
+    titled = zip([f"von Mises stress at {title}" for title in titles], uris.values(), strict=True)
+    figures = [part("picture", title, uri, "picture") for title, uri in titled]
     return together(part("buttons", titles), *figures), shown

@@ -13,12 +13,8 @@ from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.style import READ_IN
 from exudyn_crawler.views.tables import cell_text
 
-LONGEST_TABLE = 500
-"""Runs that the page has in its table."""
-MOST_DRAWN = 5000
-"""Runs that are drawn."""
-MOST_CURVES = 12
-"""Levels of what is not on the axis that have a curve each."""
+LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
+"""Runs in the table, runs that are drawn, and levels of what is not on the axis that have a curve each."""
 HEIGHT = 420
 """Pixels of a plot."""
 
@@ -37,24 +33,11 @@ class Best(NamedTuple):
 class SweepView:
     """What a page shows of a sweep.
 
-    Attributes
-    ----------
-    lead : tuple of str
-        Lines below the title.
-    table : pandas.DataFrame
-        A row a run, with `attrs` "units" and "meanings" of its columns.
-    varied, answers, logarithmic
-        Columns of what varies, of the answers, and those whose axes are logarithmic.
-    is_grid : bool
-        Whether every value of what varies is with every other.
-    effects : pandas.DataFrame
-        Columns answer, varied, level, mean, least, greatest.
-    indices : pandas.DataFrame
-        Columns answer, varied, first, first_conf, total, total_conf; may be empty.
-    method : str
-        How the indices were found, or why there are none.
-    links : mapping
-        Address of a run by its folder, as far as it has one.
+    `table` has a row a run and `attrs` "units" and "meanings" of its columns, of which some are `varied` or
+    `answers`, or on `logarithmic` axes. On a grid every value of what varies is with every other. `effects`
+    have the columns answer, varied, level, mean, least and greatest, `indices`, which may be empty, answer,
+    varied, first, first_conf, total and total_conf; `method` says how they were found, or why there are none.
+    `links` has the address of a run by its folder.
     """
 
     title: str
@@ -122,7 +105,6 @@ def sweep_page(view: SweepView) -> str:
 
 
 def _best(view: SweepView) -> Markup:
-    """Best and worst run of every answer."""
     if not view.best:
         return page.paragraph("No run has finished.")
     units, meanings = view.table.attrs["units"], view.table.attrs["meanings"]
@@ -137,7 +119,6 @@ def _best(view: SweepView) -> Markup:
 
 
 def _runs(view: SweepView) -> Markup:
-    """Table of the runs, which links to them."""
     shown = view.table.head(LONGEST_TABLE)
     rows = shown[[*view.varied, *view.answers, "status", "reason"]].rename(columns=view.label)
     pairs = zip(shown["run"], shown["folder"], strict=True)
@@ -152,11 +133,10 @@ def parallel_coordinates(view: SweepView) -> go.Figure:
     done = view.done
     dimensions: list[dict[str, Any]] = []
     for name in (*view.varied, *view.answers):
-        dimension: dict[str, Any] = {"label": view.label(name), "values": done[name]}
+        dimensions.append({"label": view.label(name), "values": done[name]})
         if not pd.api.types.is_numeric_dtype(done[name]) or pd.api.types.is_bool_dtype(done[name]):
             places, texts = pd.factorize(done[name].astype(str))
-            dimension |= {"values": places, "tickvals": list(range(len(texts))), "ticktext": texts.tolist()}
-        dimensions.append(dimension)
+            dimensions[-1] |= {"values": places, "tickvals": list(range(len(texts))), "ticktext": texts}
     colour = {"color": done[view.answers[0]], "colorscale": "Viridis", "showscale": True}
     figure = go.Figure(go.Parcoords(line=colour, dimensions=dimensions))
     return figure.update_layout(height=HEIGHT, margin={"t": 80, "b": 30})
@@ -171,8 +151,8 @@ def response_curves(view: SweepView, answer: str) -> go.Figure:
     for k, name in enumerate(view.varied):
         others = (*view.varied[k + 1 :], *view.varied[:k])
         if not (view.is_grid and others and done[others[0]].nunique() <= MOST_CURVES):
-            points = go.Scatter(x=done[name], y=done[answer], mode="markers", showlegend=False, name=answer)
-            panels.append([points])
+            how = {"mode": "markers", "showlegend": False}
+            panels.append([go.Scatter(x=done[name], y=done[answer], name=answer, **how)])
             continue
         levels = {
             f"{others[0]} = {cell_text(level)}": part.groupby(name, sort=True)[answer].mean()

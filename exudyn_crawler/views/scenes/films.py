@@ -10,8 +10,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
@@ -21,45 +19,36 @@ from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.stress.recovery import surface_stress
 from exudyn_crawler.views import style
-from exudyn_crawler.views.curves import Panel, draw_panel, draw_phases
+from exudyn_crawler.views.figures import Panel, draw_phases
 from exudyn_crawler.views.scenes import pictures, shoes, track
-from exudyn_crawler.views.scenes.drawing import Backend, Window, draw_arrows, draw_solids, usual_backend
 from exudyn_crawler.views.scenes.scene import Scene, View
 
-RATE = 20
-"""Pictures a second of an animation, where no other number is asked for."""
-MOST_PICTURES = 20_000
-"""Of an animation: 1000 s of it, some hours to draw."""
+RATE, MOST_PICTURES = 20, 20_000
+"""Pictures a second of an animation, if no other number is asked for; and at most in all, 1000 s."""
 PALETTE = "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=none"
 """For ffmpeg: colours of its own for every picture, since one choice for all would need all in memory."""
 FORMATS = {".mp4": ("libx264", "yuv420p", [], 100), ".gif": ("gif", "pal8", ["-vf", PALETTE], 75)}
 """Codec, format of colours, further options of ffmpeg and pixels an inch of a track, by the suffix."""
 VIEW_WIDTH, SPEED_HEIGHT, WRITING_HEIGHT = 10.4, 1.55, 1.9
 """Inches: width of both views of a track, height of the curves, and height of all writing above and below."""
-DEEPEST = 0.25
-"""m that the greatest displacement of the ground is drawn at most."""
-HEADROOM = 0.35
-"""Part of the curves' height that is left free above and below them, for the legend."""
+DEEPEST, MARGIN, HEADROOM = 0.25, 0.08, 0.35
+"""m that the greatest displacement of the ground is drawn at most, and that are shown about a shoe; part of
+the curves' height that is left free above and below them, for the legend."""
 SHOE_SIZE, SHOE_DPI = (9.0, 8.2), 90
 """Inches, width and height of a picture of a shoe, and pixels an inch."""
-VIEWS = {"above": View.seen_from(azimuth=212.0, elevation=34.0), "below": View.seen_from(212.0, -28.0)}
-PARTS = {"above": (0.02, 0.51, 0.84, 0.41), "below": (0.02, 0.255, 0.84, 0.25)}
-"""Parts of a picture of a shoe: left, bottom, width and height over its own."""
-MARGIN = 0.08
-"""m about the shoe that are shown."""
+ABOVE, BELOW = View.seen_from(azimuth=212.0, elevation=34.0), View.seen_from(azimuth=212.0, elevation=-28.0)
+PARTS = (0.02, 0.51, 0.84, 0.41), (0.02, 0.255, 0.84, 0.25)
+"""Both views of a shoe, and their parts of its picture: left, bottom, width and height over its own."""
 
 
 class Picture(ABC):
-    """Figure that can be brought to a time of a history.
-
-    `cursor` is a line at the time in curves over it; `name` stands before the time in the title.
-    """
+    """Figure that can be brought to a time of a history; `name` stands before the time in the title."""
 
     history: History
-    figure: Figure
-    cursor: Line2D
-    title: Text
     name: str
+    figure: Figure
+    title: Text
+    cursor: Line2D
     _drawn: tuple[Artist, ...] = ()
 
     @abstractmethod
@@ -87,11 +76,7 @@ class Picture(ABC):
 
 
 class TrackPicture(Picture):
-    """Track from above and from the side, and speeds of its ends or forces of rollers.
-
-    The ground's displacements are drawn `scale` times larger in the side view. The picture is 12 inches wide
-    and as high as the track asks for, about 10.
-    """
+    """Track from above and, with the ground's displacements `scale` times larger, from the side; curves."""
 
     def __init__(self, history: History, scale: float, dpi: float = 100) -> None:
         if not scale > 0.0:
@@ -100,7 +85,7 @@ class TrackPicture(Picture):
         self._force_scale = shoes.shoe_force_scale(history)
         heave = history.unit_heave.values / style.MILLI
         self._heave = float(heave.min()), float(heave.max())
-        windows = pictures.plan_window(history), pictures.side_window(history)
+        windows = pictures.windows(history)
         # both views become as wide as the picture has room for
         ratios = [*(VIEW_WIDTH * (one[3] - one[2]) / (one[1] - one[0]) for one in windows), SPEED_HEIGHT]
         with mpl.rc_context(style.STYLE):
@@ -112,11 +97,11 @@ class TrackPicture(Picture):
                 ax.grid(False)
             self._plan.set_ylabel("y in m")
             self._side.set(xlabel="x in m", ylabel="z in m")
-            colours = ScalarMappable(Normalize(*self._heave), style.HEAVE_MAP)
-            self.figure.colorbar(colours, ax=views, label="heave of units in mm", fraction=0.02, pad=0.01)
+            bar = {"ax": views, "label": "heave of units in mm", "fraction": 0.02, "pad": 0.01}
+            self.figure.colorbar(style.scale_of(*self._heave, style.HEAVE_MAP), **bar)
             self._side.set_title(_legend(history, scale), fontsize=9, loc="left")
             drawn = _curves(history)
-            draw_panel(curves, drawn)
+            drawn.draw(curves)
             curves.set(xlabel="time in s", xlim=(0.0, history.duration), ymargin=HEADROOM)
             curves.legend(loc="upper left", ncols=len(drawn.curves), columnspacing=1.0, handlelength=1.2)
             self.cursor = curves.axvline(0.0, color="black", lw=0.8)
@@ -128,7 +113,7 @@ class TrackPicture(Picture):
             self.figure.set_layout_engine("none")
 
     def draw(self, now: xr.Dataset) -> list[Artist]:
-        """Both views of one instant."""
+        """Draw both views of one instant."""
         case = self.history.case
         plan = pictures.draw_plan(self._plan, case, now, self._heave)
         return plan + pictures.draw_side(self._side, case, now, self._scale, self._force_scale)
@@ -165,44 +150,37 @@ class ShoePicture(Picture):
     """Shoe with its stress from above and from below, and its load over time.
 
     Colours, magnification of the elastic displacement and lengths of arrows are the same at all times. The
-    stored instants nearest to `times` (n,), s, can be shown.
-
-    Raises
-    ------
-    ValueError
-        If the shoe is not a flexible one of the history.
+    stored instants nearest to `times` (n,), s, can be shown. A ValueError if the shoe is no flexible one.
     """
 
-    def __init__(self, history: History, shoe: int, times: NDArray, backend: Backend | None = None) -> None:
+    def __init__(self, history: History, shoe: int, times: NDArray) -> None:
         rows = np.unique(history.dataset.get_index("time").get_indexer(times, method="nearest"))
         surface = surface_stress(history, shoe, rows).rename(time="frame")
         fields = {f"frame_{name}": surface[name] for name in ("von_mises", "displacement")}
         self.stress = surface.assign({name: one.expand_dims(shoe=[shoe]) for name, one in fields.items()})
         self.history = History(history.case, history.dataset.isel(time=rows).load())
         self.name, self._shoe = f"{history.case.name}, shoe {shoe}", shoe
-        self._backend: Backend = backend or usual_backend()
         self.scales = shoes.Scales.of(self.stress, self.history)
         with mpl.rc_context(style.STYLE | {"figure.constrained_layout.use": False}):
             self.figure = Figure(figsize=SHOE_SIZE, dpi=SHOE_DPI)
-            self._axes = {name: self.figure.add_axes(place) for name, place in PARTS.items()}
-            for ax in self._axes.values():
+            self._axes = [self.figure.add_axes(place) for place in PARTS]
+            for ax in self._axes:
                 ax.set_axis_off()
             self.cursor = self._draw_curves(self.figure.add_axes((0.08, 0.07, 0.8, 0.17)), history)
-            pictures.stress_bar(self.figure, (0.88, 0.34, 0.022, 0.53), self.scales)
+            shoes.stress_bar(self.figure, (0.88, 0.34, 0.022, 0.53), self.scales)
             self.title = self.figure.text(0.02, 0.985, "", va="top", fontsize=13, parse_math=False)
             larger = f"elastic displacement drawn {self.scales.displacement:g} times larger"
-            said = f"{larger}; arrows: forces on the shoe"
-            self.figure.text(0.02, 0.947, said, va="top", fontsize=8.5, color="#444444")
+            words = f"{larger}; arrows: forces on the shoe"
+            self.figure.text(0.02, 0.947, words, va="top", fontsize=8.5, color="#444444")
 
     def _draw_curves(self, ax: Axes, history: History) -> Line2D:
         """Draw what presses on the shoe and its highest stress over time, and a cursor, which is returned."""
         shown = self.stress.frame.values
+        quantity, name = "contact_force", "ground on the shoe"
         if track.rolls(history.dataset):
-            pressed, name = -history.rail_force.sel(shoe=self._shoe, axis="z").values, "rollers on the shoe"
-        else:
-            alone = history.dataset.sel(shoe=[self._shoe])
-            pressed, name = track.shoe_forces(alone)[1][:, 0, 2], "ground on the shoe"
-        ax.plot(history.time, pressed / style.KILO, color=style.ROLLER_FORCE, label=name)
+            quantity, name = "rail_force", "rollers on the shoe"
+        pressed = abs(history.over_time([quantity])[quantity].sel(shoe=self._shoe, axis="z")) / style.KILO
+        ax.plot(history.time, pressed, color=style.ROLLER_FORCE, label=name)
         ax.margins(y=HEADROOM)
         ax.set(xlabel="time in s", ylabel="force in kN", xlim=(shown[0], shown[-1]))
         stress = ax.twinx()
@@ -220,10 +198,10 @@ class ShoePicture(Picture):
         """Shoe at an instant, bent, with what presses on it and the rollers near it."""
         return shoes.stress_scene(self.stress.sel(frame=now.time.values), self.history, self.scales)
 
-    def _window(self, view: View, with_rollers: bool) -> Window:
+    def _window(self, view: View) -> pictures.Window:
         """Least and greatest coordinates to the right and upward of what is shown at any time."""
         points, case = self.stress.node_position.values, self.history.case
-        if with_rollers and case.is_rolled:
+        if view is ABOVE and case.is_rolled:
             (frame, rails), ends = track.frame_on_rails(case), (-shoes.BESIDE, shoes.BESIDE)
             top = rails.height + 2.0 * frame.radius
             points = np.vstack((points, [(x, y, top) for x in ends for y in rails.middles]))
@@ -233,13 +211,12 @@ class ShoePicture(Picture):
 
     def draw(self, now: xr.Dataset) -> list[Artist]:
         """Shoe from above with the rollers, and from below without."""
-        scene, drawn, place = self.scene(now), [], track.shoe_pose(now.isel(time=0), self._shoe)
-        for name, seen in VIEWS.items():
-            view = seen.on(place)
-            solids = [one.at() for one in scene.solids[: None if name == "above" else 1]]
-            ax, window = self._axes[name], self._window(seen, name == "above")
-            drawn += draw_solids(ax, solids, view, window, self._backend, SHOE_DPI)
-            drawn += draw_arrows(ax, scene.arrows, view)
+        scene, place = self.scene(now), track.shoe_pose(now.isel(time=0), self._shoe)
+        drawn: list[Artist] = []
+        for ax, seen in zip(self._axes, (ABOVE, BELOW), strict=True):
+            view, solids = seen.on(place), scene.solids[: None if seen is ABOVE else 1]
+            drawn.append(pictures.paint(ax, [one.at() for one in solids], view, self._window(seen)))
+            drawn += pictures.draw_arrows(ax, scene.arrows, view)
         return drawn
 
 
@@ -317,16 +294,9 @@ def write_animation(
         picture = ShoePicture(history, shoe, times)
     with whole_file(path, overwrite) as temporary:
         # the ffmpeg that imageio-ffmpeg brings along; players of H.264 want even sides
-        writer = imageio_ffmpeg.write_frames(
-            str(temporary),
-            picture.figure.canvas.get_width_height(physical=True),
-            fps=rate,
-            codec=codec,
-            macro_block_size=2,
-            pix_fmt_out=colours,
-            output_params=options,
-            ffmpeg_log_level="error",
-        )
+        size = picture.figure.canvas.get_width_height(physical=True)
+        how = {"codec": codec, "pix_fmt_out": colours, "output_params": options, "ffmpeg_log_level": "error"}
+        writer = imageio_ffmpeg.write_frames(str(temporary), size, fps=rate, macro_block_size=2, **how)
         writer.send(None)
         try:
             for time in times:

@@ -1,72 +1,121 @@
-"""Pictures of one time: the track from the side and from above, and flexible shoes with their stress.
+"""Scenes on axes of matplotlib, seen in parallel projection: the track from the side and from above.
 
-The ground's displacement under the track is millimetres, from where its own weight leaves it, and can be
-drawn larger from the side. All that is above is then lifted or lowered with the ground beneath it, so that
-shoes keep their true depth in the ground and rollers theirs in the rails. Every stress picture of a study has
-the same colours, the same arrow lengths and the same magnification of the elastic displacement.
+Solids are painted back to front, which needs neither a display nor OpenGL; curved ones are shaded by
+triangle, flat ones have their edges. The ground's displacement under the track is millimetres, from where its
+own weight leaves it, and can be drawn larger from the side. All that is above is then lifted or lowered with
+the ground beneath it, so that shoes keep their true depth in the ground and rollers theirs in the rails.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import track
-from exudyn_crawler.views.scenes.drawing import (
-    Backend,
-    Window,
-    draw_arrows,
-    draw_solids,
-    paint,
-    usual_backend,
-)
-from exudyn_crawler.views.scenes.scene import Arrows, Placement, Scene, Solid, View, upward
-from exudyn_crawler.views.scenes.shoes import Scales, stress_scene
+from exudyn_crawler.views.scenes.scene import Arrows, Scene, Solid, View, upward
 
+Window = tuple[float, float, float, float]
+"""Least and greatest coordinate to the right, least and greatest upward, m."""
+ARROW_WIDTH, FINEST = 0.018, 0.12
+"""Inches, width of an arrow's shaft; m, edges of shaded triangles that are painted whole."""
+LIGHT = np.array([0.30, 0.15, 0.94]) / np.linalg.norm([0.30, 0.15, 0.94])
+"""Where light comes from, in the picture's axes: right, up, toward the viewer."""
 FROM_THE_RIGHT = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
 FROM_ABOVE = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
 MARGIN = (0.6, 0.4, 1.0)
 """m that are shown beyond the track, beside it and below the ground."""
-ABOVE = 0.4
-"""m that are shown above what rolls on the track, which magnified ground may lift."""
-DEPTH = 0.4
-"""m of ground that is shown below its lowest face where it stands still."""
-SPREAD = 3.62
-"""m that a view of a shoe shows from left to right."""
-HEADROOM = 0.02
-"""m above a shoe; below it is space for arrows."""
-VIEWS = {
-    "from behind and above": View.seen_from(azimuth=190.0, elevation=30.0),
-    "from ahead and below": View.seen_from(azimuth=10.0, elevation=-30.0),
-}
-WIDTH, ROW, STRIP, HEAD, FOOT = 14.0, 1.6, 1.9, 1.05, 0.55
-"""Inches: width of a stress picture; heights of a shoe, of the track below all, and of what is written."""
-PICTURES = "stress_[0-9]*s.png"
-"""Pattern of the stress pictures' file names."""
+ABOVE, DEPTH = 0.4, 0.4
+"""m shown above what rolls, which magnified ground may lift, and below the lowest face in a figure."""
 
 
-def side_window(history: History) -> Window:
-    """What the side view of a run shows at all times, least and greatest x and z, m."""
-    (left, right), _, (bottom, top) = track.shown_box(history, MARGIN)
-    return left, right, bottom, top + (ABOVE if track.rolls(history.dataset) else 0.0)
+def paint(ax: Axes, solids: Iterable[Solid], view: View, window: Window | None = None) -> PolyCollection:
+    """Draw the faces of solids, as of `Solid.at`, that are turned to the viewer, each in one colour.
+
+    The coordinates of the axes become those of the picture in m; a window becomes their limits.
+    """
+    if window is not None:
+        ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
+    faces: list[NDArray] = []
+    fills, lines, depths = [], [], []
+    for solid in solids:
+        points = np.column_stack((view.project(solid.points), solid.values))
+        parts = [points[one] for one in solid.faces] if solid.edges else [_fine(points[solid.triangles])]
+        for part in parts:
+            corners, values = part[..., :3], part[..., 3]
+            normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+            seen = normals[:, 2] > 1e-9
+            fill = _fills(solid, values[seen].mean(axis=1), normals[seen])
+            faces += list(corners[seen])
+            fills.append(fill)
+            depths.append(corners[seen, :, 2].mean(axis=1))
+            edged = solid.edges and corners.shape[1] > 3
+            # opaque faces are drawn to their edges, so that nothing shines through between them
+            between = fill * [1.0, 1.0, 1.0, solid.opacity == 1.0]
+            lines.append(np.tile(mpl.colors.to_rgba(solid.edges), (len(fill), 1)) if edged else between)
+    order = np.argsort(np.concatenate(depths), kind="stable")
+    colours, edges = (np.concatenate(one)[order] for one in (fills, lines))
+    drawn = PolyCollection(
+        [faces[k][:, :2] for k in order], facecolors=colours, edgecolors=edges, linewidths=0.7, zorder=1
+    )
+    ax.add_collection(drawn, autolim=False)
+    return drawn
 
 
-def plan_window(history: History) -> Window:
-    """Same of the plan view: x and y."""
-    (left, right), (low, high), _ = track.shown_box(history, MARGIN)
-    return left, right, low, high
+def _fills(solid: Solid, values: NDArray, normals: NDArray) -> NDArray:
+    """Colours (m, 4) of faces by their values (m,), shaded by their normals (m, 3) without edges."""
+    colours = np.tile(mpl.colors.to_rgba(solid.colour), (len(values), 1))
+    for one in solid.colourings:
+        colours = style.colour_map(one.colours)(mpl.colors.Normalize(one.low, one.high)(values))
+    colours[:, 3] = solid.opacity
+    if not solid.edges:
+        shade = 0.45 + 0.65 * np.clip(normals @ LIGHT, 0.0, 1.0)
+        colours[:, :3] = np.clip(colours[:, :3] * shade[:, None], 0.0, 1.0)
+    return colours
+
+
+def draw_arrows(ax: Axes, kinds: Iterable[Arrows], view: View) -> list[Artist]:
+    """Draw arrows over all that is there, seen from every side; what is drawn is returned."""
+    how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "inches", "zorder": 4}
+    drawn: list[Artist] = []
+    for one in kinds:
+        tails, heads = view.project(one.at())[..., :2].transpose(1, 2, 0)
+        if heads.size:
+            ways = (*heads, *(heads - tails))
+            drawn.append(ax.quiver(*ways, color=one.colour, pivot="tip", width=ARROW_WIDTH, **how))
+    return drawn
+
+
+def _fine(corners: NDArray) -> NDArray:
+    """Corners (m, 3, 4) of triangles, place and value; large ones are split in four until they are small."""
+    done: list[NDArray] = []
+    while len(corners):
+        edges = np.linalg.norm((corners - np.roll(corners, -1, axis=1))[..., :3], axis=2)
+        small = edges.max(axis=1) <= FINEST
+        done.append(corners[small])
+        a, b, c = corners[~small].transpose(1, 0, 2)
+        ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+        quarters = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+        corners = np.concatenate([np.stack(one, axis=1) for one in quarters])
+    return np.concatenate(done)
+
+
+def windows(history: History) -> tuple[Window, Window]:
+    """What a run shows at all times from above, least and greatest x and y, m, and from the side, x and z."""
+    x, y, (bottom, top) = track.shown_box(history, MARGIN)
+    return (*x, *y), (*x, bottom, top + (ABOVE if track.rolls(history.dataset) else 0.0))
 
 
 def ground_section(case: Case, dataset: xr.Dataset, at_rest: bool = False) -> Solid:
@@ -119,10 +168,7 @@ def draw_side(
     force_scale: float = 0.0,
     shoe_opacity: float = 0.75,
 ) -> list[Artist]:
-    """Draw shoes, pins, ground, rollers and forces as seen from the right, as of `side_scene`.
-
-    What is drawn is returned; the axes keep their limits.
-    """
+    """Draw, and return, what `side_scene` has in axes that keep their limits."""
     scene = side_scene(case, now, scale, force_scale)
     shown = [
         replace(one, opacity=shoe_opacity) if one.name.endswith("shoes") else one for one in scene.solids
@@ -131,10 +177,7 @@ def draw_side(
 
 
 def draw_plan(ax: Axes, case: Case, now: xr.Dataset, heave: tuple[float, float]) -> list[Artist]:
-    """Draw shoes with their numbers and rollers from above, on units coloured by their heave.
-
-    What is drawn is returned; `heave` are values at the ends of the colours, mm.
-    """
+    """Draw, and return, what `plan_solids` has, with the numbers of the shoes."""
     drawn: list[Artist] = [paint(ax, plan_solids(case, now, heave), FROM_ABOVE)]
     for shoe, (x, y, _) in zip(now.shoe.values, track.shoe_poses(now)[0][0], strict=True):
         drawn.append(ax.text(x, y, str(shoe), ha="center", va="center", fontsize=7, zorder=5, clip_on=True))
@@ -142,7 +185,7 @@ def draw_plan(ax: Axes, case: Case, now: xr.Dataset, heave: tuple[float, float])
 
 
 def plan_solids(case: Case, now: xr.Dataset, heave: tuple[float, float]) -> list[Solid]:
-    """What is seen from above in one instant; as of `draw_plan`."""
+    """Shoes and rollers from above in one instant, on units in the colours of a range of their heave, mm."""
     shown = []
     for one in (solid.at() for solid in track.track_scene(case, now, 0.0).solids):
         if one.name == "ground":
@@ -158,7 +201,7 @@ def ground_figure(history: History, time: float) -> Figure:
     """Side view of a run at a time (s), and below it what the ground carries under every shoe."""
     case, now = history.case, track.instants(history, [time])
     moment = History(case, now)
-    left, right, _, top = side_window(moment)
+    left, right, _, top = windows(moment)[1]
     bottom = min(0.0, float(case.terrain.top_heights.min())) - DEPTH
     # as high as the side view becomes when it takes the whole width, so that both panels are one as wide
     high = 10.5 * (top - bottom) / (right - left)
@@ -177,10 +220,7 @@ def ground_figure(history: History, time: float) -> Figure:
 
 
 def _draw_carried(ax: Axes, moment: History) -> None:
-    """Draw the vertical contact force (kN) on every shoe of one instant, over the shoe's x (m).
-
-    A dashed line shows the mean of loads and weights.
-    """
+    """Draw the vertical contact force (kN) on every shoe of one instant, over the shoe's x (m)."""
     x = moment.position.sel(axis="x").isel(time=0)
     force = moment.contacts_by_shoe().contact_force.sel(axis="z").isel(time=0) / style.KILO
     ax.bar(x, force, width=0.8 * moment.case.shoe.length, color=style.SHOE)
@@ -191,123 +231,3 @@ def _draw_carried(ax: Axes, moment: History) -> None:
     ax.set_ylim(top=1.25 * max(float(force.max()), mean))
     ax.legend(loc="upper left", fontsize="small")
     ax.set(xlabel="x in m; numbers are those of the shoes", ylabel="z contact force\nin kN")
-
-
-def stress_picture(
-    stress: xr.Dataset,
-    history: History,
-    frame: float,
-    scales: Scales | None = None,
-    backend: Backend | None = None,
-) -> Figure:
-    """All flexible shoes at one of the chosen times, `frame` (s): each from two sides, and all in place.
-
-    The scales are those of all chosen times and the backend is the usual one of this machine, if not given.
-
-    Raises
-    ------
-    ValueError
-        If `frame` is none of the chosen times.
-    """
-    if not np.isclose(stress.frame.values, frame, rtol=0.0, atol=1e-6).any():
-        raise ValueError(
-            f"frame must be one of the chosen times {stress.frame.values.tolist()}, got {frame:g}"
-        )
-    frame = float(stress.frame.sel(frame=frame, method="nearest"))
-    scales, backend = scales or Scales.of(stress, history), backend or usual_backend()
-    scene = stress_scene(stress.sel(frame=[frame]), history, scales)
-    count = stress.sizes["shoe"]
-    tall = HEAD + ROW * count + STRIP + FOOT
-    with mpl.rc_context(style.STYLE | {"axes.grid": False, "figure.constrained_layout.use": False}):
-        figure = Figure(figsize=(WIDTH, tall))
-        shoes = figure.add_gridspec(
-            count, 2, left=0.08, right=0.93, top=1.0 - HEAD / tall, bottom=(STRIP + FOOT) / tall,
-            wspace=0.02, hspace=0.0,
-        )  # fmt: skip
-        bent = [one for one in scene.solids if one.colourings]
-        for row, one in enumerate(bent):
-            (origin,), (turn,) = one.placed()
-            forces = [arrows for arrows in scene.arrows if arrows.solid == one.name]
-            for column, (title, view) in enumerate(VIEWS.items()):
-                ax = figure.add_subplot(shoes[row, column])
-                _draw_shoe(ax, one.at(), forces, view.on(Placement(origin, turn)), backend)
-                if row == 0:
-                    ax.set_title(title, fontsize=9.5, loc="left")
-            place = figure.axes[-2].get_position()
-            y = 0.5 * (place.y0 + place.y1)
-            figure.text(0.011, y, one.name, fontsize=11, va="bottom")
-            figure.text(0.011, y, one.notes[0], fontsize=9, va="top")
-        ax = figure.add_axes((0.08, FOOT / tall, 0.85, (STRIP - 0.3) / tall))
-        now = track.instants(history, [frame])
-        draw_side(ax, history.case, now, 1.0, scales.shoe_force, shoe_opacity=0.0)
-        draw_solids(ax, [one.at() for one in bent], FROM_THE_RIGHT, side_window(history), backend)
-        ax.set(xlabel="x in m", ylabel="z in m")
-        ax.set_title("in place, seen from the right", fontsize=9.5, loc="left")
-        bottom = (STRIP + FOOT + 0.3) / tall
-        stress_bar(figure, (0.945, bottom, 0.013, 1.0 - HEAD / tall - bottom), scales)
-        title = f"{history.case.name}: von Mises stress at t = {frame:g} s"
-        figure.text(0.011, 1.0 - 0.1 / tall, title, va="top", fontsize=13, parse_math=False)
-        said = _legend(scales, track.rolls(history.dataset))
-        figure.text(0.011, 1.0 - 0.4 / tall, said, va="top", fontsize=8.5, color="#444444")
-    return figure
-
-
-def _draw_shoe(ax: Axes, solid: Solid, arrows: Sequence[Arrows], view: View, backend: Backend) -> None:
-    """Draw a shoe, as of `Solid.at`, with the forces on it and its highest place, if that is seen."""
-    seen = view.project(solid.points)
-    middle, top = 0.5 * (seen[:, 0].min() + seen[:, 0].max()), seen[:, 1].max() + HEADROOM
-    place = ax.get_window_extent()
-    window = (middle - 0.5 * SPREAD, middle + 0.5 * SPREAD, top - SPREAD * place.height / place.width, top)
-    draw_solids(ax, [solid], view, window, backend)
-    draw_arrows(ax, arrows, view)
-    highest = int(solid.values.argmax())
-    if solid.shows(highest, view):
-        ax.plot(*seen[highest, :2], "o", ms=9, mfc="none", mec="black", mew=0.9, zorder=5)
-    ax.set_axis_off()
-
-
-def stress_bar(figure: Figure, place: tuple[float, float, float, float], scales: Scales) -> None:
-    """Draw the scale of stress at a place of a figure: left, bottom, width and height over its own."""
-    colours = ScalarMappable(Normalize(0.0, scales.stress / style.MEGA), style.STRESS_MAP)
-    figure.colorbar(colours, cax=figure.add_axes(place), label="von Mises stress in MPa")
-
-
-def _legend(scales: Scales, rolled: bool) -> str:
-    """What has to be known about a stress picture."""
-    acts = "forces of ground and rollers" if rolled else "contact forces"
-    return (
-        f"elastic displacement drawn {scales.displacement:g} times larger; circle: highest stress on the "
-        f"shoe's surface, where it is seen\nblue arrows: {acts} on the shoe, {1e5 * scales.pair_force:.2f} m "
-        f"long for 100 kN in single contacts and {1e5 * scales.shoe_force:.2f} m for the sum below"
-    )
-
-
-def picture_name(frame: float) -> str:
-    """File name of the stress picture at a time (s); names sort as times do."""
-    return f"stress_{frame:08.4f}s.png"
-
-
-def picture_time(path: Path) -> float:
-    """Time (s) that a stress picture's file name says."""
-    return float(path.stem.removeprefix("stress_").removesuffix("s"))
-
-
-def write_stress_pictures(
-    stress: xr.Dataset,
-    history: History,
-    folder: Path,
-    overwrite: bool = False,
-    backend: Backend | None = None,
-) -> list[Path]:
-    """Write a picture of every chosen time into a folder; paths in order of time.
-
-    Raises
-    ------
-    FileExistsError
-        If a file exists and `overwrite` is false.
-    """
-    scales, written = Scales.of(stress, history), []
-    for frame in stress.frame.values.tolist():
-        figure = stress_picture(stress, history, frame, scales, backend)
-        written.append(style.save_figure(figure, folder / picture_name(frame), overwrite))
-    return written

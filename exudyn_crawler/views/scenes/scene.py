@@ -12,14 +12,11 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-HIDDEN = 0.002
-"""m by which something has to lie before a point to hide it."""
+HIDDEN, SIDES = 0.002, 32
+"""m by which something before a point has to lie to hide it; sides of the prism that is drawn for a disc."""
 BOX = np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))], dtype=float)
-"""Corners of a hexahedron in VTK's order, from -1 to 1."""
 BOX_FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
-"""Its faces in outward sense."""
-SIDES = 32
-"""Of the prism that a round solid is drawn as."""
+"""Corners of a hexahedron in VTK's order, from -1 to 1, and its faces in outward sense."""
 
 
 @dataclass(frozen=True)
@@ -65,24 +62,12 @@ class Placement(NamedTuple):
 
 @dataclass(frozen=True)
 class Colouring:
-    """Values on a solid and the colours that they have.
+    """Values on a solid, (times, copies, points) or (times, copies), and the colours that they have.
 
-    Attributes
-    ----------
-    title : str
-        Of the colour bar, with the unit.
-    values : array (times, copies, points) or (times, copies)
-        Not a number where there is no value.
-    low, high : float
-        Values at the ends of the colours.
-    colours : str or tuple of str
-        Colour map of matplotlib, or a colour for each whole number from 0.
-    words : tuple of str
-        What whole numbers mean.
-    name : str
-        In a list of several colourings of one solid.
-    decades : bool
-        Whether values are powers of ten; at `high` and beyond they are told as "beyond" it.
+    What has no value is not a number. `title` is that of the colour bar, with the unit, `name` the one in a
+    list of several colourings of a solid. `colours` are a colour map of matplotlib between `low` and `high`,
+    or a colour for each whole number from 0, and `words` what these mean. Values in `decades` are powers of
+    ten; at `high` and beyond they are called "beyond" it.
     """
 
     title: str
@@ -101,30 +86,21 @@ class Solid:
 
     Attributes
     ----------
-    name : str
-    points : array (n, 3)
-        m, in the body's axes.
+    points, nodes : array (n, 3), int array (n,)
+        m, in the body's axes, and their numbers in a mesh.
     faces : tuple of int array (m, k)
         Corners of convex faces in outward sense, arrays of faces with as many corners each; curved faces are
         cut into triangles. With eight points they are those of a box.
-    colour : str
     origin, turn : arrays (times, copies, 3) and (times, copies, 3, 3)
         Place of the body's axes (m), and their directions as columns. What is not a number is not there.
-    opacity : float
     edges : str
         Colour of the edges of faces with more than three corners; with edges there is no shade. "" for none.
-    labels : tuple of str
-        What each copy is called.
-    notes : tuple of str
-        What is written beside the name at each time.
-    lift : array (times, copies), optional
-        m upward, beyond the place.
-    bend : array (times, copies, n, 3), optional
-        Displacement of the points in the body's axes, m, drawn `larger` times larger.
+    labels, notes : tuple of str
+        What each copy is called; what is written beside the name at each time.
+    lift, bend : arrays (times, copies) and (times, copies, n, 3)
+        m upward, beyond the place; displacement in the body's axes, m, drawn `larger` times larger.
     colourings : tuple of Colouring
         The first is drawn; a page offers all.
-    nodes : int array (n,), optional
-        Numbers of the points in a mesh.
     """
 
     name: str
@@ -192,19 +168,11 @@ class Solid:
 
 @dataclass(frozen=True)
 class Arrows:
-    """Forces of one kind.
+    """Forces of one kind: `heads` (times, arrows, 3) where they act, m, and `forces` that act there, N.
 
-    Attributes
-    ----------
-    name, colour : str
-    heads, forces : arrays (times, arrows, 3)
-        Where they act (m) and what acts there (N). An arrow that is not a number somewhere is not there.
-    scale : float
-        m that are drawn for 1 N.
-    solid : str
-        Name of the solid that they go along with where solids are drawn apart.
-    through : float
-        m beyond the heads, along a force, where pages draw it again: a solid hides the one or the other.
+    An arrow that is not a number somewhere is not there. `scale` are the m that are drawn for 1 N; `solid` is
+    the name of the solid that they go along with where solids are drawn apart. `through` are m beyond the
+    heads, along a force, where pages draw it again: a solid hides the one or the other.
     """
 
     name: str
@@ -231,7 +199,7 @@ class Scene(NamedTuple):
 
 
 def triangulated(faces: Sequence[NDArray]) -> NDArray:
-    """Triangles (m, 3) of convex faces, arrays (m, k) of their corners."""
+    """Triangles (m, 3) of convex faces, arrays (m, k) of their corners; the array itself if it has them."""
     if len(faces) == 1 and faces[0].shape[1] == 3:
         return faces[0]
     return np.concatenate([one[:, [0, k, k + 1]] for one in faces for k in range(1, one.shape[1] - 1)])

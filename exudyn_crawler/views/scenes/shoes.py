@@ -1,29 +1,33 @@
 """Flexible shoes in space: bent, coloured by their stress, with what presses on them and the rollers near.
 
 `stress` is the dataset that the stress study leaves, or part of one; `docs/report.md` lists what it holds.
+Every stress picture of a study has the same colours, the same arrow lengths and the same magnification of the
+elastic displacement.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Self
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes import track
-from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Scene, Solid
+from exudyn_crawler.views.scenes import pictures, track
+from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Scene, Solid, View
 from fem.trust import VERDICTS
 
-LONGEST_OF_SHOE, LONGEST_OF_PAIR = 0.7, 0.4
-"""m, lengths at which the greatest contact force on a shoe and of a single contact or tread are drawn."""
-BENT = 0.04
-"""m, length at which the greatest elastic displacement is drawn at most."""
-BESIDE = 0.75
-"""m beyond the places of the outer shoes to which rollers are drawn."""
-ROLLER_OPACITY = 0.4
-"""Of rollers, which would hide the rails."""
+LONGEST_OF_SHOE, LONGEST_OF_PAIR, BENT = 0.7, 0.4, 0.04
+"""m, lengths at which the greatest force on a shoe, the greatest of a single contact or tread, and, at most,
+the greatest elastic displacement are drawn."""
+BESIDE, ROLLER_OPACITY = 0.75, 0.4
+"""m beyond the outer shoes to which rollers are drawn; and their opacity, since they would hide the rails."""
 STRESS, TRUST = "von Mises stress", "how far to trust the greatest stress"
 VERDICT_COLOURS = (
     *("#00682f", "#238443", "#41ab5d", "#78c679", "#a6d96a", "#c5e86c", "#e6f598", "#fff3a0"),
@@ -32,20 +36,25 @@ VERDICT_COLOURS = (
 """Of `fem.trust.VERDICTS`, and of what is too low to be judged."""
 LOW = 0.1
 """Part of the highest stress below which a stress is not judged: its relative error is of no use."""
+SPREAD, HEADROOM = 3.62, 0.02
+"""m that a view of a shoe shows from left to right, and above it; below it is space for arrows."""
+VIEWS = {
+    "from behind and above": View.seen_from(azimuth=190.0, elevation=30.0),
+    "from ahead and below": View.seen_from(azimuth=10.0, elevation=-30.0),
+}
+WIDTH, ROW, STRIP, HEAD, FOOT = 14.0, 1.6, 1.9, 1.05, 0.55
+"""Inches: width of a stress picture; heights of a shoe, of the track below all, and of what is written."""
+PICTURES = "stress_[0-9]*s.png"
+"""Pattern of the stress pictures' file names."""
 
 
 @dataclass(frozen=True)
 class Scales:
     """What all pictures of some stresses have in common.
 
-    Attributes
-    ----------
-    stress : float
-        Stress at the end of the colours, Pa.
-    displacement : float
-        Magnification of the elastic displacement.
-    pair_force, shoe_force : float
-        m that are drawn for 1 N of a single contact or tread on these shoes, and of all contacts of a shoe.
+    `stress` (Pa) is at the end of the colours, `displacement` the magnification of the elastic one;
+    `pair_force` and `shoe_force` are the m that are drawn for 1 N of a single contact or tread on these
+    shoes, and of all contacts of a shoe.
     """
 
     stress: float
@@ -83,32 +92,18 @@ def stress_scene(stress: xr.Dataset, history: History, scales: Scales) -> Scene:
     points = stress.node_position.transpose("node", "axis").values[used]
     shown = history.dataset.sel(time=stress.frame.values, method="nearest").load()
     moments = [shown.isel(time=row) for row in range(shown.sizes["time"])]
+    origin, turn = track.shoe_poses(shown.sel(shoe=stress.shoe.values))
     solids, arrows = [], []
-    for shoe in map(int, stress.shoe.values):
+    for k, shoe in enumerate(map(int, stress.shoe.values)):
         own, name = stress.sel(shoe=shoe), f"shoe {shoe}"
         mises = own.frame_von_mises.transpose("frame", "node").values / style.MEGA
         bend = own.frame_displacement.transpose("frame", "node", "axis").values[:, used]
-        end = scales.stress / style.MEGA
-        colouring = Colouring(
-            f"{STRESS} in MPa", mises[:, None, used], 0.0, end, style.STRESS_MAP, name=STRESS
-        )
-        poses = [track.shoe_pose(now, shoe) for now in moments]
-        solids.append(
-            Solid(
-                name,
-                points,
-                faces,
-                "white",
-                np.array([one.origin for one in poses])[:, None],
-                np.array([one.turn for one in poses])[:, None],
-                labels=(name,),
-                notes=tuple(f"{one:.1f} MPa" for one in mises.max(axis=1)),
-                bend=bend[:, None],
-                larger=scales.displacement,
-                colourings=(colouring, *_trust(stress, shoe, used)),
-                nodes=used,
-            )
-        )
+        ends, notes = (0.0, scales.stress / style.MEGA), tuple(f"{one:.1f} MPa" for one in mises.max(axis=1))
+        colouring = Colouring(f"{STRESS} in MPa", mises[:, None, used], *ends, style.STRESS_MAP, name=STRESS)
+        colourings = (colouring, *_trust(stress, shoe, used))
+        placed = Solid(name, points, faces, "white", origin[:, [k]], turn[:, [k]], labels=(name,), nodes=used)
+        bent = replace(placed, notes=notes, bend=bend[:, None], larger=scales.displacement)
+        solids.append(replace(bent, colourings=colourings))
         forces = [track.acting(now, shoe) for now in moments]
         padded = np.full((2, len(forces), max(len(heads) for heads, _ in forces), 3), np.nan)
         for row, pair in enumerate(forces):
@@ -154,3 +149,98 @@ def first_frame(stress: xr.Dataset) -> int:
     """Index of the peak, or of the highest stress among the chosen times where that is not one of them."""
     peaks = [k for k, title in enumerate(frame_titles(stress)) if "peak" in title.split(", ")]
     return peaks[0] if peaks else int(stress.frame_von_mises.max(("shoe", "node")).values.argmax())
+
+
+def stress_picture(
+    stress: xr.Dataset, history: History, frame: float, scales: Scales | None = None
+) -> Figure:
+    """All flexible shoes at one of the chosen times, `frame` (s): each from two sides, and all in place.
+
+    The scales are those of all chosen times, if not given. A ValueError if `frame` is none of these.
+    """
+    if not np.isclose(stress.frame.values, frame, rtol=0.0, atol=1e-6).any():
+        raise ValueError(
+            f"frame must be one of the chosen times {stress.frame.values.tolist()}, got {frame:g}"
+        )
+    frame = float(stress.frame.sel(frame=frame, method="nearest"))
+    scales = scales or Scales.of(stress, history)
+    scene = stress_scene(stress.sel(frame=[frame]), history, scales)
+    count = stress.sizes["shoe"]
+    tall = HEAD + ROW * count + STRIP + FOOT
+    with mpl.rc_context(style.STYLE | {"axes.grid": False, "figure.constrained_layout.use": False}):
+        figure = Figure(figsize=(WIDTH, tall))
+        place = {"left": 0.08, "right": 0.93, "top": 1.0 - HEAD / tall, "bottom": (STRIP + FOOT) / tall}
+        grid = figure.add_gridspec(count, 2, wspace=0.02, hspace=0.0, **place)
+        bent = [one for one in scene.solids if one.colourings]
+        for row, one in enumerate(bent):
+            (origin,), (turn,) = one.placed()
+            forces = [arrows for arrows in scene.arrows if arrows.solid == one.name]
+            for column, (title, view) in enumerate(VIEWS.items()):
+                ax = figure.add_subplot(grid[row, column])
+                _draw_shoe(ax, one.at(), forces, view.on(Placement(origin, turn)))
+                if row == 0:
+                    ax.set_title(title, fontsize=9.5, loc="left")
+            y = figure.axes[-2].get_position().intervaly.mean()
+            figure.text(0.011, y, one.name, fontsize=11, va="bottom")
+            figure.text(0.011, y, one.notes[0], fontsize=9, va="top")
+        ax = figure.add_axes((0.08, FOOT / tall, 0.85, (STRIP - 0.3) / tall))
+        now = track.instants(history, [frame])
+        pictures.draw_side(ax, history.case, now, 1.0, scales.shoe_force, shoe_opacity=0.0)
+        _, window = pictures.windows(history)
+        pictures.paint(ax, [one.at() for one in bent], pictures.FROM_THE_RIGHT, window)
+        ax.set(xlabel="x in m", ylabel="z in m")
+        ax.set_title("in place, seen from the right", fontsize=9.5, loc="left")
+        bottom = (STRIP + FOOT + 0.3) / tall
+        stress_bar(figure, (0.945, bottom, 0.013, 1.0 - HEAD / tall - bottom), scales)
+        title = f"{history.case.name}: von Mises stress at t = {frame:g} s"
+        figure.text(0.011, 1.0 - 0.1 / tall, title, va="top", fontsize=13, parse_math=False)
+        acts = "forces of ground and rollers" if track.rolls(history.dataset) else "contact forces"
+        words = (
+            f"elastic displacement drawn {scales.displacement:g} times larger; circle: highest stress on the "
+            f"shoe's surface, where it is seen\nblue arrows: {acts} on the shoe, "
+            f"{1e5 * scales.pair_force:.2f} m long for 100 kN in single contacts and "
+            f"{1e5 * scales.shoe_force:.2f} m for the sum below"
+        )
+        figure.text(0.011, 1.0 - 0.4 / tall, words, va="top", fontsize=8.5, color="#444444")
+    return figure
+
+
+def _draw_shoe(ax: Axes, solid: Solid, arrows: Sequence[Arrows], view: View) -> None:
+    """Draw a shoe, as of `Solid.at`, with the forces on it and its highest place, if that is seen."""
+    seen = view.project(solid.points)
+    middle, top = 0.5 * (seen[:, 0].min() + seen[:, 0].max()), seen[:, 1].max() + HEADROOM
+    place = ax.get_window_extent()
+    window = (middle - 0.5 * SPREAD, middle + 0.5 * SPREAD, top - SPREAD * place.height / place.width, top)
+    pictures.paint(ax, [solid], view, window)
+    pictures.draw_arrows(ax, arrows, view)
+    highest = int(solid.values.argmax())
+    if solid.shows(highest, view):
+        ax.plot(*seen[highest, :2], "o", ms=9, mfc="none", mec="black", mew=0.9, zorder=5)
+    ax.set_axis_off()
+
+
+def stress_bar(figure: Figure, place: tuple[float, float, float, float], scales: Scales) -> None:
+    """Draw the scale of stress at a place of a figure: left, bottom, width and height over its own."""
+    colours = style.scale_of(0.0, scales.stress / style.MEGA, style.STRESS_MAP)
+    figure.colorbar(colours, cax=figure.add_axes(place), label="von Mises stress in MPa")
+
+
+def picture_name(frame: float) -> str:
+    """File name of the stress picture at a time (s); names sort as times do."""
+    return f"stress_{frame:08.4f}s.png"
+
+
+def picture_time(path: Path) -> float:
+    """Time (s) that a stress picture's file name says."""
+    return float(path.stem.removeprefix("stress_").removesuffix("s"))
+
+
+def write_stress_pictures(
+    stress: xr.Dataset, history: History, folder: Path, overwrite: bool = False
+) -> list[Path]:
+    """Write a picture of every chosen time into a folder; paths in order of time; raises as `save_figure`."""
+    scales, written = Scales.of(stress, history), []
+    for frame in stress.frame.values.tolist():
+        figure = stress_picture(stress, history, frame, scales)
+        written.append(style.save_figure(figure, folder / picture_name(frame), overwrite))
+    return written

@@ -24,10 +24,8 @@ BEAM = (0.05, 0.85)
 long it is, not how high and wide."""
 GAP = 0.03
 """m between the beam and the treads beside it."""
-PIN, PIN_SIDES = 0.03, 12
-"""m, radius of a drawn link pin; and sides of its prism."""
-MARK = 0.012
-"""m, width of the line across a roller that shows how far it has rolled."""
+PIN, PIN_SIDES, MARK = 0.03, 12, 0.012
+"""m, radius of a drawn link pin; sides of its prism; m, width of the line that shows how far rollers roll."""
 
 
 def instants(history: History, times: ArrayLike) -> xr.Dataset:
@@ -38,9 +36,8 @@ def instants(history: History, times: ArrayLike) -> xr.Dataset:
 
 def shoe_poses(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
     """Origins (times, shoes, 3), m, and turns (times, shoes, 3, 3) of all shoes."""
-    origin, angles = (
-        one.transpose("time", "shoe", "axis").values for one in (dataset.position, dataset.angles)
-    )
+    names = ("position", "angles")
+    origin, angles = (dataset[name].transpose("time", "shoe", "axis").values for name in names)
     return origin, rotation_matrices(angles)
 
 
@@ -61,12 +58,9 @@ def rolls(dataset: xr.Dataset) -> bool:
 
 
 def touching(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray]:
-    """Contacts of one shoe, or of all, with the ground.
+    """Places (contacts, 3), m, where the ground touches one shoe or all, and its forces on the shoe there, N.
 
-    Returns
-    -------
-    points, forces : arrays (contacts, 3)
-        Where they act (m) and what acts on the shoe (N), both global. Pairs that are apart are left out.
+    Both are global; pairs that are apart are left out.
     """
     meets = now.area.values > 0.0
     if shoe is not None:
@@ -94,13 +88,7 @@ def acting(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray]:
 
 
 def shoe_forces(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
-    """Contact of each shoe.
-
-    Returns
-    -------
-    centers, forces : arrays (times, shoes, 3)
-        Centre of pressure, m, not a number without contact, and force on the shoe, N.
-    """
+    """Centres of pressure (times, shoes, 3), m, not a number without contact, and forces on the shoes, N."""
     meets = dataset.area.transpose("time", "contact").values[..., None] > 0.0
     total = (dataset.normal_force + dataset.friction_force, dataset.point)
     forces, points = (np.where(meets, one.transpose("time", *CONTACTS).values, 0.0) for one in total)
@@ -111,10 +99,7 @@ def shoe_forces(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
 
 
 def roller_forces(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
-    """Centre of what each roller presses on, array (times, rollers, 3), m, and its force there, N.
-
-    The centre of a roller that presses on nothing is not a number.
-    """
+    """Same of the rollers (times, rollers, 3): centres of what each presses on, and its force there."""
     names = ("tread_force", "tread_foot")
     forces, points = (dataset[name].transpose("time", *STRIPS).values for name in names)
     size = np.linalg.norm(forces, axis=-1)
@@ -130,7 +115,7 @@ def _centers(moments: NDArray, weights: NDArray) -> NDArray:
 
 def greatest_shoe_force(history: History) -> float:
     """Greatest contact force on a shoe over the run, N."""
-    total = (history.normal_force + history.friction_force).groupby("contact_shoe").sum()
+    total = history.over_time(["contact_force"])["contact_force"]
     return float(np.sqrt((total**2).sum("axis")).max())
 
 
@@ -161,14 +146,13 @@ def shoe_boxes(case: Case, dataset: xr.Dataset) -> list[Solid]:
     shape = box(np.array([x0, y0, z0]), np.array([x1, y1, case.shoe.load_point[2]]))
     origin, turn = shoe_poses(dataset)
     flexible = np.isin(dataset.shoe.values, () if case.flexible is None else case.flexible.shoes)
-    solids = []
     kinds = (("rigid shoes", ~flexible, style.SHOE), ("flexible shoes", flexible, style.FLEXIBLE_SHOE))
+    solids = []
     for name, chosen, colour in kinds:
-        if chosen.any():
-            placed, edges = (origin[:, chosen], turn[:, chosen]), style.SHOE_EDGE
-            labels = tuple(f"shoe {shoe}" for shoe in dataset.shoe.values[chosen])
-            solids.append(Solid(name, *shape, colour, *placed, edges=edges, labels=labels))
-    return solids
+        labels = tuple(f"shoe {shoe}" for shoe in dataset.shoe.values[chosen])
+        placed = origin[:, chosen], turn[:, chosen]
+        solids.append(Solid(name, *shape, colour, *placed, edges=style.SHOE_EDGE, labels=labels))
+    return [one for one in solids if one.labels]
 
 
 def link_pins(case: Case, dataset: xr.Dataset) -> Solid:
@@ -200,10 +184,8 @@ def ground_faces(case: Case, dataset: xr.Dataset, units: NDArray | None = None) 
     chosen = np.arange(terrain.unit_count) if units is None else units
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, 0.0])
     points = half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
-    placed = (
-        np.column_stack((terrain.middles, terrain.top_heights))[None, chosen],
-        unit_turns(case)[:, chosen],
-    )
+    tops = np.column_stack((terrain.middles, terrain.top_heights))
+    placed = tops[None, chosen], unit_turns(case)[:, chosen]
     lift = dataset.unit_heave.transpose("time", "unit").values[:, chosen]
     heave = lift / style.MILLI
     colouring = Colouring("heave of the ground in mm", heave, heave.min(), heave.max(), style.HEAVE_MAP)
@@ -260,7 +242,7 @@ def frame_on_rails(case: Case) -> tuple[Undercarriage, Rails]:
     return frame, rails
 
 
-def shown_box(history: History, margin: Sequence[float]) -> list[list[float]]:
+def shown_box(history: History, margin: Sequence[float]) -> list[tuple[float, float]]:
     """Least and greatest x, y and z of what a run is shown in, m.
 
     `margin` are the m beyond both ends, beside the shoes and below the ground's lowest face.
@@ -268,12 +250,12 @@ def shown_box(history: History, margin: Sequence[float]) -> list[list[float]]:
     shoe, terrain = history.case.shoe, history.case.terrain
     x, y = (history.position.sel(axis=axis) for axis in "xy")
     low, high = shoe.footprint[:2]
-    length = [float(x.min()) + low - margin[0], float(x.max()) + high + margin[0]]
+    length = float(x.min()) + low - margin[0], float(x.max()) + high + margin[0]
     sideways = 0.5 * shoe.width + margin[1]
     near = np.abs(terrain.middles[:, 0] - np.mean(length)) < 0.5 * (np.ptp(length) + terrain.unit_length)
     tops = terrain.top_heights[near]
     top = float(tops.max(initial=0.0)) + 2.0 * (shoe.com_height + shoe.load_point[2])
     if rolls(history.dataset):
         top = max(top, float(history.side_frame_position.sel(axis="z").max()) + BEAM[1])
-    beside = [float(y.min()) - sideways, float(y.max()) + sideways]
-    return [length, beside, [float(tops.min(initial=0.0)) - margin[2], top]]
+    beside = float(y.min()) - sideways, float(y.max()) + sideways
+    return [length, beside, (float(tops.min(initial=0.0)) - margin[2], top)]
