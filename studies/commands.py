@@ -4,8 +4,9 @@ Nothing heavy is imported before a command needs it, so that help comes at once.
 """
 
 import math
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -26,7 +27,7 @@ def _positive(duration: float | None) -> float | None:
 
 Propel = Literal["translation", "turning", "both"]
 Chosen = Annotated[Propel, typer.Option(help="what to run")]
-Ground = Literal["step", "ramp", "rough"]
+Ground = StrEnum("Ground", ["step", "ramp", "rough"])
 Duration = Annotated[float, typer.Option(help="simulated time in s", callback=_positive)]
 MeshName = Annotated[str, typer.Option(help="coarse, study or fine, or the path of a mesh")]
 Variants = Annotated[
@@ -158,7 +159,7 @@ def uneven(
     """
     from studies.uneven_ground import study
 
-    study(out, grounds or get_args(Ground), duration=duration, overwrite=overwrite, say=typer.echo)
+    study(out, grounds or list(Ground), duration=duration, overwrite=overwrite, say=typer.echo)
     typer.echo(f"runs and figures are in {out}")
 
 
