@@ -6,7 +6,7 @@ Nothing heavy is imported before a command needs it, so that help comes at once.
 import math
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -25,6 +25,7 @@ def _positive(duration: float | None) -> float | None:
     return duration
 
 
+KINEMATICS = RESULTS / "kinematics"
 Propel = Literal["translation", "turning", "both"]
 Chosen = Annotated[Propel, typer.Option(help="what to run")]
 Ground = StrEnum("Ground", ["step", "ramp", "rough"])
@@ -50,7 +51,7 @@ def _show_comparison(table: "pd.DataFrame", study: str) -> None:
 def kinematics(
     case: Chosen = "both",
     duration: Duration = DURATION,
-    out: Out = RESULTS / "kinematics",
+    out: Out = KINEMATICS,
     overwrite: Overwrite = False,
 ) -> None:
     """Run the kinematics study and compare it with the papers.
@@ -70,9 +71,7 @@ def forces(
     out: Out = RESULTS / "forces",
     reuse: Annotated[
         Path | None,
-        typer.Option(
-            help=f"folder with runs to reuse; {RESULTS / 'kinematics'} where they fit, if not given"
-        ),
+        typer.Option(help=f"folder of runs to reuse; {KINEMATICS} where they fit, if not given"),
     ] = None,
     overwrite: Overwrite = False,
     variants: Variants = False,
@@ -90,15 +89,8 @@ def forces(
         print_table(table, "Paper, and computed under variants")
         print_table(counts(table), "Rows within their class; lateral ones within a factor of 2")
         return
-    _, table = study(
-        out,
-        _names(case),
-        duration=duration,
-        reuse=RESULTS / "kinematics" if reuse is None else reuse,
-        strict=reuse is not None,
-        overwrite=overwrite,
-        say=typer.echo,
-    )
+    sources: dict[str, Any] = {"reuse": KINEMATICS if reuse is None else reuse, "strict": reuse is not None}
+    _, table = study(out, _names(case), duration=duration, overwrite=overwrite, say=typer.echo, **sources)
     _show_comparison(table, "Forces")
     typer.echo(f"runs, figures, comparison.csv and turning_ratios.csv are in {out}")
 

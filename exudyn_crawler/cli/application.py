@@ -1,17 +1,9 @@
 """What every command line is: errors in a line each with exit codes, and commands that packages register.
 
-A package, the studies first of all, registers commands and cases in the metadata that it is installed with::
-
-    [project.entry-points."exudyn_crawler.commands"]
-    stress = "studies.commands:stress"
-
-    [project.entry-points."exudyn_crawler.cases"]
-    stress = "studies.cases:stress"
-
 A command is a function as Typer takes it, to which the option `--debug` is added; its options `out` and
-`overwrite` are those of `cli.application`. A case is a function without arguments that returns a `CaseFile`,
-to start from with ``init --study NAME``. Neither is loaded before it is asked for, so that its module of
-commands should import what is heavy in its functions.
+`overwrite` are those of here. A case is a function without arguments that returns a `CaseFile`, to start from
+with ``init --study NAME``. Neither is loaded before it is asked for, so that a package's module of commands
+should import what is heavy in its functions; `docs/usage.md` shows how it registers them.
 """
 
 import inspect

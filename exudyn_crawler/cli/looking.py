@@ -58,12 +58,7 @@ def node_stress(
 
 
 @command
-def pin_forces(
-    run: Run,
-    shoe: Shoe,
-    out: Out = None,
-    overwrite: Overwrite = False,
-) -> None:
+def pin_forces(run: Run, shoe: Shoe, out: Out = None, overwrite: Overwrite = False) -> None:
     """Write the forces and moments of a shoe's pins over time, in the shoe's axes.
 
     Example: exudyn-crawler pin-forces results/stress/cycle --shoe 13
@@ -124,7 +119,8 @@ def compare(
 
     Example: exudyn-crawler compare results/soft_ground results/hard_ground --out soft_and_hard.html
     """
-    runs = dict(zip(_names(first, second), (first, second), strict=True))
+    names = [application.run_folder(run).resolve().name for run in (first, second)]
+    runs = dict(zip(names if names[0] != names[1] else "AB", (first, second), strict=True))
     histories = {name: application.loaded(run) for name, run in runs.items()}
     from exudyn_crawler.views.pages import comparison, folder
 
@@ -144,12 +140,6 @@ def compare(
             print_table(table, title)
     write_table(results, page.with_suffix(".csv"), overwrite)
     typer.echo(f"{page}: open it in a browser; {page.with_suffix('.csv')}: the table of results")
-
-
-def _names(first: Path, second: Path) -> tuple[str, str]:
-    """Names of two runs: of their folders where these differ, else their paths."""
-    names = [application.run_folder(run).resolve().name for run in (first, second)]
-    return (names[0], names[1]) if names[0] != names[1] else ("A", "B")
 
 
 def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:

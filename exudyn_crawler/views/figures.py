@@ -256,7 +256,11 @@ def stress_figures(history: History, results: StressResults) -> dict[str, Figure
     panels = {name: _panels(found, labels, shoe_names(shoes)) for name, labels in drawn.items()}
     for name, label in OF_PINS.items():
         for side in history.pin.values:
-            panels[f"{side} {name}"] = _of_side(found[label], str(side)).panels()
+            # the figure says which side it is, the curves only whose links
+            pins = [item for item in found[label].items if item.endswith(f" {side}")]
+            links = [item.removesuffix(f" {side}") for item in pins]
+            own = found[label].values.sel(item=pins).assign_coords(item=links)
+            panels[f"{side} {name}"] = replace(found[label], values=own).panels()
     panels |= _deformation(found)
     panels["modal coordinates"] = [_modal_panel(history, int(shoe)) for shoe in shoes]
     highest = found[HIGHEST_STRESS]
@@ -278,13 +282,6 @@ def _panels(
     series = (found[label] for label in labels)
     chosen = (replace(one, values=one.values.sel(axis=[axis])) if axis else one for one in series)
     return [panel for one in chosen for panel in one.panels(items)]
-
-
-def _of_side(pins: Series, side: str) -> Series:
-    """Those of the pins on one side, named after their links."""
-    names = [item for item in pins.items if item.endswith(f" {side}")]
-    links = [item.removesuffix(f" {side}") for item in names]
-    return replace(pins, values=pins.values.sel(item=names).assign_coords(item=links))
 
 
 def _deformation(found: Mapping[str, Series]) -> dict[str, list[Panel]]:

@@ -14,16 +14,11 @@ from exudyn_crawler.files import blocks, refuse_existing, whole_file, writable_f
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import extremes, load_table
-from exudyn_crawler.results.stress.hot_spots import highest_by_phase, hot_spot_table, region_table
+from exudyn_crawler.results.stress import hot_spots
 from exudyn_crawler.results.stress.recovery import StressResults
-from exudyn_crawler.views.figures import run_figures, stress_figures
-from exudyn_crawler.views.scenes import track
-from exudyn_crawler.views.scenes.films import write_animation
-from exudyn_crawler.views.scenes.pictures import ground_figure
+from exudyn_crawler.views import figures, style, tables
+from exudyn_crawler.views.scenes import films, pictures, shoes, track
 from exudyn_crawler.views.scenes.scene import Solid
-from exudyn_crawler.views.scenes.shoes import write_stress_pictures
-from exudyn_crawler.views.style import save_figure
-from exudyn_crawler.views.tables import write_table
 from fem import Mesh, write_vtu
 from fem.export import vtu_content
 from meshes import mesh_named
@@ -36,15 +31,15 @@ SERIES, PARTS = "track.pvd", "track_parts"
 
 def write_tables(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
     """Extremes, loads at the ends of the phases; highest stresses by phase, by region and over the run."""
-    tables = {"extremes": extremes(history), "loads": load_table(history)}
+    found = {"extremes": extremes(history), "loads": load_table(history)}
     if stresses is not None:
         dataset = stresses.dataset
-        tables["highest_stresses"] = highest_by_phase(history, dataset)
-        tables["highest_by_region"] = region_table(stresses.by_region, dataset)
-        for shoe, hot_spots in stresses.hot_spots.items():
-            tables[f"hot_spots_shoe_{shoe}"] = hot_spot_table(hot_spots, dataset)
-    for name, table in tables.items():
-        write_table(table, folder / f"{name}.csv", overwrite=True)
+        found["highest_stresses"] = hot_spots.highest_by_phase(history, dataset)
+        found["highest_by_region"] = hot_spots.region_table(stresses.by_region, dataset)
+        for shoe, spots in stresses.hot_spots.items():
+            found[f"hot_spots_shoe_{shoe}"] = hot_spots.hot_spot_table(spots, dataset)
+    for name, table in found.items():
+        tables.write_table(table, folder / f"{name}.csv", overwrite=True)
 
 
 def write_forces(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
@@ -66,22 +61,24 @@ def write_forces(history: History, stresses: StressResults | None, folder: Path,
 
 def write_figures(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
     """Curves of some shoes and links, of rollers and of flexible shoes; uneven ground as the run ends."""
-    terrain, figures = history.case.terrain, {}
+    terrain, drawn = history.case.terrain, {}
     if stresses is not None:
-        figures = {f"flexible {name}": one for name, one in stress_figures(history, stresses).items()}
+        drawn = {f"flexible {name}": one for name, one in figures.stress_figures(history, stresses).items()}
     if not (terrain.heights is None and terrain.profile is None):
-        figures["ground"] = ground_figure(history, history.duration)
+        drawn["ground"] = pictures.ground_figure(history, history.duration)
     # curves of a long run would not fit into memory, and no figure shows them at every step
-    drawn = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
-    figures |= run_figures(drawn, outputs.drawn_shoes(history.case.track.shoe_count))
-    for name, figure in figures.items():
-        save_figure(figure, folder / f"{name.replace(' ', '_')}.{outputs.figure_format}", overwrite=True)
+    thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
+    drawn |= figures.run_figures(thinned, outputs.drawn_shoes(history.case.track.shoe_count))
+    for name, figure in drawn.items():
+        style.save_figure(
+            figure, folder / f"{name.replace(' ', '_')}.{outputs.figure_format}", overwrite=True
+        )
 
 
 def write_pictures(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
     """Pictures of stressed shoes at the chosen times."""
     if stresses is not None:
-        write_stress_pictures(stresses.dataset, history, folder, overwrite=True)
+        shoes.write_stress_pictures(stresses.dataset, history, folder, overwrite=True)
 
 
 def write_3d(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
@@ -184,7 +181,7 @@ def _forces(name: str, points: NDArray, forces: NDArray) -> Iterator[tuple[str, 
 
 def write_film(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
     """The track on its deforming terrain."""
-    write_animation(history, folder / "track.mp4", overwrite=True)
+    films.write_animation(history, folder / "track.mp4", overwrite=True)
 
 
 WRITERS: dict[str, Callable[[History, StressResults | None, Path, Outputs], None]] = {

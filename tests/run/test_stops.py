@@ -76,7 +76,7 @@ def not_again(monkeypatch):
         ("case_run.move_file", interrupt),
         ("run.folder.checkpoints.Checkpoints.settle", interrupt),
         ("run.folder.checkpoints.Checkpoints.remove", interrupt),
-        ("views.outputs.write_table", no_room),
+        ("views.tables.write_table", no_room),
     ],
 )
 def test_a_run_that_was_stopped_is_finished_by_the_same_call(staged, tmp_path, monkeypatch, place, stop):
@@ -138,7 +138,7 @@ def test_overwriting_that_was_stopped_goes_on(staged, tmp_path, monkeypatch):
     run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path)
     for place in (
         "run.folder.checkpoints.save_joined",
-        "views.outputs.write_table",
+        "views.tables.write_table",
     ):
         stopped_at(f"exudyn_crawler.{place}", monkeypatch, lambda: run_case(STAGED, tmp_path, overwrite=True))
         assert not (tmp_path / "velocity.png").exists()
@@ -148,7 +148,7 @@ def test_overwriting_that_was_stopped_goes_on(staged, tmp_path, monkeypatch):
 
 
 def test_an_altered_history_of_a_stopped_run_is_refused_by_name(tmp_path, monkeypatch):
-    stopped_at("exudyn_crawler.views.outputs.write_table", monkeypatch, lambda: run_case(STAGED, tmp_path))
+    stopped_at("exudyn_crawler.views.tables.write_table", monkeypatch, lambda: run_case(STAGED, tmp_path))
     content = (tmp_path / "history.nc").read_bytes()
     (tmp_path / "history.nc").write_bytes(content[:2000])
     with pytest.raises(ValueError, match=r"history\.nc does not hold a history: "):

@@ -140,8 +140,14 @@ def packed_curves(
         f"{points // 2 - 1} equal parts of the run, so that no extreme is lost; in between it is thinner "
         "than what was computed."
     )
-    first = _first_plots({label for series in offered.values() for label in series}) if found else []
-    return {"cases": cases, "first": first}, said if most > points else "Every stored time is drawn."
+    labels = {label for series in offered.values() for label in series}
+    # first is stress, or else what moves the track, and what it carries
+    moving, carried = "velocity", "contact force"
+    if figures.ROLLER_FORCE in labels:
+        moving, carried = figures.PULL, figures.ROLLER_FORCE
+    first = [figures.HIGHEST_STRESS if figures.HIGHEST_STRESS in labels else moving, carried]
+    curves = {"cases": cases, "first": first if found else []}
+    return curves, said if most > points else "Every stored time is drawn."
 
 
 def thinned(values: NDArray, points: int) -> NDArray:
@@ -193,11 +199,3 @@ def _drawn(series: figures.Series) -> list[int]:
         return list(usual)
     places = np.linspace(0, len(numbers) - 1, min(FEW, len(numbers)))
     return [numbers[round(place)] for place in places]
-
-
-def _first_plots(labels: set[str]) -> list[str]:
-    """Labels of what the plots show first: stress, or else what moves the track, and what it carries."""
-    moving, carried = "velocity", "contact force"
-    if figures.ROLLER_FORCE in labels:
-        moving, carried = figures.PULL, figures.ROLLER_FORCE
-    return [figures.HIGHEST_STRESS if figures.HIGHEST_STRESS in labels else moving, carried]

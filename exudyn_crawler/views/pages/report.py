@@ -206,10 +206,10 @@ def _compared(comparison: pd.DataFrame | None) -> Markup:
     """How many rows of a comparison are within, and all of them with their verdicts."""
     if comparison is None:
         return Markup()
-    kinds, summary = comparison["within"].map(VERDICTS).fillna("none"), within_by_class(comparison)
-    shown = comparison.assign(within=kinds.replace("none", "no verdict"))
+    verdicts, summary = comparison["within"], within_by_class(comparison)
+    shown = comparison.assign(within=verdicts.replace(VERDICTS).fillna("no verdict"))
+    rows = table(shown, kinds=verdicts.map(VERDICTS).fillna("none").tolist(), anchor="comparison-table")
     counts = Markup() if summary.empty else table(summary, compact=True)
-    rows = table(shown, kinds=kinds.tolist(), anchor="comparison-table")
     return together(counts, part("verdict_filter"), rows)
 
 

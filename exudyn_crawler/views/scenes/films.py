@@ -99,7 +99,7 @@ class TrackPicture(Picture):
             self._side.set(xlabel="x in m", ylabel="z in m")
             bar = {"ax": views, "label": "heave of units in mm", "fraction": 0.02, "pad": 0.01}
             self.figure.colorbar(style.scale_of(*self._heave, style.HEAVE_MAP), **bar)
-            self._side.set_title(_legend(history, scale), fontsize=9, loc="left")
+            self._side.set_title(self._legend(), fontsize=9, loc="left")
             drawn = _curves(history)
             drawn.draw(curves)
             curves.set(xlabel="time in s", xlim=(0.0, history.duration), ymargin=HEADROOM)
@@ -112,6 +112,15 @@ class TrackPicture(Picture):
             self.figure.draw_without_rendering()
             self.figure.set_layout_engine("none")
 
+    def _legend(self) -> str:
+        """What has to be known about the side view."""
+        ground = f"displacement of the ground drawn {self._scale:g} times larger"
+        most = track.greatest_shoe_force(self.history) / style.KILO
+        greatest = f"contact force on each shoe, the greatest of the run {most:.3g} kN"
+        if track.rolls(self.history.dataset):
+            return f"{ground}; blue arrows: {greatest}; violet: force of each roller"
+        return f"{ground}, depth of the shoes in it at true scale; arrows: {greatest}"
+
     def draw(self, now: xr.Dataset) -> list[Artist]:
         """Draw both views of one instant."""
         case = self.history.case
@@ -123,16 +132,6 @@ def ground_scale(history: History) -> float:
     """Round magnification that makes the ground's displacements visible."""
     moved = history.unit_heave.values - track.unloaded_level(history.case)
     return max(1.0, style.drawn_scale(moved, DEEPEST))
-
-
-def _legend(history: History, scale: float) -> str:
-    """What has to be known about the side view."""
-    ground = f"displacement of the ground drawn {scale:g} times larger"
-    most = track.greatest_shoe_force(history) / style.KILO
-    greatest = f"contact force on each shoe, the greatest of the run {most:.3g} kN"
-    if track.rolls(history.dataset):
-        return f"{ground}; blue arrows: {greatest}; violet: force of each roller"
-    return f"{ground}, depth of the shoes in it at true scale; arrows: {greatest}"
 
 
 def _curves(history: History) -> Panel:

@@ -215,19 +215,15 @@ def ground_figure(history: History, time: float) -> Figure:
         named = (("units", style.GROUND), ("shoes", style.SHOE), ("link pins", "white"))
         keys = [Patch(facecolor=colour, edgecolor=style.SHOE_EDGE, label=name) for name, colour in named]
         side.legend(handles=keys, ncols=3, loc="upper left", fontsize="small")
-        _draw_carried(carried, moment)
+        x = moment.position.sel(axis="x").isel(time=0)
+        force = moment.over_time(["contact_force"])["contact_force"].sel(axis="z").isel(time=0) / style.KILO
+        carried.bar(x, force, width=0.8 * case.shoe.length, color=style.SHOE)
+        how: dict[str, Any] = {"xytext": (0, 3), "textcoords": "offset points", "ha": "center"}
+        for place, number in zip(x.values, x["shoe"].values, strict=True):
+            carried.annotate(str(number), (place, 0.0), **how)
+        mean = case.mean_load / style.KILO
+        carried.axhline(mean, color="k", ls="--", lw=0.8, label="mean load and weight")
+        carried.set_ylim(top=1.25 * max(float(force.max()), mean))
+        carried.legend(loc="upper left", fontsize="small")
+        carried.set(xlabel="x in m; numbers are those of the shoes", ylabel="z contact force\nin kN")
     return figure
-
-
-def _draw_carried(ax: Axes, moment: History) -> None:
-    """Draw the vertical contact force (kN) on every shoe of one instant, over the shoe's x (m)."""
-    x = moment.position.sel(axis="x").isel(time=0)
-    force = moment.contacts_by_shoe().contact_force.sel(axis="z").isel(time=0) / style.KILO
-    ax.bar(x, force, width=0.8 * moment.case.shoe.length, color=style.SHOE)
-    for place, number in zip(x.values, x["shoe"].values, strict=True):
-        ax.annotate(str(number), (place, 0.0), xytext=(0, 3), textcoords="offset points", ha="center")
-    mean = moment.case.mean_load / style.KILO
-    ax.axhline(mean, color="k", ls="--", lw=0.8, label="mean load and weight")
-    ax.set_ylim(top=1.25 * max(float(force.max()), mean))
-    ax.legend(loc="upper left", fontsize="small")
-    ax.set(xlabel="x in m; numbers are those of the shoes", ylabel="z contact force\nin kN")
