@@ -1,6 +1,6 @@
 """Everything that a run depends on."""
 
-from typing import Literal, Self, TypeVar
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,8 +17,6 @@ from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import MachineCycle, Undercarriage
 
-Kind = TypeVar("Kind", PairContact, SphereContact)
-
 
 class Case(Parameters):
     """Track, terrain, contact, drive, loads and solver of one run.
@@ -30,7 +28,7 @@ class Case(Parameters):
         not stand on the terrain.
     """
 
-    name: Name = Field(default="case", description="name of the case in results and figures")
+    name: Name = Field("case", description="name of the case in results and figures")
     shoe: Shoe
     track: Track
     terrain: Terrain
@@ -40,22 +38,21 @@ class Case(Parameters):
     flexible: FlexibleShoes | None = None
     solver: Solver = Solver()
     terrain_formulation: Literal["reduced", "constrained"] = Field(
-        default="reduced",
-        description="independent coordinates of the terrain, or all of them with its joints",
+        "reduced", description="independent coordinates of the terrain, or all of them with its joints"
     )
     formulation: Literal["compiled", "engine"] | None = Field(
-        default=None,
+        None,
         description="equations of motion: compiled for the whole track, or of Exudyn's own bodies, joints "
         "and contacts, the reference; None takes the compiled ones where they carry the case",
     )
     gravity: float = quantity("m/s2", "on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY)
     undercarriage: Undercarriage | None = Field(
-        default=None,
+        None,
         description="side frame that rolls over the shoes with the drive's speed; none: the drive drags the "
         "front shoe, and the machine is a load on each",
     )
     machine: MachineCycle | None = Field(
-        default=None, description="what the machine does on the side frame; none: its weight alone"
+        None, description="what the machine does on the side frame; none: its weight alone"
     )
 
     def _errors(self) -> Errors:
@@ -165,17 +162,15 @@ class Case(Parameters):
 
     def pair_contact(self) -> PairContact:
         """Pair law of the case; raises `ValueError` if its contact is another."""
-        return self._contact_of(PairContact)
+        if isinstance(self.contact, PairContact):
+            return self.contact
+        raise ValueError(f"contact.model must be 'pair', got {self.contact.model!r}")
 
     def sphere_contact(self) -> SphereContact:
         """Spheres of the case; raises `ValueError` if its contact is another."""
-        return self._contact_of(SphereContact)
-
-    def _contact_of(self, kind: type[Kind]) -> Kind:
-        if not isinstance(self.contact, kind):
-            wanted = kind.model_fields["model"].default
-            raise ValueError(f"contact.model must be {wanted!r}, got {self.contact.model!r}")
-        return self.contact
+        if isinstance(self.contact, SphereContact):
+            return self.contact
+        raise ValueError(f"contact.model must be 'spheres', got {self.contact.model!r}")
 
     def gravity_vector(self) -> NDArray:
         """Acceleration of gravity: array (3,), m/s2, x along the travel at t = 0, z normal to the ground."""

@@ -97,20 +97,19 @@ def machine_memory() -> float:
 class Outputs(Parameters):
     """What a run leaves beside its history, whose interval is `solver.output_interval`."""
 
-    figures: bool = Field(default=True, description="whether curves of kinematics and forces are drawn")
+    figures: bool = Field(True, description="whether curves of kinematics and forces are drawn")
     pictures: bool = Field(
-        default=True, description="whether flexible shoes are drawn with their stress at the chosen times"
+        True, description="whether flexible shoes are drawn with their stress at the chosen times"
     )
     paraview: bool = Field(
-        default=True,
-        description="whether their stress is written for ParaView, at the chosen times and highest",
+        True, description="whether their stress is written for ParaView, at the chosen times and highest"
     )
     figure_format: Literal["png", "pdf", "svg"] = Field(
-        default="png", description="of the figures; pictures of stress are png"
+        "png", description="of the figures; pictures of stress are png"
     )
-    tables: bool = Field(default=True, description="whether extremes and loads are written as CSV")
-    animation: bool = Field(default=False, description="whether the track is animated (mp4)")
-    forces: bool = Field(default=True, description="whether forces derived from the history are written")
+    tables: bool = Field(True, description="whether extremes and loads are written as CSV")
+    animation: bool = Field(False, description="whether the track is animated (mp4)")
+    forces: bool = Field(True, description="whether forces derived from the history are written")
     picture_times: tuple[float, ...] | None = quantity(
         "s",
         "times at which the stress of flexible shoes is kept whole and drawn, beside that of the highest; "
@@ -119,9 +118,7 @@ class Outputs(Parameters):
         default=None,
     )
     shoes: tuple[int, ...] | None = Field(
-        default=None,
-        description="numbers of the shoes that are drawn; none: five along the track",
-        min_length=1,
+        None, description="numbers of the shoes that are drawn; none: five along the track", min_length=1
     )
 
     def _errors(self) -> Errors:

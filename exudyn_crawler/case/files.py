@@ -95,11 +95,8 @@ class _Change(NamedTuple):
 
     def made_in(self, content: Content, kind: type[CaseFile] | None = None) -> Content:
         """Content with the change: tables of a file or, of a `kind`, with what bases give."""
-        try:
-            changed: Content = fields.with_value(content, self.path, self.value, kind)
-        except ValueError as error:
-            raise ValueError(f"{self.key}: {error}") from error
-        return changed
+        with fields.errors_at(self.key):
+            return fields.with_value(content, self.path, self.value, kind)
 
 
 def _change(text: str) -> _Change:

@@ -41,9 +41,9 @@ class AnyAnswer(Parameters):
     where a run has none.
     """
 
-    name: Name | None = Field(default=None, description="column of the table; made of the rest, if not given")
+    name: Name | None = Field(None, description="column of the table; made of the rest, if not given")
     better: Literal["less", "more"] = Field(
-        default="less", description="which runs are the best ones: those with less or with more of it"
+        "less", description="which runs are the best ones: those with less or with more of it"
     )
 
     _default_label: ClassVar[Any]
@@ -72,14 +72,14 @@ class Answer(AnyAnswer):
     model: Literal["quantity"] = "quantity"
     quantity: str = Field(description="name in the catalogue, such as joint_force")
     statistic: Statistic = Field(
-        default="greatest",
+        "greatest",
         description="greatest, least, largest (in magnitude), mean, rms, range, or end: the mean at the end",
     )
     axis: Literal["x", "y", "z"] | None = Field(
-        default=None, description="component of a vector, global; its length, if not given"
+        None, description="component of a vector, global; its length, if not given"
     )
     of: tuple[int, ...] | None = Field(
-        default=None, description="numbers of the shoes, links or units; all, if not given", min_length=1
+        None, description="numbers of the shoes, links or units; all, if not given", min_length=1
     )
     start: float = measured("s", "first time that counts", ge=0, default=0.0)
     end: float | None = measured("s", "last time that counts; the run's end, if not given", default=None)
@@ -150,7 +150,7 @@ class HotSpot(AnyAnswer):
 
     model: Literal["hot_spot"] = "hot_spot"
     shoe: int = Field(description="number of the shoe")
-    rank: int = Field(default=1, ge=1, le=HOT_SPOTS, description="1: the hottest")
+    rank: int = Field(1, ge=1, le=HOT_SPOTS, description="1: the hottest")
 
     unit: ClassVar[str] = "Pa"
 
@@ -181,12 +181,12 @@ class Life(AnyAnswer, Damage, Often):
 
     model: Literal["life"] = "life"
     better: Literal["less", "more"] = Field(
-        default="more", description="which runs are the best ones: those with less or with more of it"
+        "more", description="which runs are the best ones: those with less or with more of it"
     )
     region: Region | None = Field(
-        default=None, description="part of the shoe whose shortest life counts; all, if not given"
+        None, description="part of the shoe whose shortest life counts; all, if not given"
     )
-    survival: Survival = Field(default=0.975, description="part of the shoes that survive it")
+    survival: Survival = Field(0.975, description="part of the shoes that survive it")
     unit: ClassVar[str] = "h"
 
     def _errors(self) -> Errors:

@@ -59,12 +59,12 @@ class Sweep(Parameters):
     case: CaseFile
     vary: tuple[Vary, ...] = Field(min_length=1, description="what varies")
     answers: tuple[Answers, ...] = Field(min_length=1, description="what is wanted of every run")
-    design: Design = Field(default="grid", description="grid, list, latin_hypercube, sobol or saltelli")
+    design: Design = Field("grid", description="grid, list, latin_hypercube, sobol or saltelli")
     runs: int | None = Field(
-        default=None, ge=1, le=MOST_RUNS, description="points that latin_hypercube, sobol and saltelli draw"
+        None, ge=1, le=MOST_RUNS, description="points that latin_hypercube, sobol and saltelli draw"
     )
-    seed: int = Field(default=1, ge=0, le=2**32 - 1, description="of the random numbers")
-    outputs: Outputs = Field(default=LIGHT, description="what every run leaves, whatever its case says")
+    seed: int = Field(1, ge=0, le=2**32 - 1, description="of the random numbers")
+    outputs: Outputs = Field(LIGHT, description="what every run leaves, whatever its case says")
 
     def _errors(self) -> Errors:
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case.parameters.fields import value_text
 from exudyn_crawler.files import note_written, whole_file
 from exudyn_crawler.run.folder.record import note_file
-from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep, salib_problem
+from exudyn_crawler.sweep.definition import FOLDER_DIGITS, Sweep, salib_problem
 from exudyn_crawler.sweep.worker import DONE, OUTCOME, Outcome
 from exudyn_crawler.views.pages.report import REPORT, write_report
 from exudyn_crawler.views.pages.sweep import Best, SweepView, sweep_page
@@ -27,12 +27,10 @@ EFFECTS = ("answer", "varied", "level", "mean", "least", "greatest", "runs")
 INDICES = ("answer", "varied", "first", "first_conf", "total", "total_conf")
 
 
-def results_table(
-    sweep: Sweep, planned: tuple[PlannedRun, ...], outcomes: Mapping[str, Outcome]
-) -> pd.DataFrame:
+def results_table(sweep: Sweep, outcomes: Mapping[str, Outcome]) -> pd.DataFrame:
     """A row a run; its `attrs` have "units" and "meanings" by column, answers are NaN if there is none."""
     rows: list[dict[str, Any]] = []
-    for one in planned:
+    for one in sweep.planned:
         outcome = outcomes.get(one.digest, {})
         answers = outcome.get("answers", {})
         rows.append(
@@ -51,11 +49,13 @@ def results_table(
 
 def _cell(value: Any) -> Any:
     """Value of the case in a table: a number or a text."""
-    return value if isinstance(value, bool | int | float | str) else value_text(_tuples(value))
+    return value if isinstance(value, bool | int | float | str) else value_text(value)
 
 
-def _tuples(value: Any) -> Any:
-    return tuple(map(_tuples, value)) if isinstance(value, list | tuple) else value
+def _attributes(table: pd.DataFrame, name: str) -> dict[str, str]:
+    """Unit and meaning of a column, as files have them."""
+    units, meanings = table.attrs["units"] | {"wall_time_s": "s"}, table.attrs["meanings"]
+    return {"units": units.get(name, ""), "long_name": meanings.get(name, "")}
 
 
 def results_dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
@@ -72,17 +72,14 @@ def results_dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
     dataset = xr.Dataset(
         {name: (dimensions, values.reshape(shape)) for name, values in columns.items()}, coords=coordinates
     )
-    units, meanings = sweep.units() | {"wall_time_s": "s"}, sweep.meanings()
     for name in map(str, dataset.variables):
-        attributes = {"units": units.get(name, ""), "long_name": meanings.get(name, "")}
-        dataset[name].attrs |= {key: text for key, text in attributes.items() if text}
+        dataset[name].attrs |= {key: text for key, text in _attributes(table, name).items() if text}
     return dataset
 
 
 def write_units_csv(table: pd.DataFrame, path: Path) -> None:
     """Write a table as CSV with the units in its head: ``spring_stiffness in N/m``."""
-    units = table.attrs["units"]
-    named = {name: f"{name} in {unit}" for name, unit in units.items() if unit}
+    named = {name: f"{name} in {unit}" for name, unit in table.attrs["units"].items() if unit}
     write_table(table.rename(columns=named), path, overwrite=True)
 
 
@@ -91,12 +88,8 @@ def write_parquet(table: pd.DataFrame, path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    of = {"units": table.attrs["units"] | {"wall_time_s": "s"}, "long_name": table.attrs["meanings"]}
     columns = pa.Table.from_pandas(table, preserve_index=False)
-    fields = [
-        field.with_metadata({key: texts.get(field.name, "") for key, texts in of.items()})
-        for field in columns.schema
-    ]
+    fields = [field.with_metadata(_attributes(table, field.name)) for field in columns.schema]
     with whole_file(path, overwrite=True) as temporary:
         pq.write_table(columns.cast(pa.schema(fields, metadata=columns.schema.metadata)), temporary)
 

@@ -89,7 +89,7 @@ def run_sweep(
     OSError
         If another sweep works in the folder, or it cannot be written to.
     """
-    planned = sweep.planned
+    sweep.planned  # noqa: B018 - refuses runs before a folder is made
     folder = writable_folder(Path(out))
     runs = writable_folder(_runs_folder(folder, storage))
     work = RunFolder(folder, say)
@@ -116,7 +116,7 @@ def run_sweep(
                         work.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
                     tell(count)
         with work.timed("tables and page"):
-            table = results.results_table(sweep, planned, stored)
+            table = results.results_table(sweep, stored)
             dataset = results.results_dataset(sweep, table)
             results.write_units_csv(table, folder / TABLE)
             results.write_parquet(table, folder / COLUMNS)

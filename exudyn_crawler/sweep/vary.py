@@ -48,21 +48,21 @@ class Vary(Parameters):
         description="path of the value, such as terrain.spring_stiffness; loads.phases[*].loads means all "
         "phases; several paths have the same value or factor"
     )
-    name: Name | None = Field(default=None, description="column of the table; the path's end, if not given")
-    unit: str | None = Field(default=None, description="of values and bounds, to be sure: that of the case")
-    values: tuple[Any, ...] | None = Field(default=None, description="all values, in place of bounds")
+    name: Name | None = Field(None, description="column of the table; the path's end, if not given")
+    unit: str | None = Field(None, description="of values and bounds, to be sure: that of the case")
+    values: tuple[Any, ...] | None = Field(None, description="all values, in place of bounds")
     settings: tuple[Puts, ...] | None = Field(
-        default=None,
+        None,
         description="what each of the values stands for: one of each path, in their order; the values then "
         "are what tables and axes show, in `unit`",
     )
-    low: float | None = Field(default=None, description="least value")
-    high: float | None = Field(default=None, description="greatest value")
-    count: int | None = Field(default=None, ge=2, le=1_000_000, description="values of a grid between bounds")
+    low: float | None = Field(None, description="least value")
+    high: float | None = Field(None, description="greatest value")
+    count: int | None = Field(None, ge=2, le=1_000_000, description="values of a grid between bounds")
     scale: Literal["linear", "log"] = Field(
-        default="linear", description="whether equal steps or equal ratios lie between bounds"
+        "linear", description="whether equal steps or equal ratios lie between bounds"
     )
-    factor: bool = Field(default=False, description="whether values and bounds multiply what the base has")
+    factor: bool = Field(False, description="whether values and bounds multiply what the base has")
 
     def _errors(self) -> Errors:
         for path in self.keys:
@@ -147,11 +147,9 @@ class Vary(Parameters):
         if self.settings is not None and self.values is not None:
             puts = self.settings[self.values.index(value)]
         for path, put in zip(self.keys, puts, strict=True):
-            try:
+            with fields.errors_at(path):
                 change_to = partial(change, put=put)
                 content = fields.with_change(content, fields.parse_path(path), change_to, CaseFile)
-            except ValueError as error:
-                raise ValueError(f"{path}: {error}") from error
         return content
 
     def check(self, case_file: CaseFile) -> None:

@@ -36,7 +36,7 @@ def table(sweep):
         second.digest: {"status": "done", "answers": {FORCE.label: None}, "wall_time_s": 3.0},
         third.digest: {"status": "failed", "answers": {}, "reason": "sank"},
     }
-    return results_table(sweep, sweep.planned, found)
+    return results_table(sweep, found)
 
 
 def test_every_run_has_a_row_with_what_became_of_it(table):
@@ -81,7 +81,7 @@ def test_a_grid_is_a_dataset_over_what_varies(sweep, table, tmp_path):
 def test_other_designs_are_a_dataset_over_runs():
     vary = (Vary(key=STIFFNESS, low=1e7, high=2e7), Vary(key=DAMPING, low=1e4, high=2e4))
     sweep = small_sweep(vary=vary, design="latin_hypercube", runs=3)
-    dataset = results_dataset(sweep, results_table(sweep, sweep.planned, {}))
+    dataset = results_dataset(sweep, results_table(sweep, {}))
     assert dataset[FORCE.label].dims == ("run",)
     assert dataset.spring_stiffness.values.tolist() == [row[0] for row in sweep.rows]
 

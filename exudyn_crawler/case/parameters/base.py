@@ -143,10 +143,8 @@ class Parameters(BaseModel):
         # of its pairs: a class may have a property `keys`
         changed = dict(iter(self)) | values
         for path, value in (changes or {}).items():
-            try:
+            with fields.errors_at(path):
                 changed = fields.with_value(changed, fields.parse_path(path), value, type(self))
-            except ValueError as error:
-                raise ParameterError(f"{path}: {error}") from None
         return type(self)(**changed)
 
     def _repr_html_(self) -> str:

@@ -15,7 +15,7 @@ class PairContact(Parameters):
     """One contact a volume in which shoe and unit overlap: ADAMS IMPACT, Coulomb friction (`ground.laws`)."""
 
     model: Literal["pair"] = Field(
-        default="pair", description="pair: one contact a pair of shoe and unit; spheres: for uneven ground"
+        "pair", description="pair: one contact a pair of shoe and unit; spheres: for uneven ground"
     )
     stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness k")
     exponent: base.Exponent = quantity("1", "exponent e of the penetration", (1.0, 3.0))
@@ -29,7 +29,7 @@ class PairContact(Parameters):
     friction_speed: float = quantity("m/s", "V_d", (1e-4, 2.0), ge=1e-9, le=1000)
     sharing: Literal["pair", "area"] = Field(
         description="what of the law a pair of shoe and unit has: all of it, however little they overlap, or "
-        "the part of the shoe's underside that is on the unit",
+        "the part of the shoe's underside that is on the unit"
     )
     edge_width: float = quantity(
         "m",
@@ -40,13 +40,13 @@ class PairContact(Parameters):
         le=100,
     )
     normal: Literal["face", "area"] = Field(
-        default="face",
+        "face",
         description="direction of the normal force: that of the unit's top face, or of the area vector of "
         "all faces of the unit within the shoe, which leans where the unit's edge is under the shoe; for "
         "units at least as large as a shoe",
     )
     penetration: Literal["centroid", "closest"] = Field(
-        default="centroid",
+        "centroid",
         description="depth at the centroid of the overlap, or the distance of the closest points of both "
         "surfaces there, which is less where the overlap is a strip narrower than deep",
     )
@@ -88,7 +88,7 @@ class SphereContact(Parameters):
     """
 
     model: Literal["spheres"] = Field(
-        default="spheres", description="spheres: for uneven ground; pair: one contact a pair of shoe and unit"
+        "spheres", description="spheres: for uneven ground; pair: one contact a pair of shoe and unit"
     )
     spheres_x: int = quantity("1", "spheres along a shoe; two are needed to balance it", ge=2, le=100)
     spheres_y: int = quantity("1", "spheres across a shoe; two are needed to balance it", ge=2, le=100)

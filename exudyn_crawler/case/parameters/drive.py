@@ -94,7 +94,7 @@ class Drive(Parameters):
         default=None,
     )
     point: Literal["com node", "front pins", "frame"] = Field(
-        default="com node",
+        "com node",
         description="what of the front shoe has the speed. com node: the mesh node nearest to "
         "`flexible.com_node`, or the COM of a rigid shoe; front pins: the middle of its two front joint "
         "centres; frame: the shoe as a whole, which spreads the force over a flexible shoe like a weight",

@@ -6,11 +6,14 @@ import math
 import re
 import typing
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import UnionType
 from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
+
+from exudyn_crawler.errors import ParameterError
 
 KeyPath = tuple[int | str, ...]
 """Names and numbers on the way to a value: ("loads", "phases", 2, "end")."""
@@ -92,6 +95,15 @@ def with_change(
 def with_value(values: Any, path: KeyPath, value: Any, kind: type[BaseModel] | None = None) -> Any:
     """Copy with another value at a path; see `with_change`."""
     return with_change(values, path, lambda _before: value, kind)
+
+
+@contextmanager
+def errors_at(key: str) -> Iterator[None]:
+    """Name a path as it was written in what is wrong with it."""
+    try:
+        yield
+    except ValueError as error:
+        raise ParameterError(f"{key}: {error}") from error
 
 
 def beside(kind: type[BaseModel]) -> str:
@@ -213,8 +225,8 @@ def first_line(kind: type[BaseModel]) -> str:
 
 def value_text(value: object) -> str:
     """Value for reading; equal numbers once."""
-    if isinstance(value, tuple):
-        if len(value) > 3 and len(set(value)) == 1:
+    if isinstance(value, tuple | list):
+        if len(value) > 3 and all(one == value[0] for one in value):
             return f"{len(value)} x {value_text(value[0])}"
         return ", ".join(value_text(one) for one in value)
     if isinstance(value, bool):

@@ -31,7 +31,7 @@ class FlexibleShoes(Parameters):
     fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0, le=10_000)
     recovered_modes: int = quantity("1", "fixed-interface modes that stress is made of", ge=0, le=10_000)
     load_surface: str = Field(
-        default="whole top",
+        "whole top",
         description="surface of the mesh that the machine load is spread over: whole top, plateau (without "
         "the wings), rails, or another that the mesh names",
     )
@@ -41,12 +41,12 @@ class FlexibleShoes(Parameters):
         default=(0.0, 0.0, 0.0),
     )
     load_mode: bool = Field(
-        default=False,
+        False,
         description="whether the static answer to the machine load joins both bases, which else lose what "
         "the load bends between the lowest modes",
     )
     static_fields: bool = Field(
-        default=True,
+        True,
         description="whether stress has, beside the modes, what the static answers to all loads have beyond "
         "theirs: no error of truncation but the inertia of left-out modes",
     )
@@ -59,7 +59,7 @@ class FlexibleShoes(Parameters):
         default=None,
     )
     modes: tuple[int, ...] | None = Field(
-        default=None, description="numbers (from 1) of the modes of the integrated basis that are kept"
+        None, description="numbers (from 1) of the modes of the integrated basis that are kept"
     )
     damping: StepProfile = quantity("1", "modal damping ratio over frequency (Hz, as times)", (0.0, 2.0))
 

@@ -82,7 +82,7 @@ class Shoe(Parameters):
     load_point: base.Three = quantity(
         "m", "centroid of the top face, where the machine load acts, in the shoe's frame", (-3.0, 3.0)
     )
-    rails: Rails | None = Field(default=None, description="rails that rollers roll on")
+    rails: Rails | None = Field(None, description="rails that rollers roll on")
 
     def _errors(self) -> Errors:
         sides, (low, high) = self.finger_sides, self.footprint[2:4]
