@@ -4,11 +4,10 @@ from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import undercarriage as rolled
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, quantity
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.contact import Contact, PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
@@ -28,32 +27,30 @@ class Case(Parameters):
         not stand on the terrain.
     """
 
-    name: Name = Field("case", description="name of the case in results and figures")
+    name: Name = option("name of the case in results and figures", "case")
     shoe: Shoe
     track: Track
     terrain: Terrain
-    contact: Contact = Field(description="how shoes and terrain touch: model pair or spheres")
+    contact: Contact = option("how shoes and terrain touch: model pair or spheres")
     drive: Drive
     loads: LoadCycle
     flexible: FlexibleShoes | None = None
     solver: Solver = Solver()
-    terrain_formulation: Literal["reduced", "constrained"] = Field(
-        "reduced", description="independent coordinates of the terrain, or all of them with its joints"
+    terrain_formulation: Literal["reduced", "constrained"] = option(
+        "independent coordinates of the terrain, or all of them with its joints", "reduced"
     )
-    formulation: Literal["compiled", "engine"] | None = Field(
-        None,
-        description="equations of motion: compiled for the whole track, or of Exudyn's own bodies, joints "
+    formulation: Literal["compiled", "engine"] | None = option(
+        "equations of motion: compiled for the whole track, or of Exudyn's own bodies, joints "
         "and contacts, the reference; None takes the compiled ones where they carry the case",
+        None,
     )
     gravity: float = quantity("m/s2", "on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY)
-    undercarriage: Undercarriage | None = Field(
-        None,
-        description="side frame that rolls over the shoes with the drive's speed; none: the drive drags the "
+    undercarriage: Undercarriage | None = option(
+        "side frame that rolls over the shoes with the drive's speed; none: the drive drags the "
         "front shoe, and the machine is a load on each",
+        None,
     )
-    machine: MachineCycle | None = Field(
-        None, description="what the machine does on the side frame; none: its weight alone"
-    )
+    machine: MachineCycle | None = option("what the machine does on the side frame; none: its weight", None)
 
     def _errors(self) -> Errors:
         count, shoe, terrain, contact = self.track.shoe_count, self.shoe, self.terrain, self.contact

@@ -6,12 +6,12 @@ from functools import partial
 from typing import Annotated, Literal, NamedTuple, SupportsFloat
 
 import tomlkit
-from pydantic import BaseModel, Field
+from pydantic import BaseModel
 
 import meshes
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Errors, Parameters, quantity, shown
+from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity, shown
 from exudyn_crawler.case.parameters.drive import StepProfile
 from meshes.geometry import VOLUMES
 
@@ -97,19 +97,13 @@ def machine_memory() -> float:
 class Outputs(Parameters):
     """What a run leaves beside its history, whose interval is `solver.output_interval`."""
 
-    figures: bool = Field(True, description="whether curves of kinematics and forces are drawn")
-    pictures: bool = Field(
-        True, description="whether flexible shoes are drawn with their stress at the chosen times"
-    )
-    paraview: bool = Field(
-        True, description="whether their stress is written for ParaView, at the chosen times and highest"
-    )
-    figure_format: Literal["png", "pdf", "svg"] = Field(
-        "png", description="of the figures; pictures of stress are png"
-    )
-    tables: bool = Field(True, description="whether extremes and loads are written as CSV")
-    animation: bool = Field(False, description="whether the track is animated (mp4)")
-    forces: bool = Field(True, description="whether forces derived from the history are written")
+    figures: bool = option("whether curves of kinematics and forces are drawn", True)
+    pictures: bool = option("whether flexible shoes are drawn with their stress at the chosen times", True)
+    paraview: bool = option("whether their stress is written for ParaView, then and where highest", True)
+    figure_format: Literal["png", "pdf", "svg"] = option("of the figures; pictures of stress are png", "png")
+    tables: bool = option("whether extremes and loads are written as CSV", True)
+    animation: bool = option("whether the track is animated (mp4)", False)
+    forces: bool = option("whether forces derived from the history are written", True)
     picture_times: tuple[float, ...] | None = quantity(
         "s",
         "times at which the stress of flexible shoes is kept whole and drawn, beside that of the highest; "
@@ -117,9 +111,7 @@ class Outputs(Parameters):
         min_length=1,
         default=None,
     )
-    shoes: tuple[int, ...] | None = Field(
-        None, description="numbers of the shoes that are drawn; none: five along the track", min_length=1
-    )
+    shoes: tuple[int, ...] | None = option("that are drawn; none: five along the track", None, min_length=1)
 
     def _errors(self) -> Errors:
         if self.shoes is not None and list(self.shoes) != sorted(set(self.shoes)):

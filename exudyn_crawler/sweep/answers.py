@@ -9,7 +9,7 @@ import xarray as xr
 from pydantic import Field, TypeAdapter
 
 from exudyn_crawler.case import Case, CaseFile
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option
 from exudyn_crawler.case.parameters.base import quantity as measured
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
@@ -41,10 +41,8 @@ class AnyAnswer(Parameters):
     where a run has none.
     """
 
-    name: Name | None = Field(None, description="column of the table; made of the rest, if not given")
-    better: Literal["less", "more"] = Field(
-        "less", description="which runs are the best ones: those with less or with more of it"
-    )
+    name: Name | None = option("column of the table; made of the rest, if not given", None)
+    better: Literal["less", "more"] = option("which runs are best: with less or with more of it", "less")
 
     _default_label: ClassVar[Any]
 
@@ -70,16 +68,13 @@ class Answer(AnyAnswer):
     """
 
     model: Literal["quantity"] = "quantity"
-    quantity: str = Field(description="name in the catalogue, such as joint_force")
-    statistic: Statistic = Field(
-        "greatest",
-        description="greatest, least, largest (in magnitude), mean, rms, range, or end: the mean at the end",
+    quantity: str = option("name in the catalogue, such as joint_force")
+    statistic: Statistic = option(
+        "greatest, least, largest (in magnitude), mean, rms, range, or end: the mean at the end", "greatest"
     )
-    axis: Literal["x", "y", "z"] | None = Field(
-        None, description="component of a vector, global; its length, if not given"
-    )
-    of: tuple[int, ...] | None = Field(
-        None, description="numbers of the shoes, links or units; all, if not given", min_length=1
+    axis: Literal["x", "y", "z"] | None = option("of a vector, global; its length, if not given", None)
+    of: tuple[int, ...] | None = option(
+        "numbers of shoes, links or units; all, if not given", None, min_length=1
     )
     start: float = measured("s", "first time that counts", ge=0, default=0.0)
     end: float | None = measured("s", "last time that counts; the run's end, if not given", default=None)
@@ -149,8 +144,8 @@ class HotSpot(AnyAnswer):
     """Von Mises stress of a hot spot of a flexible shoe over the run."""
 
     model: Literal["hot_spot"] = "hot_spot"
-    shoe: int = Field(description="number of the shoe")
-    rank: int = Field(1, ge=1, le=HOT_SPOTS, description="1: the hottest")
+    shoe: int = option("number of the shoe")
+    rank: int = option("1: the hottest", 1, ge=1, le=HOT_SPOTS)
 
     unit: ClassVar[str] = "Pa"
 
@@ -180,13 +175,9 @@ class Life(AnyAnswer, Damage, Often):
     """Shortest life of the flexible shoes where all machine hours are like the run, or as a share of them."""
 
     model: Literal["life"] = "life"
-    better: Literal["less", "more"] = Field(
-        "more", description="which runs are the best ones: those with less or with more of it"
-    )
-    region: Region | None = Field(
-        None, description="part of the shoe whose shortest life counts; all, if not given"
-    )
-    survival: Survival = Field(0.975, description="part of the shoes that survive it")
+    better: Literal["less", "more"] = option("which runs are best: with less or with more of it", "more")
+    region: Region | None = option("part of the shoe whose shortest life counts; all, if not given", None)
+    survival: Survival = option("part of the shoes that survive it", 0.975)
     unit: ClassVar[str] = "h"
 
     def _errors(self) -> Errors:

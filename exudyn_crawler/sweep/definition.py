@@ -14,13 +14,12 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from pydantic import Field
 from scipy.stats import qmc
 
 from exudyn_crawler.case import CaseFile, Outputs
 from exudyn_crawler.case.files import case_of
 from exudyn_crawler.case.parameters import checks
-from exudyn_crawler.case.parameters.base import Errors, Parameters
+from exudyn_crawler.case.parameters.base import Errors, Parameters, option
 from exudyn_crawler.case.parameters.reading import Content, read_parameters, with_base
 from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import Answers
@@ -57,14 +56,12 @@ class Sweep(Parameters):
     """
 
     case: CaseFile
-    vary: tuple[Vary, ...] = Field(min_length=1, description="what varies")
-    answers: tuple[Answers, ...] = Field(min_length=1, description="what is wanted of every run")
-    design: Design = Field("grid", description="grid, list, latin_hypercube, sobol or saltelli")
-    runs: int | None = Field(
-        None, ge=1, le=MOST_RUNS, description="points that latin_hypercube, sobol and saltelli draw"
-    )
-    seed: int = Field(1, ge=0, le=2**32 - 1, description="of the random numbers")
-    outputs: Outputs = Field(LIGHT, description="what every run leaves, whatever its case says")
+    vary: tuple[Vary, ...] = option("what varies", min_length=1)
+    answers: tuple[Answers, ...] = option("what is wanted of every run", min_length=1)
+    design: Design = option("grid, list, latin_hypercube, sobol or saltelli", "grid")
+    runs: int | None = option("points that latin_hypercube, sobol or saltelli draw", None, ge=1, le=MOST_RUNS)
+    seed: int = option("of the random numbers", 1, ge=0, le=2**32 - 1)
+    outputs: Outputs = option("what every run leaves, whatever its case says", LIGHT)
 
     def _errors(self) -> Errors:
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]

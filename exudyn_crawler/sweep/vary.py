@@ -10,7 +10,7 @@ from pydantic import Field, ValidationError
 
 from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.parameters import fields
-from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, error_lines, shown
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, error_lines, option, shown
 from exudyn_crawler.case.parameters.loads import with_equal_loads
 from exudyn_crawler.case.parameters.reading import from_content
 
@@ -44,25 +44,23 @@ def checked_case(content: dict[str, Any]) -> CaseFile:
 class Vary(Parameters):
     """A value of the case that varies from run to run, or several that change together."""
 
-    key: Key | tuple[Key, ...] = Field(
-        description="path of the value, such as terrain.spring_stiffness; loads.phases[*].loads means all "
+    key: Key | tuple[Key, ...] = option(
+        "path of the value, such as terrain.spring_stiffness; loads.phases[*].loads means all "
         "phases; several paths have the same value or factor"
     )
-    name: Name | None = Field(None, description="column of the table; the path's end, if not given")
-    unit: str | None = Field(None, description="of values and bounds, to be sure: that of the case")
-    values: tuple[Any, ...] | None = Field(None, description="all values, in place of bounds")
-    settings: tuple[Puts, ...] | None = Field(
-        None,
-        description="what each of the values stands for: one of each path, in their order; the values then "
+    name: Name | None = option("column of the table; the path's end, if not given", None)
+    unit: str | None = option("of values and bounds, to be sure: that of the case", None)
+    values: tuple[Any, ...] | None = option("all values, in place of bounds", None)
+    settings: tuple[Puts, ...] | None = option(
+        "what each of the values stands for: one of each path, in their order; the values then "
         "are what tables and axes show, in `unit`",
+        None,
     )
-    low: float | None = Field(None, description="least value")
-    high: float | None = Field(None, description="greatest value")
-    count: int | None = Field(None, ge=2, le=1_000_000, description="values of a grid between bounds")
-    scale: Literal["linear", "log"] = Field(
-        "linear", description="whether equal steps or equal ratios lie between bounds"
-    )
-    factor: bool = Field(False, description="whether values and bounds multiply what the base has")
+    low: float | None = option("least value", None)
+    high: float | None = option("greatest value", None)
+    count: int | None = option("values of a grid between bounds", None, ge=2, le=1_000_000)
+    scale: Literal["linear", "log"] = option("whether steps or ratios between bounds are equal", "linear")
+    factor: bool = option("whether values and bounds multiply what the base has", False)
 
     def _errors(self) -> Errors:
         for path in self.keys:

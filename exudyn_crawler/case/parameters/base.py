@@ -9,7 +9,7 @@ import numpy as np
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
-from pydantic_core import ErrorDetails
+from pydantic_core import ErrorDetails, PydanticUndefined
 
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.errors import ParameterError
@@ -85,6 +85,11 @@ def quantity(unit: str, description: str, plausible: tuple[float, float] | None 
     if plausible is not None:
         extra["plausible"] = list(plausible)
     return Field(description=description, json_schema_extra=extra, **bounds)
+
+
+def option(description: str, default: Any = PydanticUndefined, **bounds: Any) -> Any:
+    """Pydantic field of what is no quantity."""
+    return Field(default, description=description, **bounds)
 
 
 class Parameters(BaseModel):

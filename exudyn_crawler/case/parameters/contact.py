@@ -8,14 +8,14 @@ from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
-from exudyn_crawler.case.parameters.base import Errors, Parameters, quantity
+from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 
 
 class PairContact(Parameters):
     """One contact a volume in which shoe and unit overlap: ADAMS IMPACT, Coulomb friction (`ground.laws`)."""
 
-    model: Literal["pair"] = Field(
-        "pair", description="pair: one contact a pair of shoe and unit; spheres: for uneven ground"
+    model: Literal["pair"] = option(
+        "pair: one contact a pair of shoe and unit; spheres: for uneven ground", "pair"
     )
     stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness k")
     exponent: base.Exponent = quantity("1", "exponent e of the penetration", (1.0, 3.0))
@@ -27,8 +27,8 @@ class PairContact(Parameters):
     )
     stiction_speed: base.Speed = quantity("m/s", "V_st", (1e-5, 0.2))
     friction_speed: float = quantity("m/s", "V_d", (1e-4, 2.0), ge=1e-9, le=1000)
-    sharing: Literal["pair", "area"] = Field(
-        description="what of the law a pair of shoe and unit has: all of it, however little they overlap, or "
+    sharing: Literal["pair", "area"] = option(
+        "what of the law a pair of shoe and unit has: all of it, however little they overlap, or "
         "the part of the shoe's underside that is on the unit"
     )
     edge_width: float = quantity(
@@ -39,16 +39,16 @@ class PairContact(Parameters):
         ge=1e-9,
         le=100,
     )
-    normal: Literal["face", "area"] = Field(
-        "face",
-        description="direction of the normal force: that of the unit's top face, or of the area vector of "
+    normal: Literal["face", "area"] = option(
+        "direction of the normal force: that of the unit's top face, or of the area vector of "
         "all faces of the unit within the shoe, which leans where the unit's edge is under the shoe; for "
         "units at least as large as a shoe",
+        "face",
     )
-    penetration: Literal["centroid", "closest"] = Field(
-        "centroid",
-        description="depth at the centroid of the overlap, or the distance of the closest points of both "
+    penetration: Literal["centroid", "closest"] = option(
+        "depth at the centroid of the overlap, or the distance of the closest points of both "
         "surfaces there, which is less where the overlap is a strip narrower than deep",
+        "centroid",
     )
 
     def _errors(self) -> Errors:
@@ -87,8 +87,8 @@ class SphereContact(Parameters):
     coefficient.
     """
 
-    model: Literal["spheres"] = Field(
-        "spheres", description="spheres: for uneven ground; pair: one contact a pair of shoe and unit"
+    model: Literal["spheres"] = option(
+        "spheres: for uneven ground; pair: one contact a pair of shoe and unit", "spheres"
     )
     spheres_x: int = quantity("1", "spheres along a shoe; two are needed to balance it", ge=2, le=100)
     spheres_y: int = quantity("1", "spheres across a shoe; two are needed to balance it", ge=2, le=100)

@@ -5,10 +5,9 @@ from typing import ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Component, Errors, Parameters, TimeStep, quantity
+from exudyn_crawler.case.parameters.base import Component, Errors, Parameters, TimeStep, option, quantity
 
 SAME_TIME = 1e-9  # relative difference below which two times are the same
 FASTEST = 100.0  # m/s and rad/s: no track is as fast, and nothing of it could be integrated
@@ -23,8 +22,8 @@ class StepProfile(Parameters):
 
     is_value: ClassVar[bool] = True
 
-    times: tuple[float, ...] = Field(min_length=1, description="increasing times, s")
-    values: tuple[Component, ...] = Field(min_length=1, description="value at each time")
+    times: tuple[float, ...] = option("increasing times, s", min_length=1)
+    values: tuple[Component, ...] = option("value at each time", min_length=1)
 
     def _errors(self) -> Errors:
         if len(self.times) != len(self.values):
@@ -93,11 +92,11 @@ class Drive(Parameters):
         "times from and to which the drive moves the front shoe, free otherwise; None: always",
         default=None,
     )
-    point: Literal["com node", "front pins", "frame"] = Field(
-        "com node",
-        description="what of the front shoe has the speed. com node: the mesh node nearest to "
+    point: Literal["com node", "front pins", "frame"] = option(
+        "what of the front shoe has the speed. com node: the mesh node nearest to "
         "`flexible.com_node`, or the COM of a rigid shoe; front pins: the middle of its two front joint "
         "centres; frame: the shoe as a whole, which spreads the force over a flexible shoe like a weight",
+        "com node",
     )
 
     def _errors(self) -> Errors:

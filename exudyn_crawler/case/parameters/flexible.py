@@ -3,10 +3,8 @@
 import re
 from typing import Self
 
-from pydantic import Field
-
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Density, Errors, Parameters, Three, quantity
+from exudyn_crawler.case.parameters.base import Density, Errors, Parameters, Three, option, quantity
 from exudyn_crawler.case.parameters.drive import StepProfile
 
 PAPER_DAMPING = StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph4100c.DAMPING_RATIOS)
@@ -23,32 +21,32 @@ SHOWN_DIGITS = 20
 class FlexibleShoes(Parameters):
     """Which shoes are flexible, and the finite-element model that all of them share."""
 
-    shoes: tuple[int, ...] = Field(min_length=1, description="numbers of the flexible shoes")
-    mesh: str = Field(description="coarse, study or fine, or the path of a mesh with the same surfaces")
+    shoes: tuple[int, ...] = option("numbers of the flexible shoes", min_length=1)
+    mesh: str = option("coarse, study or fine, or the path of a mesh with the same surfaces")
     youngs_modulus: float = quantity("Pa", "E", (5e10, 5e11), ge=1.0, le=1e15)
     poissons_ratio: float = quantity("1", "nu", (0.0, 0.45), gt=-1, lt=0.5)
     density: Density = quantity("kg/m3", "density", (1000.0, 2e4))
     fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0, le=10_000)
     recovered_modes: int = quantity("1", "fixed-interface modes that stress is made of", ge=0, le=10_000)
-    load_surface: str = Field(
-        "whole top",
-        description="surface of the mesh that the machine load is spread over: whole top, plateau (without "
+    load_surface: str = option(
+        "surface of the mesh that the machine load is spread over: whole top, plateau (without "
         "the wings), rails, or another that the mesh names",
+        "whole top",
     )
     com_node: Three = quantity(
         "m",
-        "the drive may move the mesh node nearest to this place, in the shoe's frame",
+        "where in the shoe's frame the nearest mesh node is that a drive may move",
         default=(0.0, 0.0, 0.0),
     )
-    load_mode: bool = Field(
-        False,
-        description="whether the static answer to the machine load joins both bases, which else lose what "
+    load_mode: bool = option(
+        "whether the static answer to the machine load joins both bases, which else lose what "
         "the load bends between the lowest modes",
+        False,
     )
-    static_fields: bool = Field(
-        True,
-        description="whether stress has, beside the modes, what the static answers to all loads have beyond "
+    static_fields: bool = option(
+        "whether stress has, beside the modes, what the static answers to all loads have beyond "
         "theirs: no error of truncation but the inertia of left-out modes",
+        True,
     )
     highest_frequency: float | None = quantity(
         "Hz",
@@ -58,8 +56,8 @@ class FlexibleShoes(Parameters):
         le=1e12,
         default=None,
     )
-    modes: tuple[int, ...] | None = Field(
-        None, description="numbers (from 1) of the modes of the integrated basis that are kept"
+    modes: tuple[int, ...] | None = option(
+        "numbers (from 1) of the modes of the integrated basis that are kept", None
     )
     damping: StepProfile = quantity("1", "modal damping ratio over frequency (Hz, as times)", (0.0, 2.0))
 

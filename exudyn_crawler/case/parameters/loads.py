@@ -10,7 +10,7 @@ from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import reading
-from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, quantity
+from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.drive import StepProfile
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class PhaseEnd(Parameters):
     """Part of a cycle, which says what acts at its end."""
 
-    name: Name = Field(description="name of the phase")
+    name: Name = option("name of the phase")
     end: float = quantity("s", "time at which the phase ends", ge=0, le=1e9)
 
 

@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
-from exudyn_crawler.case.parameters.base import Errors, Length, Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import Errors, Length, Parameters, Place, option, quantity
 
 if TYPE_CHECKING:
     from fem import Mesh
@@ -82,7 +81,7 @@ class Shoe(Parameters):
     load_point: base.Three = quantity(
         "m", "centroid of the top face, where the machine load acts, in the shoe's frame", (-3.0, 3.0)
     )
-    rails: Rails | None = Field(None, description="rails that rollers roll on")
+    rails: Rails | None = option("rails that rollers roll on", None)
 
     def _errors(self) -> Errors:
         sides, (low, high) = self.finger_sides, self.footprint[2:4]
