@@ -22,22 +22,18 @@ class PairContact(Parameters):
     damping: base.Damping = quantity("N s/m", "greatest damping coefficient c_max", (0.0, 1e8))
     damping_depth: base.Depth = quantity("m", "penetration d at which the damping is full", (1e-6, 0.02))
     static_friction: base.Coefficient = quantity("1", "coefficient mu_s at the stiction speed", (0.0, 1.5))
-    dynamic_friction: base.Coefficient = quantity(
-        "1", "coefficient mu_d above the friction speed", (0.0, 1.5)
-    )
+    dynamic_friction: base.Coefficient = quantity("1", "mu_d beyond the friction speed", (0.0, 1.5))
     stiction_speed: base.Speed = quantity("m/s", "V_st", (1e-5, 0.2))
     friction_speed: float = quantity("m/s", "V_d", (1e-4, 2.0), ge=1e-9, le=1000)
     sharing: Literal["pair", "area"] = option(
         "what of the law a pair of shoe and unit has: all of it, however little they overlap, or "
         "the part of the shoe's underside that is on the unit"
     )
-    edge_width: float = quantity(
+    edge_width: base.Width = quantity(
         "m",
         "overlap width at which a pair has all of the law; with sharing 'pair' the force grows with STEP "
         "from zero, since that law knows no area and would jump when a shoe reaches a unit's edge",
         (1e-4, 0.5),
-        ge=1e-9,
-        le=100,
     )
     normal: Literal["face", "area"] = option(
         "direction of the normal force: that of the unit's top face, or of the area vector of "
@@ -93,18 +89,15 @@ class SphereContact(Parameters):
     spheres_x: int = quantity("1", "spheres along a shoe; two are needed to balance it", ge=2, le=100)
     spheres_y: int = quantity("1", "spheres across a shoe; two are needed to balance it", ge=2, le=100)
     radius: base.Length = quantity("m", "radius of the spheres", (0.02, 2.0))
-    reference_stiffness: base.Stiffness = quantity(
-        "N/m^exponent", "k of the IMPACT law by which a shoe settles as deep under the mean load"
-    )
+    reference_stiffness: base.Stiffness = quantity("N/m^exponent", "k of the IMPACT law that sets the depth")
     reference_exponent: base.Exponent = quantity("1", "exponent e of that law", (1.0, 3.0))
     damping: base.Damping = quantity("N s/m", "normal damping of all spheres of a shoe together", (0.0, 1e8))
     friction: base.Coefficient = quantity("1", "coefficient of friction", (0.0, 1.5))
     friction_speed: base.Speed = quantity("m/s", "slip speed at which friction is full", (1e-5, 0.2))
-    faces: Literal["whole", "drawn_back"] = quantity(
-        "",
+    faces: Literal["whole", "drawn_back"] = option(
         "whole: as large as the units, each of which pushes a sphere over their seam by its own law, as in "
         "the pair law; drawn_back: short of the seams, so that both push it about as hard as one would",
-        default="whole",
+        "whole",
     )
 
     @classmethod

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Component, Errors, Parameters, TimeStep, option, quantity
+from exudyn_crawler.case.parameters import base
+from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 
 SAME_TIME = 1e-9  # relative difference below which two times are the same
 FASTEST = 100.0  # m/s and rad/s: no track is as fast, and nothing of it could be integrated
@@ -23,7 +24,7 @@ class StepProfile(Parameters):
     is_value: ClassVar[bool] = True
 
     times: tuple[float, ...] = option("increasing times, s", min_length=1)
-    values: tuple[Component, ...] = option("value at each time", min_length=1)
+    values: tuple[base.Component, ...] = option("value at each time", min_length=1)
 
     def _errors(self) -> Errors:
         if len(self.times) != len(self.values):
@@ -85,12 +86,10 @@ class Drive(Parameters):
 
     speed: StepProfile = quantity("m/s", "velocity along global x", (-1.5, 1.5))
     turn_rate: StepProfile | None = quantity(
-        "rad/s", "angular velocity about the shoe's z axis; None leaves it free", (-0.2, 0.2), default=None
+        "rad/s", "about its z axis; None: free", (-0.2, 0.2), default=None
     )
     on: tuple[tuple[float, float], ...] | None = quantity(
-        "s",
-        "times from and to which the drive moves the front shoe, free otherwise; None: always",
-        default=None,
+        "s", "times from and to which the drive moves the front shoe, free else; None: always", default=None
     )
     point: Literal["com node", "front pins", "frame"] = option(
         "what of the front shoe has the speed. com node: the mesh node nearest to "
@@ -172,30 +171,17 @@ def _risen(value: float) -> StepProfile:
 class Solver(Parameters):
     """Implicit generalized-alpha integration; `docs/validation.md` shows what the defaults cost."""
 
-    step: TimeStep = quantity("s", "time step", (1e-5, 0.02), default=2.0e-3)
-    quiet_step: TimeStep = quantity(
-        "s", "longer one, 1 s after the drive went off", (1e-5, 0.1), default=0.01
-    )
+    step: base.TimeStep = quantity("s", "time step", (1e-5, 0.02), default=2.0e-3)
+    quiet_step: base.TimeStep = quantity("s", "step 1 s after the drive went off", (1e-5, 0.1), default=0.01)
     minimum_step: float = quantity("s", "least step tried before giving up", ge=1e-15, le=10, default=1.0e-6)
-    residual: float = quantity(
-        "N", "rms that ends Newton's method", (1e-6, 50.0), ge=1e-12, le=1e9, default=0.2
-    )
+    residual: float = quantity("N", "rms to end Newton's method", (1e-6, 50.0), ge=1e-12, le=1e9, default=0.2)
     maximum_iterations: int = quantity("1", "iterations before a step is halved", ge=2, le=10_000, default=40)
-    spectral_radius: float = quantity(
-        "1", "of the integration at infinite frequency: less damps more", gt=0, lt=1, default=0.6
-    )
-    output_interval: float = quantity(
+    spectral_radius: float = quantity("1", "at infinite frequency: less damps more", gt=0, lt=1, default=0.6)
+    output_interval: base.Interval = quantity("s", "between stored states; at least a step", default=2.0e-3)
+    checkpoint_interval: base.Interval = quantity(
         "s",
-        "time between stored states; every step where it is not longer than one",
-        ge=1e-9,
-        le=1e9,
-        default=2.0e-3,
-    )
-    checkpoint_interval: float = quantity(
-        "s",
-        "the integration starts anew from its state at every multiple of this, where a killed run goes on",
+        "between states from which the integration, or a killed run, starts anew",
         ge=1e-3,
-        le=1e9,
         default=1.0,
     )
 

@@ -34,9 +34,7 @@ class FlexibleShoes(Parameters):
         "whole top",
     )
     com_node: Three = quantity(
-        "m",
-        "where in the shoe's frame the nearest mesh node is that a drive may move",
-        default=(0.0, 0.0, 0.0),
+        "m", "place in the shoe's frame whose nearest mesh node a drive may move", default=(0.0, 0.0, 0.0)
     )
     load_mode: bool = option(
         "whether the static answer to the machine load joins both bases, which else lose what "
@@ -49,12 +47,7 @@ class FlexibleShoes(Parameters):
         True,
     )
     highest_frequency: float | None = quantity(
-        "Hz",
-        "modes of the integrated basis above this are left out",
-        (50.0, 1e6),
-        gt=0,
-        le=1e12,
-        default=None,
+        "Hz", "above which integrated modes are left out", (50.0, 1e6), gt=0, le=1e12, default=None
     )
     modes: tuple[int, ...] | None = option(
         "numbers (from 1) of the modes of the integrated basis that are kept", None

@@ -48,9 +48,7 @@ class Phase(PhaseEnd):
     """Part of a load cycle: the load on every shoe at its end, and where across the shoes it acts."""
 
     loads: tuple[Load, ...] = quantity("N", "downward load on shoes 1..n at the phase's end", min_length=1)
-    side_shift: float = quantity(
-        "m", "how far to the left (+y) loads act at its end", (-1.0, 1.0), ge=-10, le=10, default=0.0
-    )
+    side_shift: float = quantity("m", "how far left (+y) loads act", (-1.0, 1.0), ge=-10, le=10, default=0.0)
 
 
 class LoadCycle(Cycle):

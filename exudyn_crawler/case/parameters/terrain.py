@@ -21,7 +21,7 @@ class Terrain(Parameters):
     directions are in the ground's own axes: on a slope gravity leans, and z stays normal to the ground.
     """
 
-    origin: Two = quantity("m", "x and y of the corner of the top face at unit 1, global", default=(0.0, 0.0))
+    origin: Two = quantity("m", "global x and y of the corner of the top face at unit 1", default=(0.0, 0.0))
     columns: int = quantity("1", "units along x", ge=1, le=10_000)
     rows: int = quantity("1", "units along y", ge=1, le=10_000)
     unit_length: float = quantity("m", "side of a unit in x", (0.1, 50.0), ge=1e-2, le=1e4)
@@ -31,9 +31,7 @@ class Terrain(Parameters):
     springs_per_unit: Literal[1, 2] = quantity("1", "vertical spring-dampers under each unit")
     spring_stiffness: float = quantity("N/m", "stiffness of each spring", (1e5, 1e11), ge=1.0, le=1e15)
     spring_damping: float = quantity("N s/m", "damping of each spring-damper", (0.0, 1e10), ge=0, le=1e15)
-    spring_offset: float = quantity(
-        "m", "distance of each of two springs from the unit's centre, across the tilt axis", ge=0, le=1e4
-    )
+    spring_offset: float = quantity("m", "of each of two springs from the unit's centre", ge=0, le=1e4)
     column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
     tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
     grade: Slope = quantity("1", "rise over horizontal run along x; + is uphill", (-0.3, 0.3), default=0.0)

@@ -63,24 +63,13 @@ class Shoe(Parameters):
     length: Length = quantity("m", "length of the flat underside in x", (0.1, 2.0))
     width: Length = quantity("m", "width of the flat underside in y", (0.2, 6.0))
     underside_center: base.Two = quantity("m", "x and y of the underside's centre in its frame", (-1.0, 1.0))
-    finger_length: float = quantity(
-        "m",
-        "length of the fingers at the underside's rear edge, which lie between the front lugs of the shoe "
-        "behind; 0: an edge without fingers",
-        (0.0, 0.5),
-        ge=0,
-        le=100,
-        default=0.0,
+    finger_length: base.Extent = quantity(
+        "m", "of the rear fingers between the front lugs of the shoe behind; 0: none", (0.0, 0.5), default=0.0
     )
     finger_sides: tuple[Place, ...] = quantity(
-        "m",
-        "y of the right and the left side of every finger in the shoe's frame, from right to left",
-        (-3.0, 3.0),
-        default=(),
+        "m", "y of the right and left side of every finger, from right to left", (-3.0, 3.0), default=()
     )
-    load_point: base.Three = quantity(
-        "m", "centroid of the top face, where the machine load acts, in the shoe's frame", (-3.0, 3.0)
-    )
+    load_point: base.Three = quantity("m", "where the load acts: the top face's centroid", (-3.0, 3.0))
     rails: Rails | None = option("rails that rollers roll on", None)
 
     def _errors(self) -> Errors:

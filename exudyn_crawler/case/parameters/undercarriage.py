@@ -36,17 +36,13 @@ class Undercarriage(Parameters):
     rollers: tuple[base.Roller, ...] = quantity("m", "x of the rollers' axes, rear to front", min_length=2)
     radius: float = quantity("m", "radius of the treads", (0.05, 1.5), ge=1e-2, le=100)
     tread_width: base.Length = quantity("m", "width of each tread, in the middle of its rail", (0.02, 1.0))
-    strips: Literal[1, 2] = quantity(
-        "1", "strips of a tread, which share its load on a tilted rail", default=2
-    )
+    strips: Literal[1, 2] = quantity("1", "of a tread, which share its load on a tilted rail", default=2)
     stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of tread on rail", (1e7, 1e12))
     exponent: base.Exponent = quantity("1", "exponent of the depth", (1.0, 1.6), default=1.0)
     damping: base.Damping = quantity("N s/m", "greatest damping of a tread", (0.0, 1e8))
     damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
     rolling_resistance: base.Coefficient = quantity("1", "of a roller over its normal force", (0.0, 0.2))
-    resistance_speed: base.Speed = quantity(
-        "m/s", "travel at which the resistance has 0.7 of its value, nothing at rest", (1e-5, 0.1)
-    )
+    resistance_speed: base.Speed = quantity("m/s", "at which it has 0.7 of its value, 0 at rest", (1e-5, 0.1))
     tumbler: Place = quantity("m", "x where the drive tumbler pulls the chain", (-20.0, 20.0))
     end_tension: float = quantity("N", "pull on the chain's ends", (0.0, 5e6), ge=0, le=1e10, default=0.0)
 
