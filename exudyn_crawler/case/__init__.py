@@ -1,8 +1,7 @@
 """What a run depends on, as frozen and validated data classes in SI units.
 
-`Case` holds all of it; its parts can be made one by one, copied with changes (`with_`) and compared.
-Values of the P&H 4100C and of the papers are named constructors of the class they fill; the numbers stand in
-`ph4100c`.
+`Case` holds all of it; its parts can be made one by one, copied with changes (`with_`) and compared. Numbers
+of the P&H 4100C and of the papers, in `ph4100c`, fill the classes by their named constructors.
 """
 
 from exudyn_crawler.case.case import Case as Case

@@ -137,8 +137,11 @@ def _resolved(content: Content, folder: Path, changes: Sequence[_Change] = ()) -
     of_items = [change for change in changes if len(fields.names_of(change.path)) < len(change.path)]
     for change in changes:
         content = content if change in of_items else change.made_in(content)
-    cycle = _cycle_file(content.get("loads"), folder)
-    if cycle is not None:
+    loads, cycle = content.get("loads"), None
+    if isinstance(loads, dict) and CYCLE in loads:
+        if len(loads) > 1 or not isinstance(loads[CYCLE], str):
+            raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {loads!r}")
+        cycle = folder / loads[CYCLE]
         try:
             content["loads"] = cycle_content(cycle)
         except OSError as error:
@@ -151,18 +154,13 @@ def _resolved(content: Content, folder: Path, changes: Sequence[_Change] = ()) -
         content = change.made_in(content, CaseFile)
         _spread_equal_loads(content["case"])
     flexible = content["case"].get("flexible")
-    if isinstance(flexible, dict) and isinstance(flexible.get("mesh"), str):
-        flexible["mesh"] = _mesh(flexible["mesh"], folder)
+    name = flexible.get("mesh") if isinstance(flexible, dict) else None
+    if isinstance(name, str) and name not in SHOE_SIZES:
+        # for any text, where Path.is_file raises
+        if not os.path.isfile(folder / name):
+            raise ValueError(f"flexible.mesh: neither one of {', '.join(SHOE_SIZES)} nor a file: {name!r}")
+        flexible["mesh"] = str((folder / name).resolve())
     return content
-
-
-def _cycle_file(loads: object, folder: Path) -> Path | None:
-    """File of the cycle that a table of the loads names."""
-    if not isinstance(loads, dict) or CYCLE not in loads:
-        return None
-    if len(loads) > 1 or not isinstance(loads[CYCLE], str):
-        raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {loads!r}")
-    return folder / loads[CYCLE]
 
 
 def _spread_equal_loads(case: Content) -> bool:
@@ -173,12 +171,3 @@ def _spread_equal_loads(case: Content) -> bool:
         return False
     case["loads"] = with_equal_loads(case["loads"], count)
     return True
-
-
-def _mesh(name: str, folder: Path) -> str:
-    if name in SHOE_SIZES:
-        return name
-    # for any text, where Path.is_file raises
-    if not os.path.isfile(folder / name):
-        raise ValueError(f"flexible.mesh: neither one of {', '.join(SHOE_SIZES)} nor a file: {name!r}")
-    return str((folder / name).resolve())

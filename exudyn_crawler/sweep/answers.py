@@ -73,9 +73,7 @@ class Answer(AnyAnswer):
         "greatest, least, largest (in magnitude), mean, rms, range, or end: the mean at the end", "greatest"
     )
     axis: Literal["x", "y", "z"] | None = option("of a vector, global; its length, if not given", None)
-    of: tuple[int, ...] | None = option(
-        "numbers of shoes, links or units; all, if not given", None, min_length=1
-    )
+    of: tuple[int, ...] | None = option("of shoes, links or units; all, if not given", None, min_length=1)
     start: float = measured("s", "first time that counts", ge=0, default=0.0)
     end: float | None = measured("s", "last time that counts; the run's end, if not given", default=None)
 

@@ -167,8 +167,10 @@ class Vary(Parameters):
             try:
                 checked_case(self.applied(content, value))
             except ValueError as error:
-                # whether values fit each other depends on what else varies
-                if not _only_together(error):
+                # whether values, each allowed, fit each other depends on what else varies
+                cause = error.__cause__
+                kinds = {one["type"] for one in cause.errors()} if isinstance(cause, ValidationError) else {}
+                if kinds != {"value_error"}:
                     raise
         if self.factor:
             after = content
@@ -192,12 +194,6 @@ class Vary(Parameters):
                     f"{path}: {value:g}{unit} is beyond what there is{cause}; if it is meant, say "
                     f"unit = {entry.unit!r}"
                 )
-
-
-def _only_together(error: ValueError) -> bool:
-    """Whether a case is refused for values that do not fit each other, each being allowed."""
-    cause = error.__cause__
-    return isinstance(cause, ValidationError) and all(one["type"] == "value_error" for one in cause.errors())
 
 
 def _multiplied(before: Any, factor: Any) -> Any:

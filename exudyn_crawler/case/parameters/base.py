@@ -2,7 +2,6 @@
 
 import difflib
 from collections.abc import Iterator, Mapping
-from html import escape
 from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
@@ -157,12 +156,11 @@ class Parameters(BaseModel):
 
     def _repr_html_(self) -> str:
         """Table of every value with unit and meaning, for notebooks."""
-        head = "".join(f"<th>{name}</th>" for name in ("", "value", "unit", "meaning"))
-        rows = "".join(
-            "<tr>" + "".join(f'<td style="text-align: left">{escape(cell)}</td>' for cell in row) + "</tr>"
-            for row in fields.case_rows(self)
-        )
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        # notebooks alone wait for it
+        import pandas as pd
+
+        with pd.option_context("display.max_colwidth", None):
+            return pd.DataFrame(fields.case_rows(self)).to_html(index=False, justify="left")
 
 
 def shown(value: object) -> str:

@@ -49,9 +49,7 @@ class FlexibleShoes(Parameters):
     highest_frequency: float | None = quantity(
         "Hz", "above which integrated modes are left out", (50.0, 1e6), gt=0, le=1e12, default=None
     )
-    modes: tuple[int, ...] | None = option(
-        "numbers (from 1) of the modes of the integrated basis that are kept", None
-    )
+    modes: tuple[int, ...] | None = option("numbers (from 1) of the modes that are integrated", None)
     damping: StepProfile = quantity("1", "modal damping ratio over frequency (Hz, as times)", (0.0, 2.0))
 
     def _errors(self) -> Errors:
