@@ -35,6 +35,7 @@ mobilized share."""
 POINT = 19
 TRIAL = 5
 """Trial memory of a point: greatest sinkage, pressure, shear along x and y, mobilized share."""
+NOTHING = (0.0, 0.0, 0.0)
 FRAME = 18
 """Numbers of a frame: r, the rows of R, v and omega, global."""
 
@@ -119,8 +120,8 @@ def press_shoe(law, points, frame, weights, trial, force, wrench, tangent):
     at, count = frame_at(frame), points.shape[0]
     by_place, by_velocity = weights[0], weights[1]
     tangents = by_place != 0.0 or by_velocity != 0.0
-    terms = np.empty((14, count if tangents else 0))
-    F, M = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    terms = np.empty((count if tangents else 0, 9))
+    F, M = NOTHING, NOTHING
     for a in range(count):
         arm = turned(at.R, (points[a, 0], points[a, 1], points[a, 2]))
         n = (points[a, NORMAL], points[a, NORMAL + 1], points[a, NORMAL + 2])
@@ -129,21 +130,24 @@ def press_shoe(law, points, frame, weights, trial, force, wrench, tangent):
         memory, v = answer.memory, probe.slip_velocity
         trial[a, 0], trial[a, 1] = memory.deepest, memory.pressure
         trial[a, 2], trial[a, 3], trial[a, 4] = memory.shear[0], memory.shear[1], memory.mobilized
-        f = along(along((0.0, 0.0, 0.0), answer.normal, n), -1.0, answer.shear)
-        f = along((0.0, 0.0, 0.0), probe.area, along(f, -answer.drag, v))
+        f = along(along(NOTHING, answer.normal, n), -1.0, answer.shear)
+        f = along(NOTHING, probe.area, along(f, -answer.drag, v))
         force[a, 0], force[a, 1], force[a, 2], force[a, 3] = f[0], f[1], f[2], answer.normal
         F, M = along(F, 1.0, f), along(M, 1.0, cross(arm, f))
         if tangents:
             # -A (b n' + h m' + c 1) by displacements; the depth falls along n
             A = -probe.area
-            b = along((0.0, 0.0, 0.0), by_place * (answer.normal_by_depth - answer.across), n)
+            b = along(NOTHING, by_place * (answer.normal_by_depth - answer.across), n)
             b = along(b, -by_place, answer.tangential_by_depth)
             b = along(b, by_velocity * (answer.normal_by_rate - answer.drag), n)
-            h = along((0.0, 0.0, 0.0), by_place * (answer.along - answer.across), answer.direction)
-            c, m = by_place * answer.across + by_velocity * answer.drag, answer.direction
-            for i in range(3):
-                for j in range(3):
-                    terms[3 * i + j, a] = A * (b[i] * n[j] + h[i] * m[j] + (c if i == j else 0.0))
+            h = along(NOTHING, by_place * (answer.along - answer.across), answer.direction)
+            c, m = A * (by_place * answer.across + by_velocity * answer.drag), answer.direction
+            x = along(along(NOTHING, A * b[0], n), A * h[0], m)
+            y = along(along(NOTHING, A * b[1], n), A * h[1], m)
+            z = along(along(NOTHING, A * b[2], n), A * h[2], m)
+            terms[a, 0], terms[a, 1], terms[a, 2] = x[0] + c, x[1], x[2]
+            terms[a, 3], terms[a, 4], terms[a, 5] = y[0], y[1] + c, y[2]
+            terms[a, 6], terms[a, 7], terms[a, 8] = z[0], z[1], z[2] + c
     for i in range(3):
         wrench[i], wrench[3 + i] = F[i], M[i]
     if tangents:
@@ -157,22 +161,13 @@ def _write_tangent(points, R, by_place, terms, force, tangent):
     The arms are linear in the places X, Y on the underside, so that sums of these times 1, X, Y, X2, XY, Y2
     make it, whatever the number of points.
     """
-    count, sums = points.shape[0], np.empty((9, 6))
+    count = points.shape[0]
+    monomials = np.empty((count, 6))
     for a in range(count):
         X, Y = points[a, 0], points[a, 1]
-        terms[9, a], terms[10, a] = X, Y
-        terms[11, a], terms[12, a], terms[13, a] = X * X, X * Y, Y * Y
-    for i in range(9):
-        s0 = s1 = s2 = s3 = s4 = s5 = 0.0
-        for a in range(count):
-            g = terms[i, a]
-            s0 += g
-            s1 += g * terms[9, a]
-            s2 += g * terms[10, a]
-            s3 += g * terms[11, a]
-            s4 += g * terms[12, a]
-            s5 += g * terms[13, a]
-        sums[i, 0], sums[i, 1], sums[i, 2], sums[i, 3], sums[i, 4], sums[i, 5] = s0, s1, s2, s3, s4, s5
+        monomials[a, 0], monomials[a, 1], monomials[a, 2] = 1.0, X, Y
+        monomials[a, 3], monomials[a, 4], monomials[a, 5] = X * X, X * Y, Y * Y
+    sums = np.dot(terms.T, monomials)
     z = points[0, 2] if count > 0 else 0.0
     _congruence(sums, R, z, tangent)
     # the arms turn under the forces: sum of a f' - (a . f) 1

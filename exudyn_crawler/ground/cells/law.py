@@ -219,7 +219,9 @@ def _respond(law, probe, tangents):
     return lambda law, probe, tangents: function(law, probe, tangents)
 
 
-within_law = njit(error_model="numpy", no_cfunc_wrapper=True)
+FAST = {"contract", "nsz", "arcp"}
+"""What the compiler may choose; not the order of sums, which would differ between processes that compile."""
+within_law = njit(error_model="numpy", no_cfunc_wrapper=True, fastmath=FAST)
 """Compiles a function that meets a law, as part of its entry alone (`compile_entry`): cached by itself it
 would outlive a change of the law, whose file may be anywhere."""
 
@@ -230,9 +232,8 @@ def compile_entry(kernel: LawKernel, function: Callable, arguments: tuple) -> in
     law_file = Path(inspect.getfile(kernel.constants))
     # numba caches by this name, and a file of its cache is valid for the sources of one law
     function.__qualname__ = f"{kernel.constants.__module__}.{kernel.constants.__name__}.{function.__name__}"
-    compiled = compiler(
-        *SOURCES, law_file, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=False
-    )(function)
+    wanted = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": False, "fastmath": FAST}
+    compiled = compiler(*SOURCES, law_file, **wanted)(function)
     compiled.compile(types.intp(*arguments))
     (code,) = compiled.overloads.values()
     return int(code.library.get_pointer_to_function(code.fndesc.llvm_cfunc_wrapper_name))

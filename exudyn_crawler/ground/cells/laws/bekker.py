@@ -15,6 +15,8 @@ from exudyn_crawler.ground.frames import compiled, inlined
 ROUNDING = 1e-3
 """m, sinkage below which the curve is a parabola of the same value and slope: a power below 1 has no finite
 slope at the surface. Chosen here."""
+SMALL = 1e-2
+"""Share by which a sinkage grows, up to which the series of its power is exact to rounding."""
 
 
 class Bekker(NamedTuple):
@@ -43,6 +45,18 @@ def backbone(law: Bekker, z: float) -> tuple[float, float]:
     return p * s * ((2.0 - n) + (n - 1.0) * s), p / ROUNDING * ((2.0 - n) + 2.0 * (n - 1.0) * s)
 
 
+@inlined
+def deeper(law: Bekker, z: float, memory: Memory) -> tuple[float, float]:
+    """`backbone`, by little more than before from the pressure there: a power takes long."""
+    s = z / memory.deepest - 1.0 if memory.deepest >= ROUNDING else 1.0
+    if s > SMALL:
+        return backbone(law, z)
+    n = law.exponent
+    rest = 1.0 + s * (n - 3.0) / 4.0 * (1.0 + s * (n - 4.0) / 5.0)
+    p = memory.pressure * (1.0 + s * n * (1.0 + s * (n - 1.0) / 2.0 * (1.0 + s * (n - 2.0) / 3.0 * rest)))
+    return p, n * p / z
+
+
 @compiled
 def prepare(law: Bekker, deepest: float, pressure: float) -> tuple[float, float]:
     """Modulus of unloading, and shear stiffness of the greatest pressure.
@@ -63,7 +77,7 @@ def respond(law: Bekker, probe: Probe, tangents: bool) -> Response:
     memory = probe.memory
     deepest, greatest = memory.deepest, memory.pressure
     if probe.depth >= deepest:
-        p, slope = backbone(law, probe.depth)
+        p, slope = deeper(law, probe.depth, memory)
         deepest, greatest = max(deepest, probe.depth), max(p, greatest)
     else:
         slope = probe.prepared[0]
