@@ -101,8 +101,9 @@ class Roughness(Parameters):
             kx, ky = number * np.cos(angle), number * np.sin(angle)
             phase = np.multiply.outer(x, kx) + np.multiply.outer(y, ky)
             phase += random.uniform(0.0, 2.0 * math.pi, DIRECTIONS)
-            amplitude, sine = math.sqrt(2.0 * square / DIRECTIONS), np.sin(phase)
-            out += amplitude * np.stack((np.cos(phase).sum(axis=-1), -sine @ kx, -sine @ ky), axis=-1)
+            sine = -np.sin(phase)
+            sums = [one.sum(axis=-1) for one in (np.cos(phase), sine * kx, sine * ky)]
+            out += math.sqrt(2.0 * square / DIRECTIONS) * np.stack(sums, axis=-1)
         return out
 
 

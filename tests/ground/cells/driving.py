@@ -87,13 +87,13 @@ class Shoe:
         for k in range(1, steps + 1):
             goal, r, R = np.asarray(load) * k / steps, self.r.copy(), self.R.copy()
             self.cover()
-            for _ in range(100):
+            for iteration in range(100):
                 rest = self.press(r, R, weights=(1.0, 0.0)) + goal
                 if np.abs(rest).max() < tolerance:
                     break
                 total += 1
                 change = np.linalg.solve(1e3 * np.eye(6) - self.tangent, rest)
-                change *= min(1.0, 5e-3 / np.abs(change).max())
+                change *= min(1.0, 5e-3 * 0.9**iteration / np.abs(change).max())
                 r, R = r + change[:3], turn(change[3:]) @ R
             else:
                 raise AssertionError(f"no equilibrium: {rest}")
@@ -113,6 +113,11 @@ class Driven(Shoe):
         self.beta = 0.25 * (self.gamma + 0.5) ** 2
         self.v, self.a, self.dv = np.zeros(6), np.zeros(6), np.zeros(6)
         self.iterations, self.time = [], 0.0
+
+    def kinetic_energy(self):
+        """Kinetic energy, J."""
+        v, w = self.v[:3], self.v[3:]
+        return 0.5 * self.mass * v @ v + 0.5 * w @ self.R @ self.inertia @ self.R.T @ w
 
     def step(self, load, servo=(0.0, 0.0), tolerance=1.0, most=25):
         """One step under a load at its end; `servo` (N s/m, m/s) drives along x."""

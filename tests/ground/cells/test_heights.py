@@ -1,0 +1,142 @@
+"""Heights of the ground: slopes are derivatives, the same seed is the same rock, measured grids from files."""
+
+import numpy as np
+import pytest
+import xarray
+from numpy.testing import assert_allclose, assert_array_equal
+
+from exudyn_crawler.errors import CrawlerError, ParameterError
+from exudyn_crawler.ground.cells.grid_files import MeasuredGrid
+from exudyn_crawler.ground.cells.heights import Heights, Ridge, Roughness, Stone
+from tests.ground.cells.driving import LOAD, ROCK, Driven, Shoe, ground, turn
+
+X, Y = (axis.ravel() for axis in np.meshgrid(np.linspace(-3, 3, 41), np.linspace(-2, 2, 33), indexing="ij"))
+ASCII = "ncols 5\nnrows 4\nxllcorner 10\nyllcorner 20\ncellsize 0.5\nNODATA_value -9999\n"
+
+
+@pytest.mark.parametrize(
+    "heights",
+    [
+        Heights(level=1.0, slope_x=0.05, slope_y=-0.1),
+        Heights(parts=(Ridge(x=0.2, y=0.1, heading=30.0, height=0.1, width=0.5, flank=0.4, length=2.0),)),
+        Heights(parts=(Ridge(height=-0.2, width=0.6, flank=0.5), Stone(x=1, y=-1, height=0.06, flank=0.7))),
+        Heights(roughness=Roughness(spectrum=16e-6, seed=5)),
+    ],
+)
+def test_slopes_are_the_derivatives_of_heights(heights):
+    x, y, e = X + 0.0123, Y + 0.0071, 1e-5
+    z = heights.sample(x, y)
+    by_x = (heights.sample(x + e, y) - heights.sample(x - e, y))[:, 0] / (2 * e)
+    by_y = (heights.sample(x, y + e) - heights.sample(x, y - e))[:, 0] / (2 * e)
+    assert_allclose(z[:, 1:], np.column_stack((by_x, by_y)), atol=2e-5)
+    assert np.abs(z[:, 0]).max() > 3e-3
+
+
+def test_parts_stand_where_they_are_named():
+    parts = (
+        Ridge(x=1.0, height=0.2, width=0.4, flank=0.3),
+        Stone(x=-1.0, y=1.0, height=-0.1, width=0.2, flank=0.3),
+    )
+    x, y = np.array([1.19, 1.51, 1.0, -1.0, -1.0]), np.array([5.0, 0.0, -40.0, 1.05, 1.41])
+    assert_allclose(Heights(parts=parts).sample(x, y)[:, 0], [0.2, 0.0, 0.2, -0.1, 0.0], atol=1e-15)
+
+
+def test_same_seed_is_the_same_rock_on_any_map():
+    rough = Heights(roughness=Roughness(spectrum=256e-6, seed=11))
+    assert_array_equal(rough.sample(X, Y)[7:20], rough.sample(X[7:20], Y[7:20]))
+    other = rough.with_({"roughness.seed": 12})
+    assert np.abs(rough.sample(X, Y) - other.sample(X, Y)).max() > 1e-3
+
+
+def test_roughness_has_its_spectrum_along_any_line():
+    """Variance of lines by bands of wave numbers, mean of 30 seeds."""
+    h, n, spectra = 0.1, 1024, []
+    along = h * np.arange(n)
+    window = np.hanning(n)
+    for seed in range(30):
+        c, s = np.cos(seed), np.sin(seed)
+        z = Roughness(spectrum=16e-6, seed=seed).sample(along * c, along * s)[:, 0]
+        spectra.append(np.abs(np.fft.rfft(z * window)) ** 2 * 2 * h / np.sum(window**2))
+    wave, spectrum = np.fft.rfftfreq(n, h), np.mean(spectra, axis=0)
+    for low, high in ((0.1, 0.3), (0.3, 1.0)):
+        band = (wave > low) & (wave < high)
+        wanted = (16e-6 * (wave[band] / 0.1) ** -2).sum()
+        assert spectrum[band].sum() == pytest.approx(wanted, rel=0.15)  # less the waves across that are cut
+
+
+def test_grids_of_all_formats_hold_the_same_heights(tmp_path):
+    z = 0.05 * np.sin(np.arange(5))[:, None] + 0.02 * np.arange(4)
+    rows = "\n".join(" ".join(f"{one:.17g}" for one in row) for row in z.T[::-1])
+    (tmp_path / "a.asc").write_text(ASCII + rows, encoding="ascii")
+    np.save(tmp_path / "a.npy", z)
+    x, y = 10.25 + 0.5 * np.arange(5), 20.25 + 0.5 * np.arange(4)
+    xarray.Dataset({"z": (("y", "x"), z.T)}, {"x": x, "y": y}).to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
+    plain = MeasuredGrid(file=tmp_path / "a.asc", smoothing=0.0)
+    others = (
+        MeasuredGrid(file=tmp_path / "a.npy", spacing=0.5, origin=(10.25, 20.25), smoothing=0.0),
+        MeasuredGrid(file=tmp_path / "a.nc", smoothing=0.0),
+    )
+    at = np.meshgrid(np.linspace(10.25, 12.25, 30), np.linspace(20.25, 21.75, 20))
+    for other in others:
+        assert_allclose(other.sample(*at), plain.sample(*at), atol=1e-12)
+    assert_allclose(plain.sample(x[:, None] + 0 * y, y + 0 * x[:, None])[..., 0], z, atol=1e-14)
+    assert np.isnan(plain.sample(np.array([10.2]), np.array([21.0]))).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("a.asc", ASCII + "1 " * 19, "5 x 4 heights are announced, 19 are there"),
+        ("a.asc", "ncols 5\n" + "1 " * 20, "the head has no nrows and no cellsize"),
+        (
+            "a.asc",
+            ASCII + "0 " * 19 + "-9999",
+            "must have no holes, got 1, the first at x = 12.25 m, y = 20.25 m",
+        ),
+        ("a.asc", ASCII + "0 0 0 0 0 " * 2 + "9 9 9 9 9 " * 2, "must not rise by more than 1 m a metre"),
+        ("a.xyz", "", "must end with one of .asc, .npy, .nc, .tif, .tiff"),
+        ("a.npy", "no array", "cannot be read: an NPY file needs a spacing"),
+        ("a.nc", "no file", "cannot be read"),
+    ],
+)
+def test_bad_files_get_one_line(tmp_path, name, text, message):
+    (tmp_path / name).write_text(text, encoding="ascii")
+    with pytest.raises(ParameterError, match=message) as error:
+        MeasuredGrid(file=tmp_path / name)
+    assert len(error.value.errors) == 1
+    with pytest.raises(ParameterError, match=r"missing\.asc cannot be read"):
+        MeasuredGrid(file=tmp_path / "missing.asc")
+
+
+def test_parts_that_are_too_fine_for_the_cells_are_refused():
+    heights = Heights(parts=(Ridge(height=0.1, width=0.2, flank=0.15),), roughness=Roughness(spectrum=1e-6))
+    with pytest.raises(ParameterError) as error:
+        ground(ROCK, heights, cell=0.12)
+    assert error.value.errors == [
+        "parts[0].flank (ridge): must be at least 2 cells of 0.12 m, got 0.15 m",
+        "roughness.shortest: must be at least 4 cells of 0.12 m, got 0.4 m",
+    ]
+
+
+def test_a_shoe_that_leaves_the_measured_ground_is_reported(tmp_path):
+    np.save(tmp_path / "a.npy", np.zeros((30, 60)))
+    heights = Heights(measured=MeasuredGrid(file=tmp_path / "a.npy", spacing=0.1))
+    shoe = Shoe(ROCK, [1.5, 3.0, 0.0], heights=heights)
+    assert shoe.move([1.5, 3.0, -1e-4])[2] == pytest.approx(1e5 * 0.65 * 3.505, rel=1e-9)
+    with pytest.raises(CrawlerError, match=r"a shoe left the measured ground: the track is at x = 2\.8"):
+        shoe.move([2.8, 3.0, -1e-4])
+
+
+def test_a_shoe_driven_over_a_ridge_is_lifted_without_a_blow():
+    """60 mm over a smooth flank: the support stays below three times the load, tipping included."""
+    ridge = Ridge(x=4.0, height=0.06, width=0.05, flank=0.3)
+    law = ROCK.with_(damping=0.5)
+    shoe = Driven(law, [3.3, 3.0, 1e-4], mass=LOAD / 9.81, h=5e-3, heights=Heights(parts=(ridge,)))
+    shoe.settle([0, 0, -LOAD, 0, 0, 0])
+    peak = 0.0
+    while shoe.r[0] < 4.4:
+        shoe.step(np.array([0, 0, -LOAD, 0, 0, 0]), (1e7, 0.2 * min(1.0, shoe.time / 0.5)))
+        peak = max(peak, shoe.ground.shoes.wrench[0, 2])
+    assert shoe.r[2] > 0.02
+    assert peak < 3.0 * LOAD
+    assert abs(turn([0, 0, 0])[0, 0] - shoe.R[1, 1]) < 1e-6
