@@ -1,17 +1,16 @@
 """Measured heights from files: ESRI ASCII grids, NPY, NetCDF, and GeoTIFF where rasterio is installed."""
 
 from collections.abc import Callable
-from functools import cached_property, lru_cache
+from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import model_validator
 from scipy.interpolate import RectBivariateSpline
 from scipy.ndimage import gaussian_filter
 
-from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import Errors, Parameters, Place, quantity
 
 STEEPEST = 1.0
 """Rise over run beyond which heights are a wall, which cells do not know."""
@@ -36,91 +35,75 @@ class MeasuredGrid(Parameters):
         "m", "of the places of an array (x, y) in an NPY file, which has none", gt=0, le=1e4, default=None
     )
     origin: tuple[Place, Place] = quantity(
-        "m",
-        "x and y of the first place of an NPY file; shift of the places of other files",
-        default=(0.0, 0.0),
+        "m", "x and y of the first place of an NPY file; shift of those of other files", default=(0.0, 0.0)
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        self._spline  # noqa: B018 - a bad file is refused at once
-        return self
+    def _errors(self) -> Errors:
+        try:
+            steepest = np.abs(np.concatenate([np.ravel(one) for one in self._slopes])).max()
+        except (OSError, KeyError, ValueError) as error:
+            yield f"file: {self.file} cannot be used: {' '.join(str(error).split())}"
+            return
+        if steepest > STEEPEST:
+            yield (
+                f"smoothing: heights of {self.file} must not rise by more than {STEEPEST:g} m a metre, since "
+                f"cells know no walls, got {steepest:.3g} with smoothing = {self.smoothing:g} m"
+            )
 
     @cached_property
-    def _spline(self) -> tuple[RectBivariateSpline, HeightGrid]:
-        grid = read_grid(self.file, self.spacing)
-        x, y = grid.x + self.origin[0], grid.y + self.origin[1]
-        pitch = (x[1] - x[0], y[1] - y[0])
-        z = gaussian_filter(grid.z, [self.smoothing / one for one in pitch], mode="nearest")
-        steep = [np.abs(np.diff(z, axis=axis)) / one for axis, one in enumerate(pitch)]
-        worst = max(float(one.max()) for one in steep)
-        if worst > STEEPEST:
+    def _grid(self) -> HeightGrid:
+        """Smoothed heights."""
+        if self.file.suffix.lower() not in READERS:
+            raise ValueError(f"its name must end with one of {', '.join(READERS)}")
+        grid = READERS[self.file.suffix.lower()](self.file, self.spacing)
+        if min(grid.z.shape) < 4:
+            raise ValueError(f"at least 4 x 4 heights are needed, got {grid.z.shape[0]} x {grid.z.shape[1]}")
+        holes = np.argwhere(~np.isfinite(grid.z))
+        if len(holes):
+            x, y = grid.x[holes[0, 0]], grid.y[holes[0, 1]]
             raise ValueError(
-                f"smoothing: heights of {self.file} must not rise by more than {STEEPEST:g} m a metre, since "
-                f"cells know no walls, got {worst:.3g} with smoothing = {self.smoothing:g} m"
+                f"heights are missing at {len(holes)} places, the first at x = {x:g} m, y = {y:g} m"
             )
-        return RectBivariateSpline(x, y, z), HeightGrid(x, y, z)
+        x, y = grid.x + self.origin[0], grid.y + self.origin[1]
+        widths = [self.smoothing / (one[1] - one[0]) for one in (x, y)]
+        return HeightGrid(x, y, gaussian_filter(grid.z, widths, mode="nearest"))
+
+    @property
+    def _slopes(self) -> tuple[NDArray, NDArray]:
+        x, y, z = self._grid
+        return np.diff(z, axis=0) / (x[1] - x[0]), np.diff(z, axis=1) / (y[1] - y[0])
+
+    @cached_property
+    def _spline(self) -> RectBivariateSpline:
+        return RectBivariateSpline(*self._grid)
 
     def sample(self, x: NDArray, y: NDArray) -> NDArray:
         """Height and slopes as of `Heights.sample`."""
-        spline, grid = self._spline
-        out = np.stack([spline.ev(x, y), spline.ev(x, y, dx=1), spline.ev(x, y, dy=1)], axis=-1)
-        outside = (x < grid.x[0]) | (x > grid.x[-1]) | (y < grid.y[0]) | (y > grid.y[-1])
-        out[outside] = np.nan
+        grid, ev = self._grid, self._spline.ev
+        out = np.stack([ev(x, y), ev(x, y, dx=1), ev(x, y, dy=1)], axis=-1)
+        out[(x < grid.x[0]) | (x > grid.x[-1]) | (y < grid.y[0]) | (y > grid.y[-1])] = np.nan
         return out
 
 
-@lru_cache(maxsize=4)
-def read_grid(path: Path, spacing: float | None = None) -> HeightGrid:
-    """Heights of a file.
-
-    Raises
-    ------
-    ValueError
-        In one line, if the file cannot be read or has holes.
-    """
-    if path.suffix.lower() not in READERS:
-        raise ValueError(f"file: must end with one of {', '.join(READERS)}, got {path}")
-    try:
-        grid = READERS[path.suffix.lower()](path, spacing)
-    except (OSError, KeyError, ValueError) as error:
-        raise ValueError(f"file: {path} cannot be read: {' '.join(str(error).split())}") from None
-    if min(grid.z.shape) < 4:
-        raise ValueError(
-            f"file: {path} must have at least 4 x 4 heights, got {grid.z.shape[0]} x {grid.z.shape[1]}"
-        )
-    holes = np.argwhere(~np.isfinite(grid.z))
-    if len(holes):
-        i, j = holes[0]
-        raise ValueError(
-            f"file: {path} must have no holes, got {len(holes)}, the first at "
-            f"x = {grid.x[i]:g} m, y = {grid.y[j]:g} m"
-        )
-    return grid
-
-
 def _ascii(path: Path, _spacing: float | None) -> HeightGrid:
+    words = path.read_text(encoding="ascii").lower().split()
     head: dict[str, float] = {}
-    numbers: list[float] = []
-    for line in path.read_text(encoding="ascii").splitlines():
-        words = line.split()
-        if words and not numbers and words[0][0].isalpha() and words[0].lower() != "nan":
-            head[words[0].lower()] = float(words[1])
-        else:
-            numbers.extend(map(float, words))
+    while len(words) > 1 and words[0][0].isalpha() and words[0] != "nan":
+        name, value, *words = words
+        head[name] = float(value)
     missing = [name for name in ("ncols", "nrows", "cellsize") if name not in head]
     if missing:
-        raise ValueError(f"the head has no {' and no '.join(missing)}")
+        raise ValueError(f"its head has no {' and no '.join(missing)}")
     columns, rows, side = int(head["ncols"]), int(head["nrows"]), head["cellsize"]
-    if len(numbers) != columns * rows:
-        raise ValueError(f"{columns} x {rows} heights are announced, {len(numbers)} are there")
-    z = np.array(numbers).reshape(rows, columns)[::-1].T.copy()
+    if len(words) != columns * rows:
+        raise ValueError(f"{columns} x {rows} heights are announced, {len(words)} are there")
+    z = np.array(words, dtype=float).reshape(rows, columns)[::-1].T
     z[z == head.get("nodata_value", -9999.0)] = np.nan
-    first = [
+    x, y = (
         head[f"{axis}llcenter"] if f"{axis}llcenter" in head else head[f"{axis}llcorner"] + 0.5 * side
         for axis in "xy"
-    ]
-    return HeightGrid(first[0] + side * np.arange(columns), first[1] + side * np.arange(rows), z)
+    )
+    return HeightGrid(x + side * np.arange(columns), y + side * np.arange(rows), z)
 
 
 def _npy(path: Path, spacing: float | None) -> HeightGrid:
@@ -128,7 +111,7 @@ def _npy(path: Path, spacing: float | None) -> HeightGrid:
         raise ValueError("an NPY file needs a spacing")
     z = np.load(path, allow_pickle=False).astype(float)
     if z.ndim != 2:
-        raise ValueError(f"the array must have 2 axes, got {z.ndim}")
+        raise ValueError(f"its array must have 2 axes, got {z.ndim}")
     return HeightGrid(spacing * np.arange(z.shape[0]), spacing * np.arange(z.shape[1]), z)
 
 
@@ -138,14 +121,12 @@ def _netcdf(path: Path, _spacing: float | None) -> HeightGrid:
     with xarray.open_dataset(path) as data:
         fields = [one for one in data.data_vars.values() if set(one.dims) == {"x", "y"}]
         if len(fields) != 1:
-            raise ValueError(f"one variable over x and y is needed, got {len(fields)}")
-        field = fields[0].sortby(["x", "y"]).transpose("x", "y")
+            raise ValueError(f"it must have one variable over x and y, got {len(fields)}")
+        field = fields[0].sortby(["x", "y"]).transpose("x", "y").astype(float)
         x, y = field["x"].values.astype(float), field["y"].values.astype(float)
-        for axis, values in (("x", x), ("y", y)):
-            steps = np.diff(values)
-            if len(steps) and np.ptp(steps) > 1e-6 * abs(steps[0]):
-                raise ValueError(f"{axis} must have even steps, got {steps.min():g} to {steps.max():g}")
-        return HeightGrid(x, y, field.values.astype(float))
+        if any(np.ptp(np.diff(one)) > 1e-6 * np.ptp(one) for one in (x, y) if len(one) > 1):
+            raise ValueError("the steps of x and of y must be even")
+        return HeightGrid(x, y, field.values)
 
 
 def _tiff(path: Path, _spacing: float | None) -> HeightGrid:
@@ -155,13 +136,12 @@ def _tiff(path: Path, _spacing: float | None) -> HeightGrid:
         raise ValueError("GeoTIFF needs the package rasterio, which is not installed") from None
     with rasterio.open(path) as data:
         move = data.transform
-        if move.b != 0.0 or move.d != 0.0:
-            raise ValueError("a turned grid is not allowed")
+        if move.b != 0.0 or move.d != 0.0 or move.a <= 0.0 or move.e >= 0.0:
+            raise ValueError("its rows must run from north to south, its columns from west to east")
         z = data.read(1, masked=True).astype(float).filled(np.nan)
-        x = move.c + move.a * (np.arange(data.width) + 0.5)
-        y = move.f + move.e * (np.arange(data.height) + 0.5)
-    order_x, order_y = np.argsort(x), np.argsort(y)
-    return HeightGrid(x[order_x], y[order_y], z[order_y][:, order_x].T.copy())
+    x = move.c + move.a * (np.arange(z.shape[1]) + 0.5)
+    y = move.f + move.e * (np.arange(z.shape[0]) + 0.5)
+    return HeightGrid(x, y[::-1], z[::-1].T)
 
 
 READERS: dict[str, Callable[[Path, float | None], HeightGrid]] = {

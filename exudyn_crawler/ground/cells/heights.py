@@ -5,13 +5,13 @@ its own.
 """
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from exudyn_crawler.case.parameters.base import Name, Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Place, quantity
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.cells.grid_files import MeasuredGrid
 
@@ -80,11 +80,9 @@ class Roughness(Parameters):
     shortest: float = quantity("m", "shortest wave", gt=0, le=1e4, default=0.4)
     seed: int = quantity("1", "of the random numbers", ge=0, le=2**32 - 1, default=0)
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _errors(self) -> Errors:
         if self.shortest >= self.longest:
-            raise ValueError(f"shortest must be below longest = {self.longest}, got {self.shortest}")
-        return self
+            yield f"shortest must be below longest = {self.longest}, got {self.shortest}"
 
     def sample(self, x: NDArray, y: NDArray) -> NDArray:
         """Height and slopes as of `Heights.sample`."""

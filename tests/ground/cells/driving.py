@@ -93,7 +93,7 @@ class Shoe:
                     break
                 total += 1
                 change = np.linalg.solve(1e3 * np.eye(6) - self.tangent, rest)
-                change *= min(1.0, 5e-3 * 0.9**iteration / np.abs(change).max())
+                change *= min(1.0, 5e-3 * 0.9 ** max(0, iteration - 20) / np.abs(change).max())
                 r, R = r + change[:3], turn(change[3:]) @ R
             else:
                 raise AssertionError(f"no equilibrium: {rest}")

@@ -1,4 +1,4 @@
-"""Heights of the ground: slopes are derivatives, the same seed is the same rock, measured grids from files."""
+"""Heights of the ground: slopes are derivatives, a seed is the same rock, measured grids from files."""
 
 import numpy as np
 import pytest
@@ -87,16 +87,16 @@ def test_grids_of_all_formats_hold_the_same_heights(tmp_path):
     ("name", "text", "message"),
     [
         ("a.asc", ASCII + "1 " * 19, "5 x 4 heights are announced, 19 are there"),
-        ("a.asc", "ncols 5\n" + "1 " * 20, "the head has no nrows and no cellsize"),
+        ("a.asc", "ncols 5\n" + "1 " * 20, "its head has no nrows and no cellsize"),
         (
             "a.asc",
             ASCII + "0 " * 19 + "-9999",
-            "must have no holes, got 1, the first at x = 12.25 m, y = 20.25 m",
+            "heights are missing at 1 places, the first at x = 12.25 m, y = 20.25 m",
         ),
         ("a.asc", ASCII + "0 0 0 0 0 " * 2 + "9 9 9 9 9 " * 2, "must not rise by more than 1 m a metre"),
-        ("a.xyz", "", "must end with one of .asc, .npy, .nc, .tif, .tiff"),
-        ("a.npy", "no array", "cannot be read: an NPY file needs a spacing"),
-        ("a.nc", "no file", "cannot be read"),
+        ("a.xyz", "", "its name must end with one of .asc, .npy, .nc, .tif, .tiff"),
+        ("a.npy", "no array", "cannot be used: an NPY file needs a spacing"),
+        ("a.nc", "no file", "cannot be used"),
     ],
 )
 def test_bad_files_get_one_line(tmp_path, name, text, message):
@@ -104,7 +104,7 @@ def test_bad_files_get_one_line(tmp_path, name, text, message):
     with pytest.raises(ParameterError, match=message) as error:
         MeasuredGrid(file=tmp_path / name)
     assert len(error.value.errors) == 1
-    with pytest.raises(ParameterError, match=r"missing\.asc cannot be read"):
+    with pytest.raises(ParameterError, match=r"missing\.asc cannot be used"):
         MeasuredGrid(file=tmp_path / "missing.asc")
 
 

@@ -1,4 +1,4 @@
-"""Shoes on cells in time: energy closes, nothing creeps, Newton's method takes few iterations; pull over slip."""
+"""Shoes on cells in time: energy closes, nothing creeps, Newton's method is quick; pull over slip."""
 
 import math
 
