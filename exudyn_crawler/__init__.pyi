@@ -20,8 +20,8 @@ from exudyn_crawler.errors import CrawlerError as CrawlerError
 from exudyn_crawler.life_run import life as life
 from exudyn_crawler.results.history.history import History as History
 from exudyn_crawler.results.life.duty import Duty as Duty
+from exudyn_crawler.results.life.duty import FatigueMaterial as FatigueMaterial
 from exudyn_crawler.results.life.duty import read_duty as read_duty
-from exudyn_crawler.results.life.fatigue_material import FatigueMaterial as FatigueMaterial
 from exudyn_crawler.results.stress.recovery import recover_stresses as recover_stresses
 from exudyn_crawler.run.solve.simulation import simulate as simulate
 from exudyn_crawler.views.pages.report import write_report as write_report

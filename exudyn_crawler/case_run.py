@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from exudyn_crawler.case import Case, CaseFile
+from exudyn_crawler.case import CaseFile
 from exudyn_crawler.case.case_file import check_case_file
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import move_file, note_written
@@ -34,20 +34,11 @@ from exudyn_crawler.views.outputs import write_outputs
 
 @dataclass(frozen=True)
 class CaseRun:
-    """A case that was run.
-
-    Attributes
-    ----------
-    history : History
-    stresses : StressResults or None
-        Of the flexible shoes, if there are any.
-    folder : Path or None
-        Where all of it is kept, if it is.
-    """
+    """A case that was run."""
 
     history: History
-    stresses: StressResults | None
-    folder: Path | None
+    stresses: StressResults | None  # of the flexible shoes, if there are any
+    folder: Path | None  # where all of it is kept, if it is
 
     def _repr_html_(self) -> str:
         """Folder, hot spots if there are any, and history, for notebooks."""
@@ -57,13 +48,7 @@ class CaseRun:
         return "".join([f"<p>Run {where}</p>", *tables, self.history._repr_html_()])
 
     def recovered(self) -> StressResults:
-        """Stresses of a run with flexible shoes.
-
-        Raises
-        ------
-        ValueError
-            If it has none.
-        """
+        """Stresses of a run with flexible shoes; ValueError if it has none."""
         if self.stresses is None:
             raise ValueError(f"case {self.history.case.name!r} must have flexible shoes to have stresses")
         return self.stresses
@@ -133,7 +118,10 @@ def run_case(
             return CaseRun(history, _stresses(history, case_file, RunFolder(report=say)), path)
         with run_in(path, case_file, overwrite, say) as folder:
             if case.flexible is not None:
-                _reduce_shoe(case, folder)
+                with folder.timed("reduce the flexible shoe"):
+                    stored = whole_reduction(case)
+                if stored.found:
+                    folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
             if reused is None:
                 history = _history(case_file, progress, folder)
             else:
@@ -148,14 +136,6 @@ def run_case(
     return CaseRun(history, stresses, path)
 
 
-def _reduce_shoe(case: Case, folder: RunFolder) -> None:
-    """Reduce the flexible shoe, which is stored, and say so if it was on disk."""
-    with folder.timed("reduce the flexible shoe"):
-        stored = whole_reduction(case)
-    if stored.found:
-        folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
-
-
 def _stresses(history: History, case_file: CaseFile, folder: RunFolder) -> StressResults | None:
     """Stresses of the flexible shoes, if there are any."""
     case = history.case
@@ -166,10 +146,9 @@ def _stresses(history: History, case_file: CaseFile, folder: RunFolder) -> Stres
 
 
 def _history(case_file: CaseFile, progress: bool | None, folder: RunFolder) -> History:
-    """Simulate a case, or what is missing of it in the folder that the run holds.
+    """Simulate a case, or what is missing of it in the folder that the run holds; raises as `simulate`.
 
-    ValueError, naming it, if what is there was altered or comes from other parameters; else errors of
-    `simulate`, and what a run that stops early has stays in the folder.
+    ValueError, naming it, if what is there was altered or comes from other parameters.
     """
     case, path = case_file.case, folder.path
     if path is None:

@@ -7,12 +7,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from exudyn_crawler.errors import ASK_TO_OVERWRITE
 from fem.interrupts import interrupts_wait
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PARTIAL = ".partial-"
 """What the names of files begin with that are being written."""
@@ -32,37 +35,40 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
     disk is full, say.
     """
     refuse_existing(path, overwrite)
-    try:
+    with _errors_naming(path):
         handle, name = tempfile.mkstemp(prefix=PARTIAL, suffix=f"-{path.name}", dir=path.parent)
-    except OSError as error:
-        raise _not_written(path, error) from error
-    os.close(handle)
-    temporary = Path(name)
+        os.close(handle)
+        temporary = Path(name)
+        try:
+            yield temporary
+            if path.exists() and not overwrite:
+                raise FileExistsError(f"{path} was written by somebody else in the meantime")
+            # mkstemp keeps the file to its owner; give it the rights that a new file has here
+            mask = os.umask(0)
+            os.umask(mask)
+            temporary.chmod(0o666 & ~mask)
+            temporary.replace(path)
+            note_written(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def _errors_naming(path: Path) -> Iterator[None]:
+    """Make errors of writing name the file which was meant."""
     try:
-        yield temporary
-        if path.exists() and not overwrite:
-            raise FileExistsError(f"{path} was written by somebody else in the meantime")
-        # mkstemp keeps the file to its owner; give it the rights that a new file has here
-        mask = os.umask(0)
-        os.umask(mask)
-        temporary.chmod(0o666 & ~mask)
-        temporary.replace(path)
-        note_written(path)
+        yield
     except FileExistsError:
         raise
     except OSError as error:
-        raise _not_written(path, error) from error
-    finally:
-        temporary.unlink(missing_ok=True)
+        raise type(error)(f"{path} could not be written: {error.strerror or error}") from error
 
 
 def move_file(source: Path, path: Path, overwrite: bool = False) -> None:
     """Move a whole file to another place on the same disk; raises as `whole_file`."""
     refuse_existing(path, overwrite)
-    try:
+    with _errors_naming(path):
         source.replace(path)
-    except OSError as error:
-        raise _not_written(path, error) from error
     note_written(path)
 
 
@@ -87,11 +93,6 @@ def note_written(path: Path) -> None:
         noted.add(path)
 
 
-def _not_written(path: Path, error: OSError) -> OSError:
-    """Same error in words that name the file which was meant."""
-    return type(error)(f"{path} could not be written: {error.strerror or error}")
-
-
 def clear_partial_files(folder: Path, below: bool = True) -> None:
     """Remove what `whole_file` left in a folder, also those `below`, when its process was killed."""
     name = f"{PARTIAL}????????-*"
@@ -100,10 +101,7 @@ def clear_partial_files(folder: Path, below: bool = True) -> None:
 
 
 def writable_folder(path: Path) -> Path:
-    """Make a folder, where needed.
-
-    NotADirectoryError or PermissionError, naming it, if it cannot be written to.
-    """
+    """Make a folder, where needed; NotADirectoryError or PermissionError if it cannot be written to."""
     try:
         path.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path):
@@ -114,9 +112,6 @@ def writable_folder(path: Path) -> Path:
         raise PermissionError(f"output folder {path} cannot be written to: {error}") from error
     return path
 
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 COMPRESSION = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 """Of every variable of a NetCDF file; higher levels take longer and save little. A checksum tells of altered
@@ -192,8 +187,9 @@ def write_netcdf_along(
     with (
         whole_file(path, overwrite) as temporary,
         interrupts_wait() as waiting,
-        _Disk.opened(temporary) as disk,
+        temporary.open("r+b", buffering=0) as opened,
     ):
+        disk = _Disk(opened)
         disk.write(_netcdf_bytes(first.drop_vars(along)))
         disk.check()
         with h5netcdf.File(disk, "r+", libver=VERSIONS) as file:
@@ -233,20 +229,11 @@ def _create(file: Any, name: str, variable: "xr.Variable", size: int) -> None:
 class _Disk:
     """File for HDF5, which does not survive a write that fails: it is told of none, and `check` is."""
 
-    def __init__(self, file: IO[bytes]) -> None:
+    def __init__(self, file: io.FileIO) -> None:
         self._file = file
         self._failure: OSError | None = None
-        self.seek, self.tell, self.readinto = file.seek, file.tell, file.readinto  # type: ignore[attr-defined]
+        self.seek, self.tell, self.readinto = file.seek, file.tell, file.readinto
         self.read, self.truncate, self.flush = file.read, file.truncate, file.flush
-
-    @classmethod
-    @contextmanager
-    def opened(cls, path: Path) -> "Iterator[_Disk]":
-        """Open a file; a failure is raised when it is closed."""
-        with path.open("r+b", buffering=0) as file:
-            disk = cls(file)
-            yield disk
-            disk.check()
 
     def write(self, content: bytes | memoryview) -> int:
         """Write all of the content; after a failure, nothing."""

@@ -31,8 +31,6 @@ NUDGE = 1e-9
 BARE = Outputs(
     figures=False, pictures=False, paraview=False, tables=False, forces=False, picture_times=(0.0,)
 )
-
-
 FIRST = "start 1"
 """Name of the run that is judged."""
 OPEN_PARTS = ("spread", "choice")
@@ -41,21 +39,13 @@ OPEN_PARTS = ("spread", "choice")
 
 @dataclass(frozen=True)
 class Spread:
-    """Stresses of a run with what others differ from it by.
-
-    Attributes
-    ----------
-    dataset : xarray.Dataset
-        What the catalogue of quantities has of spread: dimensions shoe and node as of `StressResults`, and
-        run: the names of all runs, that of `peak_von_mises` first. Both spread and choice
-        are in `peak_verdict`.
-    hot_spots : mapping
-        Tables of the first run's shoes as of `StressResults`, with columns spread and choice (Pa) and the
-        verdict that follows.
-    """
+    """Stresses of a run with what others differ from it by."""
 
     dataset: xr.Dataset
+    """What the catalogue has of spread: shoe and node as of `StressResults`, run with that of
+    `peak_von_mises` first. Both spread and choice are in `peak_verdict`."""
     hot_spots: Mapping[int, pd.DataFrame]
+    """Tables of the first run's shoes with columns spread and choice (Pa) and the verdict that follows."""
 
     def by_shoe(self) -> pd.DataFrame:
         """Highest stress of each shoe in each run (MPa), and its spread and choice in per cent."""
@@ -180,10 +170,9 @@ def _peaks(
 def spread_of(
     first: StressResults, starts: Mapping[str, xr.DataArray], laws: Mapping[str, xr.DataArray]
 ) -> Spread:
-    """Spread of the stresses of a run that is judged.
+    """Spread of the stresses of a run by those of other starts and laws of contact, each (shoe, node), Pa.
 
-    `starts` and `laws` have the greatest von Mises stresses (shoe, node) in Pa of runs from other starts and
-    with other laws of contact. ValueError if there is no other run, or one has other shoes or nodes.
+    ValueError if there is no other run, or one has other shoes or nodes.
     """
     own = first.dataset.peak_von_mises.transpose("shoe", "node")
     others = {**starts, **laws}
@@ -195,8 +184,7 @@ def spread_of(
     runs = np.stack([own.values, *(peak.transpose("shoe", "node").values for peak in others.values())])
     same = runs[: 1 + len(starts)]
     low, high = same.min(axis=0), same.max(axis=0)
-    beyond = np.maximum(runs - high, low - runs).max(axis=0)
-    spread = high - low
+    spread, beyond = high - low, np.maximum(runs - high, low - runs).max(axis=0)
     parts = {"peak_spread": spread, "peak_choice": beyond, "run_peak": runs}
     dataset = first.dataset[["peak_von_mises", "node_position", "triangle", "in_spider", "truncation"]]
     dataset = dataset.assign({name: variable(name, values) for name, values in parts.items()})

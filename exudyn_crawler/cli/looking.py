@@ -36,9 +36,9 @@ def node_stress(
     Example: exudyn-crawler node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05
     """
     path = application.history_path(run)
-    from exudyn_crawler.results.stress import node_stress as at_node
+    from exudyn_crawler.results.stress import recovery
 
-    stress = at_node.node_stress(path, shoe, near, node)
+    stress = recovery.node_stress(path, shoe, near, node)
     place = ", ".join(f"{value:.4f}" for value in stress.place.values)
     number = stress.attrs["node"]
     typer.echo(
@@ -50,11 +50,10 @@ def node_stress(
     mises = stress.von_mises.values
     greatest = int(mises.argmax())
     typer.echo(
-        f"greatest von Mises stress {mises[greatest] / at_node.MEGA:.4g} MPa "
-        f"at t = {float(stress.time[greatest]):g} s"
+        f"greatest von Mises stress {mises[greatest] / 1e6:.4g} MPa at t = {float(stress.time[greatest]):g} s"
     )
     out = out or path.parent / f"stress_shoe_{shoe}_node_{number}.csv"
-    _write(at_node.node_table(stress), out, overwrite)
+    _write(recovery.node_table(stress), out, overwrite)
 
 
 @command

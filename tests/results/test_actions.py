@@ -8,8 +8,6 @@ from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.results.loads.actions import (
     AtDrivePoint,
     AtInterface,
-    OnFrame,
-    OverMass,
     OverRectangle,
     OverSurface,
     actions,
@@ -68,12 +66,12 @@ def test_actions_enter_a_flexible_shoe_by_name(flexible_run):
     assert isinstance(entries["joint"], AtInterface)
     assert entries["load"] == OverSurface("whole top")
     assert isinstance(entries["contact"], OverRectangle)
-    assert (entries["weight"], entries["drive"]) == (OverMass(), AtDrivePoint())
+    assert (entries["weight"], entries["drive"]) == (None, AtDrivePoint())
 
 
 def test_contacts_enter_a_rigid_shoe_as_a_whole(translation):
     entries = {action.entry for (kind, _), action in named(translation, 7).items() if kind == "contact"}
-    assert entries == {OnFrame()}
+    assert entries == {None}
 
 
 def test_contacts_are_those_by_shoe(translation):

@@ -8,7 +8,7 @@ from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import BETWEEN, BEYOND, in_words, life_hours, life_of
 from exudyn_crawler.results.stress.basis import TOLERANCE
 from exudyn_crawler.results.stress.hot_spots import REGIONS
-from exudyn_crawler.results.stress.node_stress import node_stress
+from exudyn_crawler.results.stress.recovery import node_stress
 from fem.trust import HELD, OPEN, VERDICTS
 
 HALF = 0.03

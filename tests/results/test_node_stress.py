@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler import History
 from exudyn_crawler.results.stress.basis import TOLERANCE, stress_basis
-from exudyn_crawler.results.stress.node_stress import node_stress, node_table
+from exudyn_crawler.results.stress.recovery import node_stress, node_table
 
 
 def test_the_highest_node_has_the_stress_that_the_recovery_found(flexible_run):

@@ -19,8 +19,7 @@ from exudyn_crawler.results.stress.basis import (
     static_loads,
     stress_basis,
 )
-from exudyn_crawler.results.stress.node_stress import node_stress
-from exudyn_crawler.results.stress.recovery import recover_stresses
+from exudyn_crawler.results.stress.recovery import node_stress, recover_stresses
 from fem import Partition, field_columns
 from fem.stress import von_mises
 from tests.rolled import small_flexible_case

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler.results.stress.basis import TOLERANCE
-from exudyn_crawler.results.stress.recovery import flat_triangles, surface_stress
+from exudyn_crawler.results.stress.hot_spots import flat_triangles
+from exudyn_crawler.results.stress.recovery import surface_stress
 from meshes import mesh_named
 
 

@@ -8,7 +8,7 @@ quantity's dimensions.
 """
 
 import csv
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,62 +41,24 @@ NEEDS = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """One quantity.
+    """One quantity: a row of the catalogue, texts unless the type says otherwise."""
 
-    Attributes
-    ----------
-    name : str
-        Of the variable in a dataset.
-    symbol : str
-        Of formulas, in plain text.
-    unit : str
-        SI; empty for numbers without one.
-    dimensions : tuple of str
-        Of the variable.
-    per : str
-        What has one of it: shoe, flexible shoe, link, pin, pair (of a shoe and a unit that met), unit,
-        terrain coordinate, roller, tread, side frame, track, node, face, instant or run.
-    label : str
-        Of axes and curves, without the unit.
-    meaning : str
-        With what it counts from and which way it points.
-    files : tuple of str
-        Files of a run's folder (history.nc, stress.nc) that hold it.
-    derived_from : tuple of str
-        Quantities that it is computed of, as `derived.DERIVED` does it; empty for stored ones.
-    by_shoe : str
-        How the pairs of a shoe become one of it: "sum", or that of the "deepest" contact; empty if not.
-    needs : tuple of str
-        What a case must have: words of `NEEDS`.
-    numbers : str
-        In files: double, single, integer, truth or text.
-    curves : str
-        Group of the curves over time that show it; empty for none.
-    curve_axes : tuple of str
-        Components that are drawn; all, if empty.
-    compared : str
-        "table" where `compare` lists it; "figure 2" where it is drawn, too, as the second; else empty.
-    key_result : str
-        Place of its greatest value among the first results of a run and what it is called there, "2 greatest
-        contact force on a shoe"; empty if it is none of them.
-    """
-
-    name: str
-    symbol: str
-    unit: str
+    name: str  # of the variable in a dataset
+    symbol: str  # of formulas, in plain text
+    unit: str  # SI; empty for numbers without one
     dimensions: tuple[str, ...]
-    per: str
-    label: str
-    meaning: str
-    files: tuple[str, ...]
-    derived_from: tuple[str, ...]
-    by_shoe: str
-    needs: tuple[str, ...]
-    numbers: str
-    curves: str
-    curve_axes: tuple[str, ...]
-    compared: str
-    key_result: str
+    per: str  # what has one of it: shoe, link, pin, pair (of a shoe and a unit that met), unit, node, run ...
+    label: str  # of axes and curves, without the unit
+    meaning: str  # with what it counts from and which way it points
+    files: tuple[str, ...]  # files of a run's folder (history.nc, stress.nc) that hold it
+    derived_from: tuple[str, ...]  # quantities that `DERIVED` computes it of; empty for stored ones
+    by_shoe: str  # how the pairs of a shoe become one: "sum", or that of the "deepest" contact; empty if not
+    needs: tuple[str, ...]  # what a case must have: words of `NEEDS`
+    numbers: str  # in files: double, single, integer, truth or text
+    curves: str  # group of the curves over time that show it; empty for none
+    curve_axes: tuple[str, ...]  # components that are drawn; all, if empty
+    compared: str  # "table" where `compare` lists it, "figure 2" where it is drawn, too, second; else empty
+    key_result: str  # place of its greatest value among a run's first results and its name there; else empty
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -105,7 +67,7 @@ class Quantity:
 
     @property
     def is_vector(self) -> bool:
-        """Whether it has a component along each axis."""
+        """Whether it has components."""
         return "axis" in self.dimensions
 
     @property
@@ -120,22 +82,16 @@ class Quantity:
 
     def lacking(self, case: Case) -> str:
         """What it needs and a case does not have, for reading; empty if it needs nothing more."""
-        has = {
-            "flexible": case.flexible is not None,
-            "rolled": case.undercarriage is not None,
-            "dragged": case.undercarriage is None,
-        }
+        rolled = case.undercarriage is not None
+        has = {"flexible": case.flexible is not None, "rolled": rolled, "dragged": not rolled}
         return " and ".join(NEEDS[need] for need in self.needs if not has[need])
 
 
-def _catalogue() -> Iterator[Quantity]:
-    with CATALOGUE.open(encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            columns: dict[str, Any] = row | {name: tuple(row[name].split()) for name in SEVERAL}
-            yield Quantity(**columns)
-
-
-QUANTITIES = {quantity.name: quantity for quantity in _catalogue()}
+with CATALOGUE.open(encoding="utf-8", newline="") as _file:
+    _rows: list[dict[str, Any]] = list(csv.DictReader(_file))
+QUANTITIES = {
+    row["name"]: Quantity(**row | {name: tuple(row[name].split()) for name in SEVERAL}) for row in _rows
+}
 """Every quantity by the name of its variable."""
 
 
@@ -145,24 +101,22 @@ def select(**columns: str | bool) -> dict[str, Quantity]:
     ``select(per="pair", files="history")``; True and False ask whether a column says anything.
     """
 
-    def fits(quantity: Quantity) -> bool:
-        for column, wanted in columns.items():
-            value = getattr(quantity, column)
-            if isinstance(wanted, bool):
-                if bool(value) is not wanted:
-                    return False
-            elif wanted not in value if isinstance(value, tuple) else wanted != value:
-                return False
-        return True
+    def fits(value: str | tuple[str, ...], wanted: str | bool) -> bool:
+        if isinstance(wanted, bool):
+            return bool(value) is wanted
+        return wanted in value if isinstance(value, tuple) else wanted == value
 
-    return {name: quantity for name, quantity in QUANTITIES.items() if fits(quantity)}
+    return {
+        name: quantity
+        for name, quantity in QUANTITIES.items()
+        if all(fits(getattr(quantity, column), wanted) for column, wanted in columns.items())
+    }
 
 
-def variable(name: str, values: NDArray, without: Iterable[str] = ()) -> Variable:
+def variable(name: str, values: NDArray, without: tuple[str, ...] = ()) -> Variable:
     """Variable of a dataset with its quantity's dimensions, but for those it goes `without`."""
     quantity = QUANTITIES[name]
-    dropped = set(without)
-    return tuple(dim for dim in quantity.dimensions if dim not in dropped), values, quantity.attributes
+    return tuple(dim for dim in quantity.dimensions if dim not in without), values, quantity.attributes
 
 
 def check_dimensions(dataset: xr.Dataset) -> None:
@@ -238,7 +192,7 @@ DERIVED: dict[str, Callable[[Case, xr.Dataset], xr.DataArray]] = {
 
 
 def with_meaning(name: str, values: xr.DataArray) -> xr.DataArray:
-    """Values with name, unit and meaning of their quantity."""
+    """Values with the name, unit and meaning of their quantity."""
     return values.rename(name).assign_attrs(QUANTITIES[name].attributes)
 
 

@@ -1,9 +1,8 @@
 """Histories as files hold them, whole or in chunks along time, with their case.
 
-The units of a terrain in independent coordinates, hundreds of them, move by a few coordinates; a file holds
-these and their shapes, and what reads it has the units' motion with the same bits as the run. Contacts are in
-single precision, rounded to 6e-8 of their values, far below what the solver leaves out of balance. A run
-leaves a chunk a stage; chunks are joined in memory or in one file.
+A file has the coordinates of a terrain and their shapes in place of the motion of hundreds of units, which
+its reader computes to the same bits. Contacts are in single precision, rounded to 6e-8 of their values, far
+below what the solver leaves out of balance. A run leaves a chunk a stage, joined in memory or in one file.
 """
 
 import json
@@ -11,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Self
 
@@ -26,7 +26,7 @@ from exudyn_crawler.case.files import saved_case
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.files import blocks, write_netcdf_along
 from exudyn_crawler.model.state import VERSION
-from exudyn_crawler.results.history.catalogue import CONTACT_KEYS, QUANTITIES, Variable, select, variable
+from exudyn_crawler.results.history.catalogue import CONTACT_KEYS, QUANTITIES, select
 from fem.interrupts import interrupts_wait
 
 CASE = "case"
@@ -63,24 +63,15 @@ def reading_history(path: Path) -> Iterator[None]:
         raise FileNotFoundError(f"no history at {path}")
     try:
         yield
-    except ParameterError as error:
-        raise _no_history(path, "; ".join(error.errors)) from error
     # altered bytes make the readers raise all kinds of errors
     except Exception as error:
-        raise _no_history(path, str(error) or repr(error)) from error
-
-
-def _no_history(path: Path, reason: str) -> ValueError:
-    return ValueError(f"{path} does not hold a history: {' '.join(reason.split())}")
+        reason = "; ".join(error.errors) if isinstance(error, ParameterError) else str(error) or repr(error)
+        raise ValueError(f"{path} does not hold a history: {' '.join(reason.split())}") from error
 
 
 @interrupts_wait()
 def case_in_file(path: Path) -> Case:
-    """Case of a history's file.
-
-    FileNotFoundError if there is none; ValueError if the file does not hold a history, or one of states laid
-    out in another version.
-    """
+    """Case of a history's file; raises as `reading_history`, also for states laid out in another version."""
     with reading_history(path), h5py.File(path, "r") as file:
         version = np.asarray(file.attrs.get(LAYOUT_VERSION, 0)).item()
         if version != VERSION:
@@ -96,17 +87,18 @@ def unit_motion(shape: NDArray, coordinates: NDArray) -> NDArray:
     return np.einsum("uk,tk->tu", shape, coordinates)
 
 
-def motion_variables(heave: NDArray, tilt: NDArray, coordinates: dict[str, NDArray]) -> dict[str, Variable]:
-    """Motion of the units of a terrain in independent coordinates: variables of a history by name.
+def terrain_motion(heave: NDArray, tilt: NDArray, coordinates: dict[str, NDArray]) -> dict[str, NDArray]:
+    """Motion of the units of a terrain in independent coordinates, by names of variables.
 
     `heave` and `tilt` (units, modes) are m and rad for a unit of each coordinate; `coordinates` has them
     (times, modes) by rate, as of `RATES`.
     """
     shapes = dict(zip(SHAPES.values(), (heave, tilt), strict=True))
-    motion = shapes | {f"{TERRAIN}{rate}": values for rate, values in coordinates.items()}
+    motion = dict(shapes)
     for rate, values in coordinates.items():
+        motion[f"{TERRAIN}{rate}"] = values
         motion |= {f"{name}{rate}": unit_motion(shapes[shape], values) for name, shape in SHAPES.items()}
-    return {name: variable(name, values) for name, values in motion.items()}
+    return motion
 
 
 def packed(dataset: xr.Dataset) -> xr.Dataset:
@@ -127,26 +119,20 @@ def unpacked(dataset: xr.Dataset, widened: bool = False) -> xr.Dataset:
     for name in _single(dataset):
         stored = dataset.variables[name]
         if stored.dtype != np.float64:
-            wide = _lazy(QUANTITIES[name].dimensions, stored.shape, partial(_doubled, stored), stored.attrs)
+            wide = _lazy(name, stored.shape, partial(_doubled, stored))
             computed[name] = wide.load() if widened else wide
     if TERRAIN in dataset.variables:
         dataset = dataset.set_coords(list(TERRAIN_COORDINATES))
-        for rate in RATES:
-            for name, shape in SHAPES.items():
-                computed[f"{name}{rate}"] = _units(dataset, f"{name}{rate}", shape, f"{TERRAIN}{rate}")
+        for rate, (name, shape) in product(RATES, SHAPES.items()):
+            shapes, motion = dataset.variables[shape].values, dataset.variables[f"{TERRAIN}{rate}"]
+            part, sizes = partial(_part_of_motion, shapes, motion), (motion.shape[0], len(shapes))
+            computed[f"{name}{rate}"] = _lazy(f"{name}{rate}", sizes, part)
     return dataset.assign(computed)
 
 
 def _single(dataset: xr.Dataset) -> list[str]:
     """Variables that files hold in single precision."""
     return [name for name in select(numbers="single") if name in dataset.data_vars]
-
-
-def _units(dataset: xr.Dataset, name: str, shape: str, coordinates: str) -> xr.Variable:
-    shapes, motion = dataset.variables[shape].values, dataset.variables[coordinates]
-    sizes = (motion.shape[0], len(shapes))
-    part = partial(_part_of_motion, shapes, motion)
-    return _lazy(QUANTITIES[name].dimensions, sizes, part, QUANTITIES[name].attributes)
 
 
 def _part_of_motion(shapes: NDArray, motion: xr.Variable, key: tuple) -> NDArray:
@@ -158,11 +144,9 @@ def _doubled(stored: xr.Variable, key: tuple) -> NDArray:
     return stored[key].values.astype(float)
 
 
-def _lazy(
-    dimensions: tuple[str, ...], shape: tuple[int, ...], part: Callable[[tuple], NDArray], attributes: dict
-) -> xr.Variable:
+def _lazy(name: str, shape: tuple[int, ...], part: Callable[[tuple], NDArray]) -> xr.Variable:
     array = indexing.LazilyIndexedArray(_Computed(shape, part))
-    return xr.Variable(dimensions, array, attributes)
+    return xr.Variable(QUANTITIES[name].dimensions, array, QUANTITIES[name].attributes)
 
 
 class _Computed(BackendArray):
@@ -254,13 +238,6 @@ def _with_contacts(dataset: xr.Dataset, pairs: NDArray) -> xr.Dataset:
     if np.array_equal(met, pairs):
         return dataset
     column = {tuple(pair): k for k, pair in enumerate(pairs.tolist())}
-    columns = [column[tuple(pair)] for pair in met.tolist()]
-    wider = {}
-    for name, one in dataset.data_vars.items():
-        if "contact" in one.dims:
-            axis = one.get_axis_num("contact")
-            values = np.zeros((*one.shape[:axis], len(pairs), *one.shape[axis + 1 :]))
-            values[(slice(None),) * axis + (columns,)] = one.values
-            wider[name] = (one.dims, values, one.attrs)
-    coordinates = contact_coordinates(pairs)
-    return dataset.drop_dims("contact").assign(wider).assign_coords(coordinates)
+    columns = np.array([column[tuple(pair)] for pair in met.tolist()], dtype=int)
+    wider = dataset.assign_coords(contact=columns).reindex(contact=np.arange(len(pairs)), fill_value=0.0)
+    return wider.drop_vars("contact").assign_coords(contact_coordinates(pairs))

@@ -12,26 +12,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, LoadCycle, MachineCycle
-from exudyn_crawler.files import write_netcdf_along
-from exudyn_crawler.results.history.catalogue import (
-    BY_SHOE,
-    DERIVED,
-    QUANTITIES,
-    by_shoe,
-    check_dimensions,
-    select,
-    with_meaning,
-)
-from exudyn_crawler.results.history.files import (
-    TERRAIN_COORDINATES,
-    blocks,
-    case_in_file,
-    packed,
-    reading_history,
-    unpacked,
-    with_case,
-    without_case,
-)
+from exudyn_crawler.results.history import catalogue, files
+from exudyn_crawler.results.history.catalogue import DERIVED, QUANTITIES
 from fem.interrupts import interrupts_wait
 
 MOST_IN_MEMORY = 10**9
@@ -109,14 +91,14 @@ class History:
             lacking = QUANTITIES[name].lacking(self.case) or "more than a history: stresses, say"
             raise ValueError(f"{name} needs {lacking}")
         if QUANTITIES[name].is_derived:
-            return with_meaning(name, DERIVED[name](self.case, self.dataset))
+            return catalogue.with_meaning(name, DERIVED[name](self.case, self.dataset))
         return self.dataset[name] if stress is None or name not in stress else stress[name]
 
     def over_time(self, names: Iterable[str], stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:
         """Quantities of the catalogue by name as `quantity` gives them; those of contacts by shoe."""
         chosen = list(names)
-        of_pairs = [name for name in chosen if name in BY_SHOE]
-        contacts = by_shoe(self.case, self.dataset, of_pairs) if of_pairs else {}
+        of_pairs = [name for name in chosen if name in catalogue.BY_SHOE]
+        contacts = catalogue.by_shoe(self.case, self.dataset, of_pairs) if of_pairs else {}
         return {name: contacts[name] if name in contacts else self.quantity(name, stress) for name in chosen}
 
     def contacts_by_shoe(self) -> xr.Dataset:
@@ -131,7 +113,7 @@ class History:
             Dimensions time, shoe, axis: normal_force, friction_force, contact_force (N), friction_torque
             (N m), area (m2), penetration (m), penetration_rate and slip_velocity (m/s).
         """
-        return by_shoe(self.case, self.dataset, BY_SHOE)
+        return catalogue.by_shoe(self.case, self.dataset, catalogue.BY_SHOE)
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
         """Write everything to one NetCDF file, as of `results.history.files`: contacts in single precision.
@@ -141,8 +123,7 @@ class History:
         FileExistsError
             If the file exists and `overwrite` is false.
         """
-        whole = with_case(packed(self.dataset), self.case)
-        return write_netcdf_along("time", whole.sizes["time"], blocks(whole), Path(path), overwrite)
+        return files.save_joined(self.case, [files.Chunk.of(self.dataset)], Path(path), overwrite)
 
     def every(self, step: int) -> Self:
         """Every so many-th of the stored times, from the first on, in memory; itself for 1."""
@@ -166,23 +147,22 @@ class History:
         """
         path = Path(path)
         # first without h5netcdf, which fills the terminal over a file that HDF5 cannot read
-        case = case_in_file(path)
-        with reading_history(path):
-            file_dataset = xr.open_dataset(path, engine="h5netcdf", cache=False)
-            dataset = without_case(unpacked(file_dataset))
+        case = files.case_in_file(path)
+        with files.reading_history(path):
+            stored = xr.open_dataset(path, engine="h5netcdf", cache=False)
+            dataset = files.without_case(files.unpacked(stored))
             if dataset.nbytes <= MOST_IN_MEMORY:
-                dataset = without_case(unpacked(file_dataset.load(), widened=True))
-                file_dataset.close()
+                dataset = files.without_case(files.unpacked(stored.load(), widened=True))
+                stored.close()
             _check(case, dataset)
         return cls(case=case, dataset=dataset)
 
 
 def _check(case: Case, dataset: xr.Dataset) -> None:
     """Refuse a dataset whose variables are not those of a history of the case."""
-    check_dimensions(dataset)
-    always = select(files="history", needs=False)
-    missing = [name for name in always if name not in dataset.variables and name not in TERRAIN_COORDINATES]
-    if missing:
+    catalogue.check_dimensions(dataset)
+    always = set(catalogue.select(files="history", needs=False)) - set(files.TERRAIN_COORDINATES)
+    if missing := sorted(always - set(map(str, dataset.variables))):
         raise ValueError(f"it has no {missing[0]}")
     numbers = {"shoe": case.track.shoes, "joint": case.track.joints, "unit": case.terrain.units}
     for name, expected in numbers.items():

@@ -1,9 +1,8 @@
 """From the states of the multibody system to a history's named variables; nothing here solves anything."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 from importlib.metadata import version
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -14,14 +13,9 @@ from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.ground.terrain import ReducedCoordinates
-from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, StateLayout, pin_name
-from exudyn_crawler.results.history.catalogue import Variable, select, variable
-from exudyn_crawler.results.history.files import (
-    LAYOUT_VERSION,
-    TERRAIN_COORDINATES,
-    contact_coordinates,
-    motion_variables,
-)
+from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, pin_name
+from exudyn_crawler.results.history import files
+from exudyn_crawler.results.history.catalogue import select, variable
 from exudyn_crawler.results.history.history import History
 
 if TYPE_CHECKING:
@@ -36,23 +30,14 @@ NEIGHBOURS = ("behind", "ahead")
 """Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
 
 
-@dataclass(frozen=True)
-class _States:
-    """Stored states (times, layout.size) of a system, and what reads them."""
+class _States(NamedTuple):
+    """Stored states (times, layout.size) of a system."""
 
     system: "TrackSystem"
     rows: NDArray
 
-    @property
-    def case(self) -> Case:
-        return self.system.case
-
-    @property
-    def layout(self) -> StateLayout:
-        return self.system.layout
-
     def part(self, name: str) -> NDArray:
-        return self.layout.part(self.rows, name)
+        return self.system.layout.part(self.rows, name)
 
 
 def system_history(system: "TrackSystem", rows: NDArray) -> History:
@@ -60,14 +45,15 @@ def system_history(system: "TrackSystem", rows: NDArray) -> History:
     case, states = system.case, _States(system, rows)
     time = states.part("time")
     start = case.track.com_positions(case.shoe.com_height)
-    variables = _motion(states, "shoes", start) | _reactions(states) | _terrain(states)
-    variables["shoe_load"] = variable("shoe_load", case.loads.loads(time))
-    if system.treads is not None:
-        variables |= _rolled(states, system.treads)
     contacts, pairs = _contacts(states)
-    motion = {name: variables.pop(name) for name in TERRAIN_COORDINATES if name in variables}
+    values = _motion(states, "shoes", start) | _reactions(states) | _terrain(states) | contacts
+    values["shoe_load"] = case.loads.loads(time)
+    if system.treads is not None:
+        values |= _rolled(states, system.treads)
+    variables = {name: variable(name, one) for name, one in values.items()}
+    motion = {name: variables.pop(name) for name in files.TERRAIN_COORDINATES if name in variables}
     dataset = xr.Dataset(
-        variables | contacts,
+        variables,
         coords={
             "time": ("time", time, {"units": "s"}),
             "shoe": case.track.shoes,
@@ -77,66 +63,65 @@ def system_history(system: "TrackSystem", rows: NDArray) -> History:
             **motion,
             **_flexible_coordinates(system),
             **_rolled_coordinates(case),
-            **contact_coordinates(pairs),
+            **files.contact_coordinates(pairs),
         },
         attrs={
             "title": case.name,
             "exudyn_version": version("exudyn"),
             "exudyn_crawler_version": version("exudyn-crawler"),
-            LAYOUT_VERSION: VERSION,
+            files.LAYOUT_VERSION: VERSION,
         },
     )
     return History(case=case, dataset=dataset)
 
 
-def _motion(states: _States, bodies: str, start: NDArray, prefix: str = "") -> dict[str, Variable]:
+def _motion(states: _States, bodies: str, start: NDArray, prefix: str = "") -> dict[str, NDArray]:
     """Motion of the bodies of a part of the states, whose coordinates count from where they start (m)."""
     u, v, a = (states.part(f"{bodies}{rate}") for rate in RATES)
     angles, rates, accelerations = u[..., 3:], v[..., 3:], a[..., 3:]
-    named = {
-        "position": u[..., :3] + start,
-        "velocity": v[..., :3],
-        "acceleration": a[..., :3],
-        "angles": angles,
-        "angular_velocity": angular_velocity(angles, rates),
-        "angular_acceleration": angular_acceleration(angles, rates, accelerations),
+    return {
+        f"{prefix}position": u[..., :3] + start,
+        f"{prefix}velocity": v[..., :3],
+        f"{prefix}acceleration": a[..., :3],
+        f"{prefix}angles": angles,
+        f"{prefix}angular_velocity": angular_velocity(angles, rates),
+        f"{prefix}angular_acceleration": angular_acceleration(angles, rates, accelerations),
     }
-    return {f"{prefix}{name}": variable(f"{prefix}{name}", values) for name, values in named.items()}
 
 
-def _pins(states: _States) -> Iterator[tuple[int, int, NDArray, NDArray]]:
-    """Joints of all links: link and side (from 0), force and torque on the rear shoe (times, 3).
+def _pins(states: _States) -> tuple[NDArray, NDArray]:
+    """Force and torque of every joint on its rear shoe: arrays (times, links, sides, 3), NaN for no joint.
 
     A joint's equations are ``p_front - p_rear = 0`` and, with the axes of the rear shoe marked 0 and of
     the front one 1, ``y0 . x1 = 0`` and ``y0 . z1 = 0``: the multipliers of the first are the force on
     the rear shoe, those of the others turn it by ``x1 x y0`` and ``z1 x y0``.
     """
+    layout, joints = states.system.layout, states.system.case.track.joints
     frames = rotation_matrices(states.part("shoes")[..., 3:])
     y0, x1, z1 = frames[:, :-1, :, 1], frames[:, 1:, :, 0], frames[:, 1:, :, 2]
-    for link, number in enumerate(states.case.track.joints):
-        for side, name in enumerate(SIDES):
-            if states.layout.has(pin_name(name, number)):
-                reaction = states.part(pin_name(name, number))
-                about_x, about_z = np.cross(x1[:, link], y0[:, link]), np.cross(z1[:, link], y0[:, link])
-                torque = reaction[:, 3, None] * about_x + reaction[:, -1, None] * about_z
-                yield link, side, reaction[:, :3], torque
+    about_x, about_z = np.cross(x1, y0), np.cross(z1, y0)
+    force, torque = np.full((2, len(states.rows), len(joints), len(SIDES), 3), np.nan)
+    for link, side in np.ndindex(force.shape[1:3]):
+        name = pin_name(SIDES[side], int(joints[link]))
+        if layout.has(name):
+            reaction = states.part(name)
+            force[:, link, side] = reaction[:, :3]
+            turning = reaction[:, 3, None] * about_x[:, link]
+            torque[:, link, side] = turning + reaction[:, -1, None] * about_z[:, link]
+    return force, torque
 
 
-def _reactions(states: _States) -> dict[str, Variable]:
+def _reactions(states: _States) -> dict[str, NDArray]:
     """Forces and torques of links and drive; of a track with flexible shoes those of each pin, too."""
-    force = np.full((len(states.rows), len(states.case.track.joints), len(SIDES), 3), np.nan)
-    torque = np.full_like(force, np.nan)
-    for link, side, pin_force, pin_torque in _pins(states):
-        force[:, link, side], torque[:, link, side] = pin_force, pin_torque
-    turn = -states.part("turn")[:, 0] if states.layout.has("turn") else np.zeros(len(states.rows))
+    layout, (force, torque) = states.system.layout, _pins(states)
     named = {
         "joint_force": np.nansum(force, axis=2),
         "joint_torque": np.nansum(torque, axis=2),
-        "drive_force": -states.part("drive")[:, 0] * (not states.case.is_rolled),
+        "drive_force": -states.part("drive")[:, 0] * (not states.system.case.is_rolled),
         "drive_point": _drive_point(states),
-        "drive_torque": turn,
+        "drive_torque": -states.part("turn")[:, 0] if layout.has("turn") else np.zeros(len(states.rows)),
     }
-    if states.layout.flexible_shoes:
+    if layout.flexible_shoes:
         # a rigid link has one joint, whose reaction is no pin's
         single = np.isnan(force[:, :, -1:])
         named |= {
@@ -145,12 +130,12 @@ def _reactions(states: _States) -> dict[str, Variable]:
             "pin_force": np.where(single, np.nan, force),
             "pin_torque": np.where(single, np.nan, torque),
         }
-    return {name: variable(name, values) for name, values in named.items()}
+    return named
 
 
 def _drive_point(states: _States) -> NDArray:
     """Where the drive acts: array (times, 3)."""
-    case, point, front = states.case, states.system.point, states.part("shoes")[:, -1]
+    case, point, front = states.system.case, states.system.point, states.part("shoes")[:, -1]
     # the front shoe is the last of the flexible ones, if it is one of them
     modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(front), 0))
     start = case.track.com_positions(case.shoe.com_height)[-1]
@@ -168,59 +153,54 @@ def _flexible_coordinates(system: "TrackSystem") -> dict[str, object]:
     }
 
 
-def _terrain(states: _States) -> dict[str, Variable]:
+def _terrain(states: _States) -> dict[str, NDArray]:
     contact = states.system.contact
     if isinstance(contact.coordinates, ReducedCoordinates):
         modes = contact.coordinates.modes
         motion = {rate.replace(" ", "_"): states.part(f"terrain{rate}").copy() for rate in RATES}
-        return motion_variables(modes.heave, modes.tilt, motion)
-    named: dict[str, Variable] = {}
+        return files.terrain_motion(modes.heave, modes.tilt, motion)
+    named = {}
     for rate in RATES:
         units = np.stack([contact.unit_motion(row) for row in states.part(f"coordinates{rate}")])
         for name, column in (("heave", 2), ("tilt", 3)):
-            name = f"unit_{name}{rate.replace(' ', '_')}"
-            named[name] = variable(name, units[..., column])
+            named[f"unit_{name}{rate.replace(' ', '_')}"] = units[..., column]
     return named
 
 
-def _contacts(states: _States) -> tuple[dict[str, Variable], NDArray]:
+def _contacts(states: _States) -> tuple[dict[str, NDArray], NDArray]:
     """Contacts over time, a column for each volume of a pair that ever met; zero while there is none."""
     parts = [states.part("coordinates"), states.part("coordinates rate")]
-    if states.layout.contact_forces:
+    if states.system.layout.contact_forces:
         parts.append(states.part("contact forces"))
     results = [states.system.contact.results(*state) for state in zip(*parts, strict=True)]
     rows = np.concatenate(results)
-    first = {"shoe": 1, "unit": 1, "finger": 0}
-    keys = [rows[:, RESULT[name]].astype(int) + number for name, number in first.items()]
-    pairs, column = np.unique(np.column_stack(keys), axis=0, return_inverse=True)
+    keys = rows[:, [RESULT[name] for name in ("shoe", "unit", "finger")]].astype(int)
+    keys[:, :2] += 1  # shoes and units count from 1
+    pairs, column = np.unique(keys, axis=0, return_inverse=True)
     when = np.repeat(np.arange(len(results)), [len(one) for one in results])
-    variables: dict[str, Variable] = {}
+    tables = {}
     for name, quantity in CONTACTS.items():
-        if quantity.lacking(states.case):
-            continue
-        values = rows[..., RESULT[name]]
-        table = np.zeros((len(results), len(pairs), *values.shape[1:]))
-        # a history in memory has the numbers of its file
-        table[when, column.ravel()] = values.astype(quantity.dtype)
-        variables[name] = variable(name, table)
-    return variables, pairs
+        if not quantity.lacking(states.system.case):
+            values = rows[..., RESULT[name]]
+            tables[name] = np.zeros((len(results), len(pairs), *values.shape[1:]))
+            # a history in memory has the numbers of its file
+            tables[name][when, column.ravel()] = values.astype(quantity.dtype)
+    return tables, pairs
 
 
-def _rolled(states: _States, treads: Callable[..., tuple[NDArray, NDArray, NDArray]]) -> dict[str, Variable]:
+def _rolled(states: _States, treads: Callable[..., tuple[NDArray, NDArray, NDArray]]) -> dict[str, NDArray]:
     """Motion of the side frame, forces of its rollers and pull of its drive."""
     parts = (states.part(name) for name in ("time", "coordinates", "coordinates rate"))
     results = [treads(*state) for state in zip(*parts, strict=True)]
     force, foot, behind = (np.array(one) for one in zip(*results, strict=True))
     split = (len(states.rows), force.shape[1], len(SIDES), -1, len(NEIGHBOURS), 3)
-    named = {
+    return _motion(states, SIDE_FRAME, states.system.case.frame_start, "side_frame_") | {
         "drive_pull": -states.part("drive")[:, 0],
         "roller_shoe": behind + 1,
         "roller_force": force.reshape(split).sum(axis=(3, 4)),
         "tread_force": force.reshape(split),
         "tread_foot": foot.reshape(split),
     }
-    motion = _motion(states, SIDE_FRAME, states.case.frame_start, "side_frame_")
-    return motion | {name: variable(name, values) for name, values in named.items()}
 
 
 def _rolled_coordinates(case: Case) -> dict[str, object]:
@@ -229,13 +209,10 @@ def _rolled_coordinates(case: Case) -> dict[str, object]:
     if frame is None:
         return {}
     rollers, strips = np.arange(1, len(frame.rollers) + 1), np.arange(1, frame.strips + 1)
+    under = "shoe under a roller's axis, or the next"
     return {
         "roller": ("roller", rollers, {"long_name": "from rear to front"}),
         "rail": list(SIDES),
         "strip": ("strip", strips, {"long_name": "of a tread, from right to left"}),
-        "neighbour": (
-            "neighbour",
-            list(NEIGHBOURS),
-            {"long_name": "shoe under a roller's axis, or the next"},
-        ),
+        "neighbour": ("neighbour", list(NEIGHBOURS), {"long_name": under}),
     }

@@ -39,21 +39,16 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
 def _size(values: xr.DataArray) -> xr.DataArray:
     """Length of vectors, magnitude of forces, and all else as it is."""
     if "axis" in values.dims:
-        return _length(values)
+        return ((values**2).sum("axis")) ** 0.5
     return abs(values) if values.attrs.get("units") == "N" else values
 
 
 def _way(history: History) -> dict[str, object]:
     """How far the front shoe, or the side frame that rolls over the shoes, has moved."""
-    if not history.case.is_rolled:
-        of, place = f"shoe {int(history.shoe[-1])}", history.position.isel(shoe=-1)
-    else:
-        of, place = "side frame", history.side_frame_position
-    return {"value": float(_length(place.isel(time=-1) - place.isel(time=0))), "of": of}
-
-
-def _length(vectors: xr.DataArray) -> xr.DataArray:
-    return ((vectors**2).sum("axis")) ** 0.5
+    rolled = history.case.is_rolled
+    way = history.side_frame_way if rolled else history.displacement.isel(shoe=-1)
+    of = "side frame" if rolled else f"shoe {int(history.shoe[-1])}"
+    return {"value": float(_size(way.isel(time=-1))), "of": of}
 
 
 def _extreme(values: xr.DataArray, which: str = "greatest") -> tuple[dict[str, int], str, float]:
@@ -73,13 +68,12 @@ def _item(values: xr.DataArray, dim: str, index: int) -> str:
 
 
 def extremes(history: History) -> pd.DataFrame:
-    """Least and greatest value of every variable over time, axis by axis.
+    """Least and greatest value of every variable with numbers over time, axis by axis.
 
-    Columns variable, axis, unit; least and greatest, each with the shoe, link, unit or contact that it is of
-    and the time (s) that it is at. Variables without any number have no row.
+    Columns variable, axis, unit; least and greatest, each with what it is of and its time (s).
     """
     rows: dict[tuple[str, str], dict[str, Any]] = {}
-    # part by part, since a variable of a long run may be larger than memory
+    # a variable of a long run may be larger than memory
     for part in blocks(history.dataset):
         for name, axis, values in _series(part):
             new = {"variable": name, "axis": axis, "unit": values.attrs.get("units", "")}
@@ -95,13 +89,16 @@ def extremes(history: History) -> pd.DataFrame:
 def _series(part: xr.Dataset) -> Iterator[tuple[str, str, xr.DataArray]]:
     """Every variable over time, axis by axis, with some number: its name, axis and values."""
     for name, values in part.data_vars.items():
-        if "time" not in values.dims or not np.issubdtype(values.dtype, np.number):
-            continue
-        loaded = values.load()
-        for axis in loaded.axis.values if "axis" in loaded.dims else ("",):
-            one = loaded.sel(axis=axis) if "axis" in loaded.dims else loaded
-            if bool(one.notnull().any()):
-                yield str(name), str(axis), one
+        if "time" in values.dims and np.issubdtype(values.dtype, np.number):
+            by_axis = _by_axis(values.load())
+            yield from ((str(name), axis, one) for axis, one in by_axis if bool(one.notnull().any()))
+
+
+def _by_axis(values: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
+    """Components of a vector with the names of their axes; all else whole, with none."""
+    if "axis" not in values.dims:
+        return [("", values)]
+    return [(str(axis), values.sel(axis=axis)) for axis in values.axis.values]
 
 
 def load_table(history: History) -> pd.DataFrame:
@@ -135,12 +132,11 @@ def compared(history: History, stress: xr.Dataset | None = None) -> dict[str, xr
     Those of contacts count by shoe, since two runs need not have the same pairs.
     """
     named = [name for name in select(compared=True) if history.has(name, stress)]
-    values = history.over_time(named, stress)
-    return {name: _in_mega(one) if one.attrs.get("units") == "Pa" else one for name, one in values.items()}
-
-
-def _in_mega(stress: xr.DataArray) -> xr.DataArray:
-    return (stress / 1e6).assign_attrs(stress.attrs | {"units": "MPa"})
+    found = history.over_time(named, stress)
+    mega = {name: one for name, one in found.items() if one.attrs.get("units") == "Pa"}
+    return found | {
+        name: (one / 1e6).assign_attrs(one.attrs | {"units": "MPa"}) for name, one in mega.items()
+    }
 
 
 def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.DataArray]) -> pd.DataFrame:
@@ -157,45 +153,34 @@ def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.
         row. The column unit says in what; stresses are in MPa, all else in SI units.
     """
     rows = []
-    for name in first:
-        if name not in second:
-            continue
+    for name in [name for name in first if name in second]:
         time, end = first[name].time.values, float(second[name].time[-1])
         time = time[time <= end * (1.0 + 1e-9)]
         a, b = xr.align(first[name], second[name], join="inner", exclude=["time"])
-        a, b = a.sel(time=time), b.interp(time=np.minimum(time, end))
-        b = b.assign_coords(time=time)
+        a, b = a.sel(time=time), b.interp(time=np.minimum(time, end)).assign_coords(time=time)
         greatest = float(abs(a).max()) if a.size else 0.0
-        rounding = ROUNDING * max(greatest, ROUNDING)
-        for axis in a.axis.values if "axis" in a.dims else [None]:
-            pair = (a, b) if axis is None else (a.sel(axis=axis), b.sel(axis=axis))
-            if axis is not None and all(bool((abs(one) <= STILL * greatest).all()) for one in pair):
-                continue
-            rows += [
-                {"quantity": str(name), "axis": "" if axis is None else str(axis)} | row
-                for row in _rows(*pair, rounding)
-            ]
+        for (axis, one), (_, other) in zip(_by_axis(a), _by_axis(b), strict=True):
+            still = axis and all(bool((abs(values) <= STILL * greatest).all()) for values in (one, other))
+            row = {} if still else _difference(one, other, ROUNDING * max(greatest, ROUNDING))
+            if row:
+                rows.append({"quantity": str(name), "axis": axis} | row)
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
-def _rows(a: xr.DataArray, b: xr.DataArray, rounding: float) -> Iterator[dict[str, object]]:
-    """Row of one series with its unit; none where no difference is beyond rounding."""
+def _difference(a: xr.DataArray, b: xr.DataArray, rounding: float) -> dict[str, object]:
+    """Row of one series with its unit; nothing where no difference is beyond rounding."""
     difference = b - a
-    size = float(abs(a).max()) if a.size else np.nan
-    if not bool(difference.notnull().any()):
-        return
+    if not bool((abs(difference) > rounding).any()):
+        return {}
     at, of, time = _extreme(abs(difference).fillna(0.0))
-    greatest = float(difference.isel(at))
-    if abs(greatest) <= rounding:
-        return
-    other = float(abs(b).max())
-    yield {
+    size, other = float(abs(a).max()), float(abs(b).max())
+    return {
         "unit": a.attrs.get("units", ""),
         "greatest in A": size,
         "greatest in B": other,
         "change in %": 100.0 * (other - size) / size if size > 0.0 else np.nan,
         "rms difference": float(np.sqrt((difference**2).mean())),
-        "greatest difference": greatest,
+        "greatest difference": float(difference.isel(at)),
         "of": of,
         "at in s": time,
     }
@@ -214,16 +199,11 @@ LEAST_SIZE = 0.01
 
 
 class Bouncing(NamedTuple):
-    """Oscillation of the contact forces.
+    """Oscillation of the contact forces."""
 
-    `frequency` (Hz) is that of the highest peak of the mean spectrum over the shoes, `size` the root mean
-    square of the vertical force on a shoe about the peak over the mean force, `share` the part of the
-    variance above `BAND`'s begin that it holds.
-    """
-
-    frequency: float
-    size: float
-    share: float
+    frequency: float  # Hz, of the highest peak of the mean spectrum over the shoes
+    size: float  # root mean square of the vertical force on a shoe about the peak over the mean force
+    share: float  # part of the variance above `BAND`'s begin that it holds
 
 
 def bouncing(history: History) -> Bouncing | None:
@@ -232,8 +212,9 @@ def bouncing(history: History) -> Bouncing | None:
     The vertical contact force of every shoe is taken at equal times; spectra by Welch's method. Runs shorter
     than `WINDOW` say nothing.
     """
-    contacts = history.over_time(["contact_force"])
-    force = contacts["contact_force"].sel(axis="z").transpose("shoe", "time").values
+    force = (
+        history.over_time(["contact_force"])["contact_force"].sel(axis="z").transpose("shoe", "time").values
+    )
     time = history.time.values
     if time[-1] - time[0] < WINDOW:
         return None

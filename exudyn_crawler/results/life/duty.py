@@ -1,18 +1,174 @@
-"""Duty of a shovel: which runs its hours are made of, and how often an hour each of them happens."""
+"""Duty of a shovel: the runs of its hours, how often each happens, and the fatigue strength of its shoes.
+
+The strength is by local stresses of the FKM guideline ("Analytical Strength Assessment of Components",
+Forschungskuratorium Maschinenbau, 6th ed., 2012), whose formulas are pyLife's.
+"""
 
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
+import pandas as pd
 from pydantic import Field, model_validator
 
 from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
-from exudyn_crawler.case.parameters.reading import Content, read_parameters, with_base
-from exudyn_crawler.results.life.fatigue_material import FatigueMaterial
-from fem.fatigue import Miner
+from exudyn_crawler.case.parameters.reading import read_parameters, with_base
+from fem.fatigue import Miner, SNCurve
+
+FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless steel", "cast steel"]
+PYLIFE_CLASSES = {
+    "steel": "Steel",
+    "forged steel": "Forg_Steel",
+    "case-hardened steel": "CaseHard_Steel",
+    "stainless steel": "Stainless_Steel",
+    "cast steel": "GS",
+}
+MEGA, MICRO, MILLI = 1e6, 1e-6, 1e-3
+
+
+class FatigueMaterial(Parameters):
+    """Material of the shoes against cyclic stress."""
+
+    name: Name = Field(description="of the material")
+    source: str = Field(default="", max_length=1000, description="where the values are from, what is assumed")
+    tensile_strength: float = quantity(
+        "Pa", "R_m, of the standard or of a specimen", plausible=(2e8, 2.5e9), ge=1e7, le=1e10
+    )
+    yield_strength: float = quantity("Pa", "R_e or R_p0.2", plausible=(1e8, 2e9), ge=1e7, le=1e10)
+    fkm_class: FKMClass = Field(description="material class of the FKM guideline, whose constants it takes")
+    size_factor: float = quantity(
+        "1", "strength in the part over the specimen's (FKM: K_d K_A)", (0.6, 1.0), gt=0.1, le=1, default=1.0
+    )
+    roughness: float = quantity(
+        "m", "R_z; 2e-4: skin of casting, rolling (FKM 4.3.1.4)", (1e-6, 5e-4), ge=1e-6, le=1e-2, default=2e-4
+    )
+    stress_gradient: float = quantity(
+        "1/m", "related, at notches (FKM 4.3.1.3.1, Stieler); 0: none", (0.0, 2e3), ge=0, le=1e5, default=0.0
+    )
+    casting_factor: float = quantity(
+        "1", "casting defects' (FKM: tested castings 1.25, others 1.4)", (1.0, 2.0), ge=1, le=10, default=1.0
+    )
+    slope: float = quantity(
+        "1", "k of the S-N curve (FKM: 5 for normal stress)", plausible=(3.0, 15.0), ge=1, le=50, default=5.0
+    )
+    knee: float = quantity(
+        "1", "cycles at its knee (FKM: 1e6)", plausible=(1e5, 1e7), ge=1e3, le=1e10, default=1e6
+    )
+    scatter: float = quantity(
+        "1", "strength that 10 % survive over that of 90 %", (1.0, 2.0), ge=1, le=10, default=1.25
+    )
+    survival: float = quantity("1", "part that survives the strength (FKM: 0.975)", gt=0, lt=1, default=0.975)
+    fatigue_strength: float | None = quantity(
+        "Pa",
+        "amplitude at R = -1 at the knee, of a polished specimen; none: FKM's part of R_m",
+        (5e7, 1e9),
+        ge=1e6,
+        le=1e10,
+        default=None,
+    )
+    mean_sensitivity: float | None = quantity(
+        "1", "M of mean stresses; none: FKM 4.4.2.1.2", plausible=(0.0, 0.8), ge=0, lt=1, default=None
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.yield_strength > self.tensile_strength:
+            raise ValueError(
+                f"yield_strength must not exceed tensile_strength = {self.tensile_strength:g} Pa, "
+                f"got {self.yield_strength:g} Pa"
+            )
+        return self
+
+    @classmethod
+    def a36(cls) -> Self:
+        """Structural steel ASTM A36, which the papers' shoe is said to be of; rolled, not cast."""
+        return cls(
+            name="A36",
+            source="ASTM A36: least yield and tensile strength; scatter and rolling skin assumed",
+            tensile_strength=400e6,
+            yield_strength=250e6,
+            fkm_class="steel",
+        )
+
+    @classmethod
+    def cast_nicrmo(cls) -> Self:
+        """Quenched and tempered NiCrMo cast steel, what shoes are made of; its hardened layer left out."""
+        return cls(
+            name="cast NiCrMo",
+            source="yield as makers of shoes give it; tensile strength in the ratio of ASTM A148 120-95, "
+            "tested castings, skin and scatter assumed; the hardened roller path counts as its core",
+            tensile_strength=860e6,
+            yield_strength=690e6,
+            fkm_class="cast steel",
+            casting_factor=1.25,
+            scatter=1.4,
+        )
+
+    @classmethod
+    def cast_manganese(cls) -> Self:
+        """Austenitic manganese steel (Hadfield), as quenched in water; its hardening in service left out."""
+        return cls(
+            name="austenitic manganese",
+            source="ASTM A128, typical strengths of thick castings assumed; FKM has no such class, that of "
+            "cast steel stands for it; tested castings, skin and scatter assumed",
+            tensile_strength=760e6,
+            yield_strength=350e6,
+            fkm_class="cast steel",
+            casting_factor=1.25,
+            scatter=1.4,
+        )
+
+    def provenance(self) -> str:
+        """Source of the values; of a ready material that was changed, which values are not of that source."""
+        for ready in (self.a36(), self.cast_nicrmo(), self.cast_manganese()):
+            fields = [name for name in type(self).model_fields if name != "name"]
+            changed = [name for name in fields if getattr(self, name) != getattr(ready, name)]
+            if self.source == ready.source and changed:
+                return f"{', '.join(changed)} as the duty gives; all else: {self.source}"
+        return self.source
+
+    def factors(self) -> dict[str, float]:
+        """What makes the strength: fatigue_strength (Pa), roughness, support, design, mean_sensitivity.
+
+        The strength at the knee is fatigue_strength over design and casting_factor.
+        """
+        from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
+
+        fkm, normal = FkmLinearFunctions(), pd.Series(["normal"])
+        kind = pd.Series([PYLIFE_CLASSES[self.fkm_class]])
+        strength = pd.Series([self.size_factor * self.tensile_strength / MEGA])
+        constants, shear = fkm.get_material_constants(kind, normal)
+        reversed_strength = MEGA * fkm.reversed_mat_strength_chap4(strength, constants, shear, normal)
+        roughness = fkm.rough_factor(
+            strength, pd.Series([self.roughness / MICRO]), constants, shear, normal, pd.Series(["rough"])
+        )
+        gradient = pd.Series([MILLI * self.stress_gradient])
+        support = fkm.stieler_support(constants, shear, normal, gradient, strength)
+        notch, one = fkm.kf_constant(kind), pd.Series([1.0])
+        design = fkm.design_factor(support, notch, roughness, one, one, one)
+        mean = fkm.sm_sensitivity_chap4(strength, constants, shear, normal)
+        found = [reversed_strength, roughness, support, design, mean]
+        names = ("fatigue_strength", "roughness", "support", "design", "mean_sensitivity")
+        single = {name: float(pd.Series(values).iloc[0]) for name, values in zip(names, found, strict=True)}
+        single["mean_sensitivity"] = max(0.0, single["mean_sensitivity"])
+        own = {name: getattr(self, name) for name in ("fatigue_strength", "mean_sensitivity")}
+        return single | {name: value for name, value in own.items() if value is not None}
+
+    def curve(self, miner: Miner = "elementary") -> SNCurve:
+        """S-N curve of the part's surface by local stresses."""
+        factors = self.factors()
+        return SNCurve(
+            strength=factors["fatigue_strength"] / factors["design"] / self.casting_factor,
+            slope=self.slope,
+            knee=self.knee,
+            mean_sensitivity=factors["mean_sensitivity"],
+            scatter=self.scatter,
+            survival=self.survival,
+            miner=miner,
+        )
+
 
 HOUR = 3600.0
 """s."""
-ROUNDING = 1e-9
 Survival = Annotated[float, Field(gt=0.0, lt=1.0)]
 
 
@@ -98,25 +254,19 @@ class Duty(Damage):
             raise ValueError(f"the runs' names must differ, got {names}")
         if list(self.survivals) != sorted(set(self.survivals)):
             raise ValueError(f"survivals must be different and rise, got {self.survivals}")
-        check_shares({run.name: run.share for run in self.runs if run.share is not None})
+        _check_shares({run.name: run.share for run in self.runs if run.share is not None})
         return self
 
     def times_an_hour(self, durations: list[float]) -> list[float]:
         """How often an hour each run happens, at durations in s; ValueError if all take more than an hour."""
-        found = [run.times_an_hour(one) for run, one in zip(self.runs, durations, strict=True)]
-        check_shares(
-            {
-                run.name: times * one / HOUR
-                for run, times, one in zip(self.runs, found, durations, strict=True)
-            }
-        )
-        return found
+        times = {run.name: run.times_an_hour(one) for run, one in zip(self.runs, durations, strict=True)}
+        _check_shares({name: times[name] * one / HOUR for name, one in zip(times, durations, strict=True)})
+        return list(times.values())
 
 
-def check_shares(shares: dict[str, float]) -> None:
-    """Refuse shares of the machine hours that are more than one together, by a ValueError."""
+def _check_shares(shares: dict[str, float]) -> None:
     whole = sum(shares.values())
-    if whole > 1.0 + ROUNDING:
+    if whole > 1.0 + 1e-9:
         taken = ", ".join(f"{name} {share:.4g}" for name, share in shares.items())
         raise ValueError(
             f"the runs must not take more than all machine hours, got {whole:.4g} of them: {taken}"
@@ -134,13 +284,7 @@ def read_duty(path: str | Path) -> Duty:
         Naming every key at fault by its path, and what is allowed there.
     """
     path = Path(path)
-
-    def values(content: Content) -> Content:
-        content.setdefault("name", path.stem)
-        runs = content.get("runs")
-        for run in runs if isinstance(runs, list) else []:
-            if isinstance(run, dict) and isinstance(run.get("folder"), str):
-                run["folder"] = str((path.parent / run["folder"]).resolve())
-        return with_base(content, Duty)
-
-    return read_parameters(path, Duty, "duty file", values)
+    named = {"name": path.stem}
+    duty = read_parameters(path, Duty, "duty file", lambda content: with_base(named | content, Duty))
+    runs = [run.with_(folder=str((path.parent / run.folder).resolve())) for run in duty.runs]
+    return duty.with_(runs=tuple(runs))

@@ -13,7 +13,6 @@ from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.life.duty import Duty, DutyRun
 from exudyn_crawler.results.stress.basis import StressBasis, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
-from exudyn_crawler.results.stress.recovery import near_pull
 from fem.damage import SIGNED_CRITERIA, Counting, signed_signals
 from fem.fatigue import SNCurve
 
@@ -27,17 +26,14 @@ CLASSES = 32
 
 @dataclass(frozen=True)
 class UsedRun:
-    """Part of a run that is repeated, with its history and what its stresses are products of.
-
-    `phases` names the phases that it reaches, `phase` (times,) is the place of each time's phase among them.
-    """
+    """Part of a run that is repeated."""
 
     run: DutyRun
     history: History
     basis: StressBasis
     times_an_hour: float
-    phases: tuple[str, ...]
-    phase: NDArray
+    phases: tuple[str, ...]  # names of those that it reaches
+    phase: NDArray  # (times,), place of each time's phase among them
 
     def counting(self, curve: SNCurve, survivals: tuple[float, ...], negligible: float = 0.0) -> Counting:
         """How its cycles are counted; what is left out does a negligible damage an hour at most."""
@@ -47,11 +43,8 @@ class UsedRun:
 def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
     """Parts of the histories of a duty's runs, in its order.
 
-    Raises
-    ------
-    ValueError
-        If a run has no flexible shoes, does not reach its part or holds no cycle in it; if shoes, mesh or
-        elastic constants are not the same in all of them; or if together they take more than an hour.
+    ValueError if a run has no flexible shoes, does not reach its part or holds no cycle in it; if shoes, mesh
+    or elastic constants are not the same in all of them; or if together they take more than an hour.
     """
     parts = [_part(run, history) for run, history in zip(duty.runs, histories, strict=True)]
     durations = [float(part.time[-1] - part.time[0]) for part in parts]
@@ -67,11 +60,6 @@ def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
 def positions_of(runs: Sequence[UsedRun]) -> list[int]:
     """Places in the track that have a flexible shoe."""
     return list(runs[0].history.case.flexible_shoes().shoes)
-
-
-def pulled_nodes(runs: Sequence[UsedRun], shoe: int) -> NDArray:
-    """Whether a node of a shoe belongs to an element about the node that a drive pulls: array (nodes,)."""
-    return np.any([near_pull(one.history, one.basis.shapes, shoe) for one in runs], axis=0)
 
 
 def _part(run: DutyRun, history: History) -> History:
@@ -105,15 +93,13 @@ def _phases(whole: History, part: History) -> tuple[tuple[str, ...], NDArray]:
 
 def _check_shoes(runs: Sequence[DutyRun], parts: Sequence[History]) -> None:
     """Refuse runs that are not of the same shoes."""
-    first = parts[0]
     for run, part in zip(runs, parts, strict=True):
         if part.case.flexible is None:
             raise ValueError(f"run {run.name!r} must have flexible shoes, it has rigid ones alone")
-        own, other = (_shoes(one.case) for one in (part, first))
-        for name, value in own.items():
-            if value != other[name]:
+        for name, value in _shoes(part.case).items():
+            if value != (other := _shoes(parts[0].case)[name]):
                 raise ValueError(
-                    f"the runs must have the same shoes: {name} of {runs[0].name!r} is {other[name]}, "
+                    f"the runs must have the same shoes: {name} of {runs[0].name!r} is {other}, "
                     f"of {run.name!r} {value}"
                 )
 
@@ -142,8 +128,7 @@ class NodeLife:
         a shoe has it that takes all places, its damage an hour at the greatest survival; "share of LOAD" for
         each load: its part of the range between the two ends, 1 in all and negative where it relieves.
     by_criterion : mapping of str to float
-        Damage an hour at the greatest survival by each of `fem.damage.SIGNED_CRITERIA`, without what goes
-        from run to run.
+        Damage an hour at that survival by each of `SIGNED_CRITERIA`, without what goes from run to run.
     """
 
     node: int
@@ -169,29 +154,20 @@ class NodeLife:
         ends = self.cycles[["begin in Pa", "end in Pa"]].to_numpy() / 1e6
         low, high = (ends.min(), ends.max()) if len(ends) else (0.0, 0.0)
         edges = np.linspace(low, max(high, low + 1e-6), CLASSES + 1)
-        counts, _, _ = np.histogram2d(
-            ends[:, 0], ends[:, 1], bins=[edges, edges], weights=self.cycles["times an hour"].to_numpy()
-        )
+        weights = self.cycles["times an hour"].to_numpy()
+        counts, _, _ = np.histogram2d(ends[:, 0], ends[:, 1], bins=[edges, edges], weights=weights)
         rows, columns = np.nonzero(counts)
         middles = 0.5 * (edges[1:] + edges[:-1])
-        return pd.DataFrame(
-            {
-                "begin in MPa": middles[rows],
-                "end in MPa": middles[columns],
-                "cycles an hour": counts[rows, columns],
-            }
-        )
+        table = pd.DataFrame({"begin in MPa": middles[rows], "end in MPa": middles[columns]})
+        return table.assign(**{"cycles an hour": counts[rows, columns]})
 
     def damage_history(self) -> pd.DataFrame:
         """Damage an hour as it grows over each run at each place: half of a cycle's comes at either end."""
-        ends = [
-            self.cycles[["run", "shoe", f"{end} time in s", "damage an hour"]].set_axis(
-                ["run", "shoe", "time in s", "damage an hour"], axis=1
-            )
-            for end in ("begin", "end")
-        ]
-        table = pd.concat(ends).assign(**{"damage an hour": lambda one: 0.5 * one["damage an hour"]})
-        summed = table.groupby(["run", "shoe", "time in s"], sort=True, as_index=False).sum()
+        by = ["run", "shoe", "time in s"]
+        columns = [["run", "shoe", f"{end} time in s"] for end in ("begin", "end")]
+        table = pd.concat([self.cycles[names].set_axis(by, axis=1) for names in columns])
+        table["damage an hour"] = np.tile(0.5 * self.cycles["damage an hour"], 2)
+        summed = table.groupby(by, sort=True, as_index=False).sum()
         summed["damage an hour"] = summed.groupby(["run", "shoe"])["damage an hour"].cumsum()
         return summed
 

@@ -18,21 +18,13 @@ from numpy.typing import NDArray
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty
-from exudyn_crawler.results.life.duty_runs import (
-    NodeLife,
-    UsedRun,
-    node_lives,
-    positions_of,
-    pulled_nodes,
-    used_runs,
-)
-from exudyn_crawler.results.stress.hot_spots import SHARE, shoe_regions
-from exudyn_crawler.results.stress.recovery import mesh_dataset
+from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, positions_of, used_runs
+from exudyn_crawler.results.stress import hot_spots
 from fem import Shapes
 from fem.critical_plane import critical_planes, damage_on_planes, plane_normals, surface_normals
 from fem.damage import damage_between, recover_damage
 from fem.fatigue import SNCurve
-from fem.trust import Resolution, resolution_over, verdict_numbers, verdict_words
+from fem.trust import resolution_over, verdict_numbers, verdict_words
 
 BEYOND = 1e9
 """h, beyond which lives are not distinguished; damage below one over it is left out."""
@@ -80,21 +72,11 @@ def life_of(
     say: Callable[[str], None] = lambda _text: None,
     spreads: Sequence[xr.DataArray | None] = (),
 ) -> LifeResults:
-    """Life over a duty whose runs have these histories.
+    """Life over a duty whose runs have these histories, in its order.
 
-    Parameters
-    ----------
-    histories : sequence of History
-        One for each run of the duty, in its order.
-    say : callable
-        Called with a line that says what is going on.
-    spreads : sequence of DataArray (shoe, node) or None
-        Spread of each run's peaks over themselves, as of `relative_spread`; None where not known.
-
-    Raises
-    ------
-    ValueError
-        As of `duty_runs.used_runs`; or if a chosen node is not of the surface.
+    `say` gets a line on what is going on. `spreads` (shoe, node) of each run's peaks over themselves are
+    those of `relative_spread`, None where not known. ValueError as of `duty_runs.used_runs`; or if a chosen
+    node is not of the surface.
     """
     runs = used_runs(duty, histories)
     whole, positions = runs[0].basis.shapes, positions_of(runs)
@@ -108,9 +90,11 @@ def life_of(
         at_places.append(_at_place(duty, runs, curve, shoe))
     damage, parts, amplitude = (np.array(one) for one in zip(*at_places, strict=True))
     mean = damage.mean(axis=0)
-    regions = shoe_regions(whole, runs[0].history.case.track)
-    shown = list(dict.fromkeys([*shortest_by_region(regions, mean[-1]), *duty.nodes]))
-    worst = np.union1d(worst_nodes(mean[-1], duty.plane_nodes), shown)
+    regions = hot_spots.shoe_regions(whole, runs[0].history.case.track)
+    known = pd.Series(mean[-1]).dropna().sort_values(ascending=False, kind="stable")
+    shortest = known.groupby(regions[known.index], sort=False).head(1).index.tolist()
+    shown = list(dict.fromkeys([*shortest, *duty.nodes]))
+    worst = np.union1d(known.index[known > 0.0][: duty.plane_nodes], shown)
     say(f"critical planes of the {len(worst)} worst nodes")
     on_plane, directions = _on_critical_planes(duty, runs, curve, worst)
     say("what the mesh leaves open")
@@ -125,23 +109,21 @@ def life_of(
     }
     names = [f"{one.run.name}: {phase}" for one in runs for phase in one.phases]
     names += [BETWEEN] if len(runs) > 1 else []
-    dataset = mesh_dataset(whole).assign({name: variable(name, value) for name, value in values.items()})
+    variables = {name: variable(name, value) for name, value in values.items()}
+    dataset = hot_spots.mesh_dataset(whole).assign(variables)
     dataset = dataset.assign_attrs(duty=duty.model_dump_json()).assign_coords(
         shoe=positions, survival=list(duty.survivals), part=np.array(names, dtype=object)
     )
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, curve, shown)
-    known = all(one.basis.bound is not None for one in runs)
-    return LifeResults(duty, dataset, shortest_lives(dataset, nodes, whole, regions, known), nodes, whole)
+    bounded = all(one.basis.bound is not None for one in runs)
+    return LifeResults(duty, dataset, shortest_lives(dataset, nodes, whole, regions, bounded), nodes, whole)
 
 
 def _at_place(
     duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, shoe: int
 ) -> tuple[NDArray, NDArray, NDArray]:
-    """Of a shoe that stays at its place: damage an hour, by survival and by part, and the amplitude in Pa.
-
-    Arrays (survivals, nodes), (parts, nodes) and (nodes,).
-    """
+    """Damage an hour (survivals, nodes), also (parts, nodes), and amplitude (nodes,), Pa, of a shoe."""
     whole = runs[0].basis.shapes
     surface = whole.mesh.surface_nodes
     damage = np.zeros((len(duty.survivals), len(surface)))
@@ -161,10 +143,10 @@ def _at_place(
         each = often * damage_between(curve, highest, lowest, duty.survivals)
         damage += each
         parts.append(each[-1])
-    unknown = pulled_nodes(runs, shoe)[surface]
+    pulled = np.any([hot_spots.near_pull(one.history, one.basis.shapes, shoe) for one in runs], axis=0)
     count = len(whole.nodes)
     return (
-        _spread(np.where(unknown, np.nan, damage), surface, count),
+        _spread(np.where(pulled[surface], np.nan, damage), surface, count),
         _spread(np.array(parts), surface, count),
         _spread(0.5 * (highest - lowest), surface, count),
     )
@@ -220,7 +202,9 @@ def _life_trust(
     widest of the runs' counts, at the place that wears a node most. Damage (1/h) and amplitude (Pa) are
     arrays (places, nodes), not a number inside.
     """
-    found = reduce(operator.add, map(_resolved_changes, runs))
+    changes = (np.concatenate([q - q.mean(axis=0) for q in one.basis.coordinates.values()]) for one in runs)
+    resolved = [resolution_over(one.basis.shapes, q) for one, q in zip(runs, changes, strict=True)]
+    found = reduce(operator.add, resolved)
     known = ~np.isnan(damage).any(axis=0)
     greatest = np.max(np.where(known, amplitude, 0.0), axis=0)
     most = max(one.basis.bound or 0.0 for one in runs)
@@ -236,31 +220,9 @@ def _life_trust(
     }
 
 
-def _resolved_changes(one: UsedRun) -> Resolution:
-    """How far the mesh resolves the stress of a run less its mean at each place."""
-    coordinates = one.basis.coordinates.values()
-    return resolution_over(one.basis.shapes, np.concatenate([q - q.mean(axis=0) for q in coordinates]))
-
-
 def life_hours(damage: NDArray | float) -> NDArray:
     """Hours that damages an hour leave; `BEYOND` stands for all beyond."""
     return np.where(damage * BEYOND <= 1.0, BEYOND, 1.0 / np.maximum(damage, 1.0 / BEYOND))
-
-
-def worst_nodes(damage: NDArray, count: int) -> NDArray:
-    """Numbers of the nodes with the greatest damage (n,) at most `count`; what is not a number has none."""
-    known = np.flatnonzero(damage > 0.0)
-    return known[np.argsort(-damage[known], kind="stable")[:count]]
-
-
-def shortest_by_region(regions: NDArray, damage: NDArray) -> list[int]:
-    """Node of the greatest damage (n,) of each region (n,) that has any known one, the worst first."""
-    found = []
-    for name in dict.fromkeys(regions):
-        own = np.flatnonzero((regions == name) & ~np.isnan(damage))
-        if len(own):
-            found.append(int(own[damage[own].argmax()]))
-    return sorted(found, key=lambda node: -damage[node])
 
 
 def shortest_lives(
@@ -286,7 +248,7 @@ def shortest_lives(
         damage, factor = float(own.damage_an_hour[-1]), float(own.life_factor)
         loads = life.load_shares
         row: dict[str, object] = {"region": regions[node], "node": node}
-        row |= {f"{axis} in the shoe in m": float(own.node_position.sel(axis=axis)) for axis in "xyz"}
+        row |= hot_spots.in_the_shoe(own.node_position)
         row |= {
             f"{LIFE} that {100.0 * survival:g} % survive": float(own.life.sel(survival=survival))
             for survival in own.survival.values
@@ -301,19 +263,13 @@ def shortest_lives(
             "its share": float(parts.max()) / damage if damage > 0.0 else 0.0,
             "main load": max(loads, key=lambda name: loads[name]) if loads else "",
         }
-        row |= {SHARE + name: share for name, share in loads.items()}
+        row |= {hot_spots.SHARE + name: share for name, share in loads.items()}
         row |= {f"{LIFE}, {name}": float(life_hours(one)) for name, one in life.by_criterion.items()}
         row[f"{LIFE}, critical plane"] = float(life_hours(float(own.plane_damage[-1])))
-        row["flag"] = _flag(whole, node)
+        beside = "beside spider" if node in whole.nodes_beside_spiders else ""
+        row["flag"] = "in spider" if node in whole.spider_nodes else beside
         rows.append(row)
     return pd.DataFrame(rows)
-
-
-def _flag(whole: Shapes, node: int) -> str:
-    """Whether a joint's rigid spider makes the stress of a node, in words of the hot spots."""
-    if node in whole.spider_nodes:
-        return "in spider"
-    return "beside spider" if node in whole.nodes_beside_spiders else ""
 
 
 def in_words(table: pd.DataFrame) -> pd.DataFrame:

@@ -6,6 +6,7 @@ load is one force element in `model` and one record here. All vectors are global
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,6 @@ from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
 from exudyn_crawler.results.history.history import History
-from fem import ReducedBody
 
 
 @dataclass(frozen=True)
@@ -27,39 +27,30 @@ class AtInterface:
 
 @dataclass(frozen=True)
 class OverSurface:
-    """Enters a flexible shoe spread over one of its named surfaces.
-
-    `shift` (times,) is how far beside the surface's middle it acts, to the left, m: its pressure changes
-    evenly across the shoe; None where it is even.
-    """
+    """Enters a flexible shoe spread over one of its named surfaces."""
 
     name: str
-    shift: NDArray | None = None
+    shift: NDArray | None = (
+        None  # (times,), m to the left of the surface's middle; None if its pressure is even
+    )
 
 
 @dataclass(frozen=True)
 class OverRectangle:
-    """Enters a flexible shoe spread evenly over a rectangle of its underside.
+    """Enters a flexible shoe spread evenly over a rectangle of its underside."""
 
-    `low` and `high` (times, 2) are its least and greatest x and y in the shoe's frame, m; `pressed` (times,)
-    says when there is one at all.
-    """
-
-    low: NDArray
+    low: NDArray  # (times, 2), least x and y in the shoe's frame, m
     high: NDArray
-    pressed: NDArray
+    pressed: NDArray  # (times,), whether there is one at all
 
 
 @dataclass(frozen=True)
 class OnRail:
-    """Enters a flexible shoe at x (times,) in its frame, m, along one of its rails.
+    """Enters a flexible shoe at x (times,) in its frame, m, along one of its rails."""
 
-    `line` is the strip of the treads, counted from 0 over both rails, `roller` the roller's number from 0.
-    """
-
-    line: int
+    line: int  # strip of the treads, counted from 0 over both rails
     x: NDArray
-    roller: int = 0
+    roller: int = 0  # number from 0
 
 
 @dataclass(frozen=True)
@@ -67,78 +58,56 @@ class AtDrivePoint:
     """Enters a flexible shoe at the point that the drive moves."""
 
 
-@dataclass(frozen=True)
-class OnFrame:
-    """Enters a flexible shoe through the coordinates of its floating frame: no mode is loaded."""
-
-
-@dataclass(frozen=True)
-class OverMass:
-    """Enters a flexible shoe spread as its mass, to which every elastic mode is orthogonal."""
-
-
-Entry = AtInterface | OverSurface | OverRectangle | AtDrivePoint | OnFrame | OverMass | OnRail
+Entry = AtInterface | OverSurface | OverRectangle | AtDrivePoint | OnRail
 
 
 @dataclass(frozen=True)
 class Action:
     """One thing that acts on one body.
 
-    Attributes
-    ----------
-    kind : str
-        "joint", "weight", "load", "contact", "drive"; under a side frame "roller" and "chain" (pull of the
-        drive and tension of the ends). On the side frame "weight", "machine", "roller" and "pull".
-    shoe : int
-        Number of the shoe; 0 is the side frame.
-    where : str
-        Place in words, such as "front right" (a pin) or "unit 12" (what the shoe stands on).
-    point : array (times, 3)
-        Where the force acts, m. On a flexible shoe, points of the body are those of the unbent one.
-    force, moment : array (times, 3)
-        Force (N) and moment beside that of the force (N m), on the body.
-    entry : Entry
-        How it enters the shoe if that is flexible.
+    Kinds on shoes are "joint", "weight", "load", "contact" and "drive", under a side frame also "roller" and
+    "chain" (pull of the drive, tension of the ends); on the frame "weight", "machine", "roller" and "pull".
     """
 
     kind: str
-    shoe: int
-    where: str
-    point: NDArray
-    force: NDArray
-    moment: NDArray
-    entry: Entry
+    shoe: int  # its number; 0 is the side frame
+    where: str  # place in words, such as "front right" (a pin) or "unit 12" (what the shoe stands on)
+    point: NDArray  # (times, 3), m, where the force acts; on a flexible shoe a point of the unbent one
+    force: NDArray  # (times, 3), N, on the body
+    moment: NDArray  # (times, 3), N m, beside that of the force
+    entry: Entry | None = None  # into a flexible shoe; None by its frame or as its mass: no mode is loaded
 
     def moment_about(self, place: NDArray) -> NDArray:
         """Moment about a place (times, 3) or (3,), m: array (times, 3), N m."""
         return np.cross(self.point - place, self.force) + self.moment
 
 
-@dataclass(frozen=True)
-class ShoeMass:
-    """Mass (kg) of a shoe and, in its frame, its centre and the point under the machine's load (3,), m.
+class ShoeMass(NamedTuple):
+    """Mass of a shoe and points of its frame (3,), m."""
 
-    `beside` (3,) is how far that point moves for each metre of a load's shift to the left.
-    """
-
-    mass: float
+    mass: float  # kg
     center: NDArray
-    load_point: NDArray
-    beside: NDArray
+    load_point: NDArray  # under the machine's load
+    beside: NDArray  # how far that moves for each metre of a load's shift to the left
 
 
 def shoe_mass(case: Case, shoe: int) -> ShoeMass:
     """Mass of a shoe of a case; a flexible one has that of its mesh."""
-    if case.flexible is not None and shoe in case.flexible.shoes:
-        return _mesh_mass(whole_reduction(case).body, case.flexible.load_surface)
-    return ShoeMass(case.shoe.mass, np.zeros(3), np.array(case.shoe.load_point), np.array([0.0, 1.0, 0.0]))
-
-
-def _mesh_mass(body: ReducedBody, loaded: str) -> ShoeMass:
-    weights = body.weights(loaded)
+    flexible = case.flexible
+    if flexible is None or shoe not in flexible.shoes:
+        left = np.array([0.0, 1.0, 0.0])
+        return ShoeMass(case.shoe.mass, np.zeros(3), np.array(case.shoe.load_point), left)
+    body = whole_reduction(case).body
+    weights = body.weights(flexible.load_surface)
     right, left = (one @ body.nodes / one.sum() for one in side_weights(weights, body.nodes))
     beside = (left - right) / (left[1] - right[1])
     return ShoeMass(body.mass, body.center_of_mass, weights @ body.nodes, beside)
+
+
+def shoe_frames(history: History, shoe: int) -> tuple[NDArray, NDArray]:
+    """Positions (times, 3), m, of a shoe's frame, and its axes (times, 3, 3), a column each."""
+    position, angles = (history.dataset[name].sel(shoe=shoe).values for name in ("position", "angles"))
+    return position, rotation_matrices(angles)
 
 
 def actions(history: History, shoe: int | None = None) -> list[Action]:
@@ -148,8 +117,7 @@ def actions(history: History, shoe: int | None = None) -> list[Action]:
 
 
 def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
-    position = history.position.sel(shoe=shoe).values
-    frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+    position, frames = shoe_frames(history, shoe)
     yield from _joints(history, shoe, position, frames)
     yield from _weight_and_load(history, shoe, position, frames)
     yield from _contacts(history, shoe)
@@ -183,7 +151,7 @@ def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDA
     zero = np.zeros_like(position)
     weight = zero + own.mass * history.case.gravity_vector()
     load = history.shoe_load.sel(shoe=shoe).values[:, None] * history.case.terrain.down
-    yield Action("weight", shoe, "COM", position + frames @ own.center, weight, zero, OverMass())
+    yield Action("weight", shoe, "COM", position + frames @ own.center, weight, zero)
     flexible = history.case.flexible
     loaded = "top" if flexible is None else flexible.load_surface
     shift = history.case.loads.side_shift.value(history.time.values)
@@ -204,19 +172,12 @@ def _contacts(history: History, shoe: int) -> Iterator[Action]:
         for name in ("area", "point", "normal_force", "friction_force", "friction_torque")
     )
     patch = history.patch.isel(contact=own).values if bends else None
-    for column, index in enumerate(own.tolist()):
-        entry: Entry = OnFrame()
+    for column, unit in enumerate(history.contact_unit.values[own].tolist()):
+        entry = None
         if patch is not None:
             entry = OverRectangle(patch[:, column, 0::2], patch[:, column, 1::2], area[:, column] > 0.0)
-        yield Action(
-            "contact",
-            shoe,
-            f"unit {int(history.contact_unit[index])}",
-            point[:, column],
-            normal[:, column] + friction[:, column],
-            torque[:, column],
-            entry,
-        )
+        force = normal[:, column] + friction[:, column]
+        yield Action("contact", shoe, f"unit {unit}", point[:, column], force, torque[:, column], entry)
 
 
 def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
@@ -226,7 +187,7 @@ def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> I
     moment = history.drive_torque.values[:, None] * frames[:, :, 2]
     at = history.case.drive.point
     yield Action("drive", shoe, at, history.drive_point.values, force, zero, AtDrivePoint())
-    yield Action("drive", shoe, "frame", position, zero, moment, OnFrame())
+    yield Action("drive", shoe, "frame", position, zero, moment)
 
 
 def _rollers(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
@@ -287,9 +248,8 @@ def frame_of(history: History) -> Undercarriage:
     """Undercarriage of the history's case; ValueError if it has none."""
     frame = history.case.undercarriage
     if frame is None:
-        raise ValueError(
-            f"the history must be of a case with an undercarriage, {history.case.name!r} has none"
-        )
+        name = history.case.name
+        raise ValueError(f"the history must be of a case with an undercarriage, {name!r} has none")
     return frame
 
 
@@ -300,13 +260,11 @@ def frame_actions(history: History) -> Iterator[Action]:
     zero = np.zeros_like(origin)
     center = origin + rotation_matrices(history.side_frame_angles.values) @ np.array(frame.com)
     weight = zero + frame.mass * case.gravity_vector()
-    yield Action("weight", 0, "COM", center, weight, zero, OnFrame())
-    yield Action("machine", 0, "origin", origin, *case.machine_wrench(history.time.values), OnFrame())
+    yield Action("weight", 0, "COM", center, weight, zero)
+    yield Action("machine", 0, "origin", origin, *case.machine_wrench(history.time.values))
     pulls, pins = drive_pulls(history, frame), middle_pins(history, "front")
     for shoe in case.track.shoes.tolist():
-        position = history.position.sel(shoe=shoe).values
-        frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
-        for one in _rollers(history, shoe, position, frames):
+        for one in _rollers(history, shoe, *shoe_frames(history, shoe)):
             yield replace(one, shoe=0, force=-one.force)
         pull = pulls[:, shoe - 1, None] * np.array((1.0, 0.0, 0.0))
-        yield Action("pull", 0, f"pins of shoe {shoe}", pins[:, shoe - 1], pull, zero, OnFrame())
+        yield Action("pull", 0, f"pins of shoe {shoe}", pins[:, shoe - 1], pull, zero)

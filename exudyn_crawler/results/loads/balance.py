@@ -1,10 +1,10 @@
-"""Conservation of momentum and energy, checked on the history of a run.
+"""Conservation of momentum and energy, checked on the history of a run, whatever solved it.
 
-Nothing here knows the solver: forces, positions and motion come from the stored variables, and what should
-vanish or add up is returned. All vectors are global, all units SI.
+All vectors are global, all units SI.
 """
 
 from collections import defaultdict
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 import xarray as xr
@@ -13,15 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from exudyn_crawler.case import Undercarriage
 from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.actions import (
-    Action,
-    OnRail,
-    actions,
-    frame_actions,
-    frame_of,
-    middle_pins,
-    shoe_mass,
-)
+from exudyn_crawler.results.loads import actions as acting
 
 KINDS = ("weight", "load", "contact", "drive", "joint")
 ROLLED_KINDS = (*KINDS, "roller", "chain")
@@ -66,17 +58,20 @@ class _Motion:
         at = (slice(None), shoe - 1) if shoe else slice(None)
         return self.velocity[at] + np.cross(self.omega[at], points - self.origin[at])
 
-    def power(self, action: Action) -> NDArray:
-        """Power (times,) of an action on a body, W."""
-        omega = self.omega[:, action.shoe - 1] if action.shoe else self.omega
-        moved = action.force * self.velocity_at(action.point, action.shoe)
-        return np.sum(moved + action.moment * omega, axis=-1)
+    def powers(self, loads: Iterable[acting.Action]) -> Mapping[str, NDArray]:
+        """Power (times,) of actions by their kind, W; zero of others."""
+        summed: dict[str, NDArray] = defaultdict(lambda: np.zeros(len(self.omega)))
+        for one in loads:
+            omega = self.omega[:, one.shoe - 1] if one.shoe else self.omega
+            moved = one.force * self.velocity_at(one.point, one.shoe)
+            summed[one.kind] += np.sum(moved + one.moment * omega, axis=-1)
+        return summed
 
 
 def _shoes(history: History) -> _Motion:
     """Motion of the shoes; of a flexible one that of its frame, with the mass of its mesh."""
     case = history.case
-    masses = [shoe_mass(case, shoe) for shoe in case.track.shoes.tolist()]
+    masses = [acting.shoe_mass(case, shoe) for shoe in case.track.shoes.tolist()]
     mass, center = [one.mass for one in masses], [one.center for one in masses]
     return _Motion(history, "", mass, center, case.shoe.inertia_tensor)
 
@@ -86,17 +81,15 @@ def _side_frame(history: History, frame: Undercarriage) -> _Motion:
 
 
 def shoe_actions(history: History) -> xr.Dataset:
-    """What acts on every shoe, by its kind.
+    """What acts on every shoe, by its kind as of `ROLLED_KINDS`, both links of a shoe together.
 
-    `force` (N) and `moment` about the origin of the shoe's frame (N m), both (source, time, shoe, axis);
-    sources are weight, load, contact, drive and joint (those of both links of a shoe together), and under a
-    side frame roller and chain.
+    `force` (N) and `moment` about the origin of the shoe's frame (N m), both (source, time, shoe, axis).
     """
     position = history.position.values
     kinds = ROLLED_KINDS if history.case.is_rolled else KINDS
     forces = np.zeros((len(kinds), *position.shape))
     moments = np.zeros_like(forces)
-    for action in actions(history):
+    for action in acting.actions(history):
         source, shoe = kinds.index(action.kind), action.shoe - 1
         forces[source, :, shoe] += action.force
         moments[source, :, shoe] += action.moment_about(position[:, shoe])
@@ -151,13 +144,12 @@ def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.
 def frame_imbalance(history: History) -> xr.Dataset:
     """Rate of the side frame's momentum less all that acts on it: zero where mechanics holds.
 
-    Its y and its yaw are held and have reactions, which are left out. `travel` and `heave` (N) along x and z,
-    `roll` and `pitch` (N m) about the axes of these angles and the frame's origin, each (time,). ValueError
-    if no side frame rolls over the history's track.
+    `travel` and `heave` (N) along x and z, `roll` and `pitch` (N m) about the axes of these angles and the
+    frame's origin, each (time,); what holds y and yaw is left out. ValueError if there is no side frame.
     """
-    motion = _side_frame(history, frame_of(history))
+    motion = _side_frame(history, acting.frame_of(history))
     force, moment = motion.momentum_rates()
-    for action in frame_actions(history):
+    for action in acting.frame_actions(history):
         force, moment = force - action.force, moment - action.moment_about(motion.origin)
     angles = moments_on_angles(history.side_frame_angles.values, moment)
     forces = _over_time(history, "N", travel=force[:, 0], heave=force[:, 2])
@@ -197,23 +189,15 @@ def powers(history: History) -> xr.Dataset:
     `drive` and `machine_load` bring power in; `elastic_contact` goes into the contact's stiffness and comes
     back from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping` take power.
     Under a side frame the drive pulls on frame and chain, the machine's load is that on the frame with the
-    tension of the chain's ends, and `rolling_resistance` and `tread_damping` take power, too.
-
-    Raises
-    ------
-    ValueError
-        For a history of contact by spheres: one row a pair does not say what its spheres take; or one with
-        flexible shoes.
+    tension of the chain's ends, and `rolling_resistance` and `tread_damping` take power, too. ValueError for
+    a history of contact by spheres, of which a row does not say what each takes, or one with flexible shoes.
     """
     _only_rigid(history)
     case, terrain, law = history.case, history.case.terrain, history.case.contact
     if law.model != "pair":
         raise ValueError("powers need a history of contact.model 'pair', whose law they divide")
     shoes = _shoes(history)
-    supplied: dict[str, NDArray] = defaultdict(lambda: np.zeros(history.time.size))
-    for action in actions(history):
-        supplied[action.kind] += shoes.power(action)
-
+    supplied = shoes.powers(acting.actions(history))
     depth, rate = history.penetration.values, history.penetration_rate.values
     normal = np.linalg.norm(history.normal_force.values, axis=-1)
     elastic = law.stiffness * np.maximum(depth, 0.0) ** law.exponent
@@ -222,13 +206,11 @@ def powers(history: History) -> xr.Dataset:
     both = elastic + damping
     share = np.divide(elastic, both, out=np.zeros_like(elastic), where=both > 0.0)
     pressed = normal * rate
-
     units = history.contact_unit.values - 1
     spin = shoes.omega[:, history.contact_shoe.values - 1].copy()
     spin[..., terrain.tilt_axis] -= history.unit_tilt_rate.values[:, units]
     rubbed = history.friction_force.values * history.slip_velocity.values
     rubbed = rubbed + history.friction_torque.values * spin
-
     absorbed = terrain.heave_stiffness * np.sum(history.unit_heave_rate.values**2, axis=1)
     absorbed += terrain.tilt_stiffness * np.sum(history.unit_tilt_rate.values**2, axis=1)
     named = {
@@ -249,21 +231,13 @@ def _rolled_powers(
 ) -> dict[str, NDArray]:
     """Powers about a side frame over rigid shoes, on whose pins the chain has a power (times,)."""
     motion = _side_frame(history, frame)
-    on_frame: dict[str, NDArray] = defaultdict(lambda: np.zeros(history.time.size))
-    for action in frame_actions(history):
-        on_frame[action.kind] += motion.power(action)
-    ends = ((history.case.track.shoe_count, "front"), (1, "rear"))
-    front, rear = (
-        shoes.velocity_at(middle_pins(history, end)[:, shoe - 1], shoe)[:, 0] for shoe, end in ends
-    )
-    tension = frame.end_tension * (front - rear)
+    on_frame = motion.powers(acting.frame_actions(history))
+    last, pins = history.case.track.shoe_count, acting.middle_pins
+    front = shoes.velocity_at(pins(history, "front")[:, -1], last)
+    tension = frame.end_tension * (front - shoes.velocity_at(pins(history, "rear")[:, 0], 1))[:, 0]
     _, resisted, damped = _treads(history, frame, motion, shoes)
-    return {
-        "drive": on_frame["pull"] + chain - tension,
-        "machine_load": on_frame["machine"] + tension,
-        "rolling_resistance": resisted,
-        "tread_damping": damped,
-    }
+    supplied = {"drive": on_frame["pull"] + chain - tension, "machine_load": on_frame["machine"] + tension}
+    return supplied | {"rolling_resistance": resisted, "tread_damping": damped}
 
 
 def _treads(
@@ -274,11 +248,10 @@ def _treads(
     rails = history.case.shoe.rails
     middles = () if rails is None else rails.middles
     stiffness, power = frame.stiffness / frame.strips, frame.exponent + 1.0
-    for action in actions(history):
-        if not isinstance(action.entry, OnRail):
-            continue
-        rail, strip = divmod(action.entry.line, frame.strips)
-        place = (frame.rollers[action.entry.roller], middles[rail] + frame.strip_places[strip], 0.0)
+    on_rails = ((one, one.entry) for one in acting.actions(history) if isinstance(one.entry, acting.OnRail))
+    for action, entry in on_rails:
+        rail, strip = divmod(entry.line, frame.strips)
+        place = (frame.rollers[entry.roller], middles[rail] + frame.strip_places[strip], 0.0)
         away = motion.origin + motion.axes @ np.array(place) - action.point
         distance = np.linalg.norm(away, axis=1, keepdims=True)
         normal, force = away / distance, -action.force
@@ -292,19 +265,17 @@ def _treads(
 
 
 def energy_balance(history: History) -> xr.Dataset:
-    """Where the work went, from the start to every time, J.
+    """Where the work went, from the start to every time, J, each (time,).
 
     The changes of `energies`, the works of `powers` (by the trapezoidal rule over the stored states) and
-    `imbalance`: work of drive and machine's forces less everything else; each (time,).
+    `imbalance`: work of drive and machine's forces less everything else.
     """
     stored = energies(history)
     change = stored - stored.isel(time=0)
     work = powers(history).cumulative_integrate("time")
     supplied = work["drive"] + work["machine_load"]
     taken = sum(power for name, power in work.data_vars.items() if name not in ("drive", "machine_load"))
-    balance = xr.merge((change, work), combine_attrs="drop").assign(
-        imbalance=supplied - taken - sum(change.data_vars.values())
-    )
+    balance = xr.merge((change, work)).assign(imbalance=supplied - taken - sum(change.data_vars.values()))
     for values in balance.data_vars.values():
         values.attrs = {"units": "J"}
     return balance

@@ -1,6 +1,7 @@
 """What acts on a shoe in its axes: all of it at one instant, for other programs, and its pins over time."""
 
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,8 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.files import whole_file
-from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.actions import OnRail, actions, frame_of, shoe_mass
+from exudyn_crawler.results.loads.actions import OnRail, actions, frame_of, shoe_frames, shoe_mass
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind, unit_loads
 from fem import ElasticBody, Interface, Program, write_load_deck
 from fem.interfaces import rigid_motion_of_centers
@@ -22,33 +22,15 @@ AXES = ("x", "y", "z")
 
 @dataclass(frozen=True)
 class ShoeLoads:
-    """Loads on the finite elements of a flexible shoe of n nodes and i joints, in the shoe's axes.
+    """Loads on the finite elements of a flexible shoe of n nodes and i joints, in the shoe's axes."""
 
-    Attributes
-    ----------
-    time : float
-        s, stored instant.
-    shoe : int
-        Number of the shoe.
-    body : ElasticBody
-        Mesh and material.
-    interfaces : list of Interface
-        Joints, whose centres hold the nodes of their bores rigidly.
-    nodal : array (n, 3)
-        Forces on nodes, N: machine load, contacts, drive, weight and inertia.
-    centers : array (i, 6)
-        Forces (N) and moments (N m) on the joint centres.
-    table : pandas.DataFrame
-        Of `action_table`.
-    """
-
-    time: float
+    time: float  # s, stored instant
     shoe: int
-    body: ElasticBody
-    interfaces: list[Interface]
-    nodal: NDArray
-    centers: NDArray
-    table: pd.DataFrame
+    body: ElasticBody  # mesh and material
+    interfaces: list[Interface]  # joints, whose centres hold the nodes of their bores rigidly
+    nodal: NDArray  # (n, 3), N: machine load, contacts, drive, weight and inertia
+    centers: NDArray  # (i, 6), forces (N) and moments (N m) on the joint centres
+    table: pd.DataFrame  # of `action_table`
 
     def write(self, path: str | Path, program: Program = "calculix", overwrite: bool = False) -> Path:
         """Write mesh, joints and loads as a static step for CalculiX or Abaqus; raises as `whole_file`."""
@@ -59,16 +41,9 @@ class ShoeLoads:
             "freedom have no reactions",
             *self.table.to_string(index=False, float_format="%.6g").splitlines(),
         ]
+        acting = (self.body, self.interfaces, self.nodal, self.centers)
         with whole_file(path, overwrite) as temporary:
-            write_load_deck(
-                temporary,
-                self.body,
-                self.interfaces,
-                self.nodal,
-                self.centers,
-                program=program,
-                remarks=remarks,
-            )
+            write_load_deck(temporary, *acting, program=program, remarks=remarks)
         return path
 
     def _repr_html_(self) -> str:
@@ -83,13 +58,7 @@ class ShoeLoads:
 
 
 def at_instant(history: History, time: float) -> History:
-    """Stored instant of a history that is nearest to `time` (s), as a history of one time.
-
-    Raises
-    ------
-    ValueError
-        If the time is not within the run.
-    """
+    """Stored instant nearest to `time` (s), as a history of one; ValueError if it is not within the run."""
     if not -1e-9 <= time <= history.duration * (1.0 + 1e-9):
         raise ValueError(f"time must be in 0..{history.duration:g} s, got {time:g} s")
     at = int(np.abs(history.time.values - time).argmin())
@@ -99,22 +68,14 @@ def at_instant(history: History, time: float) -> History:
 def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
     """Resultants of all that acts on a shoe, rigid or flexible, at a stored instant, in its axes.
 
-    Returns
-    -------
-    pandas.DataFrame
-        A row an action, one for the inertia, and the sums, which are zero: columns kind, where, place in the
-        shoe's frame in m, force in N and moment about that place in N m (of the sums about the frame's
-        origin). Inertia stands at the mass centre and balances the actions.
-
-    Raises
-    ------
-    ValueError
-        If the time is not within the run or the track has no such shoe.
+    A row an action, one for the inertia, and the sums, which are zero: columns kind, where, place in the
+    shoe's frame in m, force in N and moment about that place in N m (of the sums about the frame's origin).
+    Inertia stands at the mass centre and balances the actions. ValueError if the time is not within the run
+    or the track has no such shoe.
     """
     history.case.track.check_shoe(shoe)
     now = at_instant(history, time)
-    frame = rotation_matrices(now.angles.sel(shoe=shoe).values)[0]
-    origin = now.position.sel(shoe=shoe).values[0]
+    origin, frame = (one[0] for one in shoe_frames(now, shoe))
     words, vectors = [], []
     for action in actions(now, shoe):
         force, moment = action.force[0] @ frame, action.moment[0] @ frame
@@ -128,9 +89,7 @@ def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
     vectors.append(np.concatenate((np.zeros(3), *_sums(np.array(vectors)))))
     names = [f"{axis} in the shoe in m" for axis in AXES]
     names += [f"F{axis} in N" for axis in AXES] + [f"M{axis} in N m" for axis in AXES]
-    return pd.concat(
-        (pd.DataFrame(words, columns=["kind", "where"]), pd.DataFrame(vectors, columns=names)), axis=1
-    )
+    return pd.DataFrame(words, columns=["kind", "where"]).join(pd.DataFrame(vectors, columns=names))
 
 
 def _sums(rows: NDArray) -> tuple[NDArray, NDArray]:
@@ -145,12 +104,8 @@ def shoe_loads(history: History, shoe: int, time: float) -> ShoeLoads:
     Machine load, contacts, drive and joints enter where the run lets them enter. Weight, inertia of the
     rigid motion and what acts on the floating frame alone are spread as the mass, so that all is in balance
     (inertia relief). Inertia and damping of the integrated modes are nodal forces, too, so that a static
-    solution with these loads has the stress of the moving shoe.
-
-    Raises
-    ------
-    ValueError
-        If the shoe is not a flexible one of the history or the time is not within the run.
+    solution with these loads has the stress of the moving shoe. ValueError if the shoe is not a flexible one
+    of the history or the time is not within the run.
     """
     check_flexible(history.case, shoe)
     now = at_instant(history, time)
@@ -169,22 +124,13 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
     """Forces of the rollers on the rails of a shoe, in its axes.
 
     Both strips of a tread together: their forces have the same direction and act on a line across the rail.
-
-    Returns
-    -------
-    xarray.Dataset
-        `force` (time, roller, rail, axis), N; `place` (time, roller, rail, axis), m: where it acts, x
-        along and y across the shoe, z up; NaN while a roller is not on the rail.
-
-    Raises
-    ------
-    ValueError
-        If the history's case is not rolled, or its track has no such shoe.
+    `force` (time, roller, rail, axis), N; `place` (time, roller, rail, axis), m: where it acts, x along and y
+    across the shoe, z up; NaN while a roller is not on the rail. ValueError if the history's case is not
+    rolled, or its track has no such shoe.
     """
     frame = frame_of(history)
     history.case.track.check_shoe(shoe)
-    axes = rotation_matrices(history.angles.sel(shoe=shoe).values)
-    origin = history.position.sel(shoe=shoe).values
+    origin, axes = shoe_frames(history, shoe)
     shape = (len(axes), len(frame.rollers), len(SIDES), 3)
     force, weighted, weight = np.zeros(shape), np.zeros(shape), np.zeros((*shape[:3], 1))
     for action in actions(history, shoe):
@@ -205,37 +151,26 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
 def pin_forces(history: History, shoe: int) -> xr.Dataset:
     """Forces and moments of the pins on a shoe, in its axes.
 
-    Returns
-    -------
-    xarray.Dataset
-        `force` (N) and `moment` about the joint centre (N m), both (time, pin, axis); pins are "front right",
-        "front left", "rear right" and "rear left". NaN where a shoe has no neighbour, and for a link of two
-        rigid shoes: its one joint does not say how its pins share the load.
-
-    Raises
-    ------
-    ValueError
-        If the track has no such shoe.
+    `force` (N) and `moment` about the joint centre (N m), both (time, pin, axis); pins are "front right",
+    "front left", "rear right" and "rear left". NaN where a shoe has no neighbour, and for a link of two rigid
+    shoes: its one joint does not say how its pins share the load. ValueError if the track has no such shoe.
     """
     track = history.case.track
     track.check_shoe(shoe)
-    frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+    _, frames = shoe_frames(history, shoe)
     names = list(track.joint_centers)
-    force = np.full((len(frames), len(names), 3), np.nan)
-    moment = np.full_like(force, np.nan)
+    loads = np.full((2, len(frames), len(names), 3), np.nan)
     found = [one for one in actions(history, shoe) if one.kind == "joint"]
     ends = [one.where.split()[0] for one in found]
     for action, end in zip(found, ends, strict=True):
         if ends.count(end) > 1:
-            at = names.index(action.where)
-            force[:, at] = np.einsum("tji,tj->ti", frames, action.force)
-            moment[:, at] = np.einsum("tji,tj->ti", frames, action.moment)
-    dims = ("time", "pin", "axis")
-    text = "on the shoe at the joint centre, in the shoe's axes"
+            vectors = np.stack((action.force, action.moment))
+            loads[:, :, names.index(action.where)] = np.einsum("tji,vtj->vti", frames, vectors)
+    dims, text = ("time", "pin", "axis"), "on the shoe at the joint centre, in the shoe's axes"
     return xr.Dataset(
         {
-            "force": (dims, force, {"units": "N", "long_name": f"force {text}"}),
-            "moment": (dims, moment, {"units": "N m", "long_name": f"moment {text}"}),
+            name: (dims, values, {"units": unit, "long_name": f"{name} {text}"})
+            for name, unit, values in zip(("force", "moment"), ("N", "N m"), loads, strict=True)
         },
         coords={"time": history.time, "pin": names, "axis": history.axis},
     )
@@ -244,21 +179,16 @@ def pin_forces(history: History, shoe: int) -> xr.Dataset:
 def pin_table(history: History, shoe: int) -> pd.DataFrame:
     """Same as a table: a row a stored time, columns named with pin, axis and unit.
 
-    Raises
-    ------
-    ValueError
-        If the track has no such shoe, or none of its pins has a force of its own.
+    ValueError if the track has no such shoe, or none of its pins has a force of its own.
     """
-    found = pin_forces(history, shoe)
-    held = [str(pin) for pin in found.pin.values if bool(found.force.sel(pin=pin).notnull().all())]
-    if not held:
+    found = pin_forces(history, shoe).dropna("pin")
+    if not found.pin.size:
         raise ValueError(
             f"shoe must be flexible, or beside one that is, to have pin forces, got {shoe}; joint_force has "
             "the whole force of a link of rigid shoes"
         )
     columns = {"time in s": found.time.values}
     for name, letter, unit in (("force", "F", "N"), ("moment", "M", "N m")):
-        for pin in held:
-            for axis in map(str, found.axis.values):
-                columns[f"{pin} {letter}{axis} in {unit}"] = found[name].sel(pin=pin, axis=axis).values
+        for pin, axis in product(found.pin.values, found.axis.values):
+            columns[f"{pin} {letter}{axis} in {unit}"] = found[name].sel(pin=pin, axis=axis).values
     return pd.DataFrame(columns)

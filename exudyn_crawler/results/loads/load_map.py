@@ -32,22 +32,11 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, hstack
 
 from exudyn_crawler.case import Case, FlexibleShoes, Rails, Track, Undercarriage
-from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import integrated_in, shoe_model, weights_a_metre, whole_reduction
 from exudyn_crawler.model.shoe_mesh import STATIONS, cubic_weights, extended, station_spacing, strip_weights
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.actions import (
-    Action,
-    AtDrivePoint,
-    AtInterface,
-    OnFrame,
-    OnRail,
-    OverMass,
-    OverRectangle,
-    OverSurface,
-    actions,
-)
+from exudyn_crawler.results.loads import actions
 from fem import ElasticBody, Nested, ReducedBody
 from fem.patches import Underside, integrate_underside
 
@@ -78,11 +67,11 @@ class NodalShares(NamedTuple):
 
 
 class StripStations(NamedTuple):
-    """Stations of the strips' lines: x of the first, m, the distance of neighbours, and lines on a rail."""
+    """Stations of the strips' lines."""
 
-    rear: float
-    spacing: float
-    lines: int
+    rear: float  # m, x of the first
+    spacing: float  # m, between neighbours
+    lines: int  # on a rail
 
     @property
     def positions(self) -> NDArray:
@@ -105,19 +94,14 @@ class StripStations(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ShoeUnitLoads:
-    """Unit loads of a flexible shoe, k of all families one after the other.
-
-    The shoe has mesh and material `body`, all M modes `whole` that the stress is made of, and among them the
-    m modes `integrated` by a run. `underside` is the grid of the family "ground", `strips` the stations of
-    "rails", None where no rollers run; `spread` has the families whose forces nodes share, by name.
-    """
+    """Unit loads of a flexible shoe, k of all families one after the other."""
 
     body: ElasticBody
-    whole: ReducedBody
-    integrated: Nested
-    underside: Underside
-    strips: StripStations | None
-    spread: Mapping[str, NodalShares]
+    whole: ReducedBody  # all M modes that the stress is made of
+    integrated: Nested  # the m of them that a run integrates
+    underside: Underside  # grid of the family "ground"
+    strips: StripStations | None  # stations of "rails"; None where no rollers run
+    spread: Mapping[str, NodalShares]  # families whose forces nodes share
 
     @cached_property
     def families(self) -> dict[str, slice]:
@@ -184,7 +168,9 @@ def _unit_loads(
     # of each node its own integrals: products with modes are those of the equations
     each = np.eye(len(under))[:, None]
     underside = integrate_underside(mesh.nodes[under, :2], each, np.array(footprint))
-    machine = _machine_weights(whole, flexible.load_surface)
+    # forces by a unit over the loaded surface, and what a metre of shift adds
+    even = whole.weights(flexible.load_surface)
+    machine = np.column_stack((even, weights_a_metre(even, whole.nodes)))
     loaded = np.flatnonzero(machine.any(axis=1))
     spread = {
         MACHINE: NodalShares(loaded, machine[loaded].T),
@@ -201,48 +187,35 @@ def _unit_loads(
     return ShoeUnitLoads(body, whole, integrated_in(flexible, whole), underside, strips, spread)
 
 
-def _machine_weights(whole: ReducedBody, loaded: str) -> NDArray:
-    """Nodal forces (n, 2) of a unit force over the loaded surface, and of what a metre of shift adds."""
-    even = whole.weights(loaded)
-    return np.column_stack((even, weights_a_metre(even, whole.nodes)))
-
-
-Shares = tuple[str, NDArray, NDArray]
-"""Family of unit loads, numbers in it (times or 1, j), and the shares of these in a force (times or 1, j)."""
-
-
-def shares_of(units: ShoeUnitLoads, action: Action) -> Shares | None:
+def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, NDArray, NDArray] | None:
     """Unit loads that share in the force of an action, and in its moment if they are joints'.
 
-    None for what bends no shoe.
+    Their family, numbers in it and shares (times or 1, j); None for what bends no shoe.
     """
     joints = [interface.name for interface in units.whole.interfaces]
     match action.entry:
-        case AtInterface(name):
+        case actions.AtInterface(name):
             return JOINTS, np.array([[joints.index(name)]]), np.ones((1, 1))
-        case OverSurface(_, shift):
+        case actions.OverSurface(_, shift):
             metres = np.zeros(1) if shift is None else shift
             return MACHINE, np.array([[0, 1]]), np.column_stack((np.ones_like(metres), metres))
-        case OverRectangle(low, high, pressed):
+        case actions.OverRectangle(low, high, pressed):
             points, shares = units.underside.rectangle_mean(low, high)
             return GROUND, points, shares * pressed[:, None]
-        case OnRail(line, x) if units.strips is not None:
+        case actions.OnRail(line, x) if units.strips is not None:
             return RAILS, *units.strips.shares(line, x)
-        case AtDrivePoint() if DRIVE in units.spread:
+        case actions.AtDrivePoint() if DRIVE in units.spread:
             return DRIVE, np.zeros((1, 1), dtype=int), np.ones((1, 1))
-        case AtDrivePoint() if action.where == "front pins":
+        case actions.AtDrivePoint() if action.where == "front pins":
             pins = [number for number, name in enumerate(joints) if name.startswith("front")]
             return JOINTS, np.array([pins]), np.full((1, len(pins)), 1.0 / len(pins))
-        case AtDrivePoint() | OnFrame() | OverMass():
+        case actions.AtDrivePoint() | None:
             return None
     raise TypeError(f"no unit loads for an action that enters by {action.entry}")
 
 
-def coordinates(units: ShoeUnitLoads, action: Action, frames: NDArray) -> csr_array:
-    """Coordinates (times, k) of the unit loads that make an action on a shoe of axes (times, 3, 3).
-
-    Of what bends no shoe there are none.
-    """
+def coordinates(units: ShoeUnitLoads, action: actions.Action, frames: NDArray) -> csr_array:
+    """Coordinates (times, k) of the unit loads that make an action on a shoe of axes (times, 3, 3)."""
     shared = shares_of(units, action)
     if shared is None:
         return csr_array((len(frames), units.size))
@@ -265,18 +238,13 @@ def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
     "inertia" is the momentum of the integrated modes with their damping, ``k q - P^T f``: with the loads f of
     all modes, stiffness k and coordinates q of the integrated ones and their columns P in the whole basis.
     The elastic forces of all modes are then ``f - P P^T f + P k q``: what P cannot move answers its loads at
-    once, what it can has the elastic forces that were integrated.
-
-    Raises
-    ------
-    ValueError
-        If the shoe is not a flexible one of the history.
+    once, what it can has the elastic forces that were integrated. ValueError if the shoe is not flexible.
     """
     check_flexible(history.case, shoe)
     units = unit_loads(history.case)
-    frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+    _, frames = actions.shoe_frames(history, shoe)
     by_kind: dict[str, csr_array] = {}
-    for action in actions(history, shoe):
+    for action in actions.actions(history, shoe):
         loads = coordinates(units, action, frames)
         if loads.nnz:
             by_kind[action.kind] = by_kind[action.kind] + loads if action.kind in by_kind else loads
@@ -290,7 +258,6 @@ def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
 
 def check_flexible(case: Case, shoe: int) -> None:
     """Refuse a shoe that is not a flexible one of a history's case, by a ValueError."""
-    flexible = case.flexible
-    there = [] if flexible is None else list(flexible.shoes)
+    there = [] if case.flexible is None else list(case.flexible.shoes)
     if shoe not in there:
         raise ValueError(f"shoe must be a flexible one of the history, of {there}, got {shoe}")

@@ -19,45 +19,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import block_diag, csr_array, eye_array, hstack, kron, vstack
 
+import fem
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.model.reductions import cached_fields
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.results.loads.load_map import (
-    GROUND,
-    INERTIA,
-    JOINTS,
-    RAILS,
-    ShoeUnitLoads,
-    StripStations,
-    loads_by_kind,
-    unit_loads,
-)
-from fem import (
-    CachedReduction,
-    FlatRectangle,
-    Mesh,
-    PressureGrid,
-    Shapes,
-    StaticFields,
-    Stations,
-    UnitLoads,
-    field_columns,
-    flat_parts,
-)
+from exudyn_crawler.results.loads import load_map
 from fem.patches import Underside
 
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
 MOST_FIELDS = 0.4
 """Greatest number of fields over that of modes."""
-LOADS = {
-    "joint": "pins",
-    "load": "machine load",
-    "contact": "ground",
-    "roller": "rollers",
-    "chain": "drive",
-}
+LOADS = {"joint": "pins", "load": "machine load", "contact": "ground", "roller": "rollers", "chain": "drive"}
 """Words for kinds of actions; others are their own. The chain pulls for the drive and at its ends."""
 GROUND_SPACING = 0.2
 """m, at most, between points of the ground's grid: a fifth of a unit."""
@@ -67,23 +41,20 @@ RAIL_SPACING = 0.0375
 """m, about, between stations of a rail: `Stations` says what it leaves open."""
 
 
-def ground_grid(mesh: Mesh) -> PressureGrid:
+def ground_grid(mesh: fem.Mesh) -> fem.PressureGrid:
     """Grid of the static fields over the underside of a shoe; ValueError if that is no level rectangle."""
     under = mesh.nodes[mesh.nodes_of("underside"), :2]
     low, high = under.min(axis=0), under.max(axis=0)
     along, across = (1 + int(np.ceil(side / GROUND_SPACING)) for side in high - low)
-    return PressureGrid(FlatRectangle(mesh, "underside", low, high), (along, across))
+    return fem.PressureGrid(fem.FlatRectangle(mesh, "underside", low, high), (along, across))
 
 
-def rail_stations(mesh: Mesh) -> list[Stations]:
-    """Stations of the static fields on each rail of a shoe, from the right to the left.
-
-    KeyError if the mesh has no surface "rails"; ValueError if a rail is no level rectangle.
-    """
-    rails = flat_parts(mesh, "rails")
+def rail_stations(mesh: fem.Mesh) -> list[fem.Stations]:
+    """Stations of the static fields on each rail of a shoe, from right to left; each a level rectangle."""
+    rails = fem.flat_parts(mesh, "rails")
     lengths = [rail.high[0] - rail.low[0] for rail in rails]
     return [
-        Stations(rail, 1 + round(length / RAIL_SPACING), min(RAIL_REACH, 0.5 * length))
+        fem.Stations(rail, 1 + round(length / RAIL_SPACING), min(RAIL_REACH, 0.5 * length))
         for rail, length in zip(rails, lengths, strict=True)
     ]
 
@@ -91,43 +62,40 @@ def rail_stations(mesh: Mesh) -> list[Stations]:
 class StaticLoads(NamedTuple):
     """Static fields of a shoe's loads, and the shares (k, f) of their f unit loads in the shoe's k."""
 
-    fields: StaticFields
+    fields: fem.StaticFields
     shares: csr_array
 
 
 def static_loads(case: Case) -> StaticLoads | None:
-    """Static fields beside all modes of a case's flexible shoes; cached on disk. None if not asked for.
-
-    ValueError if the case has no flexible shoes, or their underside, or a rail, is no level rectangle.
-    """
+    """Static fields beside all modes of a case's flexible shoes; cached on disk. None if not asked for."""
     if not case.flexible_shoes().static_fields:
         return None
-    return _static_loads(unit_loads(case), whole_reduction(case))
+    return _static_loads(load_map.unit_loads(case), whole_reduction(case))
 
 
 @lru_cache(maxsize=2)
-def _static_loads(units: ShoeUnitLoads, whole: CachedReduction) -> StaticLoads:
+def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> StaticLoads:
     mesh, interfaces = units.body.mesh, units.whole.interfaces
-    families = {JOINTS: UnitLoads.at_centers(len(mesh.nodes), interfaces)}
+    families = {load_map.JOINTS: fem.UnitLoads.at_centers(len(mesh.nodes), interfaces)}
     blocks = [eye_array(6 * len(interfaces))]
     for name, family in units.spread.items():
-        if name == GROUND:
+        if name == load_map.GROUND:
             grid = ground_grid(mesh)
             weights, shares = grid.weights, csr_array(_ground_shares(units.underside, grid))
-        elif name == RAILS and units.strips is not None:
+        elif name == load_map.RAILS and units.strips is not None:
             stations = rail_stations(mesh)
             weights = hstack([one.weights for one in stations])
             shares = _rail_shares(units.strips, stations)
         else:
             weights, shares = family.nodal(len(mesh.nodes)), eye_array(len(family.weights))
-        families[name] = UnitLoads.spread(csr_array(weights), interfaces)
+        families[name] = fem.UnitLoads.spread(csr_array(weights), interfaces)
         blocks.append(kron(shares, eye_array(3)))
-    families[INERTIA] = UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
+    families[load_map.INERTIA] = fem.UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
     blocks.append(eye_array(len(units.integrated.body.frequencies)))
     return StaticLoads(cached_fields(units.body, whole, families).fields, csr_array(block_diag(blocks)))
 
 
-def _ground_shares(underside: Underside, grid: PressureGrid) -> NDArray:
+def _ground_shares(underside: Underside, grid: fem.PressureGrid) -> NDArray:
     """Tractions (p, points of a grid) nearest to a unit over each rectangle from the underside's corner."""
     numbers = np.indices(underside.integral.shape[:2]).reshape(2, -1)
     sides = numbers.T * underside.cell
@@ -136,7 +104,7 @@ def _ground_shares(underside: Underside, grid: PressureGrid) -> NDArray:
     return grid.coordinates(forces, low, low + sides)[..., 2]
 
 
-def _rail_shares(strips: StripStations, stations: Sequence[Stations]) -> csr_array:
+def _rail_shares(strips: load_map.StripStations, stations: Sequence[fem.Stations]) -> csr_array:
     """Forces at the static fields' stations by one at each station of the strips.
 
     A strip presses on the middle of its rail: what it turns that by about its length is left out.
@@ -160,7 +128,7 @@ class StressBasis:
     is None without fields, where the error of truncation is not known.
     """
 
-    shapes: Shapes
+    shapes: fem.Shapes
     loads: Mapping[int, Mapping[str, csr_array]]
     answers: NDArray
     coordinates: Mapping[int, NDArray]
@@ -169,14 +137,14 @@ class StressBasis:
     def by_load(self, shoe: int, rows: NDArray | slice = slice(None)) -> dict[str, NDArray]:
         """Coordinates of a shoe at stored times by what makes them: arrays (times, columns).
 
-        They add up to those of all. By words of `LOADS` for kinds of actions, or those kinds; "inertia" is
-        that of the integrated modes. Loads that make nothing are left out. All times, if no `rows` are given.
+        They add up to those of all; loads that make nothing are left out. By words of `LOADS` for kinds of
+        actions, or those kinds; "inertia" is that of the integrated modes.
         """
         found: dict[str, NDArray] = {}
         for kind, loads in self.loads[shoe].items():
             load, own = LOADS.get(kind, kind), np.asarray(loads[rows] @ self.answers)
             if own.any():
-                found[load] = found[load] + own if load in found else own
+                found[load] = found.get(load, 0.0) + own
         return found
 
 
@@ -188,27 +156,24 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
     if history.case.flexible is None:
         raise ValueError("the history has no flexible shoes")
     chosen = list(history.case.flexible.shoes if shoes is None else shoes)
-    by_kind = {shoe: loads_by_kind(history, shoe) for shoe in chosen}
+    by_kind = {shoe: load_map.loads_by_kind(history, shoe) for shoe in chosen}
     loads = {shoe: sum(kinds.values()) for shoe, kinds in by_kind.items()}
-    units, static = unit_loads(history.case), static_loads(history.case)
+    units, static = load_map.unit_loads(history.case), static_loads(history.case)
     if static is None:
-        found = {shoe: load @ units.answers for shoe, load in loads.items()}
-        return StressBasis(units.whole, by_kind, units.answers, found, None)
+        coordinates = {shoe: load @ units.answers for shoe, load in loads.items()}
+        return StressBasis(units.whole, by_kind, units.answers, coordinates, None)
     frequencies = units.whole.frequencies
     histories = [(load @ static.shares).toarray() for load in loads.values()]
     most = int(MOST_FIELDS * len(frequencies))
-    columns = field_columns(units.body, static.fields, histories, TOLERANCE, most)
+    columns = fem.field_columns(units.body, static.fields, histories, TOLERANCE, most)
     answers = static.shares @ np.hstack((static.fields.held(frequencies), columns.turn))
-    found = {shoe: load @ answers for shoe, load in loads.items()}
-    return StressBasis(columns.beside(units.whole), by_kind, answers, found, columns.bound)
+    coordinates = {shoe: load @ answers for shoe, load in loads.items()}
+    return StressBasis(columns.beside(units.whole), by_kind, answers, coordinates, columns.bound)
 
 
 def unit_stress(case: Case, node: int) -> NDArray:
-    """Stress (loads, 6) in Pa at a node of a case's flexible shoes by a unit of each load of `unit_loads`.
-
-    With static fields of every load: none is left out.
-    """
-    units, static = unit_loads(case), static_loads(case)
+    """Stress (loads, 6) in Pa at a node by a unit of each load of `unit_loads`, with all static fields."""
+    units, static = load_map.unit_loads(case), static_loads(case)
     if static is None:
         return np.asarray(units.answers @ units.whole.stress_modes[node].T)
     return np.asarray(static.shares @ static.fields.stress_at(units.whole, node))

@@ -9,6 +9,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.model.drive_point import pulled_node
+from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.stress.basis import StressBasis
 from fem import OneOfEach, Peaks, Shapes, hot_spots, judged
@@ -58,11 +60,37 @@ def shoe_regions(whole: Shapes, track: Track) -> NDArray:
     return regions
 
 
+def near_pull(history: History, whole: Shapes, shoe: int) -> NDArray:
+    """Whether each node belongs to an element about the node that the drive pulls: array (nodes,)."""
+    marked = np.zeros(len(whole.nodes), dtype=bool)
+    node = pulled_node(history.case, whole.mesh)
+    if node is not None and shoe == history.case.track.shoe_count:
+        elements = whole.mesh.elements
+        marked[elements[(elements == node).any(axis=1)]] = True
+    return marked
+
+
+def mesh_dataset(whole: Shapes) -> xr.Dataset:
+    """What datasets of stress and life have of the mesh: nodes, flat triangles of the surface, spiders."""
+    named = {
+        "node_position": whole.nodes,
+        "triangle": flat_triangles(whole.mesh.boundary),
+        "in_spider": np.isin(np.arange(len(whole.nodes)), whole.spider_nodes),
+    }
+    variables = {name: variable(name, values) for name, values in named.items()}
+    return xr.Dataset(variables, {"node": np.arange(len(whole.nodes)), "axis": ["x", "y", "z"]})
+
+
+def flat_triangles(faces: NDArray) -> NDArray:
+    """Flat triangles (4 k, 3) through all nodes of faces (k, 6): corners first, then middles of sides."""
+    quarters = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+    return np.stack([faces[:, list(quarter)] for quarter in quarters], axis=1).reshape(-1, 3)
+
+
 def stress_directions(criterion: SignedCriterion, stress: NDArray) -> NDArray:
     """Rows (t, 6) whose products with stresses (t, 6) are a criterion's signal: its derivatives by them.
 
-    A criterion is homogeneous of first order in the stress, so that the rows' products with the stresses of
-    single loads add up to it (Euler).
+    A criterion is of first order in the stress: the products with the stresses of loads add up to it (Euler).
     """
     if criterion == "signed principal":
         tensor = np.empty((len(stress), 3, 3))
@@ -80,11 +108,9 @@ def stress_directions(criterion: SignedCriterion, stress: NDArray) -> NDArray:
 def load_shares(basis: StressBasis, shoe: int, nodes: NDArray, rows: NDArray) -> pd.DataFrame:
     """Share of each load in the von Mises stress of nodes (k,), each at a stored time (k,) of its own.
 
-    A load's share is the projection of its stress on the deviator s of the whole,
-    ``3/2 s : sigma_load / von Mises^2``: the part of the von Mises stress that goes with a small part of the
-    load. Shares add up to 1; a load that relieves has a negative one. The stress of a load is that of its
-    static answer with the inertia of the free shoe; "inertia" is that of the integrated modes. A row a node,
-    a column "share of LOAD" a load; zero where there is no stress.
+    A load's share is the projection of its stress, the static answer with the inertia of the free shoe, on
+    the deviator s of the whole, ``3/2 s : sigma_load / von Mises^2``. Shares add up to 1, those of loads that
+    relieve are negative. A row a node, a column "share of LOAD" a load; zero where there is no stress.
     """
     modes = basis.shapes.stress_modes[nodes]
     parts = {load: np.einsum("kcm,km->kc", modes, q) for load, q in basis.by_load(shoe, rows).items()}
@@ -112,25 +138,14 @@ def highest_nodes(
     nodes: NDArray,
     separation: OneOfEach | None = None,
 ) -> pd.DataFrame:
-    """Hot spots among some nodes with verdicts, regions and shares of loads.
-
-    Their places are those in the track at t = 0, as the S-paper gives them.
-    """
-    whole, q, track = basis.shapes, basis.coordinates[shoe], history.case.track
-    table = hot_spots(
-        whole,
-        history.time.values,
-        q,
-        HOT_SPOTS,
-        separation=separation,
-        nodes=nodes,
-        peaks=peaks,
-    )
-    at, rows = table["node"].to_numpy(), np.searchsorted(history.time.values, table["time"].to_numpy())
-    at_start = track.com_positions(history.case.shoe.com_height)[shoe - 1]
+    """Hot spots among some nodes with verdicts, regions and shares of loads; positions those at t = 0."""
+    whole, time, track = basis.shapes, history.time.values, history.case.track
+    q = basis.coordinates[shoe]
+    table = hot_spots(whole, time, q, HOT_SPOTS, separation=separation, nodes=nodes, peaks=peaks)
+    at, rows = table["node"].to_numpy(), np.searchsorted(time, table["time"].to_numpy())
+    start = dict(zip("xyz", track.com_positions(history.case.shoe.com_height)[shoe - 1], strict=True))
     table = judged(table, basis.bound).assign(
-        **{axis: table[axis] + at_start[k] for k, axis in enumerate("xyz")},
-        region=regions[at],
+        **{axis: table[axis] + start[axis] for axis in start}, region=regions[at]
     )
     return pd.concat((table, load_shares(basis, shoe, at, rows)), axis=1)
 
@@ -141,52 +156,41 @@ def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
     Columns shoe, phase, begin and end of the phase in s, the stress in MPa, when and at which node it is, and
     the node's place in the shoe's frame in m.
     """
-    positions = stress.node_position.transpose("node", "axis").values
     rows = []
     for shoe in stress.shoe.values:
         of_shoe = stress.sel(shoe=shoe)
-        highest = of_shoe.highest_von_mises.values
         for phase in phases(history.case.loads, history.duration):
-            within = np.flatnonzero(phase.rows(stress.time.values))
-            if len(within) == 0:
+            within = of_shoe.isel(time=phase.rows(stress.time.values))
+            if within.sizes["time"] == 0:
                 continue
-            at = within[highest[within].argmax()]
-            node = int(of_shoe.highest_node.values[at])
-            rows.append(
-                {
-                    "shoe": int(shoe),
-                    "phase": phase.name,
-                    "begin in s": phase.begin,
-                    "end in s": phase.end,
-                    "highest von Mises in MPa": highest[at] / MEGA,
-                    "time in s": float(stress.time[at]),
-                    "node": node,
-                    **_place(positions[node]),
-                }
-            )
+            at = within.isel(time=int(within.highest_von_mises.argmax()))
+            node = int(at.highest_node)
+            row = {"shoe": int(shoe), "phase": phase.name, "begin in s": phase.begin, "end in s": phase.end}
+            row["highest von Mises in MPa"] = float(at.highest_von_mises) / MEGA
+            row |= {"time in s": float(at.time), "node": node}
+            rows.append(row | in_the_shoe(stress.node_position.isel(node=node)))
     return pd.DataFrame(rows)
+
+
+def in_the_shoe(place: xr.DataArray) -> dict[str, NDArray]:
+    """Columns of a position in the shoe's frame, m, or of several."""
+    return {f"{axis} in the shoe in m": place.sel(axis=axis).values[()] for axis in "xyz"}
 
 
 def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
     """Hot spots of a shoe: stresses in MPa, positions in shoe and track at t = 0, verdicts, causes."""
-    positions = stress.node_position.transpose("node", "axis").values[hot_spots["node"]]
-    table = pd.DataFrame(
-        {
-            "rank": hot_spots["rank"],
-            "region": hot_spots["region"],
-            "von Mises in MPa": hot_spots["value"] / MEGA,
-            "node": hot_spots["node"],
-            "time in s": hot_spots["time"],
-        }
-    )
-    for axis, values in zip("xyz", positions.T, strict=True):
-        table[f"{axis} in the shoe in m"] = values
-    for axis in "xyz":
-        table[f"{axis} in the track at t = 0 in m"] = hot_spots[axis]
-    for name in ("jump", "error"):
-        table[f"{name} in MPa"] = hot_spots[name] / MEGA
+    columns = {
+        "rank": hot_spots["rank"],
+        "region": hot_spots["region"],
+        "von Mises in MPa": hot_spots["value"] / MEGA,
+        "node": hot_spots["node"],
+        "time in s": hot_spots["time"],
+    }
+    columns |= in_the_shoe(stress.node_position.isel(node=hot_spots["node"].to_numpy()))
+    columns |= {f"{axis} in the track at t = 0 in m": hot_spots[axis] for axis in "xyz"}
+    columns |= {f"{name} in MPa": hot_spots[name] / MEGA for name in ("jump", "error")}
     shares = hot_spots.filter(like=SHARE).to_dict("series")
-    return table.assign(flag=hot_spots["flag"], verdict=hot_spots["verdict"], **shares)
+    return pd.DataFrame(columns).assign(flag=hot_spots["flag"], verdict=hot_spots["verdict"], **shares)
 
 
 def region_table(by_region: Mapping[int, pd.DataFrame], stress: xr.Dataset) -> pd.DataFrame:
@@ -200,7 +204,3 @@ def region_table(by_region: Mapping[int, pd.DataFrame], stress: xr.Dataset) -> p
     first = ["shoe", "region"]
     others = [name for name in whole if name not in (*first, "rank", *shares)]
     return pd.concat((whole[[*first, *others]], shares), axis=1)
-
-
-def _place(place: np.ndarray) -> dict[str, float]:
-    return {f"{axis} in the shoe in m": float(value) for axis, value in zip("xyz", place, strict=True)}

@@ -1,4 +1,4 @@
-"""Stresses of the flexible shoes over a run: histories, fields and chosen instants as one dataset."""
+"""Stresses of the flexible shoes over a run, of all nodes as one dataset or of one node."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,15 +10,18 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.files import write_netcdf
-from exudyn_crawler.model.drive_point import pulled_node
+from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, variable
+from exudyn_crawler.results.history.files import case_in_file
 from exudyn_crawler.results.history.history import History, phases
-from exudyn_crawler.results.loads.load_map import check_flexible
-from exudyn_crawler.results.stress.basis import stress_basis
-from exudyn_crawler.results.stress.hot_spots import BORES, highest_nodes, shoe_regions
+from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
+from exudyn_crawler.results.stress import hot_spots
+from exudyn_crawler.results.stress.basis import stress_basis, unit_stress
 from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes
+from fem.stress import principal, von_mises
 from fem.trust import resolution_over, verdict_numbers
 
+COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 AT_ONCE = 50
 """Instants whose fields are in memory together."""
 
@@ -36,9 +39,7 @@ class StressResults:
         makes there grows without limit as the mesh is refined. `frame_name` is "begin", "end of dig" or
         "peak", each as far as the instant is one.
     hot_spots : mapping
-        Table of every flexible shoe, as of `fem.hot_spots` and `fem.judged`, of nodes that are not at_load;
-        places global, those of the track at t = 0; region as of `hot_spots.shoe_regions`, and the share of
-        each load as of `hot_spots.load_shares`.
+        Table of every flexible shoe, as of `hot_spots.highest_nodes`, of nodes that are not at_load.
     by_region : mapping
         Same of the highest node of every region; of bores, whose stress is none to use, there is none.
     whole : Shapes
@@ -52,11 +53,8 @@ class StressResults:
 
     def _repr_html_(self) -> str:
         """Hot spots of every shoe and the dataset, for notebooks."""
-        tables = [
-            f"<p>Shoe {shoe}: highest von Mises stresses (Pa; places in m at t = 0)</p>"
-            + table.to_html(index=False)
-            for shoe, table in self.hot_spots.items()
-        ]
+        of = "highest von Mises stresses (Pa; places in m at t = 0)"
+        tables = [f"<p>Shoe {k}: {of}</p>{one.to_html(index=False)}" for k, one in self.hot_spots.items()]
         return "".join([*tables, self.dataset._repr_html_()])
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
@@ -85,8 +83,8 @@ def recover_stresses(
     named = _named_times(history, times)
     basis = stress_basis(history)
     whole, coordinates = basis.shapes, basis.coordinates
-    regions = shoe_regions(whole, history.case.track)
-    pulled = {shoe: near_pull(history, whole, shoe) for shoe in coordinates}
+    regions = hot_spots.shoe_regions(whole, history.case.track)
+    pulled = {shoe: hot_spots.near_pull(history, whole, shoe) for shoe in coordinates}
     reached = {
         shoe: recover_extremes(whole.stress_modes, q, ranked=np.flatnonzero(~pulled[shoe]))
         for shoe, q in coordinates.items()
@@ -95,16 +93,14 @@ def recover_stresses(
         highest = np.max([one.highest for one in reached.values()], axis=0)
         named.append((float(history.time[int(highest.argmax())]), "peak"))
     frames, names = _frames(history, named)
-    found, tables, by_region = [], {}, {}
+    found, tables, by_region, each = [], {}, {}, OneOfEach(regions)
     for shoe, q in coordinates.items():
-        extremes, at_load = reached[shoe], pulled[shoe]
-        found.append(_of_shoe(history, whole, q, extremes, frames, at_load))
-        away = np.flatnonzero(~at_load)
-        tables[shoe] = highest_nodes(history, basis, shoe, extremes.peaks, regions, away)
-        usable = away[regions[away] != BORES]
-        each = OneOfEach(regions)
-        by_region[shoe] = highest_nodes(history, basis, shoe, extremes.peaks, regions, usable, each)
-    mesh = mesh_dataset(whole)
+        peaks, away = reached[shoe].peaks, np.flatnonzero(~pulled[shoe])
+        found.append(_of_shoe(history, whole, q, reached[shoe], frames, pulled[shoe]))
+        tables[shoe] = hot_spots.highest_nodes(history, basis, shoe, peaks, regions, away)
+        usable = away[regions[away] != hot_spots.BORES]
+        by_region[shoe] = hot_spots.highest_nodes(history, basis, shoe, peaks, regions, usable, each)
+    mesh = hot_spots.mesh_dataset(whole)
     dataset = xr.concat(found, dim=xr.Variable("shoe", list(coordinates)))
     dataset = dataset.transpose("time", "frame", "shoe", ...).assign(mesh.data_vars)
     dataset = dataset.assign(
@@ -139,22 +135,11 @@ def _frames(history: History, named: Sequence[tuple[float, str]]) -> tuple[NDArr
     return np.array(rows), [", ".join(filter(None, names[row])) for row in rows]
 
 
-def near_pull(history: History, whole: Shapes, shoe: int) -> NDArray:
-    """Whether each node belongs to an element about the node that the drive pulls: array (nodes,)."""
-    marked = np.zeros(len(whole.nodes), dtype=bool)
-    node = pulled_node(history.case, whole.mesh)
-    if node is not None and shoe == history.case.track.shoe_count:
-        elements = whole.mesh.elements
-        marked[elements[(elements == node).any(axis=1)]] = True
-    return marked
-
-
 def _of_shoe(
     history: History, whole: Shapes, q: NDArray, found: Extremes, frames: NDArray, at_load: NDArray
 ) -> xr.Dataset:
     """Stress of one shoe with coordinates q (times, columns)."""
-    time = history.time.values
-    displacements = whole.displacement(q[frames])
+    time, displacements = history.time.values, whole.displacement(q[frames])
     errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
     resolved = resolution_over(whole, q)
     named = {
@@ -191,19 +176,6 @@ def verdicts(stress: xr.Dataset, more: ArrayLike = 0.0) -> Variable:
     return variable("peak_verdict", verdict_numbers(part, mesh, ordered.peak_jump.values, held))
 
 
-def mesh_dataset(whole: Shapes) -> xr.Dataset:
-    """What datasets of stress and life have of the mesh: nodes, flat triangles of the surface, spiders."""
-    named = {
-        "node_position": whole.nodes,
-        "triangle": flat_triangles(whole.mesh.boundary),
-        "in_spider": np.isin(np.arange(len(whole.nodes)), whole.spider_nodes),
-    }
-    return xr.Dataset(
-        {name: variable(name, values) for name, values in named.items()},
-        {"node": np.arange(len(whole.nodes)), "axis": ["x", "y", "z"]},
-    )
-
-
 def peak_time(history: History, shoe: int) -> float:
     """Time (s) of the highest von Mises stress of a flexible shoe; ValueError if the history has no such."""
     basis = stress_basis(history, [shoe])
@@ -211,43 +183,118 @@ def peak_time(history: History, shoe: int) -> float:
     return float(history.time[int(found.highest.argmax())])
 
 
-def flat_triangles(faces: NDArray) -> NDArray:
-    """Flat triangles (4 k, 3) through all nodes of faces (k, 6), in their sense.
-
-    The nodes of a face are its corners first and then the middles of its sides.
-    """
-    quarters = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
-    return np.stack([faces[:, list(quarter)] for quarter in quarters], axis=1).reshape(-1, 3)
-
-
 def surface_stress(history: History, shoe: int, rows: ArrayLike) -> xr.Dataset:
     """Von Mises stress and elastic displacement of a shoe's surface at the stored instants of some rows.
 
-    Returns
-    -------
-    xarray.Dataset
-        `von_mises` (time, node), Pa; `displacement` (time, node, axis), m, in the shoe's frame;
-        `node_position` (node, axis), m; `triangle` (face, corner), indices along node in outward sense.
-
-    Raises
-    ------
-    ValueError
-        If the shoe is not a flexible one of the history.
+    `von_mises` (time, node), Pa; `displacement` (time, node, axis) and `node_position` (node, axis), m, in
+    the shoe's frame; `triangle` (face, corner), indices along node in outward sense. ValueError if the shoe
+    is not a flexible one of the history.
     """
     check_flexible(history.case, shoe)
     basis = stress_basis(history, [shoe])
-    shapes = basis.shapes
-    used, corners = np.unique(flat_triangles(shapes.mesh.boundary), return_inverse=True)
-    q = basis.coordinates[shoe][np.asarray(rows)]
+    shapes, q = basis.shapes, basis.coordinates[shoe][np.asarray(rows)]
+    used, corners = np.unique(hot_spots.flat_triangles(shapes.mesh.boundary), return_inverse=True)
     parts = [q[start : start + AT_ONCE] for start in range(0, len(q), AT_ONCE)]
-    von_mises = np.concatenate([shapes.von_mises(part, used).astype("f4") for part in parts])
+    stress = np.concatenate([shapes.von_mises(part, used).astype("f4") for part in parts])
     bend = np.concatenate([shapes.displacement(part)[:, used].astype("f4") for part in parts])
     return xr.Dataset(
         {
-            "von_mises": (("time", "node"), von_mises, QUANTITIES["frame_von_mises"].attributes),
+            "von_mises": (("time", "node"), stress, QUANTITIES["frame_von_mises"].attributes),
             "displacement": (("time", "node", "axis"), bend, QUANTITIES["frame_displacement"].attributes),
             "node_position": variable("node_position", shapes.nodes[used]),
             "triangle": (("face", "corner"), corners.reshape(-1, 3)),
         },
         coords={"time": history.time.isel(time=np.asarray(rows)), "axis": ["x", "y", "z"]},
     )
+
+
+def node_stress(
+    history: History | str | Path, shoe: int, near: ArrayLike | None = None, node: int | None = None
+) -> xr.Dataset:
+    """Stress over time at the node of a flexible shoe that is nearest to a point, or at a node by its number.
+
+    Parameters
+    ----------
+    history : History or str or Path
+        A history, or the file of one.
+    shoe : int
+        Number of the shoe.
+    near : array (3,), optional
+        Point in the shoe's frame, m: x along the track, z up, from the nominal COM of the undeformed shoe.
+    node : int, optional
+        Number of the node (from 0, as in tables of hot spots), in place of `near`.
+
+    Returns
+    -------
+    xarray.Dataset
+        `stress` (time, component), Pa, in the shoe's axes; `principal` (time, order), Pa, from the greatest
+        down; `von_mises` (time), Pa; `place` (axis), m, of the node in the shoe's frame. Attributes: shoe,
+        node, `distance_m` of the node from `near`, and `in_spider`, whether a joint's rigid spider holds it,
+        so that it shows the stress beside a rigid ring.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the shoe is not a flexible one of the history, the point is not three finite numbers or far from
+        the shoe, there is no such node, neither or both of point and node are given, or the file does not
+        hold a history.
+    """
+    # what cannot be is reported before a long history is read
+    case = history.case if isinstance(history, History) else case_in_file(Path(history))
+    check_flexible(case, shoe)
+    whole = whole_reduction(case).body
+    number, distance = _chosen(whole, near, node)
+    history = history if isinstance(history, History) else History.load(history)
+    stress = sum(loads_by_kind(history, shoe).values()) @ unit_stress(case, number)
+    in_spider, pascal = bool(np.isin(number, whole.spider_nodes)), {"units": "Pa"}
+    return xr.Dataset(
+        {
+            "stress": (("time", "component"), stress, pascal | {"long_name": "stress in the shoe's axes"}),
+            "principal": (("time", "order"), principal(stress)[:, ::-1], pascal),
+            "von_mises": ("time", von_mises(stress), pascal | {"long_name": "von Mises stress"}),
+            "place": ("axis", whole.nodes[number], {"units": "m", "long_name": "place in the shoe's frame"}),
+        },
+        coords={
+            "time": history.time,
+            "component": list(COMPONENTS),
+            "order": [1, 2, 3],
+            "axis": ["x", "y", "z"],
+        },
+        attrs={"shoe": shoe, "node": number, "distance_m": distance, "in_spider": in_spider},
+    )
+
+
+def node_table(found: xr.Dataset) -> pd.DataFrame:
+    """Dataset of `node_stress` as a table: a row a stored time, stresses in MPa."""
+    columns = {"time in s": found.time.values}
+    columns |= {
+        f"{name} in MPa": found.stress.sel(component=name).values / hot_spots.MEGA for name in COMPONENTS
+    }
+    columns |= {
+        f"principal {k} in MPa": found.principal.sel(order=k).values / hot_spots.MEGA for k in (1, 2, 3)
+    }
+    return pd.DataFrame(columns | {"von Mises in MPa": found.von_mises.values / hot_spots.MEGA})
+
+
+def _chosen(whole: Shapes, near: ArrayLike | None, node: int | None) -> tuple[int, float]:
+    """Number of the node that is asked for, and its distance in m from the point that is."""
+    if (near is None) == (node is None):
+        raise ValueError("near or node must be given, got neither or both")
+    if node is not None:
+        if not 0 <= node < len(whole.nodes):
+            raise ValueError(f"node must be in 0..{len(whole.nodes) - 1}, got {node}")
+        return node, 0.0
+    point = np.asarray(near, dtype=float)
+    if point.shape != (3,) or not np.isfinite(point).all():
+        raise ValueError(f"near must be three finite numbers in m, got {near!r}")
+    distances = np.linalg.norm(whole.nodes - point, axis=1)
+    number = int(distances.argmin())
+    distance = float(distances[number])
+    if distance > np.ptp(whole.nodes, axis=0).max():
+        raise ValueError(
+            f"near must be at the shoe, in m in its frame, got {point.tolist()}, "
+            f"{distance:.4g} m from the nearest node"
+        )
+    return number, distance

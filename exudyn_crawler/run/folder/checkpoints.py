@@ -31,17 +31,13 @@ VARIABLE = "history "
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """End of a stage in a file, of which memory holds little however many there are.
+    """End of a stage in a file, of which memory holds little however many there are."""
 
-    Stages count from 0, `time` is in s, and `layout` says what the numbers of a state are, as JSON with its
-    version. `chunk` is what the stage stored, read from the file when it is needed.
-    """
-
-    number: int
-    time: float
-    layout: str
+    number: int  # of the stage, from 0
+    time: float  # s
+    layout: str  # what the numbers of a state are, as JSON with its version
     path: Path
-    chunk: Chunk
+    chunk: Chunk  # what the stage stored, read from the file when it is needed
 
     @property
     def state(self) -> NDArray:
@@ -56,27 +52,17 @@ class Checkpoints:
     """
 
     def __init__(self, folder: Path, say: Callable[[str], None] = lambda _text: None) -> None:
-        self.folder = Path(folder)
-        self.say = say
+        self.folder, self.say = Path(folder), say
         self._left_out: set[Path] = set()
-
-    @property
-    def history(self) -> Path:
+        self.history = self.folder / "assembled.nc"
         """Where `save_history` writes."""
-        return self.folder / "assembled.nc"
-
-    @property
-    def _earlier(self) -> Path:
+        self._earlier = self.folder / "earlier.nc"
         """History of the shorter run that this one goes on with."""
-        return self.folder / "earlier.nc"
 
     def save(
         self, case: Case, number: int, time: float, layout: str, state: NDArray, history: xr.Dataset
     ) -> Checkpoint:
-        """Keep the end of a stage of a case: arguments as of `Checkpoint`, and what the stage stored.
-
-        OSError if it cannot be written.
-        """
+        """Keep the end of a stage of a case; OSError if it cannot be written."""
         writable_folder(self.folder)
         path = self._file(number)
         content = _Content(case.model_dump_json(), number, time, layout, state, history)
@@ -84,10 +70,10 @@ class Checkpoints:
         return _checkpoint(path, content)
 
     def load(self, case: Case, layout: str | None = None) -> list[Checkpoint]:
-        """Stages of a case that are there one after the other, from the first or the earlier run's end on.
+        """Consecutive stages of a case, from the first or the earlier run's end to one that was altered.
 
-        Those from an altered one on are left out. ValueError, naming the file, if the first one was altered,
-        or if one comes from other parameters or, where `layout` is given, has states of another layout.
+        ValueError, naming the file, if the first one was altered, or if one comes from other parameters or,
+        where `layout` is given, has states of another layout.
         """
         found: list[Checkpoint] = []
         own = case.model_dump_json()
@@ -178,9 +164,7 @@ class _Content(NamedTuple):
 def _write(path: Path, content: _Content) -> None:
     """Write a checkpoint."""
     history = content.history
-    arrays: dict[str, Any] = {
-        name: np.asarray(one) for name, one in content._asdict().items() if name != "history"
-    }
+    arrays: dict[str, Any] = {name: np.asarray(getattr(content, name)) for name in _Content._fields[:-1]}
     arrays["variables"] = np.array(json.dumps(history.to_dict(data=False)))
     arrays |= {f"{VARIABLE}{name}": variable.values for name, variable in history.variables.items()}
     with whole_file(path, overwrite=True) as temporary, temporary.open("wb") as file:
@@ -192,9 +176,8 @@ def _read(path: Path) -> _Content:
     try:
         # numpy alone would not notice that an array was made smaller
         with zipfile.ZipFile(path) as archive:
-            wrong = archive.testzip()
-        if wrong is not None:
-            raise ValueError(f"the checksum of {wrong} is wrong")
+            if wrong := archive.testzip():
+                raise ValueError(f"the checksum of {wrong} is wrong")
         with path.open("rb") as file, np.load(file) as stored:
             arrays = {name: stored[name] for name in stored.files}
         description: dict[str, Any] = json.loads(str(arrays["variables"]))
@@ -218,8 +201,5 @@ def _checkpoint(path: Path, content: _Content) -> Checkpoint:
 def _other_parts(found: str, own: str) -> list[str]:
     """In what a layout differs from that of the run, a phrase each, such as "terrain is 15, not 32"."""
     theirs, wanted = json.loads(found), json.loads(own)
-    return [
-        f"{name} is {theirs.get(name)}, not {wanted.get(name)}"
-        for name in sorted(theirs.keys() | wanted.keys())
-        if theirs.get(name) != wanted.get(name)
-    ]
+    pairs = {name: (theirs.get(name), wanted.get(name)) for name in sorted(theirs.keys() | wanted.keys())}
+    return [f"{name} is {one}, not {other}" for name, (one, other) in pairs.items() if one != other]

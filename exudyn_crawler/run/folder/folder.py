@@ -1,9 +1,7 @@
 """Folder of a run: one process at a time, one case, and beside the results what they come from.
 
-A folder holds the resolved case file, `run.json` with versions, machine, timing and outcome, `run.log`, and
-what the run writes: its history (NetCDF), tables (CSV) and figures. It belongs to its case: the same
-case goes on where it was stopped, and with a longer duration behind the end; all else is refused, unless the
-folder may be emptied. A study's folder holds a folder a case and its own record of all of them.
+It belongs to its case: the same case goes on where it was stopped, and with a longer duration behind the end;
+all else is refused, unless the folder may be emptied. A study's folder holds a folder a case and its record.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -18,33 +16,13 @@ from exudyn_crawler.case.case_file import differences
 from exudyn_crawler.errors import ASK_TO_OVERWRITE, CaseFileError
 from exudyn_crawler.files import clear_partial_files, writable_folder
 from exudyn_crawler.results.history.history import History
-from exudyn_crawler.run.folder.record import (
-    CASE,
-    CHECKPOINTS,
-    DONE,
-    END,
-    HISTORY,
-    LOCK,
-    LOG,
-    RECORD,
-    STOPPED_HISTORY,
-    Holds,
-    RunFolder,
-    earlier_record,
-    held,
-    quiet,
-    recorded,
-    recorded_files,
-)
+from exudyn_crawler.run.folder import record
+from exudyn_crawler.run.folder.record import CASE, HISTORY, Holds, RunFolder, quiet
 from fem.interrupts import interrupts_wait
 
-OF_THE_SIMULATION = {CASE, RECORD, LOG, HISTORY, STOPPED_HISTORY, CHECKPOINTS, END}
-"""What a run goes on with; all else is made of the history again."""
 RESULT_SUFFIXES = {".nc", ".csv", ".png", ".pdf", ".svg", ".vtu", ".pvd", ".mp4", ".gif"}
 SAME_TIME = 1e-6
 """s by which durations may differ and be the same."""
-
-
 GOES_ON = (Holds.STOPPED, Holds.HISTORY, Holds.SHORTER)
 
 
@@ -63,64 +41,57 @@ def run_in(
     out : Path, optional
         Folder, made where it is missing; None writes nothing.
     case_file : CaseFile, optional
-        What is run; None for a study.
+        What is run; None for a study, which runs `cases` into folders of their names in this one.
     overwrite : bool
         Empty the folder of what an earlier run recorded there, unless that is this one, stopped while it
         replaced another one.
     report : callable
         Gets the lines that the user is to read.
-    cases : mapping, optional
-        What a study runs into folders of their names in this one.
 
     Raises
     ------
     FileExistsError
         If the folder holds results or the case of another run, and `overwrite` is false.
-    BlockingIOError
-        If another run works in the folder.
-    NotADirectoryError, PermissionError
-        If it cannot be written to.
+    BlockingIOError, NotADirectoryError, PermissionError
+        If another run works in the folder, or it cannot be written to.
     """
     if out is None:
         yield RunFolder(report=report)
         return
-    with held(writable_folder(out)):
+    with record.held(writable_folder(out)):
         folder = _taken(out, case_file, cases or {}, overwrite, report)
         if folder.holds is Holds.NOTHING and overwrite:
             for one in (out, *(out / name for name in cases or ())):
                 _empty(one)
         elif folder.holds is not Holds.NOTHING:
-            _remove(out, {name for name in recorded_files(out) if not _stays(out, name)})
+            _remove(out, {name for name in record.recorded_files(out) if not _stays(out, name)})
         if case_file is not None:
             _write_case(out / CASE, case_file, replace=overwrite or folder.holds is not Holds.NOTHING)
         clear_partial_files(out, below=case_file is not None)
-        with recorded(folder):
+        with record.recorded(folder):
             yield folder
 
 
 def refuse_occupied(out: Path, case_file: CaseFile, overwrite: bool = False) -> None:
-    """Refuse a folder that `run_in` would not take for a case, before anything else is loaded.
-
-    FileExistsError if the folder holds results of another run, and `overwrite` is false.
-    """
+    """Refuse a folder that `run_in` would not take for a case, before anything is loaded: FileExistsError."""
     if out.is_dir():
         _taken(out, case_file, {}, overwrite, quiet)
 
 
 def held_of(out: Path, case_file: CaseFile) -> Holds:
     """What the folder of a run holds of a case; nothing, too, if it holds another one."""
-    record = earlier_record(out)
+    noted = record.earlier_record(out)
     try:
-        found = read_case(out / CASE) if record else None
+        found = read_case(out / CASE) if noted else None
     except (CaseFileError, FileNotFoundError):
         found = None
     if found is None or found.case != case_file.case:
         return Holds.NOTHING
-    if record.get("status") != DONE:
+    if noted.get("status") != record.DONE:
         less = case_file.duration - found.duration
         if less < -SAME_TIME:
             return Holds.NOTHING
-        return Holds.HISTORY if record.get("simulated") is True and less <= SAME_TIME else Holds.STOPPED
+        return Holds.HISTORY if noted.get("simulated") is True and less <= SAME_TIME else Holds.STOPPED
     end = _end(out / HISTORY)
     if end is None or end > case_file.duration + SAME_TIME:
         return Holds.NOTHING
@@ -129,13 +100,13 @@ def held_of(out: Path, case_file: CaseFile) -> Holds:
 
 def _held_of_study(out: Path, cases: Mapping[str, CaseFile]) -> Holds:
     """What the folder of a study holds of cases in folders of their names; it is never shorter."""
-    record = earlier_record(out)
-    if not record:
+    noted = record.earlier_record(out)
+    if not noted:
         return Holds.NOTHING
-    if record.get("status") != DONE:
+    if noted.get("status") != record.DONE:
         return Holds.STOPPED
     found = {name: held_of(out / name, case_file) for name, case_file in cases.items()}
-    if all(one is Holds.FINISHED for one in found.values()):
+    if set(found.values()) <= {Holds.FINISHED}:
         return Holds.FINISHED
     others = [name for name, one in found.items() if one is Holds.NOTHING and (out / name / CASE).exists()]
     return Holds.NOTHING if others else Holds.STOPPED
@@ -161,7 +132,7 @@ def _taken(
 ) -> RunFolder:
     """Folder with what it holds of a run; refuses one that the run may not have."""
     holds = _held_of_study(out, cases) if case_file is None else held_of(out, case_file)
-    overwrites = holds in GOES_ON and earlier_record(out).get("overwrites") is True
+    overwrites = holds in GOES_ON and record.earlier_record(out).get("overwrites") is True
     if (overwrite and not overwrites) or holds is Holds.FINISHED:
         holds = Holds.NOTHING
     if holds is Holds.NOTHING and not overwrite:
@@ -172,15 +143,10 @@ def _taken(
 def _refuse_results(out: Path, below: bool = False) -> None:
     """Refuse a folder that holds results already, also one folder `below`."""
     paths = [*out.iterdir(), *(out.glob("*/*") if below else ())]
-    found = sorted(
-        path.relative_to(out).as_posix()
-        for path in paths
-        if path.suffix in RESULT_SUFFIXES and not path.name.startswith(".")
-    )
-    if found:
+    results = [path for path in paths if path.suffix in RESULT_SUFFIXES and not path.name.startswith(".")]
+    if found := ", ".join(sorted(path.relative_to(out).as_posix() for path in results)[:3]):
         raise FileExistsError(
-            f"{out} holds results already ({', '.join(found[:3])}, ...): "
-            f"choose another folder or {ASK_TO_OVERWRITE}"
+            f"{out} holds results already ({found}, ...): choose another folder or {ASK_TO_OVERWRITE}"
         )
 
 
@@ -201,26 +167,25 @@ def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
 
 def _empty(out: Path) -> None:
     """Remove what an earlier run recorded in a folder, and what it was to go on with; the case file stays."""
-    parts = {path.relative_to(out).as_posix() for path in out.glob(f"{CHECKPOINTS}/*.n[pc]*")}
-    _remove(out, (recorded_files(out) | parts | {STOPPED_HISTORY, END}) - {CASE})
+    parts = {path.relative_to(out).as_posix() for path in out.glob(f"{record.CHECKPOINTS}/*.n[pc]*")}
+    _remove(out, (record.recorded_files(out) | parts | {record.STOPPED_HISTORY, record.END}) - {CASE})
 
 
 def _stays(out: Path, name: str) -> bool:
     """Whether a file is kept where a run goes on: also those of runs in folders of their own."""
     first = Path(name).parts[0]
-    return first in OF_THE_SIMULATION or (out / first / RECORD).is_file()
+    return first in record.OF_THE_SIMULATION or (out / first / record.RECORD).is_file()
 
 
 def _remove(out: Path, names: set[str]) -> None:
     """Remove files and the folders that they leave empty, and nothing outside of the folder."""
     whole = out.resolve()
     paths = [path for name in names if (path := (out / name).resolve()).is_relative_to(whole)]
-    for path in paths:
-        if path.is_file():
-            path.unlink()
+    for path in filter(Path.is_file, paths):
+        path.unlink()
     for folder in {path.parent for path in paths} - {whole}:
-        if folder.is_dir() and {path.name for path in folder.iterdir()} <= {LOCK}:
-            (folder / LOCK).unlink(missing_ok=True)
+        if folder.is_dir() and {path.name for path in folder.iterdir()} <= {record.LOCK}:
+            (folder / record.LOCK).unlink(missing_ok=True)
             folder.rmdir()
 
 
@@ -236,7 +201,7 @@ def matching_history(folder: Path, case_file: CaseFile) -> History:
     """
     case = case_file.case
     paths = (folder / HISTORY, folder / case.name / HISTORY)
-    path = next((path for path in paths if path.is_file()), None)
+    path = next(filter(Path.is_file, paths), None)
     if path is None:
         raise FileNotFoundError(f"no history at {paths[0]} or {paths[1]}")
     history = History.load(path)

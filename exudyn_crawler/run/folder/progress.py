@@ -19,10 +19,9 @@ LINE_EVERY = 10.0
 def progress_bar(
     title: str, duration: float, show: bool | None = None, unit: str = "s"
 ) -> Iterator[Callable[[float], None]]:
-    """Show simulated time, speed and time left; the block gets a function to tell the time to.
+    """Show simulated time, or what counts in another unit, speed and time left; gives a function of the time.
 
-    The unit is that of the duration, where something else than time is counted. `show` None shows a bar on a
-    terminal, and a line every `LINE_EVERY` where stderr is something else.
+    `show` None shows a bar on a terminal, and a line every `LINE_EVERY` where stderr is something else.
     """
     console = Console(stderr=True)
     if show is False:
@@ -46,12 +45,8 @@ def progress_bar(
     else:
 
         def line(time: float, wall: float | None) -> None:
-            if time < duration:
-                left = (
-                    ""
-                    if wall is None
-                    else f", {_speed(wall, unit)}, about {wall * (duration - time):.0f} s left"
-                )
+            if (rest := duration - time) > 0.0:
+                left = "" if wall is None else f", {_speed(wall, unit)}, about {wall * rest:.0f} s left"
                 note(f"{title}: {time:.4g} of {duration:g} {unit}{left}")
 
         yield _paced(LINE_EVERY, duration, line)
@@ -60,10 +55,9 @@ def progress_bar(
 def _paced(
     every: float, duration: float, show: Callable[[float, float | None], None]
 ) -> Callable[[float], None]:
-    """Function to tell the time to, which shows it every so many s of wall time and at the end.
+    """Function that shows a time, with the wall time a simulated second, every so many s and at the end.
 
-    Shown with the time is the wall time a simulated second, as far as it is known. The first step is left
-    out: it loads or compiles.
+    The first step, which loads or compiles, does not count.
     """
     last = clock.perf_counter()
     begun: list[tuple[float, float]] = []

@@ -25,14 +25,13 @@ from filelock import FileLock, Timeout
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import note_written, noted_files, whole_file
 
-CASE, LOCK = "case.toml", ".lock"
-HISTORY = "history.nc"
-STOPPED_HISTORY = "history_stopped.nc"
-"""In place of the history, of a run that stopped early."""
-CHECKPOINTS = "checkpoints"
-END = "checkpoint.npz"
-"""What a longer run goes on with, where a finished one had more than one stage."""
-RECORD, LOG = "run.json", "run.log"
+CASE, RECORD, LOG, LOCK = "case.toml", "run.json", "run.log", ".lock"
+HISTORY, STOPPED_HISTORY = "history.nc", "history_stopped.nc"
+"""The second in place of the first, of a run that stopped early."""
+CHECKPOINTS, END = "checkpoints", "checkpoint.npz"
+"""The second is what a longer run goes on with, where a finished one had more than one stage."""
+OF_THE_SIMULATION = {CASE, RECORD, LOG, HISTORY, STOPPED_HISTORY, CHECKPOINTS, END}
+"""What a run goes on with; all else is made of the history again."""
 DONE = "done"
 """Status of a run that has ended well."""
 PROGRAM = "exudyn-crawler"
@@ -71,29 +70,13 @@ def timestamp() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
-def machine() -> dict[str, Any]:
-    """What the run works on."""
-    return {
-        "platform": platform.platform(),
-        "processor": _processor(),
-        "cpu_count": os.cpu_count(),
-        "python": platform.python_version(),
-        "threads": {name: os.environ[name] for name in THREAD_VARIABLES if name in os.environ},
-    }
-
-
 def commit() -> str:
-    """Commit that the program is from; empty where nothing tells.
-
-    A checkout asks git, and marks what was changed since; an installation knows it if it was made from a
-    repository's address (PEP 610).
-    """
+    """Commit that the program is from, by git or of its installation (PEP 610); empty where nothing tells."""
     root = Path(__file__).parents[3]
     if (root / ".git").exists():
-        asked = ["git", "-C", str(root), "describe", "--always", "--abbrev=12", "--exclude=*"]
-        asked.append("--dirty=, changed")
+        asked = ["git", "describe", "--always", "--abbrev=12", "--exclude=*", "--dirty=, changed"]
         with suppress(OSError, subprocess.SubprocessError):
-            done = subprocess.run(asked, capture_output=True, text=True, check=True, timeout=10)
+            done = subprocess.run(asked, cwd=root, capture_output=True, text=True, check=True, timeout=10)
             return done.stdout.strip()
         return ""
     with suppress(importlib.metadata.PackageNotFoundError, ValueError, TypeError, AttributeError):
@@ -112,10 +95,9 @@ def _processor() -> str:
 
 def versions() -> dict[str, str]:
     """Versions of the package and of everything that it needs, as far as they are installed."""
-    try:
+    needed: list[str] = []
+    with suppress(importlib.metadata.PackageNotFoundError):
         needed = importlib.metadata.requires(PROGRAM) or []
-    except importlib.metadata.PackageNotFoundError:
-        needed = []
     names = [re.split(r"[\s<>=!~;\[(]", one, maxsplit=1)[0] for one in needed if "extra ==" not in one]
     found = {}
     for name in (PROGRAM, *sorted(names, key=str.lower)):
@@ -167,20 +149,14 @@ def quiet(_text: str) -> None:
 
 @dataclass
 class RunFolder:
-    """Folder that a run works in, or none, and what the run reports meanwhile.
-
-    `report` gets the lines that the user is to read. `holds` is what the folder held of the run when it
-    began, `overwrites` whether the run was to replace another one, also if it was stopped and goes on now.
-    `stages` has the wall time in s of those that have ended; `simulated` says whether the run's history is in
-    the folder.
-    """
+    """Folder that a run works in, or none, and what the run reports meanwhile."""
 
     path: Path | None = None
-    report: Callable[[str], None] = quiet
-    holds: Holds = Holds.NOTHING
-    overwrites: bool = False
-    stages: dict[str, float] = field(default_factory=dict)
-    simulated: bool = False
+    report: Callable[[str], None] = quiet  # gets the lines that the user is to read
+    holds: Holds = Holds.NOTHING  # what the folder held of the run when it began
+    overwrites: bool = False  # whether it was to replace another run, also if it was stopped and goes on now
+    stages: dict[str, float] = field(default_factory=dict)  # wall time in s of those that have ended
+    simulated: bool = False  # whether the run's history is in the folder
     _record: Callable[[], None] = lambda: None
 
     def say(self, text: str) -> None:
@@ -214,26 +190,33 @@ def recorded(folder: RunFolder) -> Iterator[None]:
     out = folder.path
     assert out is not None
     before = recorded_files(out)
-    begun = datetime.now(UTC)
+    begun = time.perf_counter()
     record = {
         "status": "running",
         "command": sys.argv,
         "process": os.getpid(),
         "started": timestamp(),
-        "machine": machine(),
+        "machine": {
+            "platform": platform.platform(),
+            "processor": _processor(),
+            "cpu_count": os.cpu_count(),
+            "python": platform.python_version(),
+            "threads": {name: os.environ[name] for name in THREAD_VARIABLES if name in os.environ},
+        },
         "versions": versions(),
         "commit": commit(),
         "overwrites": folder.overwrites,
     }
 
     def finished() -> dict[str, Any]:
-        took = datetime.now(UTC) - begun
-        return {"finished": timestamp(), "wall_time_s": round(took.total_seconds(), 3)}
+        return {"finished": timestamp(), "wall_time_s": round(time.perf_counter() - begun, 3)}
 
     with logged(out), noted_files() as noted:
 
         def write(outcome: dict[str, Any]) -> None:
-            files = {name for name in _inside(out, noted) | before if (out / name).is_file()}
+            whole, resolved = out.resolve(), [path.resolve() for path in noted]
+            inside = {path.relative_to(whole).as_posix() for path in resolved if path.is_relative_to(whole)}
+            files = {name for name in inside | before if (out / name).is_file()}
             known = {"simulated": folder.simulated, "stages_s": folder.stages, "files": sorted(files)}
             write_record(out, record | outcome | known)
 
@@ -256,23 +239,13 @@ def recorded(folder: RunFolder) -> Iterator[None]:
         logger.info("done")
 
 
-def _inside(out: Path, paths: set[Path]) -> set[str]:
-    """Names within a folder of those of the paths that lie in it."""
-    whole = out.resolve()
-    found = {path.resolve() for path in paths}
-    return {path.relative_to(whole).as_posix() for path in found if path.is_relative_to(whole)}
-
-
 def note_file(path: Path) -> None:
-    """Add a file made of a run's results to the record beside it, so that overwriting the run removes it.
-
-    Nothing is noted where there is no record. A run at work in the folder notes what is new by itself.
-    """
+    """Add a file made of a run's results to a record beside it, so that overwriting the run removes it."""
     out = path.parent
-    if not earlier_record(out):
-        return
-    with suppress(BlockingIOError), held(out):
-        write_record(out, earlier_record(out) | {"files": sorted({*recorded_files(out), path.name})})
+    if earlier_record(out):
+        # a run at work in the folder notes what is new by itself
+        with suppress(BlockingIOError), held(out):
+            write_record(out, earlier_record(out) | {"files": sorted({*recorded_files(out), path.name})})
 
 
 @contextmanager
@@ -285,10 +258,10 @@ def held(out: Path, what: str = "run") -> Iterator[None]:
     try:
         lock.acquire(timeout=0)
     except Timeout as error:
-        record = earlier_record(out)
+        record = {"process": "unknown", "started": "just now"} | earlier_record(out)
         raise BlockingIOError(
-            f"{out} is in use by another {what} (process {record.get('process', 'unknown')}, begun "
-            f"{record.get('started', 'just now')}): choose another folder or wait"
+            f"{out} is in use by another {what} (process {record['process']}, begun {record['started']}): "
+            "choose another folder or wait"
         ) from error
     try:
         yield
