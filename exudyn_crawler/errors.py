@@ -3,14 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-INTERRUPTED = "interrupted"
-"""Why a simulation stopped that could have gone on."""
-GOES_ON = "the same command goes on"
-"""What a user does then."""
+INTERRUPTED = "interrupted"  # why a simulation stopped that could have gone on
+GOES_ON = "the same command goes on"  # what a user does then
 ASK_TO_OVERWRITE = "ask for overwriting (--overwrite, in Python overwrite=True)"
 """What a user may do about results that are there."""
-ENDED_FROM_OUTSIDE = 130
-"""Exit code of a command that an interrupt ended outside of a simulation."""
+ENDED_FROM_OUTSIDE = 130  # exit code of a command that an interrupt ended outside of a simulation
 
 
 class CrawlerError(Exception):

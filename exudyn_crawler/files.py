@@ -17,8 +17,7 @@ from fem.interrupts import interrupts_wait
 if TYPE_CHECKING:
     import xarray as xr
 
-PARTIAL = ".partial-"
-"""What the names of files begin with that are being written."""
+PARTIAL = ".partial-"  # what the names of files begin with that are being written
 
 
 def refuse_existing(path: Path, overwrite: bool = False) -> None:
@@ -72,8 +71,7 @@ def move_file(source: Path, path: Path, overwrite: bool = False) -> None:
     note_written(path)
 
 
-_noting: list[set[Path]] = []
-"""Sets of the blocks of `noted_files` that have not ended."""
+_noting: list[set[Path]] = []  # sets of the blocks of `noted_files` that have not ended
 
 
 @contextmanager
@@ -119,8 +117,7 @@ bytes."""
 CHUNK_BYTES = 2**18
 """Size of the chunks of a file that is written along a dimension; HDF5 holds one of every variable."""
 
-TIMES_AT_ONCE = 1000
-"""Stored times of a file that are held in memory together."""
+TIMES_AT_ONCE = 1000  # stored times of a file that are held in memory together
 
 
 def blocks(dataset: "xr.Dataset") -> "Iterator[xr.Dataset]":

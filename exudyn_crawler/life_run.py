@@ -21,8 +21,7 @@ from fem import write_vtu
 
 LIFE, FIELDS, PAGE = "life.nc", "life.vtu", "life.html"
 TABLE, MATRICES, GROWTH = "shortest_lives.csv", "rainflow_matrices.csv", "damage_histories.csv"
-FILES = (LIFE, FIELDS, PAGE, TABLE, MATRICES, GROWTH)
-"""What a duty leaves."""
+FILES = (LIFE, FIELDS, PAGE, TABLE, MATRICES, GROWTH)  # what a duty leaves
 
 
 def life(

@@ -27,10 +27,8 @@ CONTACT_KEYS = ("contact_shoe", "contact_unit", "contact_finger")
 """Coordinates along the contacts: numbers of shoe and unit, and of a finger, 0 for a whole underside."""
 CATALOGUE = Path(__file__).with_name("quantities.csv")
 """Columns as the fields of `Quantity`; several words in one with spaces between."""
-SEVERAL = ("dimensions", "files", "derived_from", "needs", "curve_axes")
-"""Columns of several words."""
-DTYPES = {"double": "f8", "single": "f4"}
-"""Of real numbers in files."""
+SEVERAL = ("dimensions", "files", "derived_from", "needs", "curve_axes")  # columns of several words
+DTYPES = {"double": "f8", "single": "f4"}  # of real numbers in files
 NEEDS = {
     "flexible": "flexible shoes, the case has none",
     "rolled": "a rolled case (undercarriage), the case has none",
@@ -225,5 +223,4 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
     return result[wanted]
 
 
-BY_SHOE = tuple(select(by_shoe=True))
-"""Quantities of contacts that can be taken by shoe."""
+BY_SHOE = tuple(select(by_shoe=True))  # quantities of contacts that can be taken by shoe

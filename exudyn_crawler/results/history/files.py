@@ -29,10 +29,8 @@ from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.results.history.catalogue import CONTACT_KEYS, QUANTITIES, select
 from fem.interrupts import interrupts_wait
 
-CASE = "case"
-"""Attribute of a file."""
-LAYOUT_VERSION = "layout_version"
-"""Attribute of the version of the states that a history was made of."""
+CASE = "case"  # attribute of a file
+LAYOUT_VERSION = "layout_version"  # attribute of the version of the states that a history was made of
 RATES = ("", "_rate", "_acceleration")
 TERRAIN = "terrain_motion"
 SHAPES = {"unit_heave": "heave_shape", "unit_tilt": "tilt_shape"}

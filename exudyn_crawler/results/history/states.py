@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 
 AXES = ["x", "y", "z"]
 
-CONTACTS = select(per="pair", files="history")
-"""Variables of every contact."""
+CONTACTS = select(per="pair", files="history")  # variables of every contact
 
 NEIGHBOURS = ("behind", "ahead")
 """Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""

@@ -186,16 +186,12 @@ def _difference(a: xr.DataArray, b: xr.DataArray, rounding: float) -> dict[str, 
     }
 
 
-BAND = (3.0, 30.0)
-"""Hz, between what loads and drive do and what the elastic shoes do."""
-WINDOW = 2.0
-"""s, length of the segments whose spectra are averaged: it resolves 0.5 Hz."""
-WIDTH = 0.25
-"""Of the peak's frequency: how far to either side counts as the same oscillation."""
+BAND = (3.0, 30.0)  # Hz, between what loads and drive do and what the elastic shoes do
+WINDOW = 2.0  # s, length of the segments whose spectra are averaged: it resolves 0.5 Hz
+WIDTH = 0.25  # of the peak's frequency: how far to either side counts as the same oscillation
 LEAST_SHARE = 0.3
 """Of the variance above the band's begin that the peak has to hold; noise spreads over all frequencies."""
-LEAST_SIZE = 0.01
-"""Of the mean force: what varies by less is not worth a line."""
+LEAST_SIZE = 0.01  # of the mean force: what varies by less is not worth a line
 
 
 class Bouncing(NamedTuple):

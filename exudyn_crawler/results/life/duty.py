@@ -167,8 +167,7 @@ class FatigueMaterial(Parameters):
         )
 
 
-HOUR = 3600.0
-"""s."""
+HOUR = 3600.0  # s
 Survival = Annotated[float, Field(gt=0.0, lt=1.0)]
 
 

@@ -16,12 +16,9 @@ from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
 from fem.damage import SIGNED_CRITERIA, Counting, signed_signals
 from fem.fatigue import SNCurve
 
-SAME_TIME = 1e-9
-"""Relative, by which times may differ and be the same."""
-LEAST_TIMES = 3
-"""Stored times that can hold a cycle."""
-CLASSES = 32
-"""Of a rainflow matrix, along either side."""
+SAME_TIME = 1e-9  # relative, by which times may differ and be the same
+LEAST_TIMES = 3  # stored times that can hold a cycle
+CLASSES = 32  # of a rainflow matrix, along either side
 
 
 @dataclass(frozen=True)

@@ -26,12 +26,9 @@ from fem.damage import damage_between, recover_damage
 from fem.fatigue import SNCurve
 from fem.trust import resolution_over, verdict_numbers, verdict_words
 
-BEYOND = 1e9
-"""h, beyond which lives are not distinguished; damage below one over it is left out."""
-BETWEEN = "between runs"
-"""Part of the damage that no run has alone."""
-LIFE = "life in h"
-"""What the columns of lives begin with."""
+BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
+BETWEEN = "between runs"  # part of the damage that no run has alone
+LIFE = "life in h"  # what the columns of lives begin with
 
 
 @dataclass(frozen=True)

@@ -42,10 +42,8 @@ from fem.patches import Underside, integrate_underside
 
 JOINTS, MACHINE, GROUND, RAILS, DRIVE, INERTIA = "joints", "machine", "ground", "rails", "drive", "inertia"
 
-THIRDS = 3
-"""Pieces between two stations of the equations' rails: a cubic has four values there."""
-STRIP_STATIONS = THIRDS * (STATIONS - 1) + 1
-"""Stations along the line of a strip."""
+THIRDS = 3  # pieces between two stations of the equations' rails: a cubic has four values there
+STRIP_STATIONS = THIRDS * (STATIONS - 1) + 1  # stations along the line of a strip
 
 
 class NodalShares(NamedTuple):

@@ -29,16 +29,13 @@ from fem.patches import Underside
 
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
-MOST_FIELDS = 0.4
-"""Greatest number of fields over that of modes."""
+MOST_FIELDS = 0.4  # greatest number of fields over that of modes
 LOADS = {"joint": "pins", "load": "machine load", "contact": "ground", "roller": "rollers", "chain": "drive"}
 """Words for kinds of actions; others are their own. The chain pulls for the drive and at its ends."""
-GROUND_SPACING = 0.2
-"""m, at most, between points of the ground's grid: a fifth of a unit."""
+GROUND_SPACING = 0.2  # m, at most, between points of the ground's grid: a fifth of a unit
 RAIL_REACH = 0.1
 """m, half the length over which a force on a rail is spread: about an element; a roller's line is shorter."""
-RAIL_SPACING = 0.0375
-"""m, about, between stations of a rail: `Stations` says what it leaves open."""
+RAIL_SPACING = 0.0375  # m, about, between stations of a rail: `Stations` says what it leaves open
 
 
 def ground_grid(mesh: fem.Mesh) -> fem.PressureGrid:

@@ -18,22 +18,17 @@ from fem.critical_plane import normal_stress_rows
 from fem.damage import SignedCriterion
 from fem.stress import VOIGT, von_mises
 
-HOT_SPOTS = 5
-"""Rows of the S-paper's hot-spot tables."""
+HOT_SPOTS = 5  # rows of the S-paper's hot-spot tables
 
 Region = Literal["roller path", "lugs", "bores", "web", "wings"]
 REGIONS: tuple[Region, ...] = get_args(Region)
-BORES: Region = "bores"
-"""Nodes that a joint's rigid spider holds, whose stress is none to use."""
+BORES: Region = "bores"  # nodes that a joint's rigid spider holds, whose stress is none to use
 LUG_RADIUS, LUG_HALF_WIDTH = 0.24, 0.2
 """m, from a pin's axis to behind the fillets at a lug's root, and to either side of its middle."""
-WING_BESIDE = 0.5
-"""m, from the outer side of a rail."""
-EDGE = 0.01
-"""m, by which the roller path is wider than the rails above it."""
+WING_BESIDE = 0.5  # m, from the outer side of a rail
+EDGE = 0.01  # m, by which the roller path is wider than the rails above it
 MEGA = 1e6
-SHARE = "share of "
-"""What the columns of loads begin with."""
+SHARE = "share of "  # what the columns of loads begin with
 
 
 def shoe_regions(whole: Shapes, track: Track) -> NDArray:

@@ -22,8 +22,7 @@ from fem.stress import principal, von_mises
 from fem.trust import resolution_over, verdict_numbers
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
-AT_ONCE = 50
-"""Instants whose fields are in memory together."""
+AT_ONCE = 50  # instants whose fields are in memory together
 
 
 @dataclass(frozen=True)

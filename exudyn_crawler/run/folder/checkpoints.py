@@ -25,8 +25,7 @@ from exudyn_crawler.errors import ASK_TO_OVERWRITE
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.results.history.files import Chunk, save_joined
 
-VARIABLE = "history "
-"""What the names of the history's arrays begin with in a file."""
+VARIABLE = "history "  # what the names of the history's arrays begin with in a file
 
 
 @dataclass(frozen=True)

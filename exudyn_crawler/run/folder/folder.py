@@ -21,8 +21,7 @@ from exudyn_crawler.run.folder.record import CASE, HISTORY, Holds, RunFolder, qu
 from fem.interrupts import interrupts_wait
 
 RESULT_SUFFIXES = {".nc", ".csv", ".png", ".pdf", ".svg", ".vtu", ".pvd", ".mp4", ".gif"}
-SAME_TIME = 1e-6
-"""s by which durations may differ and be the same."""
+SAME_TIME = 1e-6  # s by which durations may differ and be the same
 GOES_ON = (Holds.STOPPED, Holds.HISTORY, Holds.SHORTER)
 
 
@@ -189,8 +188,7 @@ def _remove(out: Path, names: set[str]) -> None:
             folder.rmdir()
 
 
-SPREAD_FOLDER, SPREAD = "spread", "spread.nc"
-"""Where a run's folder has the spread of its stresses."""
+SPREAD_FOLDER, SPREAD = "spread", "spread.nc"  # where a run's folder has the spread of its stresses
 
 
 def matching_history(folder: Path, case_file: CaseFile) -> History:

@@ -9,10 +9,8 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-REFRESH = 0.2
-"""s of wall time between updates of a bar; an update costs more than a time step."""
-LINE_EVERY = 10.0
-"""s of wall time between lines where there is no terminal."""
+REFRESH = 0.2  # s of wall time between updates of a bar; an update costs more than a time step
+LINE_EVERY = 10.0  # s of wall time between lines where there is no terminal
 
 
 @contextmanager

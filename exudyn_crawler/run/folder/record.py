@@ -32,8 +32,7 @@ CHECKPOINTS, END = "checkpoints", "checkpoint.npz"
 """The second is what a longer run goes on with, where a finished one had more than one stage."""
 OF_THE_SIMULATION = {CASE, RECORD, LOG, HISTORY, STOPPED_HISTORY, CHECKPOINTS, END}
 """What a run goes on with; all else is made of the history again."""
-DONE = "done"
-"""Status of a run that has ended well."""
+DONE = "done"  # status of a run that has ended well
 PROGRAM = "exudyn-crawler"
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
