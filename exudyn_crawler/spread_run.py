@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from exudyn_crawler.case import Case, CaseFile, Outputs, PairContact, read_case
+from exudyn_crawler.case import Case, Outputs, PairContact, read_case
 from exudyn_crawler.case_run import run_case
 from exudyn_crawler.files import refuse_existing, writable_folder, write_netcdf
 from exudyn_crawler.results.history.catalogue import variable
@@ -49,8 +49,8 @@ class Spread:
         rows = []
         for shoe, table in self.hot_spots.items():
             top = table.iloc[0]
-            peaks = self.dataset.run_peak.sel(shoe=shoe, node=int(top["node"])) / MEGA
-            row: dict[str, object] = {"shoe": shoe, "node": int(top["node"])}
+            peaks = self.dataset.run_peak.sel(shoe=shoe, node=top["node"]) / MEGA
+            row = {"shoe": shoe, "node": top["node"]}
             row |= {f"{run} in MPa": float(peaks.sel(run=run)) for run in self.dataset.run.values}
             row |= {f"{name} in %": 100.0 * float(top[name] / abs(top["value"])) for name in OPEN_PARTS}
             rows.append(row | {"verdict": top["verdict"]})
@@ -60,11 +60,10 @@ class Spread:
         """Hot spots of every shoe for reading, in MPa."""
         tables = {}
         for shoe, table in self.hot_spots.items():
-            shown = hot_spot_table(table, self.dataset)
-            place = shown.columns.get_loc("flag")
-            for k, name in enumerate(OPEN_PARTS):
-                shown.insert(place + k, f"{name} in MPa", table[name] / MEGA)
-            tables[shoe] = shown
+            tables[shoe] = hot_spot_table(table, self.dataset)
+            for name in OPEN_PARTS:
+                place = tables[shoe].columns.get_loc("flag")
+                tables[shoe].insert(place, f"{name} in MPa", table[name] / MEGA)
         return tables
 
 
@@ -79,31 +78,17 @@ def spread(
 ) -> Spread:
     """Repeat a finished run into a folder "spread" in its own, and judge its stresses by what changes.
 
-    From start to start the ground lies 1e-9 m further along the track. Repeated runs are folders of their
-    own; those that are there are taken, and one that was stopped goes on. What is found goes into the
-    verdicts on the lives of duties that the run is in.
-
-    Parameters
-    ----------
-    run : path
-        Folder of a run with flexible shoes, with its case and history.
-    starts : int
-        Number of starts, its own among them.
-    laws : bool
-        Repeat it, too, with the contact law of a pair given whole to each, or shared by area, whichever it
-        has not. Under rollers shoes share by area alone, and spheres have no other law.
-    overwrite : bool
-        Replace what earlier ones have found, and repeated runs of other cases.
-    progress, say
-        As of `run_case`.
+    There are so many `starts`, its own among them; from one to the next the ground lies 1e-9 m further along
+    the track. With `laws` it is repeated with the contact law of a pair given whole to each, or shared by
+    area, whichever it has not; rolled tracks and spheres have no other. Repeated runs are folders of their
+    own; those that are there are taken, and one that was stopped goes on. `overwrite` replaces what earlier
+    ones have found, and repeated runs of other cases. The verdicts on lives of duties with the run count it.
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    FileNotFoundError, ValueError, FileExistsError
         Before anything runs, if the folder has no case or no finished history of it, there are no flexible
-        shoes, or nothing is to be repeated.
-    FileExistsError
-        Before anything runs, if results are there and `overwrite` is false.
+        shoes, or nothing is to be repeated; or if results are there and `overwrite` is false.
     EquilibriumError, SimulationStopped
         As of `run_case`.
     """
@@ -121,10 +106,15 @@ def spread(
     out = writable_folder(folder / SPREAD_FOLDER)
 
     def peaks(cases: dict[str, Case]) -> dict[str, xr.DataArray]:
+        """Greatest von Mises stress of every node in runs, which are made where they have not finished."""
         found = {}
         for name, one in cases.items():
-            own = CaseFile(case=one, duration=case_file.duration, outputs=BARE)
-            found[name] = _peaks(own, out / name.replace(" ", "_"), overwrite, progress, say)
+            path, own = out / name.replace(" ", "_"), case_file.with_(case=one, outputs=BARE)
+            if held_of(path, own) is not Holds.FINISHED:
+                say(f"{one.name}: {name}")
+                run_case(own, path, overwrite=overwrite and path.exists(), progress=progress, say=say)
+            with interrupts_wait(), xr.open_dataset(path / "stress.nc", engine="h5netcdf") as stress:
+                found[name] = stress.peak_von_mises.load()
         return found
 
     from_starts = peaks({f"start {k + 1}": nudged(case, k) for k in range(1, starts)})
@@ -151,17 +141,6 @@ def laws_beside(case: Case) -> dict[str, Case]:
         return {}
     other = "area" if contact.sharing == "pair" else "pair"
     return {f"law by {other}": case.with_(contact=contact.with_(sharing=other))}
-
-
-def _peaks(
-    case_file: CaseFile, out: Path, overwrite: bool, progress: bool | None, say: Callable[[str], None]
-) -> xr.DataArray:
-    """Greatest von Mises stress of every node in a run, which is made where it has not finished."""
-    if held_of(out, case_file) is not Holds.FINISHED:
-        say(f"{case_file.case.name}: {out.name.replace('_', ' ')}")
-        run_case(case_file, out, overwrite=overwrite and out.exists(), progress=progress, say=say)
-    with interrupts_wait(), xr.open_dataset(out / "stress.nc", engine="h5netcdf") as stress:
-        return stress.peak_von_mises.load()
 
 
 def spread_of(

@@ -117,30 +117,22 @@ def _shoes(case: Case) -> dict[str, object]:
 class NodeLife:
     """Cycles of a node over a duty.
 
-    Attributes
-    ----------
-    node : int
-    cycles : pandas.DataFrame
-        A row a cycle: run, shoe (place), phases, times (s) and stresses (Pa) of both ends, how often an hour
-        a shoe has it that takes all places, its damage an hour at the greatest survival; "share of LOAD" for
-        each load: its part of the range between the two ends, 1 in all and negative where it relieves.
-    by_criterion : mapping of str to float
-        Damage an hour at that survival by each of `SIGNED_CRITERIA`, without what goes from run to run.
+    `cycles` has a row a cycle: run, shoe (place), phases, times (s) and stresses (Pa) of both ends, how often
+    an hour a shoe has it that takes all places, its damage an hour at the greatest survival; "share of LOAD"
+    for each load: its part of the range between the ends, 1 in all and negative where it relieves.
+    `by_criterion` is the damage an hour by each of `SIGNED_CRITERIA`, without what goes from run to run.
     """
 
-    node: int
     cycles: pd.DataFrame
     by_criterion: Mapping[str, float]
 
     @property
     def load_shares(self) -> dict[str, float]:
         """Part of each load in the damage: its part of the ranges, weighted by the cycles' damage."""
-        names = [name for name in self.cycles.columns if name.startswith(SHARE)]
         damage = self.cycles["damage an hour"]
-        whole = float(damage.sum())
-        if whole == 0.0:
+        if not damage.any():
             return {}
-        shares = self.cycles[names].fillna(0.0).mul(damage, axis=0).sum() / whole
+        shares = self.cycles.filter(like=SHARE).fillna(0.0).mul(damage, axis=0).sum() / damage.sum()
         return {name.removeprefix(SHARE): float(share) for name, share in shares.items()}
 
     def rainflow_matrix(self) -> pd.DataFrame:
@@ -189,9 +181,7 @@ def node_lives(
                 for criterion in SIGNED_CRITERIA:
                     found = counting.damage(signed_signals(criterion, stress.T[None])).sum()
                     by_criterion[node][criterion] += often * float(found)
-    return {
-        node: NodeLife(node, pd.concat(cycles[node], ignore_index=True), by_criterion[node]) for node in nodes
-    }
+    return {node: NodeLife(pd.concat(cycles[node], ignore_index=True), by_criterion[node]) for node in nodes}
 
 
 def _cycles(

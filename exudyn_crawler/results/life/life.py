@@ -127,9 +127,8 @@ def _at_place(
     parts, highest, lowest = [], np.full(len(surface), -np.inf), np.full(len(surface), np.inf)
     for one in runs:
         counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
-        found = recover_damage(
-            one.basis.shapes.stress_modes, one.basis.coordinates[shoe], duty.criterion, counting, surface
-        )
+        modes, q = one.basis.shapes.stress_modes, one.basis.coordinates[shoe]
+        found = recover_damage(modes, q, duty.criterion, counting, surface)
         each = one.times_an_hour * found.damage.transpose(1, 2, 0)
         damage += each.sum(axis=1)
         parts.extend(each[-1])
@@ -141,12 +140,9 @@ def _at_place(
         damage += each
         parts.append(each[-1])
     pulled = np.any([hot_spots.near_pull(one.history, one.basis.shapes, shoe) for one in runs], axis=0)
-    count = len(whole.nodes)
-    return (
-        _spread(np.where(pulled[surface], np.nan, damage), surface, count),
-        _spread(np.array(parts), surface, count),
-        _spread(0.5 * (highest - lowest), surface, count),
-    )
+    values = (np.where(pulled[surface], np.nan, damage), np.array(parts), 0.5 * (highest - lowest))
+    at_all, in_parts, amplitude = (_spread(one, surface, len(whole.nodes)) for one in values)
+    return at_all, in_parts, amplitude
 
 
 def _spread(values: NDArray, nodes: NDArray, count: int) -> NDArray:
@@ -192,12 +188,11 @@ def _life_trust(
     amplitude: NDArray,
     spreads: Sequence[xr.DataArray | None],
 ) -> dict[str, NDArray]:
-    """What is open of the lives that the stresses of runs make, by the names of quantities.
+    """What is open of the lives by damage (1/h) and amplitude (Pa), both (places, nodes): named quantities.
 
     What the mesh leaves open is that of the stress less its mean over each run and place, in the mean square
     over all of them; what left-out static fields may do counts against the greatest amplitude. Of spreads the
-    widest of the runs' counts, at the place that wears a node most. Damage (1/h) and amplitude (Pa) are
-    arrays (places, nodes), not a number inside.
+    widest of the runs' counts, at the place that wears a node most.
     """
     changes = (np.concatenate([q - q.mean(axis=0) for q in one.basis.coordinates.values()]) for one in runs)
     resolved = [resolution_over(one.basis.shapes, q) for one, q in zip(runs, changes, strict=True)]
@@ -231,12 +226,11 @@ def shortest_lives(
 ) -> pd.DataFrame:
     """Table of lives and what makes them, of some nodes such as the worst of every region.
 
-    A row a node: region (of `shoe_regions`), node and its place in the shoe (m); life (h, 1e9 for all beyond)
-    at each survival; the range in which the last of them lies, by what is open of the stress, and the
-    verdict, which says if truncation is not in it; the place in the track that wears it most and the life of
-    a shoe that stays there; run and phase with the greatest part of the damage, and that part; the load with
-    the greatest part, and the parts of all; life by each criterion at the greatest survival, those signed
-    without what goes from run to run; and whether a joint's rigid spider is near.
+    A row a node: region, node and its place in the shoe (m); life (h, 1e9 for all beyond) at each survival,
+    the range of the last by what is open of the stress, and the verdict; the place in the track that wears it
+    most and the life of a shoe that stays there; run and phase, and load, with the greatest part of the
+    damage, and the parts of all loads; life by each criterion, those signed without what goes from run to
+    run; and whether a joint's rigid spider is near.
     """
     rows = []
     for node, life in nodes.items():
@@ -246,10 +240,8 @@ def shortest_lives(
         loads = life.load_shares
         row: dict[str, object] = {"region": regions[node], "node": node}
         row |= hot_spots.in_the_shoe(own.node_position)
-        row |= {
-            f"{LIFE} that {100.0 * survival:g} % survive": float(own.life.sel(survival=survival))
-            for survival in own.survival.values
-        }
+        for survival in own.survival.values:
+            row[f"{LIFE} that {100.0 * survival:g} % survive"] = float(own.life.sel(survival=survival))
         row |= {
             f"{LIFE} at least": float(life_hours(damage * factor)),
             f"{LIFE} at most": float(life_hours(damage / factor)),

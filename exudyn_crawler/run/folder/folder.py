@@ -5,7 +5,7 @@ all else is refused, unless the folder may be emptied. A study's folder holds a 
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import h5py
@@ -22,6 +22,7 @@ from fem.interrupts import interrupts_wait
 
 RESULT_SUFFIXES = {".nc", ".csv", ".png", ".pdf", ".svg", ".vtu", ".pvd", ".mp4", ".gif"}
 SAME_TIME = 1e-6  # s by which durations may differ and be the same
+Report = Callable[[str], None]
 GOES_ON = (Holds.STOPPED, Holds.HISTORY, Holds.SHORTER)
 
 
@@ -30,7 +31,7 @@ def run_in(
     out: Path | None,
     case_file: CaseFile | None = None,
     overwrite: bool = False,
-    report: Callable[[str], None] = quiet,
+    report: Report = quiet,
     cases: Mapping[str, CaseFile] | None = None,
 ) -> Iterator[RunFolder]:
     """Hold a folder while a run works in it, and record what the results come from.
@@ -79,11 +80,9 @@ def refuse_occupied(out: Path, case_file: CaseFile, overwrite: bool = False) -> 
 
 def held_of(out: Path, case_file: CaseFile) -> Holds:
     """What the folder of a run holds of a case; nothing, too, if it holds another one."""
-    noted = record.earlier_record(out)
-    try:
+    noted, found = record.earlier_record(out), None
+    with suppress(CaseFileError, FileNotFoundError):
         found = read_case(out / CASE) if noted else None
-    except (CaseFileError, FileNotFoundError):
-        found = None
     if found is None or found.case != case_file.case:
         return Holds.NOTHING
     if noted.get("status") != record.DONE:
@@ -114,20 +113,14 @@ def _held_of_study(out: Path, cases: Mapping[str, CaseFile]) -> Holds:
 @interrupts_wait()
 def _end(path: Path) -> float | None:
     """Time of the last state of a history, s; None if there is none that can be read."""
-    try:
-        with h5py.File(path, "r") as file:
-            return float(file["time"][-1])
     # altered bytes make the readers raise all kinds of errors
-    except Exception:
-        return None
+    with suppress(Exception), h5py.File(path, "r") as file:
+        return float(file["time"][-1])
+    return None
 
 
 def _taken(
-    out: Path,
-    case_file: CaseFile | None,
-    cases: Mapping[str, CaseFile],
-    overwrite: bool,
-    report: Callable[[str], None],
+    out: Path, case_file: CaseFile | None, cases: Mapping[str, CaseFile], overwrite: bool, report: Report
 ) -> RunFolder:
     """Folder with what it holds of a run; refuses one that the run may not have."""
     holds = _held_of_study(out, cases) if case_file is None else held_of(out, case_file)
@@ -151,10 +144,9 @@ def _refuse_results(out: Path, below: bool = False) -> None:
 
 def _write_case(path: Path, case_file: CaseFile, replace: bool) -> None:
     """Write the resolved case file; one that says the same stays as its author wrote it."""
-    try:
-        found = read_case(path) if path.exists() else None
-    except CaseFileError:
-        found = None
+    found = None
+    with suppress(CaseFileError, FileNotFoundError):
+        found = read_case(path)
     if path.exists() and found != case_file and not replace:
         other = "" if found is None else f" ({differences(found, case_file)[0]})"
         raise FileExistsError(

@@ -41,11 +41,10 @@ logger = logging.getLogger("exudyn_crawler")
 
 def earlier_record(folder: Path) -> dict[str, Any]:
     """What an earlier run recorded in a folder; nothing if there is no readable record."""
-    try:
+    with suppress(OSError, ValueError, RecursionError):
         found = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return found if isinstance(found, dict) else {}
+        return found if isinstance(found, dict) else {}
+    return {}
 
 
 def recorded_files(folder: Path) -> set[str]:
@@ -105,21 +104,12 @@ def versions() -> dict[str, str]:
     return found
 
 
-class _LogFile(logging.FileHandler):
-    """Log that does not stop a run where it cannot be written."""
-
-    def handleError(self, _record: logging.LogRecord) -> None:  # noqa: N802
-        pass
-
-    def close(self) -> None:
-        with suppress(OSError):
-            super().close()
-
-
 @contextmanager
 def logged(out: Path) -> Iterator[None]:
     """Send the package's log into a folder, behind what is there."""
-    handler = _LogFile(out / LOG, mode="a", encoding="utf-8")
+    handler = logging.FileHandler(out / LOG, mode="a", encoding="utf-8")
+    # a log that cannot be written stops no run
+    handler.handleError = lambda _record: None  # type: ignore[method-assign]
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     level = logger.level
     logger.addHandler(handler)
@@ -129,7 +119,8 @@ def logged(out: Path) -> Iterator[None]:
     finally:
         logger.removeHandler(handler)
         logger.setLevel(level)
-        handler.close()
+        with suppress(OSError):
+            handler.close()
 
 
 class Holds(Enum):
