@@ -158,7 +158,7 @@ def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
             within = of_shoe.isel(time=phase.rows(stress.time.values))
             if within.sizes["time"] == 0:
                 continue
-            at = within.isel(time=int(within.highest_von_mises.argmax()))
+            at = within.isel(time=int(within.highest_von_mises.argmax("time")))
             node = int(at.highest_node)
             row = {"shoe": int(shoe), "phase": phase.name, "begin in s": phase.begin, "end in s": phase.end}
             row["highest von Mises in MPa"] = float(at.highest_von_mises) / MEGA
