@@ -109,7 +109,7 @@ def logged(out: Path) -> Iterator[None]:
     """Send the package's log into a folder, behind what is there."""
     handler = logging.FileHandler(out / LOG, mode="a", encoding="utf-8")
     # a log that cannot be written stops no run
-    handler.handleError = lambda _record: None  # type: ignore[method-assign]
+    handler.handleError = lambda _record: None  # type: ignore[assignment, method-assign]
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     level = logger.level
     logger.addHandler(handler)
