@@ -19,10 +19,7 @@ class ImplausibleWarning(UserWarning):
 
 
 class ParameterError(CrawlerError, ValueError):
-    """Parameters that are not allowed.
-
-    Its text has a line for each error: the name, its value and what is allowed.
-    """
+    """Parameters that are not allowed: a line for each error with the name, its value and what is allowed."""
 
     @property
     def errors(self) -> list[str]:
@@ -35,33 +32,15 @@ class EquilibriumError(CrawlerError):
 
 
 class SimulationStopped(CrawlerError):  # noqa: N818 - it carries a result, as StopIteration does
-    """A run ended before its time; what it had is kept.
-
-    Attributes
-    ----------
-    time : float
-        s, time of the last state that was computed.
-    reason : str
-        Why it ended.
-    history : History or None
-        Results up to there, if any state was stored.
-    """
+    """A run ended before its time (s) for a reason; its history up to there is kept, None if it has none."""
 
     def __init__(self, time: float, reason: str, history: Any) -> None:
         super().__init__(f"the simulation stopped at t = {time:.6g} s: {reason}")
-        self.time = time
-        self.reason = reason
-        self.history = history
+        self.time, self.reason, self.history = time, reason, history
 
 
 class CaseFileError(CrawlerError, ValueError):
-    """A case file, or a file that it names, cannot be used.
-
-    Attributes
-    ----------
-    errors : list of str
-        A line each.
-    """
+    """A case file, or a file that it names, cannot be used; `errors` has a line each."""
 
     def __init__(self, path: Path, errors: list[str]) -> None:
         self.errors = [" ".join(error.split()) for error in errors]

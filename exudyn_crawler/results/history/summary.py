@@ -140,17 +140,12 @@ def compared(history: History, stress: xr.Dataset | None = None) -> dict[str, xr
 
 
 def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.DataArray]) -> pd.DataFrame:
-    """Differences of two runs' quantities, A and B as of `compared`, axis by axis.
+    """Differences of two runs' quantities, A and B as of `compared`, axis by axis; columns as of `COLUMNS`.
 
     Shoes, links and units that both have are compared, over the time that both have; the second is read
-    between its stored times, linearly, where the first has others.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Greatest magnitude in each over that time and its change, root mean square and greatest magnitude of
-        B less A, and which shoe, link or unit that is of and when. Only what differs beyond rounding has a
-        row. The column unit says in what; stresses are in MPa, all else in SI units.
+    between its stored times, linearly, where the first has others. Only what differs beyond rounding has a
+    row: greatest magnitude in each over that time and its change, root mean square and greatest magnitude of
+    B less A, and what that is of and when. Stresses are in MPa, all else in SI units.
     """
     rows = []
     for name in [name for name in first if name in second]:

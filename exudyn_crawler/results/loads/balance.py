@@ -21,11 +21,10 @@ ROLLED_KINDS = (*KINDS, "roller", "chain")
 
 
 class _Motion:
-    """Motion of the shoes, arrays (times, shoes, 3), or of the side frame, (times, 3).
+    """Motion of the frames of shoes, arrays (times, shoes, 3), or of the side frame, (times, 3).
 
-    `origin`, `velocity`, `acceleration`, `omega` and `alpha` are of the body's frame, `axes` (..., 3, 3) its
-    axes, a column each, `center` that of mass from the origin. `inertia` (3, 3) is about the COM, in the
-    body's axes.
+    `axes` (..., 3, 3) has an axis a column, `center` is that of mass from the origin, about which `inertia`
+    (3, 3) is, in the body's axes.
     """
 
     def __init__(
@@ -117,10 +116,9 @@ def _of_shoes(history: History, force: NDArray, moment: NDArray, **coords: objec
 
 
 def shoe_imbalance(history: History) -> xr.Dataset:
-    """Momentum's rate less all that acts, of every single shoe: zero where mechanics holds.
+    """Momentum's rate less all that acts, of every shoe: zero where mechanics holds.
 
-    `force` (N) and `moment` about the shoe's frame (N m), both (time, shoe, axis); moments of flexible shoes
-    are NaN, see `shoe_momentum_rates`.
+    Variables as of `shoe_momentum_rates`.
     """
     with xr.set_options(keep_attrs=True):
         return shoe_momentum_rates(history) - shoe_actions(history).sum("source")
@@ -129,9 +127,8 @@ def shoe_imbalance(history: History) -> xr.Dataset:
 def track_imbalance(history: History, about: ArrayLike = (0.0, 0.0, 0.0)) -> xr.Dataset:
     """Momentum's rate less what acts from outside, of the track as a whole: zero where mechanics holds.
 
-    The links are internal and left out, so that this holds without their reactions. `force` (N) and `moment`
-    about a fixed point (3,) in m (N m), both (time, axis); with flexible shoes the moment is NaN, see
-    `shoe_momentum_rates`.
+    The links are internal and left out. `force` (N) and `moment` about a fixed point (3,) in m (N m), both
+    (time, axis); with flexible shoes the moment is NaN, see `shoe_momentum_rates`.
     """
     with xr.set_options(keep_attrs=True):
         outside = shoe_actions(history).drop_sel(source="joint").sum("source")

@@ -12,14 +12,13 @@ enters in a new way is a case of `shares_of`.
 | drive | (3,): force on the pulled node; lacking where none is |
 | inertia | (mode,): momentum of the modes that are integrated |
 
-The ground's grid and the rails' cubics are those of the equations of motion, whose modal loads these
-coordinates therefore give to rounding: an even traction over any rectangle is the sum of 16 rectangles from
-the corner, and a force between stations is shared by the four of a cubic.
+The ground's grid and the rails' cubics are those of the equations of motion: an even traction over any
+rectangle is the sum of 16 rectangles from the corner, a force between stations is shared by four of a cubic.
 
-The run integrates the constraint modes and the lowest fixed-interface modes; the other fixed-interface modes
-lie far above what the track excites and follow their loads without inertia. Craig-Bampton bases nest, so what
-was integrated is a subspace of the whole, and the mode-acceleration method (R. R. Craig, Structural Dynamics,
-1981, ch. 15) gives the whole: its elastic forces are the loads less the inertia and damping of that subspace.
+The run integrates the constraint modes and the lowest fixed-interface modes; the others lie far above what
+the track excites and follow their loads without inertia. Craig-Bampton bases nest, so that the
+mode-acceleration method (R. R. Craig, Structural Dynamics, 1981, ch. 15) gives the whole: its elastic forces
+are the loads less the inertia and damping of what was integrated.
 """
 
 from collections.abc import Mapping

@@ -6,8 +6,7 @@ unit loads (`results.loads.load_map`) with what each unit load makes of the colu
 
 Static fields have fewer and smoother unit loads than the shoe, since each takes a static solution of the
 finite elements: a coarser grid of tractions that change evenly between its points, and stations of each rail
-with a pressure about them. `StaticLoads.shares` turns coordinates of the first into these, with the same
-forces.
+with a pressure about them. `StaticLoads.shares` turns the shoe's into these, with the same forces.
 """
 
 from collections.abc import Mapping, Sequence
@@ -116,20 +115,14 @@ def _rail_shares(strips: load_map.StripStations, stations: Sequence[fem.Stations
 
 @dataclass(frozen=True)
 class StressBasis:
-    """Columns of displacement and stress with their coordinates.
+    """Columns of displacement and stress with their coordinates."""
 
-    `shapes` are modes, and static fields beside them; `loads` the coordinates (times, loads) of all that acts
-    on each shoe, as of `loads_by_kind`; `answers` (loads, columns) the coordinates of the columns that a unit
-    of each load makes; `coordinates` (times, columns) their products by number of the shoe, all kinds
-    together. Fields that were left out change the stress of no node at no time by more than `bound`, Pa; it
-    is None without fields, where the error of truncation is not known.
-    """
-
-    shapes: fem.Shapes
-    loads: Mapping[int, Mapping[str, csr_array]]
-    answers: NDArray
-    coordinates: Mapping[int, NDArray]
+    shapes: fem.Shapes  # modes, and static fields beside them
+    loads: Mapping[int, Mapping[str, csr_array]]  # (times, loads) by shoe, as of `loads_by_kind`
+    answers: NDArray  # (loads, columns), coordinates of the columns that a unit of each load makes
+    coordinates: Mapping[int, NDArray]  # (times, columns), their products by shoe, all kinds together
     bound: float | None
+    """Pa by which left-out fields change the stress of any node at most; None without fields: not known."""
 
     def by_load(self, shoe: int, rows: NDArray | slice = slice(None)) -> dict[str, NDArray]:
         """Coordinates of a shoe at stored times by what makes them: arrays (times, columns).

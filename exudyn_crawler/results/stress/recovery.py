@@ -212,16 +212,8 @@ def node_stress(
 ) -> xr.Dataset:
     """Stress over time at the node of a flexible shoe that is nearest to a point, or at a node by its number.
 
-    Parameters
-    ----------
-    history : History or str or Path
-        A history, or the file of one.
-    shoe : int
-        Number of the shoe.
-    near : array (3,), optional
-        Point in the shoe's frame, m: x along the track, z up, from the nominal COM of the undeformed shoe.
-    node : int, optional
-        Number of the node (from 0, as in tables of hot spots), in place of `near`.
+    The history may be the file of one. `near` is a point in the shoe's frame, m: x along the track, z up,
+    from the nominal COM of the undeformed shoe; `node` a number as in tables of hot spots, from 0.
 
     Returns
     -------
@@ -233,12 +225,9 @@ def node_stress(
 
     Raises
     ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If the shoe is not a flexible one of the history, the point is not three finite numbers or far from
-        the shoe, there is no such node, neither or both of point and node are given, or the file does not
-        hold a history.
+    FileNotFoundError, ValueError
+        If there is no such file, or it holds no history; if the shoe is not a flexible one, the point is not
+        three finite numbers or far from the shoe, there is no such node, or neither or both are given.
     """
     # what cannot be is reported before a long history is read
     case = history.case if isinstance(history, History) else case_in_file(Path(history))

@@ -36,24 +36,13 @@ def run_in(
 ) -> Iterator[RunFolder]:
     """Hold a folder while a run works in it, and record what the results come from.
 
-    Parameters
-    ----------
-    out : Path, optional
-        Folder, made where it is missing; None writes nothing.
-    case_file : CaseFile, optional
-        What is run; None for a study, which runs `cases` into folders of their names in this one.
-    overwrite : bool
-        Empty the folder of what an earlier run recorded there, unless that is this one, stopped while it
-        replaced another one.
-    report : callable
-        Gets the lines that the user is to read.
+    The folder `out` is made where it is missing; None writes nothing. Without a case file a study runs
+    `cases` into folders of their names in this one. `overwrite` empties the folder of what an earlier run
+    recorded there, unless that is this one, stopped while it replaced another one. `report` gets lines for
+    the user.
 
-    Raises
-    ------
-    FileExistsError
-        If the folder holds results or the case of another run, and `overwrite` is false.
-    BlockingIOError, NotADirectoryError, PermissionError
-        If another run works in the folder, or it cannot be written to.
+    FileExistsError if the folder holds results or the case of another run, and `overwrite` is false;
+    BlockingIOError if another run works in it; NotADirectoryError or PermissionError if none can.
     """
     if out is None:
         yield RunFolder(report=report)
