@@ -16,18 +16,10 @@ from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.model.reductions import reductions_in
 from exudyn_crawler.results.history.history import MOST_IN_MEMORY, History
 from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses
+from exudyn_crawler.run.folder import record
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.folder import held_of, matching_history, run_in
 from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.run.folder.record import (
-    CHECKPOINTS,
-    END,
-    HISTORY,
-    STOPPED_HISTORY,
-    Holds,
-    RunFolder,
-    quiet,
-)
 from exudyn_crawler.run.solve.simulation import simulate
 from exudyn_crawler.views.outputs import write_outputs
 
@@ -62,7 +54,7 @@ def run_case(
     take_finished: bool = False,
     reuse: str | Path | None = None,
     progress: bool | None = None,
-    say: Callable[[str], None] = quiet,
+    say: Callable[[str], None] = record.quiet,
     reductions: str | Path | None = None,
 ) -> CaseRun:
     """Simulate a case and leave its folder: case, record, log, history, and what its outputs ask for.
@@ -112,10 +104,10 @@ def run_case(
     if case.flexible is not None:
         check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
     with reductions_in(reductions):
-        if path is not None and take_finished and held_of(path, case_file) is Holds.FINISHED:
+        if path is not None and take_finished and held_of(path, case_file) is record.Holds.FINISHED:
             say(f"{case.name}: finished already, in {path}")
             history = matching_history(path, case_file)
-            return CaseRun(history, _stresses(history, case_file, RunFolder(report=say)), path)
+            return CaseRun(history, _stresses(history, case_file, record.RunFolder(report=say)), path)
         with run_in(path, case_file, overwrite, say) as folder:
             if case.flexible is not None:
                 with folder.timed("reduce the flexible shoe"):
@@ -128,7 +120,7 @@ def run_case(
                 folder.say(f"{case.name}: reusing the history in {reuse}, whose parameters are the same")
                 history = reused
                 if path is not None:
-                    history.save(path / HISTORY, overwrite=True)
+                    history.save(path / record.HISTORY, overwrite=True)
             stresses = _stresses(history, case_file, folder)
             if path is not None:
                 with folder.timed("tables and figures"), heartbeat(f"{case.name}: tables and figures"):
@@ -136,7 +128,7 @@ def run_case(
     return CaseRun(history, stresses, path)
 
 
-def _stresses(history: History, case_file: CaseFile, folder: RunFolder) -> StressResults | None:
+def _stresses(history: History, case_file: CaseFile, folder: record.RunFolder) -> StressResults | None:
     """Stresses of the flexible shoes, if there are any."""
     case = history.case
     if case.flexible is None:
@@ -145,7 +137,7 @@ def _stresses(history: History, case_file: CaseFile, folder: RunFolder) -> Stres
         return recover_stresses(history, case_file.outputs.picture_times)
 
 
-def _history(case_file: CaseFile, progress: bool | None, folder: RunFolder) -> History:
+def _history(case_file: CaseFile, progress: bool | None, folder: record.RunFolder) -> History:
     """Simulate a case, or what is missing of it in the folder that the run holds; raises as `simulate`.
 
     ValueError, naming it, if what is there was altered or comes from other parameters.
@@ -154,25 +146,25 @@ def _history(case_file: CaseFile, progress: bool | None, folder: RunFolder) -> H
     if path is None:
         with folder.timed("simulate"):
             return simulate(case, case_file.duration, progress)
-    checkpoints = Checkpoints(path / CHECKPOINTS, folder.say)
+    checkpoints = Checkpoints(path / record.CHECKPOINTS, folder.say)
     if folder.simulated:
         folder.say(f"{case.name}: simulated already, going on with what is made of it")
         history = matching_history(path, case_file)
     else:
         history = _simulated(folder, path, case_file, progress, checkpoints)
-    checkpoints.settle(case, path / END)
+    checkpoints.settle(case, path / record.END)
     # these are the run's, also where it was stopped after them
-    for one in (path / HISTORY, path / END):
+    for one in (path / record.HISTORY, path / record.END):
         note_written(one)
     return history
 
 
 def _simulated(
-    folder: RunFolder, path: Path, case_file: CaseFile, progress: bool | None, checkpoints: Checkpoints
+    folder: record.RunFolder, path: Path, case_file: CaseFile, progress: bool | None, checkpoints: Checkpoints
 ) -> History:
     """Simulate what is missing."""
-    case, end, whole = case_file.case, path / END, path / HISTORY
-    is_shorter = folder.holds is not Holds.NOTHING and end.is_file() and whole.is_file()
+    case, end, whole = case_file.case, path / record.END, path / record.HISTORY
+    is_shorter = folder.holds is not record.Holds.NOTHING and end.is_file() and whole.is_file()
     if is_shorter and not checkpoints.load(case):
         checkpoints.begin_from(end, whole)
     with folder.timed("simulate"):
@@ -180,10 +172,10 @@ def _simulated(
             history = simulate(case, case_file.duration, progress, checkpoints)
         except SimulationStopped as stop:
             if stop.history is not None:
-                move_file(checkpoints.history, path / STOPPED_HISTORY, overwrite=True)
+                move_file(checkpoints.history, path / record.STOPPED_HISTORY, overwrite=True)
             raise
     move_file(checkpoints.history, whole, overwrite=True)
     folder.note_history()
-    (path / STOPPED_HISTORY).unlink(missing_ok=True)
+    (path / record.STOPPED_HISTORY).unlink(missing_ok=True)
     # a large one is read from its file time and again
     return History.load(whole) if history.dataset.nbytes > MOST_IN_MEMORY else history

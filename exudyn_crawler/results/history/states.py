@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
@@ -60,8 +59,7 @@ def system_history(system: "TrackSystem", rows: NDArray) -> History:
             "unit": case.terrain.units,
             "axis": AXES,
             **motion,
-            **_flexible_coordinates(system),
-            **_rolled_coordinates(case),
+            **_coordinates(system),
             **files.contact_coordinates(pairs),
         },
         attrs={
@@ -141,17 +139,6 @@ def _drive_point(states: _States) -> NDArray:
     return front[:, :3] + start + point.arm(front[:, 3:], modal)
 
 
-def _flexible_coordinates(system: "TrackSystem") -> dict[str, object]:
-    if system.frequencies is None:
-        return {}
-    return {
-        "flexible_shoe": list(system.layout.flexible_shoes),
-        "mode": np.arange(1, system.layout.modes + 1),
-        "frequency": ("mode", system.frequencies, {"units": "Hz"}),
-        "pin": list(SIDES),
-    }
-
-
 def _terrain(states: _States) -> dict[str, NDArray]:
     contact = states.system.contact
     if isinstance(contact.coordinates, ReducedCoordinates):
@@ -202,14 +189,20 @@ def _rolled(states: _States, treads: Callable[..., tuple[NDArray, NDArray, NDArr
     }
 
 
-def _rolled_coordinates(case: Case) -> dict[str, object]:
-    """Coordinates of the dimensions of rollers and treads."""
-    frame = case.undercarriage
+def _coordinates(system: "TrackSystem") -> dict[str, object]:
+    """Coordinates of the dimensions of flexible shoes, and of rollers and treads."""
+    named: dict[str, object] = {}
+    if system.frequencies is not None:
+        named["flexible_shoe"] = list(system.layout.flexible_shoes)
+        named["mode"] = np.arange(1, system.layout.modes + 1)
+        named["frequency"] = ("mode", system.frequencies, {"units": "Hz"})
+        named["pin"] = list(SIDES)
+    frame = system.case.undercarriage
     if frame is None:
-        return {}
+        return named
     rollers, strips = np.arange(1, len(frame.rollers) + 1), np.arange(1, frame.strips + 1)
     under = "shoe under a roller's axis, or the next"
-    return {
+    return named | {
         "roller": ("roller", rollers, {"long_name": "from rear to front"}),
         "rail": list(SIDES),
         "strip": ("strip", strips, {"long_name": "of a tread, from right to left"}),

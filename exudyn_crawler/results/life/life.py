@@ -20,11 +20,8 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, positions_of, used_runs
 from exudyn_crawler.results.stress import hot_spots
-from fem import Shapes
-from fem.critical_plane import critical_planes, damage_on_planes, plane_normals, surface_normals
+from fem import Shapes, SNCurve, critical_plane, trust
 from fem.damage import damage_between, recover_damage
-from fem.fatigue import SNCurve
-from fem.trust import resolution_over, verdict_numbers, verdict_words
 
 BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
 BETWEEN = "between runs"  # part of the damage that no run has alone
@@ -157,7 +154,7 @@ def _on_critical_planes(
 ) -> tuple[NDArray, NDArray]:
     """Damage an hour (survivals, nodes) on the critical planes of some nodes, and normals (nodes, 3)."""
     mesh, positions = runs[0].basis.shapes.mesh, positions_of(runs)
-    normals = surface_normals(mesh)
+    normals = critical_plane.surface_normals(mesh)
 
     def damage_on(nodes: NDArray, angles: NDArray) -> NDArray:
         found = np.zeros((*angles.shape, len(duty.survivals)))
@@ -165,12 +162,12 @@ def _on_critical_planes(
             counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
             for shoe in positions:
                 modes, q = one.basis.shapes.stress_modes, one.basis.coordinates[shoe]
-                each = damage_on_planes(modes, q, normals, angles, counting, nodes)
+                each = critical_plane.damage_on_planes(modes, q, normals, angles, counting, nodes)
                 found += one.times_an_hour / len(positions) * each
         return found
 
-    planes = critical_planes(damage_on, nodes)
-    directions = plane_normals(normals[nodes], planes.angles[:, None])[:, 0]
+    planes = critical_plane.critical_planes(damage_on, nodes)
+    directions = critical_plane.plane_normals(normals[nodes], planes.angles[:, None])[:, 0]
     count = len(mesh.nodes)
     return _spread(planes.damage.T, nodes, count), _spread(directions.T, nodes, count).T
 
@@ -195,7 +192,7 @@ def _life_trust(
     widest of the runs' counts, at the place that wears a node most.
     """
     changes = (np.concatenate([q - q.mean(axis=0) for q in one.basis.coordinates.values()]) for one in runs)
-    resolved = [resolution_over(one.basis.shapes, q) for one, q in zip(runs, changes, strict=True)]
+    resolved = [trust.resolution_over(one.basis.shapes, q) for one, q in zip(runs, changes, strict=True)]
     found = reduce(operator.add, resolved)
     known = ~np.isnan(damage).any(axis=0)
     greatest = np.max(np.where(known, amplitude, 0.0), axis=0)
@@ -207,7 +204,7 @@ def _life_trust(
     held = np.isin(np.arange(len(part)), runs[0].basis.shapes.spider_nodes) & known
     return {
         "stress_error": part,
-        "verdict": verdict_numbers(part, found.error, found.relative_jump, held),
+        "verdict": trust.verdict_numbers(part, found.error, found.relative_jump, held),
         "life_factor": (1.0 + part) ** curve.steepest,
     }
 
@@ -245,7 +242,7 @@ def shortest_lives(
         row |= {
             f"{LIFE} at least": float(life_hours(damage * factor)),
             f"{LIFE} at most": float(life_hours(damage / factor)),
-            "verdict": verdict_words(own.verdict.values[None], truncation_known)[0],
+            "verdict": trust.verdict_words(own.verdict.values[None], truncation_known)[0],
             "worst place": int(places.shoe[int(np.nanargmax(places.values))]),
             f"{LIFE} there": float(life_hours(float(places.max()))),
             "main part": str(parts.part.values[int(parts.values.argmax())]) if damage > 0.0 else "",

@@ -16,7 +16,7 @@ from exudyn_crawler.results.stress.basis import StressBasis
 from fem import OneOfEach, Peaks, Shapes, hot_spots, judged
 from fem.critical_plane import normal_stress_rows
 from fem.damage import SignedCriterion
-from fem.stress import VOIGT, von_mises
+from fem.stress import von_mises
 
 HOT_SPOTS = 5  # rows of the S-paper's hot-spot tables
 
@@ -57,10 +57,9 @@ def shoe_regions(whole: Shapes, track: Track) -> NDArray:
 
 def near_pull(history: History, whole: Shapes, shoe: int) -> NDArray:
     """Whether each node belongs to an element about the node that the drive pulls: array (nodes,)."""
-    marked = np.zeros(len(whole.nodes), dtype=bool)
+    marked, elements = np.zeros(len(whole.nodes), dtype=bool), whole.mesh.elements
     node = pulled_node(history.case, whole.mesh)
     if node is not None and shoe == history.case.track.shoe_count:
-        elements = whole.mesh.elements
         marked[elements[(elements == node).any(axis=1)]] = True
     return marked
 
@@ -88,10 +87,7 @@ def stress_directions(criterion: SignedCriterion, stress: NDArray) -> NDArray:
     A criterion is of first order in the stress: the products with the stresses of loads add up to it (Euler).
     """
     if criterion == "signed principal":
-        tensor = np.empty((len(stress), 3, 3))
-        for k, (i, j) in enumerate(VOIGT):
-            tensor[:, i, j] = tensor[:, j, i] = stress[:, k]
-        values, vectors = np.linalg.eigh(tensor)
+        values, vectors = np.linalg.eigh(stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]])
         place = np.where(values[:, 2] >= -values[:, 0], 2, 0)
         return normal_stress_rows(vectors[np.arange(len(stress)), :, place])
     mean = stress[:, :3].mean(axis=1, keepdims=True)
