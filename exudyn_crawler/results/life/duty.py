@@ -5,7 +5,7 @@ Forschungskuratorium Maschinenbau, 6th ed., 2012), whose formulas are pyLife's.
 """
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, get_args
 
 import pandas as pd
 from pydantic import Field, model_validator
@@ -15,13 +15,8 @@ from exudyn_crawler.case.parameters.reading import read_parameters, with_base
 from fem.fatigue import Miner, SNCurve
 
 FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless steel", "cast steel"]
-PYLIFE_CLASSES = {
-    "steel": "Steel",
-    "forged steel": "Forg_Steel",
-    "case-hardened steel": "CaseHard_Steel",
-    "stainless steel": "Stainless_Steel",
-    "cast steel": "GS",
-}
+PYLIFE_CLASSES = ("Steel", "Forg_Steel", "CaseHard_Steel", "Stainless_Steel", "GS")
+"""PyLife's names of them."""
 MEGA, MICRO, MILLI = 1e6, 1e-6, 1e-3
 
 
@@ -134,7 +129,7 @@ class FatigueMaterial(Parameters):
         from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
 
         fkm, normal = FkmLinearFunctions(), pd.Series(["normal"])
-        kind = pd.Series([PYLIFE_CLASSES[self.fkm_class]])
+        kind = pd.Series([PYLIFE_CLASSES[get_args(FKMClass).index(self.fkm_class)]])
         strength = pd.Series([self.size_factor * self.tensile_strength / MEGA])
         constants, shear = fkm.get_material_constants(kind, normal)
         reversed_strength = MEGA * fkm.reversed_mat_strength_chap4(strength, constants, shear, normal)

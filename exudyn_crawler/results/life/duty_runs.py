@@ -105,12 +105,8 @@ def _shoes(case: Case) -> dict[str, object]:
     """What of a case's flexible shoes is the same in all runs of a duty."""
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
-    return {
-        "shoes": flexible.shoes,
-        "mesh": body.mesh.digest[:12],
-        "youngs_modulus": flexible.youngs_modulus,
-        "poissons_ratio": flexible.poissons_ratio,
-    }
+    same = {name: getattr(flexible, name) for name in ("shoes", "youngs_modulus", "poissons_ratio")}
+    return same | {"mesh": body.mesh.digest[:12]}
 
 
 @dataclass(frozen=True)

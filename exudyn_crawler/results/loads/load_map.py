@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, hstack
 
-from exudyn_crawler.case import Case, FlexibleShoes, Rails, Track, Undercarriage
+from exudyn_crawler.case import Case, FlexibleShoes, Shoe, Track, Undercarriage
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import integrated_in, shoe_model, weights_a_metre, whole_reduction
 from exudyn_crawler.model.shoe_mesh import STATIONS, cubic_weights, extended, station_spacing, strip_weights
@@ -55,12 +55,6 @@ class NodalShares(NamedTuple):
         """Work (3 p, m) on modes (n, 3, m)."""
         rows: NDArray = np.tensordot(self.weights, modes[self.nodes], axes=1)
         return rows.reshape(-1, modes.shape[2])
-
-    def nodal(self, count: int) -> NDArray:
-        """Weights (n, p) of all nodes."""
-        weights = np.zeros((count, len(self.weights)))
-        weights[self.nodes] = self.weights.T
-        return weights
 
 
 class StripStations(NamedTuple):
@@ -140,31 +134,25 @@ def unit_loads(case: Case) -> ShoeUnitLoads:
     """Unit loads of a case's flexible shoes, remembered; ValueError if there are none, or no mesh fits."""
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
-    return _unit_loads(
-        flexible,
-        case.track,
-        whole_reduction(case).body,
-        tuple(case.shoe.footprint.tolist()),
-        pulled_node(case, body.mesh),
-        (case.undercarriage, case.shoe.rails),
-    )
+    node, whole = pulled_node(case, body.mesh), whole_reduction(case).body
+    return _unit_loads(flexible, case.track, case.shoe, case.undercarriage, whole, node)
 
 
 @lru_cache(maxsize=2)
 def _unit_loads(
     flexible: FlexibleShoes,
     track: Track,
+    shoe: Shoe,
+    frame: Undercarriage | None,
     whole: ReducedBody,
-    footprint: tuple[float, ...],
     node: int | None,
-    rolled: tuple[Undercarriage | None, Rails | None],
 ) -> ShoeUnitLoads:
     body, _ = shoe_model(flexible, track)
     mesh, strips = body.mesh, None
     under = mesh.nodes_of("underside")
     # of each node its own integrals: products with modes are those of the equations
     each = np.eye(len(under))[:, None]
-    underside = integrate_underside(mesh.nodes[under, :2], each, np.array(footprint))
+    underside = integrate_underside(mesh.nodes[under, :2], each, shoe.footprint)
     # forces by a unit over the loaded surface, and what a metre of shift adds
     even = whole.weights(flexible.load_surface)
     machine = np.column_stack((even, weights_a_metre(even, whole.nodes)))
@@ -173,8 +161,7 @@ def _unit_loads(
         MACHINE: NodalShares(loaded, machine[loaded].T),
         GROUND: NodalShares(under, underside.integral.reshape(-1, len(under))),
     }
-    frame, rails = rolled
-    if frame is not None and rails is not None:
+    if frame is not None and (rails := shoe.rails) is not None:
         strips = StripStations(rails.rear, station_spacing(rails) / THIRDS, frame.strips)
         nodes, weights = strip_weights(mesh, frame, rails)
         along = cubic_weights(np.arange(STRIP_STATIONS) / THIRDS) @ extended(weights)

@@ -83,7 +83,8 @@ def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> 
             weights = hstack([one.weights for one in stations])
             shares = _rail_shares(units.strips, stations)
         else:
-            weights, shares = family.nodal(len(mesh.nodes)), eye_array(len(family.weights))
+            weights, shares = np.zeros((len(mesh.nodes), len(family.weights))), eye_array(len(family.weights))
+            weights[family.nodes] = family.weights.T
         families[name] = fem.UnitLoads.spread(csr_array(weights), interfaces)
         blocks.append(kron(shares, eye_array(3)))
     families[load_map.INERTIA] = fem.UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
