@@ -1,7 +1,4 @@
-"""One case into one folder: simulate what is missing, recover stresses, then a list of writers.
-
-The module is not named after its function, which would hide it behind the package's public name.
-"""
+"""One case into one folder: simulate what is missing, recover stresses, then a list of writers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

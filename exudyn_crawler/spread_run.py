@@ -36,13 +36,15 @@ OPEN_PARTS = ("spread", "choice")  # columns of what is open of a stress by star
 
 @dataclass(frozen=True)
 class Spread:
-    """Stresses of a run with what others differ from it by."""
+    """Stresses of a run with what others differ from it by.
+
+    `dataset` is what the catalogue has of spread: shoe and node as of `StressResults`, run with that of
+    `peak_von_mises` first; `peak_verdict` counts spread and choice. `hot_spots` has the tables of the first
+    run's shoes with columns spread and choice (Pa) and the verdict that follows.
+    """
 
     dataset: xr.Dataset
-    """What the catalogue has of spread: shoe and node as of `StressResults`, run with that of
-    `peak_von_mises` first. Both spread and choice are in `peak_verdict`."""
     hot_spots: Mapping[int, pd.DataFrame]
-    """Tables of the first run's shoes with columns spread and choice (Pa) and the verdict that follows."""
 
     def by_shoe(self) -> pd.DataFrame:
         """Highest stress of each shoe in each run (MPa), and its spread and choice in per cent."""

@@ -1,10 +1,8 @@
 """Catalogue of quantities: what results are called and measure, where they are and what they need.
 
-`quantities.csv` holds them, a row each, stored and derived ones alike. Histories take their attributes from
-here, figures and tables their units and labels, and whoever wants some of the quantities asks by `select`. A
-new quantity is a row there and what computes it: a variable of `states`, or a function of its name here,
-which takes the case and the dataset of a history, or a part of it along time, and gives values with the
-quantity's dimensions.
+`quantities.csv` holds them, a row each, stored and derived ones alike. A new quantity is a row there and what
+computes it: a variable of `states`, or a function of its name here, which takes the case and the dataset of a
+history, or a part of it along time, and gives values with the quantity's dimensions.
 """
 
 import csv
@@ -131,10 +129,7 @@ def displacement(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
 
 
 def axes(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
-    """Rotation matrices of the shoes: dimensions (time, shoe, axis, body_axis).
-
-    ``axes.sel(body_axis="y")`` is the global direction of the shoes' y axis.
-    """
+    """Rotation matrices of the shoes: (time, shoe, axis, body_axis), for each body axis its direction."""
     # who asks for names alone does not wait until it is compiled
     from exudyn_crawler.ground.rotations import rotation_matrices
 
@@ -217,8 +212,7 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
         else:
             parts = [part.isel(contact=one) for part, one in zip(parts, deepest, strict=True)]
         columns[name] = xr.concat(parts, dim="shoe", coords="minimal", compat="override")
-    result = xr.Dataset(columns).assign_coords(shoe=shoes)
-    result = result.drop_vars(CONTACT_KEYS, errors="ignore")
+    result = xr.Dataset(columns).assign_coords(shoe=shoes).drop_vars(CONTACT_KEYS, errors="ignore")
     result = result.assign({name: with_meaning(name, DERIVED[name](case, result)) for name in derived})
     return result[wanted]
 

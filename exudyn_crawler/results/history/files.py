@@ -134,12 +134,13 @@ def _single(dataset: xr.Dataset) -> list[str]:
 
 
 def _part_of_motion(shapes: NDArray, motion: xr.Variable, key: tuple) -> NDArray:
-    times, units = key
-    return unit_motion(shapes[units], motion[times].values)
+    modes, rows = shapes[key[1]], motion[key[0]].values
+    part = unit_motion(np.atleast_2d(modes), np.atleast_2d(rows))
+    return part.reshape(rows.shape[:-1] + modes.shape[:-1])
 
 
 def _doubled(stored: xr.Variable, key: tuple) -> NDArray:
-    return stored[key].values.astype(float)
+    return np.asarray(stored[key].values, dtype=float)
 
 
 def _lazy(name: str, shape: tuple[int, ...], part: Callable[[tuple], NDArray]) -> xr.Variable:
@@ -148,33 +149,23 @@ def _lazy(name: str, shape: tuple[int, ...], part: Callable[[tuple], NDArray]) -
 
 
 class _Computed(BackendArray):
-    """Array whose parts are computed: `part` takes a slice or numbers (n,) for each dimension."""
+    """Array whose parts are computed: `part` takes a number, a slice or numbers (n,) for each dimension."""
 
     def __init__(self, shape: tuple[int, ...], part: Callable[[tuple], NDArray]) -> None:
         self.shape, self.dtype, self._part = shape, np.dtype(float), part
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> NDArray:
         outer = indexing.IndexingSupport.OUTER
-        return indexing.explicit_indexing_adapter(key, self.shape, outer, self._outer)
-
-    def _outer(self, key: tuple) -> NDArray:
-        """Part at a key whose single numbers drop their dimensions."""
-        single = tuple(k for k, one in enumerate(key) if isinstance(one, int | np.integer))
-        wide = tuple(slice(int(one), int(one) + 1) if k in single else one for k, one in enumerate(key))
-        return self._part(wide).squeeze(single)
+        return indexing.explicit_indexing_adapter(key, self.shape, outer, self._part)
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Part of a history along time, read when it is needed.
+    """Part of a history along time, read when it is needed."""
 
-    `times` is the number of its stored times, `pairs` (contacts, 3) shoe, unit and finger of each of its
-    contacts; `parts` gives its datasets, one after the other.
-    """
-
-    times: int
-    pairs: NDArray
-    parts: Callable[[], Iterable[xr.Dataset]]
+    times: int  # number of its stored times
+    pairs: NDArray  # (contacts, 3), shoe, unit and finger of each of its contacts
+    parts: Callable[[], Iterable[xr.Dataset]]  # its datasets, one after the other
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Self:

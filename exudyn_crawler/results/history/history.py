@@ -4,6 +4,7 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple, Self
 
@@ -173,10 +174,10 @@ def _check(case: Case, dataset: xr.Dataset) -> None:
 
 
 class RunPhase(NamedTuple):
-    """Part of a run: name, and begin and end in s."""
+    """Part of a run."""
 
     name: str
-    begin: float
+    begin: float  # s
     end: float
 
     def rows(self, time: NDArray) -> NDArray:
@@ -191,15 +192,10 @@ def phases(cycle: LoadCycle | MachineCycle, duration: float) -> list[RunPhase]:
     The first begins with the run; the last of the cycle, whose loads stay, ends with it. A phase that ends
     as the run begins is no part of it, unless it is the only one.
     """
-    names = [phase.name for phase in cycle.phases]
     ends = [phase.end for phase in cycle.phases]
-    ends[-1] = max(ends[-1], duration)
-    begins = [0.0, *ends[:-1]]
-    return [
-        RunPhase(name, begin, min(end, duration))
-        for name, begin, end in zip(names, begins, ends, strict=True)
-        if begin < duration and end > begin
-    ]
+    spans = zip(cycle.phases, pairwise([0.0, *ends[:-1], max(ends[-1], duration)]), strict=True)
+    reached = [(phase.name, begin, min(end, duration)) for phase, (begin, end) in spans]
+    return [RunPhase(*one) for one in reached if one[1] < one[2]]
 
 
 def common_phases(*histories: History) -> list[RunPhase]:

@@ -68,10 +68,7 @@ def _item(values: xr.DataArray, dim: str, index: int) -> str:
 
 
 def extremes(history: History) -> pd.DataFrame:
-    """Least and greatest value of every variable with numbers over time, axis by axis.
-
-    Columns variable, axis, unit; least and greatest, each with what it is of and its time (s).
-    """
+    """Least and greatest value of every variable with numbers, axis by axis, of what and when (s)."""
     rows: dict[tuple[str, str], dict[str, Any]] = {}
     # a variable of a long run may be larger than memory
     for part in blocks(history.dataset):
@@ -102,10 +99,7 @@ def _by_axis(values: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
 
 
 def load_table(history: History) -> pd.DataFrame:
-    """Loads on the shoes in N at the run's begin and at the end of every phase that it reaches.
-
-    A row a shoe and one of the sums; columns shoe and one a phase.
-    """
+    """Loads on the shoes and their sum, N, at the run's begin and the end of every phase, a column each."""
     loads = history.case.loads
     columns: dict[str, object] = {"shoe": [*map(str, range(1, loads.shoe_count + 1)), "sum"]}
     instants = [("begin", 0.0)] + [(phase.name, phase.end) for phase in phases(loads, history.duration)]
@@ -127,10 +121,7 @@ ROUNDING = 1e-12
 
 
 def compared(history: History, stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:
-    """Quantities over time of a run that are compared with another's; stresses, if given, in MPa.
-
-    Those of contacts count by shoe, since two runs need not have the same pairs.
-    """
+    """Quantities over time of a run that are compared with another's; contacts by shoe, stresses in MPa."""
     named = [name for name in select(compared=True) if history.has(name, stress)]
     found = history.over_time(named, stress)
     mega = {name: one for name, one in found.items() if one.attrs.get("units") == "Pa"}

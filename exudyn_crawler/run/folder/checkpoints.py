@@ -1,8 +1,7 @@
 """Stages of a run kept in a folder, so that a run that was stopped goes on where the last one ended.
 
-A file a stage holds the state at its end, the chunk of the history that it gave, and the case of both;
-zip archives have a checksum of every array. Of a run that has ended, the end of its last stage but one and
-its history are enough for a longer one to go on with.
+A file a stage holds the state at its end, the chunk of the history that it gave, and the case of both, each
+with a checksum. A longer run goes on with the end of the last stage but one and the history.
 """
 
 import json
@@ -45,10 +44,7 @@ class Checkpoint:
 
 
 class Checkpoints:
-    """Checkpoints of one run in a folder of their own, which is made with the first.
-
-    `say` gets a line on where a run goes on and what was left out.
-    """
+    """Checkpoints of one run in a folder of their own; `say` gets a line on what was left out."""
 
     def __init__(self, folder: Path, say: Callable[[str], None] = lambda _text: None) -> None:
         self.folder, self.say = Path(folder), say
