@@ -17,6 +17,7 @@ from fem.fatigue import Miner, SNCurve
 FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless steel", "cast steel"]
 PYLIFE_CLASSES = ("Steel", "Forg_Steel", "CaseHard_Steel", "Stainless_Steel", "GS")
 """PyLife's names of them."""
+CASTINGS = {"fkm_class": "cast steel", "casting_factor": 1.25, "scatter": 1.4}
 MEGA, MICRO, MILLI = 1e6, 1e-6, 1e-3
 
 
@@ -93,9 +94,7 @@ class FatigueMaterial(Parameters):
             "tested castings, skin and scatter assumed; the hardened roller path counts as its core",
             tensile_strength=860e6,
             yield_strength=690e6,
-            fkm_class="cast steel",
-            casting_factor=1.25,
-            scatter=1.4,
+            **CASTINGS,
         )
 
     @classmethod
@@ -107,9 +106,7 @@ class FatigueMaterial(Parameters):
             "cast steel stands for it; tested castings, skin and scatter assumed",
             tensile_strength=760e6,
             yield_strength=350e6,
-            fkm_class="cast steel",
-            casting_factor=1.25,
-            scatter=1.4,
+            **CASTINGS,
         )
 
     def provenance(self) -> str:

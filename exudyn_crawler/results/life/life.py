@@ -32,28 +32,18 @@ LIFE = "life in h"  # what the columns of lives begin with
 class LifeResults:
     """Life of the shoes over a duty.
 
-    Attributes
-    ----------
-    duty : Duty
-    dataset : xarray.Dataset
-        What the catalogue of quantities has of life: dimensions shoe (place in the track), survival, part
-        ("run: phase", or "between runs"), node, axis, face and corner of the surface's triangles. Not a
-        number inside, and where the drive pulls at a single node. `damage_an_hour` is the mean over the
-        places of `place_damage`, `life` its reciprocal; `plane_damage` is known at the worst nodes, without
-        what goes from run to run; `stress_error`, `verdict` and `life_factor` say how far to trust the life.
-    table : pandas.DataFrame
-        Of `shortest_lives`: the shortest life of every region, and its cause; then the chosen nodes.
-    nodes : mapping of int to NodeLife
-        Cycles and causes at the nodes of the table.
-    whole : Shapes
-        Modes, and static fields, that the stresses are made of.
+    `dataset` is what the catalogue of quantities has of life: dimensions shoe (place in the track), survival,
+    part ("run: phase", or "between runs"), node, axis, face and corner of the surface's triangles. Not a
+    number inside, and where the drive pulls at a single node. `damage_an_hour` is the mean over the places of
+    `place_damage`, `life` its reciprocal; `plane_damage` is known at the worst nodes, without what goes from
+    run to run; `stress_error`, `verdict` and `life_factor` say how far to trust the life.
     """
 
     duty: Duty
     dataset: xr.Dataset
-    table: pd.DataFrame
-    nodes: Mapping[int, NodeLife]
-    whole: Shapes
+    table: pd.DataFrame  # of `shortest_lives`: the shortest life of every region; then the chosen nodes
+    nodes: Mapping[int, NodeLife]  # cycles and causes at the nodes of the table
+    whole: Shapes  # modes, and static fields, that the stresses are made of
 
     def _repr_html_(self) -> str:
         """Shortest lives and the dataset, for notebooks."""

@@ -174,9 +174,8 @@ def energies(history: History) -> xr.Dataset:
     stored = {"kinetic": kinetic, "gravitational": height, "springs": springs}
     if frame is not None:
         motion = _side_frame(history, frame)
-        moving, raised = motion.energies(gravity)
-        treads = _treads(history, frame, motion, _shoes(history))[0]
-        stored |= {"frame_kinetic": moving, "frame_gravitational": raised, "treads": treads}
+        stored["frame_kinetic"], stored["frame_gravitational"] = motion.energies(gravity)
+        stored["treads"], _, _ = _treads(history, frame, motion, _shoes(history))
     return _over_time(history, "J", **stored)
 
 

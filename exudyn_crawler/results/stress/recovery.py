@@ -29,26 +29,16 @@ AT_ONCE = 50  # instants whose fields are in memory together
 class StressResults:
     """Recovered stresses of a run.
 
-    Attributes
-    ----------
-    dataset : xarray.Dataset
-        What the catalogue of quantities has of stress: dimensions shoe (the flexible ones), time, node, frame
-        (chosen stored instants, s), axis, and face and corner of the surface's flat triangles, four a face.
-        `highest_von_mises` is that of nodes which are not `at_load`: the stress that a force on one node
-        makes there grows without limit as the mesh is refined. `frame_name` is "begin", "end of dig" or
-        "peak", each as far as the instant is one.
-    hot_spots : mapping
-        Table of every flexible shoe, as of `hot_spots.highest_nodes`, of nodes that are not at_load.
-    by_region : mapping
-        Same of the highest node of every region; of bores, whose stress is none to use, there is none.
-    whole : Shapes
-        Modes, and static fields, that the stresses are made of.
+    `dataset` is what the catalogue of quantities has of stress: dimensions shoe (the flexible ones), time,
+    node, frame (chosen stored instants, s), axis, and face and corner of the surface's flat triangles, four a
+    face. `highest_von_mises` is that of nodes which are not `at_load`: the stress that a force on one node
+    makes there grows without limit as the mesh is refined. `frame_name` is "begin", "end of dig" or "peak".
     """
 
     dataset: xr.Dataset
-    hot_spots: Mapping[int, pd.DataFrame]
-    by_region: Mapping[int, pd.DataFrame]
-    whole: Shapes
+    hot_spots: Mapping[int, pd.DataFrame]  # of nodes not at_load by shoe, as of `hot_spots.highest_nodes`
+    by_region: Mapping[int, pd.DataFrame]  # same of the highest node of every region but the bores
+    whole: Shapes  # modes, and static fields, that the stresses are made of
 
     def _repr_html_(self) -> str:
         """Hot spots of every shoe and the dataset, for notebooks."""
