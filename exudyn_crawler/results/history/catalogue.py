@@ -1,7 +1,7 @@
 """Catalogue of quantities: what results are called and measure, where they are and what they need.
 
 `quantities.csv` holds them, a row each, stored and derived ones alike. A new quantity is a row there and what
-computes it: a variable of `states`, or a function of its name here, which takes the case and the dataset of a
+computes it: a variable of `states`, or a function in `DERIVED`, which takes the case and the dataset of a
 history, or a part of it along time, and gives values with the quantity's dimensions.
 """
 
@@ -123,11 +123,6 @@ def check_dimensions(dataset: xr.Dataset) -> None:
             raise ValueError(f"{name} has dimensions {one.dims}, not {quantity.dimensions}")
 
 
-def displacement(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
-    """Motion of the COMs from where they were at first: dimensions (time, shoe, axis), m."""
-    return dataset.position - dataset.position.isel(time=0)
-
-
 def axes(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
     """Rotation matrices of the shoes: (time, shoe, axis, body_axis), for each body axis its direction."""
     # who asks for names alone does not wait until it is compiled
@@ -142,11 +137,6 @@ def axes(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
     )
 
 
-def contact_force(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
-    """Normal and friction force on the shoe of every contact: dimensions (time, contact, axis), N."""
-    return dataset.normal_force + dataset.friction_force
-
-
 def terrain_deformation(case: Case, dataset: xr.Dataset) -> xr.DataArray:
     """Sum of all spring deformations from what they were at first, positive upward: dimension time, m.
 
@@ -156,11 +146,6 @@ def terrain_deformation(case: Case, dataset: xr.Dataset) -> xr.DataArray:
     parts = [part.unit_heave.sum("unit") for part in blocks(dataset[["unit_heave"]])]
     total = case.terrain.springs_per_unit * xr.concat(parts, "time")
     return total - total.isel(time=0)
-
-
-def side_frame_way(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
-    """Motion of the side frame from where it was at first: dimensions (time, axis), m."""
-    return dataset.side_frame_position - dataset.side_frame_position.isel(time=0)
 
 
 def rail_force(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
@@ -178,8 +163,12 @@ def rail_force(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
 
 
 DERIVED: dict[str, Callable[[Case, xr.Dataset], xr.DataArray]] = {
-    one.__name__: one
-    for one in (displacement, axes, contact_force, terrain_deformation, side_frame_way, rail_force)
+    "displacement": lambda _, data: data.position - data.position.isel(time=0),
+    "axes": axes,
+    "contact_force": lambda _, data: data.normal_force + data.friction_force,
+    "terrain_deformation": terrain_deformation,
+    "side_frame_way": lambda _, data: data.side_frame_position - data.side_frame_position.isel(time=0),
+    "rail_force": rail_force,
 }
 """What computes each derived quantity of the catalogue."""
 
