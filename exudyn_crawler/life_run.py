@@ -83,12 +83,10 @@ def _histories(duty: Duty) -> list[History]:
 
 def _spreads(duty: Duty, histories: Sequence[History]) -> list[xr.DataArray | None]:
     """Relative spread of each run's peaks, where it has been found beside its history."""
-    found: list[xr.DataArray | None] = []
-    for run, history in zip(duty.runs, histories, strict=True):
-        path = Path(run.folder)
-        dataset = spread_beside(path if path.is_dir() else path.parent, history.case)
-        found.append(None if dataset is None else relative_spread(dataset))
-    return found
+    paths = [Path(run.folder) for run in duty.runs]
+    folders = [path if path.is_dir() else path.parent for path in paths]
+    found = [spread_beside(folder, one.case) for folder, one in zip(folders, histories, strict=True)]
+    return [None if one is None else relative_spread(one) for one in found]
 
 
 def write_fields(found: LifeResults, folder: Path, overwrite: bool) -> None:

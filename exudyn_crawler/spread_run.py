@@ -148,10 +148,7 @@ def laws_beside(case: Case) -> dict[str, Case]:
 def spread_of(
     first: StressResults, starts: Mapping[str, xr.DataArray], laws: Mapping[str, xr.DataArray]
 ) -> Spread:
-    """Spread of the stresses of a run by those of other starts and laws of contact, each (shoe, node), Pa.
-
-    ValueError if there is no other run, or one has other shoes or nodes.
-    """
+    """Spread of a run by the greatest stresses (shoe, node), Pa, from other starts and laws; ValueError for none."""
     own = first.dataset.peak_von_mises.transpose("shoe", "node")
     others = {**starts, **laws}
     if not others:

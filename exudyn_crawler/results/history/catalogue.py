@@ -179,11 +179,7 @@ def with_meaning(name: str, values: xr.DataArray) -> xr.DataArray:
 
 
 def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset:
-    """Quantities of contacts by shoe, over all units that each stands on, of those that the catalogue has so.
-
-    Forces and torques are summed over the shoe's contacts. Penetration, its rate and the slip velocity are
-    those of the contact that penetrates deepest at the time.
-    """
+    """Quantities of contacts by shoe as the catalogue says, and as of `History.contacts_by_shoe`."""
     wanted = list(names)
     derived = [name for name in wanted if QUANTITIES[name].is_derived]
     stored = dict.fromkeys([one for name in wanted for one in QUANTITIES[name].derived_from or (name,)])

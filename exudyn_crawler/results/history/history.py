@@ -199,9 +199,9 @@ def phases(cycle: LoadCycle | MachineCycle, duration: float) -> list[RunPhase]:
 
 
 def common_phases(*histories: History) -> list[RunPhase]:
-    """Phases that runs go through together, to the end of the longest; none where those of two differ.
+    """Phases of the machine's load, or the shoes', that runs go through together, to the end of the longest.
 
-    They are those of the machine where the case has its load, and else of the loads on the shoes.
+    There are none where those of two differ.
     """
     duration = max(one.duration for one in histories)
     cycles = (one.case.machine or one.case.loads for one in histories)

@@ -119,10 +119,7 @@ class FatigueMaterial(Parameters):
         return self.source
 
     def factors(self) -> dict[str, float]:
-        """What makes the strength: fatigue_strength (Pa), roughness, support, design, mean_sensitivity.
-
-        The strength at the knee is fatigue_strength over design and casting_factor.
-        """
+        """Factors of the strength: at the knee fatigue_strength (Pa) over design and casting_factor."""
         from pylife.strength.fkm_linear.fkm_functions import FkmLinearFunctions
 
         fkm, normal = FkmLinearFunctions(), pd.Series(["normal"])

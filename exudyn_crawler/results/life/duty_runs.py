@@ -132,10 +132,7 @@ class NodeLife:
         return {name.removeprefix(SHARE): float(share) for name, share in shares.items()}
 
     def rainflow_matrix(self) -> pd.DataFrame:
-        """Cycles an hour by the classes that they begin and end in: begin and end in MPa, cycles an hour.
-
-        A row a class that has any, by its middle; `CLASSES` equal ones from the least to the greatest stress.
-        """
+        """Cycles an hour by the classes that they begin and end in (middles, MPa), of classes with any."""
         ends = self.cycles[["begin in Pa", "end in Pa"]].to_numpy() / 1e6
         low, high = (ends.min(), ends.max()) if len(ends) else (0.0, 0.0)
         edges = np.linspace(low, max(high, low + 1e-6), CLASSES + 1)

@@ -116,10 +116,7 @@ def _of_shoes(history: History, force: NDArray, moment: NDArray, **coords: objec
 
 
 def shoe_imbalance(history: History) -> xr.Dataset:
-    """Momentum's rate less all that acts, of every shoe: zero where mechanics holds.
-
-    Variables as of `shoe_momentum_rates`.
-    """
+    """Rate as of `shoe_momentum_rates` less all that acts, of every shoe: zero where mechanics holds."""
     with xr.set_options(keep_attrs=True):
         return shoe_momentum_rates(history) - shoe_actions(history).sum("source")
 

@@ -17,8 +17,6 @@ from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind,
 from fem import ElasticBody, Interface, Program, write_load_deck
 from fem.interfaces import rigid_motion_of_centers
 
-AXES = ("x", "y", "z")
-
 
 @dataclass(frozen=True)
 class ShoeLoads:
@@ -87,8 +85,8 @@ def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
     words += [("inertia", "COM"), ("sum", "")]
     vectors.append(np.concatenate((center, -force, np.cross(center, force) - moment)))
     vectors.append(np.concatenate((np.zeros(3), *_sums(np.array(vectors)))))
-    names = [f"{axis} in the shoe in m" for axis in AXES]
-    names += [f"F{axis} in N" for axis in AXES] + [f"M{axis} in N m" for axis in AXES]
+    names = [f"{axis} in the shoe in m" for axis in "xyz"]
+    names += [f"F{axis} in N" for axis in "xyz"] + [f"M{axis} in N m" for axis in "xyz"]
     return pd.DataFrame(words, columns=["kind", "where"]).join(pd.DataFrame(vectors, columns=names))
 
 

@@ -172,10 +172,7 @@ def _unit_loads(
 
 
 def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, NDArray, NDArray] | None:
-    """Unit loads that share in the force of an action, and in its moment if they are joints'.
-
-    Their family, numbers in it and shares (times or 1, j); None for what bends no shoe.
-    """
+    """Family, numbers and shares (times or 1, j) of the unit loads of an action; None if nothing bends."""
     joints = [interface.name for interface in units.whole.interfaces]
     match action.entry:
         case actions.AtInterface(name):

@@ -102,10 +102,7 @@ def _ground_shares(underside: Underside, grid: fem.PressureGrid) -> NDArray:
 
 
 def _rail_shares(strips: load_map.StripStations, stations: Sequence[fem.Stations]) -> csr_array:
-    """Forces at the static fields' stations by one at each station of the strips.
-
-    A strip presses on the middle of its rail: what it turns that by about its length is left out.
-    """
+    """Forces at static fields' stations, in the middle of a rail, by one at each station of the strips."""
     blocks = []
     for rail in stations:
         level = rail.rectangle

@@ -142,11 +142,7 @@ def highest_nodes(
 
 
 def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
-    """Highest von Mises stress of every flexible shoe in every phase of the load cycle.
-
-    Columns shoe, phase, begin and end of the phase in s, the stress in MPa, when and at which node it is, and
-    the node's place in the shoe's frame in m.
-    """
+    """Highest von Mises stress of every flexible shoe in every phase of the load cycle: when and where."""
     rows = []
     for shoe in stress.shoe.values:
         of_shoe = stress.sel(shoe=shoe)
@@ -185,10 +181,7 @@ def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
 
 
 def region_table(by_region: Mapping[int, pd.DataFrame], stress: xr.Dataset) -> pd.DataFrame:
-    """Highest node of every region of all flexible shoes as of `hot_spot_table`, and of which shoe it is.
-
-    A load that nothing on a shoe comes from has the share 0 there.
-    """
+    """Highest node of every region of all flexible shoes as of `hot_spot_table`, and of which shoe it is."""
     tables = [hot_spot_table(table, stress).assign(shoe=shoe) for shoe, table in by_region.items()]
     whole = pd.concat(tables, ignore_index=True)
     shares = whole.filter(like=SHARE).fillna(0.0)
