@@ -148,7 +148,7 @@ def laws_beside(case: Case) -> dict[str, Case]:
 def spread_of(
     first: StressResults, starts: Mapping[str, xr.DataArray], laws: Mapping[str, xr.DataArray]
 ) -> Spread:
-    """Spread of a run by the greatest stresses (shoe, node), Pa, from other starts and laws; ValueError for none."""
+    """Spread of a run by the greatest stresses (shoe, node), Pa, of others; ValueError if there are none."""
     own = first.dataset.peak_von_mises.transpose("shoe", "node")
     others = {**starts, **laws}
     if not others:
