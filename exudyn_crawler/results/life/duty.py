@@ -5,7 +5,7 @@ Forschungskuratorium Maschinenbau, 6th ed., 2012), whose formulas are pyLife's.
 """
 
 from pathlib import Path
-from typing import Annotated, Literal, Self, get_args
+from typing import Annotated, Any, Literal, Self, get_args
 
 import pandas as pd
 from pydantic import Field, model_validator
@@ -17,7 +17,7 @@ from fem.fatigue import Miner, SNCurve
 FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless steel", "cast steel"]
 PYLIFE_CLASSES = ("Steel", "Forg_Steel", "CaseHard_Steel", "Stainless_Steel", "GS")
 """PyLife's names of them."""
-CASTINGS = {"fkm_class": "cast steel", "casting_factor": 1.25, "scatter": 1.4}
+CASTINGS: dict[str, Any] = {"fkm_class": "cast steel", "casting_factor": 1.25, "scatter": 1.4}
 MEGA, MICRO, MILLI = 1e6, 1e-6, 1e-3
 
 
