@@ -112,11 +112,9 @@ def writable_folder(path: Path) -> Path:
 
 
 COMPRESSION = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
-"""Of every variable of a NetCDF file; higher levels take longer and save little. A checksum tells of altered
-bytes."""
+"""Of every variable of a NetCDF file; higher levels save little. A checksum tells of altered bytes."""
 CHUNK_BYTES = 2**18
 """Size of the chunks of a file that is written along a dimension; HDF5 holds one of every variable."""
-
 TIMES_AT_ONCE = 1000  # stored times of a file that are held in memory together
 
 
@@ -219,8 +217,7 @@ def _create(file: Any, name: str, variable: "xr.Variable", size: int) -> None:
     # nothing can be cut into chunks that holds no number
     options = {"chunks": (rows, *variable.shape[1:]), **filters} if variable.size else {}
     made = file.create_variable(name, variable.dims, variable.dtype, **options)
-    for key, value in _in_headers(variable.attrs).items():
-        made.attrs[key] = value
+    made.attrs.update(_in_headers(variable.attrs))
 
 
 class _Disk:

@@ -89,8 +89,16 @@ def _spreads(duty: Duty, histories: Sequence[History]) -> list[xr.DataArray | No
     return [None if one is None else relative_spread(one) for one in found]
 
 
-def write_fields(found: LifeResults, folder: Path, overwrite: bool) -> None:
-    """Life, how far to trust it, and damage of every node, over all places and at each, for ParaView."""
+def write_life(found: LifeResults, folder: Path, overwrite: bool = False) -> None:
+    """Write all that there is of a life into a folder: dataset, tables, fields and a page with it in 3D."""
+    write_netcdf(found.dataset, folder / LIFE, overwrite)
+    write_table(in_words(found.table), folder / TABLE, overwrite)
+    for name, tables in (
+        (MATRICES, {node: own.rainflow_matrix() for node, own in found.nodes.items()}),
+        (GROWTH, {node: own.damage_history() for node, own in found.nodes.items()}),
+    ):
+        joined = pd.concat(tables, names=["node"]).reset_index(level="node")
+        write_table(joined, folder / name, overwrite)
     data = found.dataset
     fields = {
         f"life in h, {100 * one:g} % survive": data.life.sel(survival=one) for one in data.survival.values
@@ -103,17 +111,4 @@ def write_fields(found: LifeResults, folder: Path, overwrite: bool) -> None:
     fields |= {f"damage an hour, place {shoe}": at_last.sel(shoe=shoe) for shoe in data.shoe.values}
     with whole_file(folder / FIELDS, overwrite) as temporary:
         write_vtu(temporary, found.whole.mesh, {name: np.asarray(one) for name, one in fields.items()})
-
-
-def write_life(found: LifeResults, folder: Path, overwrite: bool = False) -> None:
-    """Write all that there is of a life into a folder: dataset, tables, fields and a page with it in 3D."""
-    write_netcdf(found.dataset, folder / LIFE, overwrite)
-    write_table(in_words(found.table), folder / TABLE, overwrite)
-    for name, tables in (
-        (MATRICES, {node: own.rainflow_matrix() for node, own in found.nodes.items()}),
-        (GROWTH, {node: own.damage_history() for node, own in found.nodes.items()}),
-    ):
-        joined = pd.concat(tables, names=["node"]).reset_index(level="node")
-        write_table(joined, folder / name, overwrite)
-    write_fields(found, folder, overwrite)
     write_life_page(found, folder / PAGE, overwrite)

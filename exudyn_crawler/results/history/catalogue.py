@@ -138,10 +138,7 @@ def axes(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
 
 
 def terrain_deformation(case: Case, dataset: xr.Dataset) -> xr.DataArray:
-    """Sum of all spring deformations from what they were at first, positive upward: dimension time, m.
-
-    Every spring of a unit deforms by the heave and, with opposite signs, by the tilt.
-    """
+    """Sum of the springs' deformations since the start, upward, (time,), m; those by tilts cancel out."""
     # of a history that does not fit into memory, the motion of all units does not either
     parts = [part.unit_heave.sum("unit") for part in blocks(dataset[["unit_heave"]])]
     total = case.terrain.springs_per_unit * xr.concat(parts, "time")

@@ -32,7 +32,11 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
         sizes = _size(values) / size
         at, of, time = _extreme(sizes)
         rows.append({"result": result, "value": float(sizes.isel(at)), "of": of, "at": time, "unit": unit})
-    rows.append({"result": "way", **_way(history), "at": history.duration, "unit": "m"})
+    # of the front shoe, or of the side frame that rolls over the shoes
+    rolled = history.case.is_rolled
+    way = history.side_frame_way if rolled else history.displacement.isel(shoe=-1)
+    of, value = "side frame" if rolled else f"shoe {int(history.shoe[-1])}", float(_size(way.isel(time=-1)))
+    rows.append({"result": "way", "value": value, "of": of, "at": history.duration, "unit": "m"})
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
 
 
@@ -41,14 +45,6 @@ def _size(values: xr.DataArray) -> xr.DataArray:
     if "axis" in values.dims:
         return ((values**2).sum("axis")) ** 0.5
     return abs(values) if values.attrs.get("units") == "N" else values
-
-
-def _way(history: History) -> dict[str, object]:
-    """How far the front shoe, or the side frame that rolls over the shoes, has moved."""
-    rolled = history.case.is_rolled
-    way = history.side_frame_way if rolled else history.displacement.isel(shoe=-1)
-    of = "side frame" if rolled else f"shoe {int(history.shoe[-1])}"
-    return {"value": float(_size(way.isel(time=-1))), "of": of}
 
 
 def _extreme(values: xr.DataArray, which: str = "greatest") -> tuple[dict[str, int], str, float]:

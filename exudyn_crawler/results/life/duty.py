@@ -54,12 +54,7 @@ class FatigueMaterial(Parameters):
     )
     survival: float = quantity("1", "part that survives the strength (FKM: 0.975)", gt=0, lt=1, default=0.975)
     fatigue_strength: float | None = quantity(
-        "Pa",
-        "amplitude at R = -1 at the knee, of a polished specimen; none: FKM's part of R_m",
-        (5e7, 1e9),
-        ge=1e6,
-        le=1e10,
-        default=None,
+        "Pa", "amplitude at the knee, R = -1, polished; none: FKM", (5e7, 1e9), ge=1e6, le=1e10, default=None
     )
     mean_sensitivity: float | None = quantity(
         "1", "M of mean stresses; none: FKM 4.4.2.1.2", plausible=(0.0, 0.8), ge=0, lt=1, default=None

@@ -54,11 +54,6 @@ def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
     return used
 
 
-def positions_of(runs: Sequence[UsedRun]) -> list[int]:
-    """Places in the track that have a flexible shoe."""
-    return list(runs[0].history.case.flexible_shoes().shoes)
-
-
 def _part(run: DutyRun, history: History) -> History:
     """Part of a run's history that a duty repeats."""
     duration = history.duration
@@ -158,18 +153,17 @@ def node_lives(
     duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, nodes: Sequence[int]
 ) -> dict[int, NodeLife]:
     """Cycles and causes at some nodes, with stresses at full rank."""
-    positions = positions_of(runs)
     cycles: dict[int, list[pd.DataFrame]] = {node: [] for node in nodes}
     by_criterion = {node: dict.fromkeys(map(str, SIGNED_CRITERIA), 0.0) for node in nodes}
     for one in runs:
-        often = one.times_an_hour / len(positions)
+        often = one.times_an_hour / len(one.basis.coordinates)
         counting = one.counting(curve, duty.survivals[-1:])
-        for shoe in positions:
+        for shoe, q in one.basis.coordinates.items():
             loads = one.basis.by_load(shoe)
             for node in nodes:
                 modes = one.basis.shapes.stress_modes[node]
-                by_load = {load: q @ modes.T for load, q in loads.items()}
-                stress = one.basis.coordinates[shoe] @ modes.T
+                by_load = {load: part @ modes.T for load, part in loads.items()}
+                stress = q @ modes.T
                 cycles[node].append(_cycles(duty, curve, one, shoe, often, stress, by_load))
                 for criterion in SIGNED_CRITERIA:
                     found = counting.damage(signed_signals(criterion, stress.T[None])).sum()

@@ -1,8 +1,7 @@
 """Life of the shoes in machine hours, at every node of their surface, over the runs of a duty.
 
-A shoe takes every place in the track in turn, so that its damage is the mean over the places at which the
-runs have flexible shoes. Each run is counted as it repeats itself; what goes from one run to another is a
-cycle between their extremes, as often as the duty says.
+A shoe takes every place in the track in turn: its damage is the mean over those of the flexible shoes. Each
+run repeats itself; from one to another goes a cycle between their extremes, as often as the duty says.
 """
 
 import operator
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty
-from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, positions_of, used_runs
+from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, used_runs
 from exudyn_crawler.results.stress import hot_spots
 from fem import Shapes, SNCurve, critical_plane, trust
 from fem.damage import damage_between, recover_damage
@@ -63,7 +62,7 @@ def life_of(
     node is not of the surface.
     """
     runs = used_runs(duty, histories)
-    whole, positions = runs[0].basis.shapes, positions_of(runs)
+    whole, positions = runs[0].basis.shapes, list(runs[0].basis.coordinates)
     inside = sorted(set(duty.nodes) - set(whole.mesh.surface_nodes.tolist()))
     if inside:
         raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
@@ -143,17 +142,17 @@ def _on_critical_planes(
     duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, nodes: NDArray
 ) -> tuple[NDArray, NDArray]:
     """Damage an hour (survivals, nodes) on the critical planes of some nodes, and normals (nodes, 3)."""
-    mesh, positions = runs[0].basis.shapes.mesh, positions_of(runs)
+    mesh = runs[0].basis.shapes.mesh
     normals = critical_plane.surface_normals(mesh)
 
     def damage_on(nodes: NDArray, angles: NDArray) -> NDArray:
         found = np.zeros((*angles.shape, len(duty.survivals)))
         for one in runs:
             counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
-            for shoe in positions:
-                modes, q = one.basis.shapes.stress_modes, one.basis.coordinates[shoe]
+            modes, coordinates = one.basis.shapes.stress_modes, one.basis.coordinates
+            for q in coordinates.values():
                 each = critical_plane.damage_on_planes(modes, q, normals, angles, counting, nodes)
-                found += one.times_an_hour / len(positions) * each
+                found += one.times_an_hour / len(coordinates) * each
         return found
 
     planes = critical_plane.critical_planes(damage_on, nodes)

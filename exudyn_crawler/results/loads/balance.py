@@ -80,10 +80,7 @@ def _side_frame(history: History, frame: Undercarriage) -> _Motion:
 
 
 def shoe_actions(history: History) -> xr.Dataset:
-    """What acts on every shoe, by its kind as of `ROLLED_KINDS`, both links of a shoe together.
-
-    `force` (N) and `moment` about the origin of the shoe's frame (N m), both (source, time, shoe, axis).
-    """
+    """What acts on shoes by kind: `force`, N, `moment` about the frame, N m, (source, time, shoe, axis)."""
     position = history.position.values
     kinds = ROLLED_KINDS if history.case.is_rolled else KINDS
     forces = np.zeros((len(kinds), *position.shape))

@@ -1,12 +1,11 @@
 """What the stress of a history is the product of: columns of displacement and stress, and coordinates.
 
-The columns are all modes and, where the case asks for them, static fields: what the static answers to the
-loads of this history have beyond those of the modes. Their coordinates are products of those of the shoe's
-unit loads (`results.loads.load_map`) with what each unit load makes of the columns.
-
-Static fields have fewer and smoother unit loads than the shoe, since each takes a static solution of the
-finite elements: a coarser grid of tractions that change evenly between its points, and stations of each rail
-with a pressure about them. `StaticLoads.shares` turns the shoe's into these, with the same forces.
+The columns are all modes and, where the case asks for them, static fields: what static answers to the loads
+of this history have beyond the modes. Their coordinates are products of those of the shoe's unit loads with
+what each makes of the columns. Static fields have fewer and smoother unit loads than the shoe, since each
+takes a static solution of the finite elements: a coarser grid of tractions that change evenly between its
+points, and stations of each rail with a pressure about them. `StaticLoads.shares` turns the shoe's into
+these, with the same forces.
 """
 
 from collections.abc import Mapping, Sequence
@@ -137,10 +136,7 @@ class StressBasis:
 
 
 def stress_basis(history: History, shoes: Sequence[int] | None = None) -> StressBasis:
-    """Columns and coordinates of the stress of flexible shoes, of all of them if not said otherwise.
-
-    ValueError if the history has no flexible shoes, or one of the shoes is not among them.
-    """
+    """Columns and coordinates of the stress of flexible shoes, by default of all; ValueError for others."""
     if history.case.flexible is None:
         raise ValueError("the history has no flexible shoes")
     chosen = list(history.case.flexible.shoes if shoes is None else shoes)

@@ -9,6 +9,7 @@ import shutil
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count, takewhile
 from pathlib import Path
 from sys import intern
 from typing import Any, NamedTuple
@@ -133,10 +134,7 @@ class Checkpoints:
         first = 0
         if self._earlier.is_file() and not self._file(0).is_file():
             first = min((int(path.stem.removeprefix("stage_")) for path in self._all()), default=0)
-        files: list[Path] = []
-        while (path := self._file(first + len(files))).is_file():
-            files.append(path)
-        return files
+        return list(takewhile(Path.is_file, map(self._file, count(first))))
 
     def _all(self) -> Iterator[Path]:
         return self.folder.glob("stage_[0-9]*[0-9].npz")

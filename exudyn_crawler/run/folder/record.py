@@ -1,7 +1,4 @@
-"""What a run reports and records while it works in a folder, which one process at a time may do.
-
-`run.json` has versions, machine, timing and outcome, `run.log` what went on.
-"""
+"""What a run reports and records (`run.json`, `run.log`) while it works in a folder, which it holds."""
 
 import importlib.metadata
 import json
