@@ -37,6 +37,7 @@ COMMANDS = (
     "pin-forces",
     "shoe-loads",
     "compare",
+    "ground",
     "life",
     "spread",
     "sweep",
@@ -101,9 +102,25 @@ def test_every_command_is_among_those_tested(call):
     _, out, _ = call("--help")
     own = {command.callback.__name__.replace("_", "-") for command in cli.app.registered_commands}
     looking = {"report", "animate", "node-stress", "pin-forces", "shoe-loads", "compare"}
-    assert own == {"init", "info", "run", "life", "spread", "sweep"} | looking
+    assert own == {"init", "info", "run", "ground", "life", "spread", "sweep"} | looking
     assert own | set(registered(GROUP)) == set(COMMANDS)
     assert all(name in out for name in COMMANDS)
+
+
+def test_a_law_of_the_ground_is_drawn_from_its_file(call, tmp_path):
+    (tmp_path / "sand.toml").write_text('model = "bekker"\nbase = "lete_sand"\ncohesion = 2e3\n')
+    code, out, _ = call("ground", "sand.toml")
+    assert (code, (tmp_path / "sand.png").stat().st_size > 10_000) == (0, True)
+    assert "sand.png" in out
+    for text, words in (
+        ('model = "clay"', ("law.toml", "model", "bekker, rock", "'clay'")),
+        ('model = "rock"\nbase = "hard_floor"\nfriction = -1.0', ("law.toml", "friction", "-1")),
+        ('model = "bekker"\nbase = "hard_floor"', ("law.toml", "base", "'oil_sand_low'")),
+    ):
+        (tmp_path / "law.toml").write_text(text)
+        code, _, err = call("ground", "law.toml")
+        assert code != 0
+        assert_one_line(err, *words)
 
 
 ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso"}

@@ -146,6 +146,26 @@ def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
 
 
 @command
+def ground(
+    file: Annotated[Path, typer.Argument(help="file of a law of the ground", metavar="LAW.toml")],
+    out: Annotated[
+        Path | None, typer.Option(help="picture to write; one beside the file, if not given")
+    ] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Draw a law of the ground: pressure over sinkage with unloading, shear over slip with a reversal.
+
+    Example: exudyn-crawler ground oil_sand.toml
+    """
+    from exudyn_crawler.ground.cells.laws import read_law
+    from exudyn_crawler.views.figures import law_figure
+    from exudyn_crawler.views.style import save_figure
+
+    figure = law_figure(read_law(file), file.stem)
+    application.report_made(save_figure(figure, out or file.with_suffix(".png"), overwrite))
+
+
+@command
 def life(
     duty: Annotated[Path, typer.Argument(help="duty file", metavar="DUTY.toml")],
     out: Annotated[

@@ -13,6 +13,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
 from exudyn_crawler.results.history.history import History, RunPhase, common_phases
 from exudyn_crawler.results.stress.recovery import StressResults
@@ -90,6 +91,15 @@ def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase]
         if len(labels) > 1:
             close = {"columnspacing": 1.2, "handlelength": 1.4}
             figure.legend(handles, labels, loc="lower center", ncols=len(labels), **close)
+    return figure
+
+
+def law_figure(law: CellLaw, title: str) -> Figure:
+    """Curves of a law of the ground, as it draws them."""
+    with mpl.rc_context(style.STYLE):
+        figure = Figure(figsize=(PANEL_WIDTH, 0.4 * PANEL_WIDTH))
+        law.draw(*figure.subplots(1, 2))
+        figure.suptitle(title, x=0.01, ha="left", parse_math=False)
     return figure
 
 

@@ -180,12 +180,12 @@ class CellLaw(Parameters):
             deep = self.drive(np.array([middle]), np.zeros(1))[0][0] > DRAWN
             low, high = (low, middle) if deep else (middle, high)
         turns = high * np.array([0.0, 0.6, 0.3, 1.0, 0.5, 0.0])
-        depths = np.concatenate([np.linspace(a, b, 60) for a, b in pairwise(turns)])
+        depths = np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(turns)])
         pressure.plot(1e3 * depths, 1e-3 * self.drive(depths, np.zeros_like(depths))[0])
         pressure.set(xlabel="sinkage, mm", ylabel="pressure, kPa")
         K = self.shear_deformation
         turns = K * np.array([0.0, 3.0, 1.0, 5.0])
-        slips = np.concatenate([np.linspace(a, b, 60) for a, b in pairwise(turns)])
+        slips = np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(turns)])
         for share in (0.25, 0.5, 1.0):
             held, stress = self.drive(np.full_like(slips, share * high), slips)
             shear.plot(1e3 * slips, 1e-3 * stress, label=f"{1e-3 * held[0]:.3g} kPa")
