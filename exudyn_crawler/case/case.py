@@ -83,10 +83,9 @@ class Case(Parameters):
             )
         if terrain.heights is not None and not spheres:
             yield (
-                "terrain.heights must be None with contact.model 'pair', whose law takes no steps between "
-                "units but a smooth terrain.profile, also with flexible shoes; contact.model 'spheres' takes "
-                "steps, with rigid shoes; ground that slopes as a whole, by terrain.grade and "
-                "terrain.side_slope, goes with both"
+                "terrain.heights must be None with contact.model 'pair', which takes a terrain.profile; "
+                "contact.model 'spheres' takes steps, with rigid shoes; both take ground that slopes as a "
+                "whole, by terrain.grade and terrain.side_slope"
             )
         if terrain.profile is not None and spheres:
             yield (

@@ -81,9 +81,8 @@ def _check_workers(client: Client, runs: Path) -> None:
     try:
         client.wait_for_workers(1, timeout=WORKER_WAIT)
     except TimeoutError as error:
-        raise ValueError(
-            f"the scheduler must have a worker within {WORKER_WAIT:g} s, got none: {client.scheduler.address}"
-        ) from error
+        there = client.scheduler.address
+        raise ValueError(f"{there} must have a worker within {WORKER_WAIT:g} s, got none") from error
     # by name: a worker without the package fails on the import, which is reported apart
     for where, answer in client.run(_versions_here, on_error="return").items():
         if isinstance(answer, BaseException):

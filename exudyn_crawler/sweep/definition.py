@@ -11,7 +11,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import qmc
@@ -178,9 +177,8 @@ def _versions() -> list[str]:
 def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: int) -> list[Row]:
     """Values of all runs; raises `ValueError` if their number does not fit the design.
 
-    A grid has every value with every other; a list the first values of all, the second ones and so on. The
-    others draw `runs` points with a seed: by `scipy.stats.qmc`, or (saltelli) those of SALib by which Sobol
-    indices are estimated best (Saltelli 2002), as many again for every `Vary` and once more.
+    Samples draw `runs` points: by `scipy.stats.qmc`, or (saltelli) those of SALib by which Sobol indices are
+    estimated best (Saltelli 2002), as many again for every `Vary` and once more.
     """
     if design in SAMPLED:
         if runs is None:
@@ -202,14 +200,12 @@ def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: 
 def _points(design: Design, dimensions: int, runs: int, seed: int) -> NDArray:
     """Points in the unit cube: array (points, dimensions)."""
     if design == "latin_hypercube":
-        return qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(runs)
+        return qmc.LatinHypercube(dimensions, rng=seed).random(runs)
     if runs & (runs - 1):
-        lower = 1 << (runs.bit_length() - 1)
-        raise ValueError(
-            f"runs must be a power of 2 with design {design!r}, such as {lower} or {2 * lower}, got {runs}"
-        )
+        like = f"such as {1 << (runs.bit_length() - 1)} or {1 << runs.bit_length()}"
+        raise ValueError(f"runs must be a power of 2 with design {design!r}, {like}, got {runs}")
     if design == "sobol":
-        return qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random(runs)
+        return qmc.Sobol(dimensions, rng=seed).random(runs)
     from SALib.sample.sobol import sample  # not everybody who plans a sweep has it
 
     return sample(salib_problem(dimensions), runs, calc_second_order=False, seed=seed)

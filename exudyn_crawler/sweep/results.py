@@ -69,9 +69,8 @@ def results_dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
         shape, dimensions = [len(table)], ["run"]
     columns = {name: table[name].to_numpy(dtype=float) for name in (*names, "wall_time_s")}
     columns["run_number"] = table["run"].to_numpy()
-    dataset = xr.Dataset(
-        {name: (dimensions, values.reshape(shape)) for name, values in columns.items()}, coords=coordinates
-    )
+    data = {name: (dimensions, values.reshape(shape)) for name, values in columns.items()}
+    dataset = xr.Dataset(data, coords=coordinates)
     for name in map(str, dataset.variables):
         dataset[name].attrs |= {key: text for key, text in _attributes(table, name).items() if text}
     return dataset

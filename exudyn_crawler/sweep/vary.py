@@ -90,10 +90,8 @@ class Vary(Parameters):
             yield "settings need a name of their values, and no factor"
         counts, paths = [len(row) for row in self.settings], len(self.keys)
         if counts != [paths] * len(self.values):
-            yield (
-                f"settings must be {len(self.values)} lists, one a value, of {paths} each, "
-                f"one a path, got lists of {counts}"
-            )
+            lists = f"{len(self.values)} lists, one a value, of {paths} each, one a path"
+            yield f"settings must be {lists}, got lists of {counts}"
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -187,20 +185,17 @@ class Vary(Parameters):
         if self.unit is not None or self.factor:
             return
         for value in self.values or (self.low, self.high):
-            number = isinstance(value, int | float) and not isinstance(value, bool)
-            if number and (cause := fields.likely_cause(float(value), entry.field)):
+            if fields.is_number(value) and (cause := fields.likely_cause(float(value), entry.field)):
                 unit = f" {entry.unit}" if entry.unit else ""
-                raise ValueError(
-                    f"{path}: {value:g}{unit} is beyond what there is{cause}; if it is meant, say "
-                    f"unit = {entry.unit!r}"
-                )
+                meant = f"if it is meant, say unit = {entry.unit!r}"
+                raise ValueError(f"{path}: {value:g}{unit} is beyond what there is{cause}; {meant}")
 
 
 def _multiplied(before: Any, factor: Any) -> Any:
     """Number, or numbers of a list, times a factor."""
     if isinstance(before, list):
         return [_multiplied(one, factor) for one in before]
-    if any(isinstance(one, bool) or not isinstance(one, int | float) for one in (before, factor)):
+    if not (fields.is_number(before) and fields.is_number(factor)):
         raise ValueError(f"a factor needs numbers, got {shown(factor)} times {shown(before)}")
     product = before * factor
     if not math.isfinite(product):

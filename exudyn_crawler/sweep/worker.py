@@ -1,10 +1,8 @@
 """One run of a sweep in its folder, as a worker does it, and what became of it."""
 
 import json
-import math
 import os
 import platform
-import socket
 import time
 import warnings
 from collections.abc import Mapping
@@ -67,7 +65,7 @@ def check_versions(wanted: Mapping[str, str], there: Mapping[str, str], where: s
 
 def run_task(task: Task) -> Outcome:
     """Run a case into its folder, or what is missing of it, and answer; raises `VersionsDiffer` alone."""
-    check_versions(task.versions, own_versions(), socket.gethostname())
+    check_versions(task.versions, own_versions(), platform.node())
     begun = time.perf_counter()
     failed_before = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
     error, answers = None, {}
@@ -75,7 +73,7 @@ def run_task(task: Task) -> Outcome:
         answers = _answered(task, overwrite=task.again and failed_before)
     except Exception as raised:
         error = raised
-    here = {"host": socket.gethostname(), "process": os.getpid()}
+    here = {"host": platform.node(), "process": os.getpid()}
     outcome = write_outcome(task, error, answers, **here, wall_time_s=round(time.perf_counter() - begun, 3))
     note_file(folder_of(task.runs, task.digest) / OUTCOME)
     return outcome
@@ -131,4 +129,4 @@ def _answered(task: Task, overwrite: bool) -> dict[str, float | None]:
                     raise
                 time.sleep(1.0)
         answers = {one.label: one.of_run(run) for one in ANSWERS.validate_json(task.answers)}
-    return {name: None if math.isnan(value) else value for name, value in answers.items()}
+    return {name: None if value != value else value for name, value in answers.items()}

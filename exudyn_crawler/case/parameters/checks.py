@@ -140,4 +140,4 @@ def _numbers(value: object) -> list[float]:
         return list(value.values)
     if isinstance(value, tuple):
         return [number for one in value for number in _numbers(one)]
-    return [float(value)] if isinstance(value, int | float) and not isinstance(value, bool) else []
+    return [float(value)] if fields.is_number(value) else []

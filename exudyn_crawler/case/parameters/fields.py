@@ -8,7 +8,7 @@ import typing
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import UnionType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -216,6 +216,11 @@ def entry_at(model: BaseModel, path: KeyPath) -> Entry | None:
 def is_table(value: object) -> bool:
     """Whether a value has a table of its own; a quantity over time has not."""
     return isinstance(value, BaseModel) and not getattr(value, "is_value", False)
+
+
+def is_number(value: object) -> TypeGuard[int | float]:
+    """Whether a value is a number, which a truth value is not."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def first_line(kind: type[BaseModel]) -> str:

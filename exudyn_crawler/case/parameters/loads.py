@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import reading
+from exudyn_crawler.case.parameters import fields, reading
 from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.drive import StepProfile
 
@@ -169,14 +169,11 @@ def cycle_content(path: str | Path) -> dict[str, Any]:
 def with_equal_loads(content: Any, shoe_count: int) -> Any:
     """Content of a load cycle in which one number for all shoes, or in its place, stands for each of them."""
 
-    def is_load(value: Any) -> bool:
-        return isinstance(value, int | float) and not isinstance(value, bool)
-
     def spread(phase: Any) -> Any:
         load = phase.get("loads") if isinstance(phase, dict) else None
-        return phase | {"loads": [load] * shoe_count} if is_load(load) else phase
+        return phase | {"loads": [load] * shoe_count} if fields.is_number(load) else phase
 
-    if is_load(content):
+    if fields.is_number(content):
         content = {"phases": [{"name": "constant", "end": 0.0, "loads": content}]}
     match content:
         case {"phases": [*phases]}:

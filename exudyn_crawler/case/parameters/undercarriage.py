@@ -114,10 +114,7 @@ def rolled_errors(
     if drive.turn_rate is not None:
         yield "drive.turn_rate must be None with an undercarriage, whose yaw is held"
     if drive.on is not None:
-        yield (
-            "drive.on must be None with an undercarriage, which the drive moves or holds at all times; "
-            "a speed of zero is a brake"
-        )
+        yield "drive.on must be None with an undercarriage, always moved or held; a speed of zero is a brake"
     if any(load != 0.0 for phase in loads.phases for load in phase.loads):
         yield "loads must be zero on every shoe with an undercarriage, whose rollers carry the machine"
 
@@ -125,15 +122,13 @@ def rolled_errors(
 def length_errors(frame: Undercarriage, chain: track.Track, drive: Drive, time: float) -> Errors:
     """Rollers or tumbler off the track at a time (s)."""
     first, last = chain.first_com[0], chain.first_com[0] + (chain.shoe_count - 1) * chain.pitch
-    pins = first + chain.pin_ahead, last - chain.pitch + chain.pin_ahead
-    parts = (
-        ("rear roller", frame.rollers[0], (first, last)),
-        ("front roller", frame.rollers[-1], (first, last)),
-        ("tumbler", frame.tumbler, pins),
-    )
-    travel = drive.travel(time)
-    for name, place, (least, greatest) in parts:
-        x = frame.start + travel + place
+    rear_pin, front_pin = first + chain.pin_ahead, last - chain.pitch + chain.pin_ahead
+    for name, place, least, greatest in (
+        ("rear roller", frame.rollers[0], first, last),
+        ("front roller", frame.rollers[-1], first, last),
+        ("tumbler", frame.tumbler, rear_pin, front_pin),
+    ):
+        x = frame.start + drive.travel(time) + place
         if not least <= x <= greatest:
             yield (
                 f"track must be long enough for the drive: at t = {time:.3g} s the {name} is at "
@@ -244,10 +239,8 @@ class MachineCycle(Cycle):
                 stand = f"the rollers stand from {rear:g} to {front:g} m"
                 yield f"{at}s weight acts at x = {x:.3g} m, {stand}: it tips"
             if abs(y) > TIPPING:
-                yield (
-                    f"{at}s weight acts {y:.3g} m beside the middle of "
-                    f"the track, more than {TIPPING} m: the side frame tips"
-                )
+                aside = f"{y:.3g} m beside the middle of the track, more than {TIPPING} m"
+                yield f"{at}s weight acts {aside}: the side frame tips"
 
 
 def _loads(shovel: Shovel, pose: Pose, down: NDArray) -> tuple[NDArray, NDArray]:
