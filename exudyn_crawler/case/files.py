@@ -42,13 +42,11 @@ def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     CaseFileError
         Naming every key at fault by its path, and what is allowed there.
     """
-    folder = Path(path).parent
-    return reading.read_parameters(
-        path,
-        CaseFile,
-        "case file",
-        lambda content: _resolved(content, folder, [_change(change) for change in changes]),
-    )
+
+    def values(content: Content) -> Content:
+        return _resolved(content, Path(path).parent, [_change(change) for change in changes])
+
+    return reading.read_parameters(path, CaseFile, "case file", values)
 
 
 def case_of(entry: Any, path: Path) -> CaseFile:

@@ -103,10 +103,9 @@ class Shoe(Parameters):
     def uneven(cls, unevenness: float = UNEVENNESS) -> Self:
         """Shoe of the rigid studies whose underside's middle lies right of its COM and its load, by m."""
         even = cls.kinematics()
-        return even.with_(
-            underside_center=(even.underside_center[0], even.underside_center[1] - unevenness),
-            finger_sides=tuple(y - unevenness for y in even.finger_sides),
-        )
+        x, y = even.underside_center
+        sides = tuple(side - unevenness for side in even.finger_sides)
+        return even.with_(underside_center=(x, y - unevenness), finger_sides=sides)
 
     @classmethod
     def from_mesh(
@@ -137,8 +136,8 @@ class Shoe(Parameters):
         from meshes.checks import check_extent, check_surfaces
         from meshes.rails import rail_outline
 
-        found = mesh_named(mesh) if isinstance(mesh, str) else with_load_surfaces(mesh)
         name = mesh if isinstance(mesh, str) else ""
+        found = mesh_named(mesh) if isinstance(mesh, str) else with_load_surfaces(mesh)
         check_extent(found, name)
         check_surfaces(found, load_surface, name)
         body = ElasticBody(found, replace(STEEL, density=density))
