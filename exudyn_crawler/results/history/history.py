@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, LoadCycle, MachineCycle
 from exudyn_crawler.results.history import catalogue, files
-from exudyn_crawler.results.history.catalogue import DERIVED, QUANTITIES
 from fem.interrupts import interrupts_wait
 
 MOST_IN_MEMORY = 10**9  # bytes of a history that are read at once: 280 s of 13 rigid shoes, stored every 2 ms
@@ -44,13 +43,13 @@ class History:
         variables = self.dataset.variables if "dataset" in vars(self) else {}
         if name in variables and not name.startswith("_"):
             return self.dataset[name]
-        if variables and name in DERIVED:
+        if variables and name in catalogue.DERIVED:
             return self.quantity(name)
         raise AttributeError(f"a history has no {name!r}; it has {sorted(map(str, variables))}")
 
     def __dir__(self) -> list[str]:
         """Attributes, for completion: those of every object and the variables."""
-        derived = [name for name in DERIVED if self.has(name)]
+        derived = [name for name in catalogue.DERIVED if self.has(name)]
         return [*super().__dir__(), *map(str, self.dataset.variables), *derived]
 
     def _repr_html_(self) -> str:
@@ -65,7 +64,7 @@ class History:
 
     def has(self, name: str, stress: xr.Dataset | None = None) -> bool:
         """Whether `quantity` gives a quantity of the catalogue."""
-        quantity = QUANTITIES[name]
+        quantity = catalogue.QUANTITIES[name]
         if quantity.lacking(self.case):
             return False
         derives = quantity.is_derived and all(self.has(one, stress) for one in quantity.derived_from)
@@ -84,14 +83,14 @@ class History:
         ValueError
             For a name that the catalogue does not have, or what the case or its stresses do not have.
         """
-        if name not in QUANTITIES:
-            near = difflib.get_close_matches(name, QUANTITIES, n=1, cutoff=0.0)
+        if name not in catalogue.QUANTITIES:
+            near = difflib.get_close_matches(name, catalogue.QUANTITIES, n=1, cutoff=0.0)
             raise ValueError(f"there is no quantity {name!r}; the nearest is {near[0]!r}")
         if not self.has(name, stress):
-            lacking = QUANTITIES[name].lacking(self.case) or "more than a history: stresses, say"
+            lacking = catalogue.QUANTITIES[name].lacking(self.case) or "more than a history: stresses, say"
             raise ValueError(f"{name} needs {lacking}")
-        if QUANTITIES[name].is_derived:
-            return catalogue.with_meaning(name, DERIVED[name](self.case, self.dataset))
+        if catalogue.QUANTITIES[name].is_derived:
+            return catalogue.with_meaning(name, catalogue.DERIVED[name](self.case, self.dataset))
         return self.dataset[name] if stress is None or name not in stress else stress[name]
 
     def over_time(self, names: Iterable[str], stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:

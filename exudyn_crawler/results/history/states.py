@@ -13,8 +13,7 @@ from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, pin_name
-from exudyn_crawler.results.history import files
-from exudyn_crawler.results.history.catalogue import select, variable
+from exudyn_crawler.results.history import catalogue, files
 from exudyn_crawler.results.history.history import History
 
 if TYPE_CHECKING:
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 
 AXES = ["x", "y", "z"]
 
-CONTACTS = select(per="pair", files="history")  # variables of every contact
+CONTACTS = catalogue.select(per="pair", files="history")  # variables of every contact
 
 NEIGHBOURS = ("behind", "ahead")
 """Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
@@ -48,7 +47,7 @@ def system_history(system: "TrackSystem", rows: NDArray) -> History:
     values["shoe_load"] = case.loads.loads(time)
     if system.treads is not None:
         values |= _rolled(states, system.treads)
-    variables = {name: variable(name, one) for name, one in values.items()}
+    variables = {name: catalogue.variable(name, one) for name, one in values.items()}
     motion = {name: variables.pop(name) for name in files.TERRAIN_COORDINATES if name in variables}
     dataset = xr.Dataset(
         variables,

@@ -13,8 +13,7 @@ from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.stress.basis import StressBasis
-from fem import OneOfEach, Peaks, Shapes, hot_spots, judged
-from fem.critical_plane import normal_stress_rows
+from fem import OneOfEach, Peaks, Shapes, critical_plane, hot_spots, judged
 from fem.damage import SignedCriterion
 from fem.stress import von_mises
 
@@ -89,7 +88,7 @@ def stress_directions(criterion: SignedCriterion, stress: NDArray) -> NDArray:
     if criterion == "signed principal":
         values, vectors = np.linalg.eigh(stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]])
         place = np.where(values[:, 2] >= -values[:, 0], 2, 0)
-        return normal_stress_rows(vectors[np.arange(len(stress)), :, place])
+        return critical_plane.normal_stress_rows(vectors[np.arange(len(stress)), :, place])
     mean = stress[:, :3].mean(axis=1, keepdims=True)
     rows = np.concatenate((1.5 * (stress[:, :3] - mean), 3.0 * stress[:, 3:]), axis=1)
     length = np.where(mean[:, 0] < 0.0, -1.0, 1.0) * von_mises(stress)

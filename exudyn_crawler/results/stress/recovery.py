@@ -11,15 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.results.history.catalogue import QUANTITIES, Variable, variable
-from exudyn_crawler.results.history.files import case_in_file
+from exudyn_crawler.results.history import catalogue, files
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
 from exudyn_crawler.results.stress import hot_spots
 from exudyn_crawler.results.stress.basis import stress_basis, unit_stress
-from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes
+from fem import Extremes, OneOfEach, Shapes, mesh_error, recover_extremes, trust
 from fem.stress import principal, von_mises
-from fem.trust import resolution_over, verdict_numbers
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 AT_ONCE = 50  # instants whose fields are in memory together
@@ -93,8 +91,8 @@ def recover_stresses(
     dataset = xr.concat(found, dim=xr.Variable("shoe", list(coordinates)))
     dataset = dataset.transpose("time", "frame", "shoe", ...).assign(mesh.data_vars)
     dataset = dataset.assign(
-        truncation=variable("truncation", np.array(np.nan if basis.bound is None else basis.bound)),
-        frame_name=variable("frame_name", np.array(names, dtype=object)),
+        truncation=catalogue.variable("truncation", np.array(np.nan if basis.bound is None else basis.bound)),
+        frame_name=catalogue.variable("frame_name", np.array(names, dtype=object)),
     )
     dataset = dataset.assign(peak_verdict=verdicts(dataset)).assign_coords(mesh.coords)
     return StressResults(dataset, tables, by_region, whole)
@@ -130,7 +128,7 @@ def _of_shoe(
     """Stress of one shoe with coordinates q (times, columns)."""
     time, displacements = history.time.values, whole.displacement(q[frames])
     errors = [mesh_error(whole.mesh, whole.material, displacement) for displacement in displacements]
-    resolved = resolution_over(whole, q)
+    resolved = trust.resolution_over(whole, q)
     named = {
         "highest_von_mises": found.highest,
         "highest_node": found.highest_nodes,
@@ -145,7 +143,7 @@ def _of_shoe(
         "frame_displacement": displacements.astype(np.float32),
     }
     return xr.Dataset(
-        {name: variable(name, values, without=("shoe",)) for name, values in named.items()},
+        {name: catalogue.variable(name, values, without=("shoe",)) for name, values in named.items()},
         coords={
             "time": ("time", time, {"units": "s"}),
             "frame": ("frame", time[frames], {"units": "s", "long_name": "chosen instants"}),
@@ -153,7 +151,7 @@ def _of_shoe(
     )
 
 
-def verdicts(stress: xr.Dataset, more: ArrayLike = 0.0) -> Variable:
+def verdicts(stress: xr.Dataset, more: ArrayLike = 0.0) -> catalogue.Variable:
     """Verdicts on the greatest stresses of a run with `more` (shoe, node), in Pa, open of them."""
     ordered = stress.transpose("shoe", ...)
     size = np.maximum(ordered.peak_von_mises.values, np.finfo(float).tiny)
@@ -162,7 +160,9 @@ def verdicts(stress: xr.Dataset, more: ArrayLike = 0.0) -> Variable:
     part = mesh + (np.nan_to_num(float(stress.truncation)) + np.asarray(more)) / size
     part = np.where(ordered.at_load.values, np.nan, part)
     held = np.broadcast_to(stress.in_spider.values, part.shape)
-    return variable("peak_verdict", verdict_numbers(part, mesh, ordered.peak_jump.values, held))
+    return catalogue.variable(
+        "peak_verdict", trust.verdict_numbers(part, mesh, ordered.peak_jump.values, held)
+    )
 
 
 def peak_time(history: History, shoe: int) -> float:
@@ -188,9 +188,13 @@ def surface_stress(history: History, shoe: int, rows: ArrayLike) -> xr.Dataset:
     bend = np.concatenate([shapes.displacement(part)[:, used].astype("f4") for part in parts])
     return xr.Dataset(
         {
-            "von_mises": (("time", "node"), stress, QUANTITIES["frame_von_mises"].attributes),
-            "displacement": (("time", "node", "axis"), bend, QUANTITIES["frame_displacement"].attributes),
-            "node_position": variable("node_position", shapes.nodes[used]),
+            "von_mises": (("time", "node"), stress, catalogue.QUANTITIES["frame_von_mises"].attributes),
+            "displacement": (
+                ("time", "node", "axis"),
+                bend,
+                catalogue.QUANTITIES["frame_displacement"].attributes,
+            ),
+            "node_position": catalogue.variable("node_position", shapes.nodes[used]),
             "triangle": (("face", "corner"), corners.reshape(-1, 3)),
         },
         coords={"time": history.time.isel(time=np.asarray(rows)), "axis": ["x", "y", "z"]},
@@ -220,7 +224,7 @@ def node_stress(
         three finite numbers or far from the shoe, there is no such node, or neither or both are given.
     """
     # what cannot be is reported before a long history is read
-    case = history.case if isinstance(history, History) else case_in_file(Path(history))
+    case = history.case if isinstance(history, History) else files.case_in_file(Path(history))
     check_flexible(case, shoe)
     whole = whole_reduction(case).body
     number, distance = _chosen(whole, near, node)
