@@ -160,9 +160,8 @@ def verdicts(stress: xr.Dataset, more: ArrayLike = 0.0) -> catalogue.Variable:
     part = mesh + (np.nan_to_num(float(stress.truncation)) + np.asarray(more)) / size
     part = np.where(ordered.at_load.values, np.nan, part)
     held = np.broadcast_to(stress.in_spider.values, part.shape)
-    return catalogue.variable(
-        "peak_verdict", trust.verdict_numbers(part, mesh, ordered.peak_jump.values, held)
-    )
+    numbers = trust.verdict_numbers(part, mesh, ordered.peak_jump.values, held)
+    return catalogue.variable("peak_verdict", numbers)
 
 
 def peak_time(history: History, shoe: int) -> float:
@@ -185,15 +184,12 @@ def surface_stress(history: History, shoe: int, rows: ArrayLike) -> xr.Dataset:
     used, corners = np.unique(hot_spots.flat_triangles(shapes.mesh.boundary), return_inverse=True)
     parts = [q[start : start + AT_ONCE] for start in range(0, len(q), AT_ONCE)]
     stress = np.concatenate([shapes.von_mises(part, used).astype("f4") for part in parts])
+    of_stress, of_bend = (catalogue.QUANTITIES[f"frame_{name}"] for name in ("von_mises", "displacement"))
     bend = np.concatenate([shapes.displacement(part)[:, used].astype("f4") for part in parts])
     return xr.Dataset(
         {
-            "von_mises": (("time", "node"), stress, catalogue.QUANTITIES["frame_von_mises"].attributes),
-            "displacement": (
-                ("time", "node", "axis"),
-                bend,
-                catalogue.QUANTITIES["frame_displacement"].attributes,
-            ),
+            "von_mises": (("time", "node"), stress, of_stress.attributes),
+            "displacement": (("time", "node", "axis"), bend, of_bend.attributes),
             "node_position": catalogue.variable("node_position", shapes.nodes[used]),
             "triangle": (("face", "corner"), corners.reshape(-1, 3)),
         },
