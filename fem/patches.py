@@ -70,6 +70,42 @@ class Underside:
         return numbers.reshape(-1, 16), products.reshape(-1, 16)
 
 
+def hat_grid(underside: Underside, counts: tuple[int, int]) -> tuple[Floats, Floats]:
+    """Nodes of a coarse grid of an underside, and the displacements that its modes have there.
+
+    The grid's bilinear hat functions with these values are, in the mean square over the underside, as close
+    to each mode as they can be. What a unit force at a node does to the modes is then that of a traction
+    spread by hat functions, with the force and the moment of that force.
+
+    Parameters
+    ----------
+    counts : tuple of int
+        Nodes along x and along y.
+
+    Returns
+    -------
+    nodes : array (along, across, 2)
+        m, body axes.
+    rows : array (along, across, 3, modes)
+        Displacement of the nodes by the modes.
+    """
+    columns = np.array(underside.integral.shape[:2]) - 1
+    sides = columns * underside.cell
+    hats = []
+    for k, count in enumerate(counts):
+        # of each cell's middle its place in the grid's meshes
+        place = (np.arange(columns[k]) + 0.5) / columns[k] * (count - 1)
+        hats.append(np.maximum(0.0, 1.0 - np.abs(place[:, None] - np.arange(count))))
+    modes = np.diff(np.diff(underside.integral, axis=0), axis=1)
+    shares = np.einsum("xa,yb,xycm->abcm", hats[0], hats[1], modes, optimize=True)
+    mass = np.einsum("xa,xd,yb,ye->abde", hats[0], hats[0], hats[1], hats[1], optimize=True)
+    size = counts[0] * counts[1]
+    rows = np.linalg.solve(mass.reshape(size, size) * underside.cell.prod(), shares.reshape(size, -1))
+    along, across = (np.linspace(0.0, sides[k], counts[k]) + underside.corner[k] for k in range(2))
+    nodes = np.stack(np.meshgrid(along, across, indexing="ij"), axis=-1)
+    return nodes, np.ascontiguousarray(rows.reshape(shares.shape))
+
+
 def integrate_underside(positions: Floats, modes: Floats, footprint: Floats) -> Underside:
     """Integrate mode shapes over a rectangular underside.
 

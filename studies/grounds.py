@@ -42,7 +42,7 @@ def pitching(case: Case) -> Case:
 
     There two springs resist heave and pitch exactly as an evenly spread support of the same stiffness does.
     """
-    terrain = case.terrain
+    terrain = case.unit_terrain()
     return case.with_(terrain=terrain.with_(tilt="pitch", spring_offset=terrain.unit_length / 12.0**0.5))
 
 

@@ -44,7 +44,7 @@ def rolled_case(mesh: str = "study") -> Case:
         name="pass",
         shoe=case.shoe.of_mass(ph4100c.STRESS_SHOE_MASS),
         track=track,
-        terrain=ground_below(track, case.terrain),
+        terrain=ground_below(track, case.unit_terrain()),
         loads=LoadCycle.constant([0.0] * COUNT),
         flexible=FlexibleShoes.ph4100c(mesh).with_(shoes=FLEXIBLE),
         undercarriage=Undercarriage.ph4100c().with_(start=BEFORE),
@@ -157,7 +157,7 @@ def choices() -> dict[str, Case]:
         "tumbler in front": frame.with_(tumbler=-frame.tumbler),
     }
     cases = {name: case.with_(name=name, undercarriage=one) for name, one in changed.items()}
-    springs = case.terrain.with_(spring_stiffness=FIRM * case.terrain.spring_stiffness)
+    springs = case.unit_terrain().with_(spring_stiffness=FIRM * case.unit_terrain().spring_stiffness)
     contact = case.pair_contact()
     contact = contact.with_(stiffness=FIRM * contact.stiffness)
     return cases | {

@@ -7,6 +7,7 @@ lives for a second, in which a shoe moves by a tenth of its length.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import cast
 
 import numpy as np
 import scipy.linalg
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from exudyn_crawler import Case
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.model.state import pin_name
@@ -115,11 +117,11 @@ def check_sliding(case: Case, speed: float) -> None:
         raise ValueError(
             "terrain.side_slope must be 0: a track that slides along x slips down a side slope, too"
         )
-    if case.terrain.profile is not None:
+    if case.unit_terrain().profile is not None:
         raise ValueError("terrain.profile must be None: a track has no steady state over hills")
     if case.drive.turn_rate is not None:
         raise ValueError("drive.turn_rate must be None: a track that turns has no steady state")
-    if case.terrain.tilt == "roll":
+    if case.unit_terrain().tilt == "roll":
         raise ValueError("terrain.tilt must be 'pitch': units that roll push a track off their middle aside")
 
 
@@ -212,7 +214,7 @@ def _state(
     system: CompiledSystem, q: NDArray, q_t: NDArray, multipliers: NDArray, speed: float
 ) -> SteadySliding:
     shoes, layout = system.case.track.shoe_count, system.layout
-    forces = system.contact.forces(q, q_t)[: 6 * shoes].reshape(-1, 6)
+    forces = cast(PairGroundContact, system.contact).forces(q, q_t)[: 6 * shoes].reshape(-1, 6)
     tension = np.zeros(shoes - 1)
     for link in range(1, shoes):
         for name in filter(layout.has, (pin_name(side, link) for side in SIDES)):

@@ -90,7 +90,7 @@ def _dataset(state: SteadySliding, values: NDArray, shapes: NDArray) -> xr.Datas
             "mode": np.arange(1, len(values) + 1),
             "shoe": case.track.shoes,
             "joint": case.track.joints,
-            "unit": case.terrain.units,
+            "unit": case.unit_terrain().units,
             "coordinate": COORDINATES,
             "motion": ["heave", "tilt"],
         },
@@ -172,7 +172,7 @@ def even_ground(stiffness: float = 1e11) -> Case:
     (_, length), (_, width) = case.terrain.bounds
     sides = {"columns": 1, "rows": 1, "unit_length": length, "unit_width": width}
     springs = {"spring_stiffness": stiffness, "spring_damping": 0.01 * stiffness, "spring_offset": 20.0}
-    return case.with_(name="even", terrain=case.terrain.with_(**sides, **springs))
+    return case.with_(name="even", terrain=case.unit_terrain().with_(**sides, **springs))
 
 
 def grounds() -> dict[str, Case]:

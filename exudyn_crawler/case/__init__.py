@@ -9,12 +9,15 @@ from exudyn_crawler.case.case_file import CaseFile as CaseFile
 from exudyn_crawler.case.case_file import Outputs as Outputs
 from exudyn_crawler.case.files import read_case as read_case
 from exudyn_crawler.case.files import write_case as write_case
+from exudyn_crawler.case.parameters.cells import CellContact as CellContact
+from exudyn_crawler.case.parameters.cells import CellTerrain as CellTerrain
 from exudyn_crawler.case.parameters.contact import PairContact as PairContact
 from exudyn_crawler.case.parameters.contact import SphereContact as SphereContact
 from exudyn_crawler.case.parameters.drive import Drive as Drive
 from exudyn_crawler.case.parameters.drive import Solver as Solver
 from exudyn_crawler.case.parameters.drive import StepProfile as StepProfile
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes as FlexibleShoes
+from exudyn_crawler.case.parameters.heights import Heights as Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle as LoadCycle
 from exudyn_crawler.case.parameters.loads import Phase as Phase
 from exudyn_crawler.case.parameters.terrain import Terrain as Terrain

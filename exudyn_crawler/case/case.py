@@ -1,20 +1,36 @@
 """Everything that a run depends on."""
 
-from typing import Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import Discriminator, Field, Tag
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import undercarriage as rolled
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
-from exudyn_crawler.case.parameters.contact import Contact, PairContact, SphereContact
+from exudyn_crawler.case.parameters.cells import CellContact, CellTerrain, SoilLaw
+from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
+from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import MachineCycle, Undercarriage
+
+
+def _kind_of_terrain(values: Any) -> str:
+    """Model of a terrain or of its table; units where it names none."""
+    model = values.get("model", "units") if isinstance(values, dict) else getattr(values, "model", "units")
+    return str(model)
+
+
+AnyTerrain = Annotated[
+    Annotated[Terrain, Tag("units")] | Annotated[CellTerrain, Tag("cells")], Discriminator(_kind_of_terrain)
+]
+Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminator="model")]
+"""How shoes and terrain touch."""
 
 
 class Case(Parameters):
@@ -30,8 +46,8 @@ class Case(Parameters):
     name: Name = option("name of the case in results and figures", "case")
     shoe: Shoe
     track: Track
-    terrain: Terrain
-    contact: Contact = option("how shoes and terrain touch: model pair or spheres")
+    terrain: AnyTerrain = option("ground: model units or cells")
+    contact: Contact = option("how shoes and terrain touch: model pair, spheres or cells")
     drive: Drive
     loads: LoadCycle
     flexible: FlexibleShoes | None = None
@@ -74,26 +90,18 @@ class Case(Parameters):
                     "shoes go with contact.model 'pair' on even ground or a smooth terrain.profile, which "
                     "both may slope as a whole by terrain.grade and terrain.side_slope"
                 )
-        small = terrain.unit_length < shoe.length or terrain.unit_width < shoe.width
-        if isinstance(contact, PairContact) and contact.normal == "area" and small:
+        if isinstance(terrain, Terrain):
+            yield from self._unit_errors(terrain, spheres)
+        if (terrain.model == "cells") != (contact.model == "cells"):
             yield (
-                f"contact.normal must be 'face' on units of {terrain.unit_length:g} x {terrain.unit_width:g} "
-                f"m, smaller than a shoe of {shoe.length:g} x {shoe.width:g} m: units under one shoe "
-                "would push each other aside through it, with 30 to 160 kN at rest"
+                "contact.model must be 'cells' on terrain.model 'cells' and on no other, got "
+                f"{contact.model!r} on {terrain.model!r}"
             )
-        if terrain.heights is not None and not spheres:
+        elif contact.model == "cells" and not self.is_compiled:
             yield (
-                "terrain.heights must be None with contact.model 'pair', which takes a terrain.profile; "
-                "contact.model 'spheres' takes steps, with rigid shoes; both take ground that slopes as a "
-                "whole, by terrain.grade and terrain.side_slope"
+                "formulation 'engine' and terrain_formulation 'constrained' do not go with a terrain of "
+                "cells, which the compiled equations alone carry"
             )
-        if terrain.profile is not None and spheres:
-            yield (
-                "terrain.profile must be None with contact.model 'spheres', which takes terrain.heights; "
-                "contact.model 'pair' takes a profile"
-            )
-        if terrain.profile is not None and not reduced:
-            yield "terrain_formulation must be 'reduced' on a terrain.profile, got 'constrained'"
         if self.undercarriage is not None and not self.is_compiled:
             yield (
                 "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
@@ -114,6 +122,30 @@ class Case(Parameters):
                 yield from self.machine.balance_errors(self.undercarriage, self.gravity_vector())
         yield from self._support_errors(0.0)
 
+    def _unit_errors(self, terrain: Terrain, spheres: bool) -> Errors:
+        """What does not go with a terrain of units."""
+        shoe, contact, reduced = self.shoe, self.contact, self.terrain_formulation == "reduced"
+        small = terrain.unit_length < shoe.length or terrain.unit_width < shoe.width
+        if isinstance(contact, PairContact) and contact.normal == "area" and small:
+            yield (
+                f"contact.normal must be 'face' on units of {terrain.unit_length:g} x {terrain.unit_width:g} "
+                f"m, smaller than a shoe of {shoe.length:g} x {shoe.width:g} m: units under one shoe "
+                "would push each other aside through it, with 30 to 160 kN at rest"
+            )
+        if terrain.heights is not None and not spheres:
+            yield (
+                "terrain.heights must be None with contact.model 'pair', whose law takes no steps between "
+                "units but a smooth terrain.profile; contact.model 'spheres' takes steps, with rigid shoes; "
+                "both take ground that slopes as a whole, by terrain.grade and terrain.side_slope"
+            )
+        if terrain.profile is not None and spheres:
+            yield (
+                "terrain.profile must be None with contact.model 'spheres', which takes terrain.heights; "
+                "contact.model 'pair' takes a profile"
+            )
+        if terrain.profile is not None and not reduced:
+            yield "terrain_formulation must be 'reduced' on a terrain.profile, got 'constrained'"
+
     def _sphere_errors(self, radius: float) -> Errors:
         """Spheres that cannot carry the shoes."""
         if not self.mean_load > 0.0:
@@ -126,7 +158,8 @@ class Case(Parameters):
                 f"contact.radius must exceed the settled penetration of the most loaded shoe, "
                 f"{depth:.4g} m, got {radius}: its spheres would sink through the ground"
             )
-        side = 0.25 * min(self.terrain.unit_length, self.terrain.unit_width)
+        terrain = self.unit_terrain()
+        side = 0.25 * min(terrain.unit_length, terrain.unit_width)
         if radius > side:
             yield f"contact.radius must not exceed a quarter of a unit's side, {side:g} m, got {radius}"
 
@@ -147,7 +180,7 @@ class Case(Parameters):
     @property
     def is_compiled(self) -> bool:
         """Whether a run takes the compiled equations of motion."""
-        can_be = isinstance(self.contact, PairContact) and self.terrain_formulation == "reduced"
+        can_be = not isinstance(self.contact, SphereContact) and self.terrain_formulation == "reduced"
         return can_be and self.formulation != "engine"
 
     def flexible_shoes(self) -> FlexibleShoes:
@@ -155,6 +188,24 @@ class Case(Parameters):
         if self.flexible is None:
             raise ValueError(f"flexible must be given, got a case of rigid shoes only, {self.name!r}")
         return self.flexible
+
+    def unit_terrain(self) -> Terrain:
+        """Terrain of units of the case; raises `ValueError` if it is one of cells."""
+        if not isinstance(self.terrain, Terrain):
+            raise ValueError(f"terrain.model must be 'units', got {self.terrain.model!r}")
+        return self.terrain
+
+    def cell_terrain(self) -> CellTerrain:
+        """Terrain of cells of the case; raises `ValueError` if it is one of units."""
+        if not isinstance(self.terrain, CellTerrain):
+            raise ValueError(f"terrain.model must be 'cells', got {self.terrain.model!r}")
+        return self.terrain
+
+    def cell_contact(self) -> CellContact:
+        """Contact with cells of the case; raises `ValueError` if it is another."""
+        if isinstance(self.contact, CellContact):
+            return self.contact
+        raise ValueError(f"contact.model must be 'cells', got {self.contact.model!r}")
 
     def pair_contact(self) -> PairContact:
         """Pair law of the case; raises `ValueError` if its contact is another."""
@@ -200,6 +251,9 @@ class Case(Parameters):
     @property
     def settled_penetration(self) -> float:
         """Penetration of an evenly carried shoe under the mean load, m."""
+        if isinstance(self.contact, CellContact):
+            sides = self.shoe.length, self.shoe.width
+            return self.contact.law.sinkage(max(self.mean_load, 0.0) / (sides[0] * sides[1]), min(sides))
         return float(self.contact.settled_depth(self.mean_load))
 
     @property
@@ -277,6 +331,30 @@ class Case(Parameters):
             solver=Solver(step=5e-3, output_interval=5e-3),
         )
 
+    def on_cells(self, law: SoilLaw, heights: Heights | None = None, cell: float = 0.1) -> Self:
+        """Same case on ground of cells in place of its units, as large as these and with their slopes.
+
+        Parameters
+        ----------
+        law : SoilLaw
+            Of the soil.
+        heights : Heights, optional
+            Of the ground; level if left out.
+        cell : float
+            Side of a cell, m.
+        """
+        (x0, x1), (y0, y1) = self.terrain.bounds
+        terrain = CellTerrain(
+            origin=(x0, y0),
+            length=x1 - x0,
+            width=y1 - y0,
+            cell=cell,
+            relief=heights or Heights(),
+            grade=self.terrain.grade,
+            side_slope=self.terrain.side_slope,
+        )
+        return self.with_(terrain=terrain, contact=CellContact(law=law))
+
     def outline(self, time: float) -> NDArray:
         """Corners of the track on the ground at a time: array (4, 2), m, global x and y.
 
@@ -309,7 +387,7 @@ class Case(Parameters):
                     f"terrain must carry the track over the whole drive: at t = {time:.3g} s the track "
                     f"reaches {name} = {low:.3f}..{high:.3f} m, the terrain {least:g}..{greatest:g} m"
                 )
-        if self.terrain.heights is not None and isinstance(self.contact, SphereContact):
+        if isinstance(self.contact, SphereContact) and self.unit_terrain().heights is not None:
             yield from self._step_errors(time, corners, self.contact.radius)
 
     def _step_errors(self, time: float, corners: NDArray, radius: float) -> Errors:
@@ -318,7 +396,7 @@ class Case(Parameters):
         A settled sphere has its centre at its radius less its depth above its unit. Under the face of a
         neighbour higher than that it would pass unhindered; where the ground falls by as much, shoes hang.
         """
-        terrain = self.terrain
+        terrain = self.unit_terrain()
         sides = np.array([terrain.unit_length, terrain.unit_width])
         cells = np.floor((corners - np.array(terrain.origin)) / sides + 1e-9).astype(int)
         last = np.array([terrain.columns, terrain.rows]) - 1

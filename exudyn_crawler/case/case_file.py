@@ -13,6 +13,7 @@ from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity, shown
 from exudyn_crawler.case.parameters.drive import StepProfile
+from exudyn_crawler.case.parameters.terrain import Terrain
 from meshes.geometry import VOLUMES
 
 _bytes = partial(fields.in_units, units={"PB": 1e15, "TB": 1e12, "GB": 1e9, "MB": 1e6, "B": 1.0})
@@ -49,12 +50,13 @@ def check_case_file(case_file: object) -> None:
 
 def check_size(case: Case, duration: float) -> None:
     """Refuse, by a `ValueError`, a run (s) that no memory of this machine or no disk would hold."""
-    terrain, units, solver = case.terrain, case.terrain.unit_count, case.solver
-    # singular value decomposition of the joints' equations in the heave and tilt of every unit
-    needed = 4.0 * NUMBER * (2.0 * units) ** 2
-    if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
-        needed = A_UNIT * units
-    _check_memory(f"terrain: {terrain.columns} x {terrain.rows} units", needed)
+    terrain, solver = case.terrain, case.solver
+    if isinstance(terrain, Terrain):
+        # singular value decomposition of the joints' equations in the heave and tilt of every unit
+        needed = 4.0 * NUMBER * (2.0 * terrain.unit_count) ** 2
+        if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
+            needed = A_UNIT * terrain.unit_count
+        _check_memory(f"terrain: {terrain.columns} x {terrain.rows} units", needed)
     times = solver.stored_times(duration)
     needed = times * stored_numbers(case) * NUMBER
     if needed > GREATEST_HISTORY:
@@ -69,7 +71,7 @@ def check_size(case: Case, duration: float) -> None:
 
 def stored_numbers(case: Case) -> int:
     """Numbers of a stored state in a history, about: coordinates with two rates, units and contacts."""
-    shoes, units = case.track.shoe_count, case.terrain.unit_count
+    shoes, units = case.track.shoe_count, len(case.terrain.units)
     modes = 0 if case.flexible is None else case.flexible.mode_count * len(case.flexible.shoes)
     return 60 * shoes + 6 * units + 3 * modes
 

@@ -5,7 +5,8 @@ from typing import Protocol
 
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, CellTerrain
+from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.sphere_contact import SphereGroundContact
 from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, terrain_coordinates
@@ -41,8 +42,7 @@ class GroundContact(Protocol):
     def results(self) -> Callable[..., NDArray]:
         """Contacts (contacts, RESULTS), columns as in `pairs.RESULT`, at coordinates and their rates.
 
-        A third argument are Exudyn's contact forces on the shoes and moments about their origins, global:
-        array (shoes, 6), N and N m, where Exudyn makes them.
+        A third argument is what a state has of them, of contact that does not follow from these.
         """
         ...
 
@@ -56,6 +56,10 @@ class GroundContact(Protocol):
 
     def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
         """Height (m) of the ground below each shoe, of the units' heights (units,): array (shoes,)."""
+        ...
+
+    def surface(self, x: NDArray) -> NDArray:
+        """Height (m) of the ground along the track's middle at places x (m), before a track stands on it."""
         ...
 
     def sunken(self, q: NDArray) -> list[int]:
@@ -73,10 +77,12 @@ def ground_contact(
     underside, flexible_shoes :
         As for `PairGroundContact`.
     """
+    if isinstance(case.terrain, CellTerrain):
+        return CellGroundContact(case)
     coordinates = terrain_coordinates(case)
     if isinstance(coordinates, UnitCoordinates) and case.contact.model == "spheres":
         return SphereGroundContact(case, coordinates)
     coms = case.track.com_positions(case.shoe.com_height)
     return PairGroundContact(
-        coms, case.shoe, case.terrain, case.pair_contact(), coordinates, underside, flexible_shoes
+        coms, case.shoe, case.unit_terrain(), case.pair_contact(), coordinates, underside, flexible_shoes
     )

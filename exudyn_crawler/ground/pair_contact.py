@@ -103,7 +103,7 @@ class PairGroundContact:
         self.coordinates = coordinates
         self.shoe_reference = np.hstack((com_positions, np.zeros((shoes, 3))))
         self.unit_reference = np.hstack((terrain.centers, terrain.tilts[:, None]))
-        self._law = law
+        self._law, self._terrain = law, terrain
         self._row = row
         self._grid = grid_of(terrain)
         geometry = ContactGeometry(
@@ -217,6 +217,10 @@ class PairGroundContact:
     def settled_depth(self, loads: NDArray) -> NDArray:
         """Penetration (m) of shoes that each stand on one unit under these loads (N)."""
         return (np.maximum(loads, 0.0) / self._law.stiffness) ** (1.0 / self._law.exponent)
+
+    def surface(self, x: NDArray) -> NDArray:
+        """Height (m) of the ground along the track's middle at places x (m), with the springs free."""
+        return self._terrain.profile_along(x)
 
     def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
         """Height (m) of the ground below each shoe's COM, of the units' heights: array (shoes,)."""

@@ -35,7 +35,7 @@ def face_inset(case: Case) -> tuple[float, float]:
     A sphere over the seam of two whole faces touches the edges of both and is pushed twice as hard. Drawn
     back by this much, both together push a sphere at the settled depth there as hard as one face does.
     """
-    spheres, terrain = case.sphere_contact(), case.terrain
+    spheres, terrain = case.sphere_contact(), case.unit_terrain()
     if spheres.faces == "whole":
         return 0.0, 0.0
     radius, depth = spheres.radius, case.settled_penetration
@@ -51,7 +51,7 @@ class SphereGroundContact:
     def __init__(self, case: Case, coordinates: UnitCoordinates) -> None:
         self.coordinates: TerrainCoordinates = coordinates
         coms = case.track.com_positions(case.shoe.com_height)
-        terrain: Terrain = case.terrain
+        terrain: Terrain = case.unit_terrain()
         self.shoe_reference = np.hstack((coms, np.zeros((len(coms), 3))))
         self.unit_reference = np.hstack((terrain.centers, np.zeros((terrain.unit_count, 1))))
         self._case, self._grid = case, grid_of(terrain)
@@ -73,6 +73,10 @@ class SphereGroundContact:
     def settled_depth(self, loads: NDArray) -> NDArray:
         """Depth (m) of the spheres of shoes that each carry such a load (N) evenly."""
         return np.maximum(loads, 0.0) * self._case.settled_penetration / self._case.mean_load
+
+    def surface(self, x: NDArray) -> NDArray:
+        """Height (m) of the ground at places x (m) without the units' heights."""
+        return np.zeros_like(x)
 
     def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
         """Mean height (m) of the units below each shoe's spheres, of the units' heights: array (shoes,)."""

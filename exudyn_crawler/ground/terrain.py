@@ -260,12 +260,13 @@ TerrainCoordinates = ReducedCoordinates | UnitCoordinates
 
 def reduced_coordinates(case: Case) -> ReducedCoordinates:
     """Independent coordinates of a case's terrain, of which the track moves as few as possible."""
-    near = units_near(case.terrain, case.outline(0.0), REACH)
-    return ReducedCoordinates(localized(terrain_modes(case.terrain), near), case.terrain.tilt_axis)
+    terrain = case.unit_terrain()
+    near = units_near(terrain, case.outline(0.0), REACH)
+    return ReducedCoordinates(localized(terrain_modes(terrain), near), terrain.tilt_axis)
 
 
 def terrain_coordinates(case: Case) -> TerrainCoordinates:
     """Coordinates of a case's terrain; Exudyn's contact of spheres needs the units as bodies."""
     if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
-        return UnitCoordinates(case.terrain.unit_count, case.terrain.tilt_axis)
+        return UnitCoordinates(case.unit_terrain().unit_count, case.unit_terrain().tilt_axis)
     return reduced_coordinates(case)

@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case, Rails, Undercarriage
 from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.ground.cells.contact import CellGroundContact
+from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.contact import GroundContact, ground_contact
 from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.terrain import ReducedCoordinates, TerrainModes, reduced_coordinates
@@ -16,12 +18,14 @@ from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
 from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.elimination import Fronts, fronts_of
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
+from exudyn_crawler.model.forces.cells import CellTable
 from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.treads import Rollers
 from exudyn_crawler.model.forces.units import TerrainTable
 from exudyn_crawler.model.joints import ROWS, Joints, Markers, Pull
 from exudyn_crawler.model.shoe_mesh import rail_rows, strip_lines
 from exudyn_crawler.model.tables import FrontRows, Tables
+from fem.patches import hat_grid
 
 ENDS = ("rear", "front")
 """Pins of a shoe."""
@@ -207,6 +211,15 @@ class _Builder:
             self.shoes, float(self.frame.tumbler), float(self.case.track.pitch), float(ahead), markers
         )
 
+    def cells(self) -> CellTable:
+        """Undersides on cells, with a grid of nodes under the flexible shoes."""
+        row = np.where(self.flexible, np.cumsum(self.flexible) - 1, -1)
+        if self.floating is None:
+            return CellTable(row, np.zeros((*COARSE, 3)), np.zeros((*COARSE, 3, 0)))
+        nodes, rows = hat_grid(self.floating.underside, COARSE)
+        height = np.full((*COARSE, 1), self.case.shoe.footprint[4])
+        return CellTable(row, np.concatenate((nodes, height), axis=2), rows)
+
     def rollers(self) -> Rollers | None:
         """Rollers of a side frame."""
         frame, rails = self.frame, self.case.shoe.rails
@@ -275,7 +288,7 @@ def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fron
     return fronts, FrontRows(
         np.array([[row.get(body[0], -1) for body in coordinates] for row in places]),
         np.array([*range(shoes), *[last] * (len(coordinates) - shoes)]),
-        np.array([row.get(terrain[0], -1) for row in places]),
+        np.array([row.get(terrain[0], -1) if terrain else -1 for row in places]),
         np.array([[row.get(one, -1) for one in multipliers] for row in places]),
     )
 
@@ -333,11 +346,12 @@ def _tables_of(
             builder.first_terrain,
         ),
         flexible=np.array([builder.first_modal, int(builder.flexible.sum())]),
-        contact=contact.geometry if isinstance(contact, PairGroundContact) else (),
+        contact=contact.geometry if isinstance(contact, PairGroundContact) else None,
         fronts=Fronts(*[nothing] * len(Fronts._fields)),
         rows=FrontRows(*[nothing] * len(FrontRows._fields)),
         rollers=builder.rollers(),
         pull=pull,
+        cells=builder.cells() if isinstance(contact, CellGroundContact) else None,
     )
     fronts, rows = _elimination(tables, builder.shoes, [link for link, _ in names])
     return tables._replace(fronts=fronts, rows=rows), names

@@ -4,22 +4,24 @@ Exudyn's generalized-alpha method predicts a step, accepts or halves it and says
 is a single object that has the coordinates and nothing else.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case, StepProfile
+from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import moments_on_angles
 from exudyn_crawler.ground.rows import Weights
-from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
 from exudyn_crawler.model.engine import coordinates_only, exu, predict
 from exudyn_crawler.model.equations import STIFFNESS, matrix, residual
+from exudyn_crawler.model.forces.cells import TrackOnCells
 from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
 from exudyn_crawler.model.forces.treads import TOUCHED, TreadWorkspace
 from exudyn_crawler.model.joints import ROWS
@@ -30,6 +32,14 @@ from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 
 AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
 """Of a residual alone."""
+DRAG = 100.0
+"""1/s, of what drains momentum in creeping, so that shoes slip slowly."""
+FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.2, 1e-7
+"""s, of creeping."""
+FEW, MANY = 8, 25
+"""Iterations below which the next step of creeping is longer, and most of them."""
+SETTLING, SETTLING_LIMITS = 1.0, (1e-2, MANY)
+"""s in which shoes creep to their rest on cells that remember them; limits as of `creep`."""
 
 
 def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateLayout:
@@ -41,6 +51,7 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateL
         terrain=tables.terrain.heave.shape[1],
         flexible_shoes=() if case.flexible is None else tuple(case.flexible.shoes),
         modes=len(tables.modes.stiffness),
+        contact=0 if tables.cells is None else RESULTS + (tables.cells.nodes.size if case.flexible else 0),
         multipliers=(
             *((pin_name(side, link), ROWS) for link, side in pins),
             ("drive", 1),
@@ -64,14 +75,14 @@ class CompiledSystem(TrackSystem):
         The case, its `GroundContact`, flexible shoe (or None) and drive point, and the layout of states.
     """
 
-    contact: PairGroundContact
+    contact: PairGroundContact | CellGroundContact
 
     def __init__(self, case: Case, parts: Parts) -> None:
         contact = parts.contact
-        if not (
-            isinstance(contact, PairGroundContact) and isinstance(contact.coordinates, ReducedCoordinates)
-        ):
-            raise ValueError("the case needs contact.model 'pair' and terrain_formulation 'reduced'")
+        if not (case.is_compiled and isinstance(contact, PairGroundContact | CellGroundContact)):
+            raise ValueError(
+                "the case needs contact.model 'pair' or 'cells' and terrain_formulation 'reduced'"
+            )
         self.case, self.contact, self.floating, self.point = case, contact, parts.floating, parts.point
         self.tables, pins = parts.tables, parts.pins
         self._plain = plain(self.tables)
@@ -83,7 +94,13 @@ class CompiledSystem(TrackSystem):
         self._state = np.zeros((3, size))
         self._multipliers = np.zeros(multipliers)
         self._scratch = (np.zeros(size + multipliers), np.zeros(self.tables.fronts.size))
-        self._workspace = Workspace.allocate(self.tables, contact.greatest_count)
+        self._cells: TrackOnCells | None = None
+        if isinstance(contact, CellGroundContact):
+            self._workspace = Workspace.allocate(self.tables, 0, contact.ground.shoes)
+            *_, cells = self._workspace
+            self._cells = TrackOnCells(contact.ground, self._plain[0], plain(self.tables.cells), cells)
+        else:
+            self._workspace = Workspace.allocate(self.tables, contact.greatest_count)
         self._loads = plain(profiles_of([case.loads.profile(number) for number in case.track.shoes]))
         turn = case.drive.turn_rate or StepProfile.constant(0.0)
         self._speeds = plain(profiles_of([case.drive.speed, turn, case.loads.side_shift]))
@@ -110,6 +127,8 @@ class CompiledSystem(TrackSystem):
 
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`; a side frame has its speed."""
+        if self._cells is not None:
+            q = self._settled(self._cells, q)
         self._state[0], self._state[1:] = q, 0.0
         if self.tables.pull is not None:
             first = self.tables.bodies.coordinate[self.tables.pull.frame]
@@ -117,11 +136,49 @@ class CompiledSystem(TrackSystem):
         self._multipliers[:] = 0.0
         self._hand_over(exu.ConfigurationType.Initial)
 
-    def set_state(self, row: NDArray) -> None:
+    def _settled(self, cells: TrackOnCells, q: NDArray) -> NDArray:
+        """Rest near to one on fresh ground, after the ground has remembered that shoes were put down there.
+
+        Cells that two shoes share remember the deeper one.
+        """
+        self._put_down(cells)
+        self._state[0] = q
+        cells.cover(self._state)
+        self.residual(self._state, self.inputs(0.0))
+        cells.commit()
+        multipliers, time, step = np.zeros_like(self._multipliers), 0.0, FIRST_STEP
+        while time < SETTLING:
+            self._state[0], self._multipliers[:] = q, multipliers
+            cells.cover(self._state)
+            iterations = self._creep((step, DRAG), SETTLING_LIMITS)
+            if iterations is None:
+                step *= 0.25
+                if step < LEAST_STEP:
+                    raise self.failure()
+                continue
+            cells.commit()
+            q, multipliers, time = self._state[0].copy(), self._multipliers.copy(), time + step
+            if iterations < FEW:
+                step = min(1.5 * step, LONGEST_STEP)
+        return q
+
+    def _put_down(self, cells: TrackOnCells) -> None:
+        self._state[0], self._state[1:] = self.first_guess(), 0.0
+        cells.put_down(self._state)
+
+    def memory(self) -> dict[str, NDArray]:
+        """As of `formulation.TrackSystem`."""
+        return {} if self._cells is None else self._cells.memory()
+
+    def set_state(self, row: NDArray, memory: Mapping[str, NDArray] | None = None) -> None:
         """Start from a row as of `state`; its time goes into the solver's settings."""
         for rate, name in enumerate(RATES):
             self._state[rate] = self.layout.part(row, f"coordinates{name}")
         self._multipliers[:] = self.layout.part(row, "multipliers")
+        if self._cells is not None:
+            if memory is not None:
+                self._cells.remember(memory)
+            self._cells.put_down(self._state)
         self._hand_over(exu.ConfigurationType.Initial)
 
     def state(self) -> NDArray:
@@ -134,6 +191,8 @@ class CompiledSystem(TrackSystem):
             "coordinates acceleration": data.GetODE2Coordinates_tt(),
             "multipliers": self._multipliers,
         }
+        if self._cells is not None:
+            parts["contact"] = self._cells.contacts(self.layout.contact)
         return self.layout.pack(parts)
 
     def solve(self, settings: "exu.SimulationSettings") -> None:
@@ -196,9 +255,12 @@ class CompiledSystem(TrackSystem):
         """
         state = np.zeros_like(self._state)
         state[0] = q
+        if self._cells is not None:
+            self._put_down(self._cells)
+            self._cells.cover(state)
         both = np.concatenate((multipliers, np.zeros(2)))
         out = self.residual(state, self.inputs(0.0)._replace(active=np.zeros(2)), both)
-        if self._down[2] > -1.0:
+        if self._down[2] > -1.0 and not self.sticks:
             shoes = out[: 6 * self.layout.shoes].reshape(-1, 6)
             angles = q[: shoes.size].reshape(-1, 6)[:, 3:]
             force, moment = static_friction(self.case, self.tables.bodies.mass[: len(shoes)])
@@ -228,14 +290,22 @@ class CompiledSystem(TrackSystem):
         tuple, optional
             Coordinates, multipliers and iterations; None if the step is too long to be found.
         """
-        h, drag = pace
+        if self._cells is not None:
+            self._put_down(self._cells)
         self._state[0], self._state[1:] = q, 0.0
+        if self._cells is not None:
+            self._cells.cover(self._state)
         self._multipliers[:] = multipliers
+        iterations = self._creep(pace, limits)
+        return None if iterations is None else (self._state[0].copy(), self._multipliers.copy(), iterations)
+
+    def _creep(self, pace: tuple[float, float], limits: tuple[float, int]) -> int | None:
+        """Iterations of a step as of `creep`, which the state takes; None if it is too long to be found."""
+        h, drag = pace
+        self._state[1:] = 0.0
         inputs = self.inputs(0.0)._replace(speeds=np.zeros(2))
         converged, iterations = self._step(inputs, Weights(1.0, 1.0 / h, drag / h, False, h), limits)
-        if not (converged and np.isfinite(self._state).all()):
-            return None
-        return self._state[0].copy(), self._multipliers.copy(), iterations
+        return iterations if converged and np.isfinite(self._state).all() else None
 
     def calls(self) -> dict[str, list[tuple[Any, tuple]]]:
         """Compiled functions with arguments as a run calls them, by what they make."""
@@ -282,6 +352,8 @@ class CompiledSystem(TrackSystem):
         predict(solver, self.mbs, settings, self._state)
         h, beta, gamma = solver.it.currentStepSize, solver.newmarkBeta, solver.newmarkGamma
         start = self._multipliers.copy()
+        if self._cells is not None:
+            self._cells.cover(self._state)
         weights = Weights(
             1.0,
             gamma / (h * beta),
@@ -293,6 +365,8 @@ class CompiledSystem(TrackSystem):
         if not converged:
             self._multipliers[:] = start
             return False
+        if self._cells is not None:
+            self._cells.commit()
         self._hand_over(exu.ConfigurationType.Current)
         return True
 
@@ -315,6 +389,8 @@ class CompiledSystem(TrackSystem):
     def _accelerate(self, time: float) -> None:
         """Accelerations and multipliers of a track that starts."""
         self._state[2], self._multipliers[:] = 0.0, 0.0
+        if self._cells is not None:
+            self._cells.cover(self._state)
         out, values = self._scratch
         inputs, weights = tuple(self.inputs(time)), (0.0, 0.0, 1.0, False, 1.0)
         residual(self._plain, self._state, self._multipliers, inputs, weights, self._workspace, out)

@@ -26,6 +26,7 @@ from exudyn_crawler.model.bodies import (
     read_body,
 )
 from exudyn_crawler.model.elimination import front, solving, solving_within
+from exudyn_crawler.model.forces.cells import CellWorkspace, cell_forces
 from exudyn_crawler.model.forces.loads import add_loads
 from exudyn_crawler.model.forces.treads import tread_contacts
 from exudyn_crawler.model.forces.units import TerrainTable, UnitWorkspace, add_terrain, unit_contacts
@@ -149,9 +150,11 @@ def residual(
         bodies, tables.flexible, tables.terrain, tables.contact, state, weights, units
     )
     work.counts[1] = tread_contacts(tables.rollers, bodies, state, inputs.drag, weights, work.treads)
+    cell_forces(tables.cells, bodies, state, weights, work.cells)
     contacts = ForceRows(*units.contacts[0])
     _add_rows(bodies, contacts, work.counts[0], out)
     _add_tread_rows(bodies, work.treads, work.counts[1], out)
+    _add_cell_rows(bodies, work.cells, out)
     _add_bodies(bodies, tables.modes, state, inputs.gravity, work, out)
     add_terrain(tables.terrain, contacts, work.counts[0], state, inputs.gravity[2], units, out)
     add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
@@ -164,6 +167,15 @@ def _add_tread_rows(bodies: Bodies, treads: tuple | None, count: int, residual: 
     if treads is None:
         return
     _add_rows(bodies, ForceRows(*treads[0]), count, residual)
+
+
+@solving_within
+def _add_cell_rows(bodies: Bodies, cells: tuple | None, residual: FloatArray) -> None:
+    if cells is None:
+        return
+    work = CellWorkspace(*cells)
+    for rows in (ForceRows(*work.rigid), ForceRows(*work.flexible)):
+        _add_rows(bodies, rows, rows.unit.shape[0], residual)
 
 
 @solving_within
@@ -190,15 +202,16 @@ def _block_motions(
 @solving_within
 def _block(rows: ForceRows, first: int, last: int, motions: FloatArray) -> FloatArray:
     """Tangents of elements by the coordinates of their motions: ``J^T K J``."""
-    kinds, forces = rows.wrench.shape[1], np.empty_like(motions)
+    kinds, forces = rows.wrench.shape[1], np.zeros_like(motions)
     for p in range(first, last):
         at = kinds * (p - first)
         for r in range(kinds):
-            for c in range(motions.shape[1]):
-                force = 0.0
-                for k in range(kinds):
-                    force += rows.tangent[p, r, k] * motions[at + k, c]
-                forces[at + r, c] = force
+            for k in range(kinds):
+                factor = rows.tangent[p, r, k]
+                # a node of a grid knows its neighbours alone
+                if factor != 0.0:
+                    for c in range(motions.shape[1]):
+                        forces[at + r, c] += factor * motions[at + k, c]
     return np.dot(motions.T, forces)
 
 
@@ -238,6 +251,15 @@ def _add_tread_elements(tables: Tables, treads: tuple | None, count: int, values
     if treads is None:
         return
     _add_elements(tables, ForceRows(*treads[0]), count, values)
+
+
+@solving_within
+def _add_cell_elements(tables: Tables, cells: tuple | None, values: FloatArray) -> None:
+    if cells is None:
+        return
+    work = CellWorkspace(*cells)
+    for rows in (ForceRows(*work.rigid), ForceRows(*work.flexible)):
+        _add_elements(tables, rows, rows.unit.shape[0], values)
 
 
 @solving_within
@@ -309,4 +331,5 @@ def matrix(
             whole[first + i, first + k] += supports
     _add_elements(tables, ForceRows(*work.units[3][0]), work.counts[0], fronts)
     _add_tread_elements(tables, work.treads, work.counts[1], fronts)
+    _add_cell_elements(tables, work.cells, fronts)
     _add_joint_rows(tables, inputs, weights, work, fronts)

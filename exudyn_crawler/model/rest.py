@@ -5,7 +5,15 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.model.compiled_system import CompiledSystem
+from exudyn_crawler.model.compiled_system import (
+    DRAG,
+    FEW,
+    FIRST_STEP,
+    LEAST_STEP,
+    LONGEST_STEP,
+    MANY,
+    CompiledSystem,
+)
 from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.model.track_system import NewtonError
 
@@ -15,19 +23,13 @@ damping law, and of multipliers (N, N m), on which the forces depend linearly.""
 
 HELD = (1, 5)
 """Coordinates of the front shoe that are held beside its drive point: y and the angle about z. Friction needs
-slip, so that nothing else holds a track at rest in the plane."""
+slip, so that nothing else holds a track at rest in the plane; on ground that sticks nothing is held."""
 
 
-DRAG = 100.0
-"""1/s, of what drains momentum in creeping, so that shoes slip slowly."""
 CREEPING = 6.0
 """s, after which what still creeps is held by friction."""
-FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.2, 1e-7
-"""s, of creeping."""
 CREEPING_LIMIT = 1.0
 """N, root mean square of the residual that ends a step's search."""
-FEW, MANY = 8, 25
-"""Iterations below which the next step is longer, and most of them."""
 
 
 def crept(system: CompiledSystem, guess: NDArray) -> NDArray:
@@ -83,7 +85,7 @@ def rest(system: CompiledSystem, guess: NDArray, limit: float, iterations: int) 
         If there is no rest within them.
     """
     n, front = len(guess), 6 * system.layout.shoes - 6
-    held = [front + k for k in HELD]
+    held = [] if system.sticks else [front + k for k in HELD]
     start, holds = system.pulled_place(np.zeros(n)), 1 + len(held)
 
     def balance(x: NDArray) -> NDArray:

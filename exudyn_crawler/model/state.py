@@ -1,7 +1,7 @@
 """Layout of a state: the meaning of the numbers of a row.
 
 A row holds the time; the coordinates, their first and their second rates; the Lagrange multipliers, joint by
-joint; and, with the engine's contact, its forces on the shoes. Coordinates are six a body
+joint; and what the ground's contact has that does not follow from these. Coordinates are six a body
 (displacement of its origin from t = 0, then the angles about x, y, z): those of the shoes first, then the
 terrain's, the flexible shoes' modes and other bodies.
 """
@@ -16,7 +16,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-VERSION = 6
+VERSION = 7
 """Of the layout's text; another version is an error."""
 
 RATES = ("", " rate", " acceleration")
@@ -40,7 +40,7 @@ class StateLayout:
     The parts are "time"; "shoes" (shoes, 6), "terrain" (coordinates,), "modes" (flexible shoes, modes) and
     other bodies by their names (6,), together "coordinates", each also followed by " rate" and
     " acceleration"; every joint with multipliers, such as "right pin of link 1", "drive" and "turn", together
-    "multipliers"; "contact forces" (shoes, 6).
+    "multipliers"; "contact" (shoes, contact).
 
     Attributes
     ----------
@@ -56,8 +56,9 @@ class StateLayout:
         Modes of each of them.
     multipliers : tuple of (str, int)
         Items with Lagrange multipliers and how many each has.
-    contact_forces : bool
-        Whether the engine's contact forces on the shoes are stored.
+    contact : int
+        Numbers of the contact with a shoe that do not follow from the rest: with the engine's contact
+        the force and moment that it makes.
     bodies : tuple of str
         Names of the bodies beside the shoes.
     """
@@ -68,7 +69,7 @@ class StateLayout:
     flexible_shoes: tuple[int, ...] = ()
     modes: int = 0
     multipliers: tuple[tuple[str, int], ...] = ()
-    contact_forces: bool = False
+    contact: int = 0
     bodies: tuple[str, ...] = ()
 
     @cached_property
@@ -96,7 +97,7 @@ class StateLayout:
             parts[name] = (first, (size,))
             first += size
         parts["multipliers"] = (start, (first - start,))
-        parts["contact forces"] = (first, (self.shoes if self.contact_forces else 0, 6))
+        parts["contact"] = (first, (self.shoes, self.contact))
         return parts
 
     @cached_property
@@ -112,7 +113,7 @@ class StateLayout:
     @cached_property
     def size(self) -> int:
         """Length of a row."""
-        first, shape = self._parts["contact forces"]
+        first, shape = self._parts["contact"]
         return first + prod(shape)
 
     def part(self, rows: NDArray, name: str) -> NDArray:

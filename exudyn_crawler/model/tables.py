@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.ground.cells.kernel import ShoePoints
 from exudyn_crawler.ground.frames import Vector, inlined, plain
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_stiffness import UnitContacts
@@ -15,6 +16,7 @@ from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.ground.rows import IntArray
 from exudyn_crawler.model.bodies import Bodies, Modes
 from exudyn_crawler.model.elimination import Fronts
+from exudyn_crawler.model.forces.cells import CellTable, CellWorkspace
 from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.treads import Rollers, TreadWorkspace
 from exudyn_crawler.model.forces.units import TerrainTable, UnitWorkspace
@@ -51,12 +53,14 @@ class Tables(NamedTuple):
         Tables of these.
     flexible : array (2,)
         First modal coordinate of all, and the number of flexible bodies.
-    contact : tuple
-        `pair_geometry.ContactGeometry`.
+    contact : tuple, optional
+        `pair_geometry.ContactGeometry` of shoes and units.
     fronts, rows :
         Order of the elimination, and where terms go.
     rollers : Rollers, optional
         Those that roll over the shoes.
+    cells : CellTable, optional
+        Undersides of the shoes on ground of cells.
     pull : Pull, optional
         What the drive pulls; without it the drive's force acts at its marker alone.
     """
@@ -68,11 +72,12 @@ class Tables(NamedTuple):
     loads: Loads
     terrain: TerrainTable
     flexible: IntArray
-    contact: tuple
+    contact: tuple | None
     fronts: Fronts
     rows: FrontRows
     rollers: Rollers | None
     pull: Pull | None
+    cells: CellTable | None
 
     @property
     def multiplier_count(self) -> int:
@@ -122,8 +127,8 @@ class Workspace(NamedTuple):
         Bodies and directions of the pull.
     counts : array (2,)
         Number of contacts with units and of treads on rails.
-    units, treads : tuple
-        Workspaces of both.
+    units, treads, cells : tuple
+        Workspaces of these.
     """
 
     first: FloatArray
@@ -136,10 +141,11 @@ class Workspace(NamedTuple):
     counts: IntArray
     units: tuple
     treads: tuple | None
+    cells: tuple | None
 
     @classmethod
-    def allocate(cls, tables: Tables, contacts: int) -> tuple:
-        """Workspace of a system with at most so many contacts, as plain tuples."""
+    def allocate(cls, tables: Tables, contacts: int, shoes: ShoePoints | None = None) -> tuple:
+        """Workspace of a system with at most so many contacts, or with shoes on cells, as plain tuples."""
         count, m = len(tables.bodies.mass), len(tables.modes.stiffness)
         reference, rollers = tables.terrain.reference, tables.rollers
         treads = rollers and TreadWorkspace.allocate(len(rollers.places), rollers.places.shape[1], m)
@@ -161,6 +167,9 @@ class Workspace(NamedTuple):
                     overlap_workspace(),
                 ),
                 treads,
+                None
+                if tables.cells is None or shoes is None
+                else CellWorkspace.allocate(tables.cells, shoes),
             )
         )
 
@@ -168,7 +177,9 @@ class Workspace(NamedTuple):
 @inlined
 def named_tables(values: tuple) -> Tables:
     """Tables of their values as plain tuples, which Python hands over in less time."""
-    bodies, modes, markers, joints, loads, terrain, flexible, contact, fronts, rows, rollers, pull = values
+    bodies, modes, markers, joints, loads, terrain, flexible, contact, fronts, rows, rollers, pull, cells = (
+        values
+    )
     return Tables(
         Bodies(*bodies),
         Modes(*modes),
@@ -182,4 +193,5 @@ def named_tables(values: tuple) -> Tables:
         FrontRows(*rows),
         rollers,
         pull,
+        cells,
     )

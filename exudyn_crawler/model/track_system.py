@@ -1,16 +1,20 @@
 """What a run asks of a multibody system, of Exudyn's items or of compiled equations, and how it fails."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
+import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, CellTerrain, Terrain
 from exudyn_crawler.ground.contact import GroundContact
 from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.flexible_shoes import FloatingShoe
 from exudyn_crawler.model.state import StateLayout
+
+FIRST_DEPTH = 1e-5
+"""m, of all rollers in their rails to start from: enough to be felt."""
 
 
 class NewtonError(Exception):
@@ -70,6 +74,34 @@ class TrackSystem(ABC):
         """
         return None
 
+    @property
+    def sticks(self) -> bool:
+        """Whether the ground holds shoes at rest by its shear, without slip."""
+        return isinstance(self.case.terrain, CellTerrain)
+
+    def first_guess(self) -> NDArray:
+        """Coordinates from which a rest is sought: units sunk by their weight, shoes by their loads.
+
+        On ground that sticks shoes have been put down there, and shear from there.
+        """
+        case, sag = self.case, 0.0
+        q = np.zeros(self.layout.coordinate_count)
+        shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
+        # rails of neighbours at one height: rollers may be on either
+        loads = case.pressed(case.loads.loads(0.0)[0] if case.is_rolled else case.first_loads)
+        if isinstance(case.terrain, Terrain):
+            sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
+            terrain = q[shoes.size : shoes.size + self.contact.coordinates.size]
+            terrain[:] = self.contact.coordinates.sunk_evenly(-sag)
+        shoes[:, 2] = -sag - self.contact.settled_depth(loads)
+        x, half = self.contact.shoe_reference[:, 0], 0.5 * case.shoe.length
+        rear, front = self.contact.surface(x - half), self.contact.surface(x + half)
+        shoes[:, 2] += 0.5 * (rear + front)
+        shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
+        if case.is_rolled:  # the frame's coordinates come last
+            q[-4] = shoes[0, 2] - FIRST_DEPTH
+        return q
+
     def sunken(self) -> list[int]:
         """Numbers of the shoes that have sunk through the ground in the current state."""
         return []
@@ -78,13 +110,20 @@ class TrackSystem(ABC):
         """Call a function with the time after each step; the run ends where it gives False."""
         self.mbs.SetPostStepUserFunction(lambda _mbs, time: report(time))
 
+    def memory(self) -> dict[str, NDArray]:
+        """Memory of the ground, as of the last step, as arrays by name; of ground without any none."""
+        return {}
+
     @abstractmethod
     def set_initial(self, q: NDArray) -> None:
         """Start from rest at the coordinates `q`."""
 
     @abstractmethod
-    def set_state(self, row: NDArray) -> None:
-        """Start from a row as of `state`; its time goes into the solver's settings."""
+    def set_state(self, row: NDArray, memory: Mapping[str, NDArray] | None = None) -> None:
+        """Start from a row as of `state`, whose time goes into the solver's settings, and a memory.
+
+        Without one, as of `memory`, the ground keeps what it has.
+        """
 
     @abstractmethod
     def state(self) -> NDArray:

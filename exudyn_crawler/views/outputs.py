@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case, Outputs
+from exudyn_crawler.case import Case, Outputs, Terrain
 from exudyn_crawler.files import blocks, refuse_existing, whole_file, writable_folder, write_netcdf_along
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.history import History
@@ -64,7 +64,7 @@ def write_figures(history: History, stresses: StressResults | None, folder: Path
     terrain, drawn = history.case.terrain, {}
     if stresses is not None:
         drawn = {f"flexible {name}": one for name, one in figures.stress_figures(history, stresses).items()}
-    if not (terrain.heights is None and terrain.profile is None):
+    if isinstance(terrain, Terrain) and not (terrain.heights is None and terrain.profile is None):
         drawn["ground"] = pictures.ground_figure(history, history.duration)
     # curves of a long run would not fit into memory, and no figure shows them at every step
     thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))

@@ -3,6 +3,7 @@
 import pytest
 
 from exudyn_crawler import Case, CaseFile, LoadCycle, PairContact, SphereContact, Terrain
+from exudyn_crawler.case import CellContact
 from exudyn_crawler.case.parameters.fields import (
     entry_at,
     is_table,
@@ -126,15 +127,15 @@ def test_every_value_is_met_with_its_field():
     assert found["loads.phases[1].loads"].value == WHOLE.case.loads.phases[1].loads
     assert found["terrain.spring_stiffness"].unit == "N/m"
     assert found["track.shoe_count"].unit == ""
-    assert found["contact"].meaning == "how shoes and terrain touch: model pair or spheres"
+    assert found["contact"].meaning == "how shoes and terrain touch: model pair, spheres or cells"
     assert found["drive.speed"].value == WHOLE.case.drive.speed
     assert all(entry.meaning for entry in found.values())
 
 
 def test_a_part_is_walked_by_itself():
     assert [entry.path for entry in walk(Terrain.stress(), ("ground",))][:2] == [
-        "ground.origin",
-        "ground.columns",
+        "ground.grade",
+        "ground.side_slope",
     ]
 
 
@@ -144,5 +145,5 @@ def test_key_paths_are_those_of_every_class_that_a_field_may_hold():
     assert {"contact.model", "contact.sharing", "contact.radius", "drive.on", "loads.phases.end"} <= set(
         paths
     )
-    assert models_of(Case.model_fields["contact"].annotation) == (PairContact, SphereContact)
+    assert models_of(Case.model_fields["contact"].annotation) == (PairContact, SphereContact, CellContact)
     assert models_of(Terrain.model_fields["heights"].annotation) == ()

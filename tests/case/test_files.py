@@ -19,7 +19,7 @@ from exudyn_crawler import (
     read_case,
     write_case,
 )
-from exudyn_crawler.case import Outputs
+from exudyn_crawler.case import CellContact, CellTerrain, Outputs
 from exudyn_crawler.case.case_file import case_text
 from exudyn_crawler.case.parameters.fields import case_rows, key_paths, named_values, number_text
 from exudyn_crawler.errors import CaseFileError, ParameterError
@@ -179,7 +179,29 @@ def test_named_values_are_the_constructors_that_need_nothing():
     assert named_values(Terrain)["stress"]() == Terrain.stress()
 
 
-@pytest.mark.parametrize("path", sorted(key_paths(Case)))
+CELLS = {f"terrain.{path}" for path in key_paths(CellTerrain)} | {
+    f"contact.{path}" for path in key_paths(CellContact)
+}
+"""Paths of a ground of cells."""
+
+
+@pytest.mark.parametrize("path", ["terrain.width", "contact.law.k_phi", "terrain.relief.roughness.seed"])
+def test_a_misspelt_key_of_cells_is_named_with_the_one_that_was_meant(refused, path):
+    assert path in CELLS
+    table, _, name = path.rpartition(".")
+    text = {
+        "terrain": 'model = "cells"\n',
+        "contact": 'model = "cells"\n',
+        "contact.law": 'model = "bekker"\n',
+    }
+    tables = dict.fromkeys([*text, table])
+    lines = [f"[{one}]\n{text.get(one, '')}{f'{name}s = 1' if one == table else ''}\n" for one in tables]
+    faults = refused('base = "turning"\n' + "".join(lines))
+    wanted = f"{name}s: unknown key; did you mean {'' if 'law' in table else f'{table}.'}{name}?"
+    assert any(one.startswith(table) and wanted in one for one in faults)
+
+
+@pytest.mark.parametrize("path", sorted(set(key_paths(Case)) - CELLS))
 def test_a_misspelt_key_is_named_with_the_one_that_was_meant(read, refused, path):
     table, _, name = path.rpartition(".")
     wrong = f"{name[:2]}{name[3:]}" if len(name) > 4 else f"{name}s"
@@ -226,8 +248,11 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ("[outputs]\npicture_times = [2, 1]", "outputs: picture_times must be from 0 s and increase"),
         ("[outputs]\npicture_times = [-1, 1]", "outputs: picture_times must be from 0 s and increase"),
         ("[outputs]\npicture_times = []", "outputs.picture_times: Tuple should have at least 1 item"),
-        ('[contact]\nmodel = "hertz"', "contact.model: Input should be 'pair' or 'spheres', got 'hertz'"),
-        ("[contact]\nmodel = [1]", "contact.model: Input should be 'pair' or 'spheres', got [1]"),
+        (
+            '[contact]\nmodel = "hertz"',
+            "contact.model: Input should be 'pair' or 'spheres' or 'cells', got 'hertz'",
+        ),
+        ("[contact]\nmodel = [1]", "contact.model: Input should be 'pair' or 'spheres' or 'cells', got [1]"),
         ('contact = "spheres"', "contact: Input should be a table, got 'spheres'"),
         ("[drive]\non = [[0, 15, 20]]", "drive.on[0]: "),
         ("[drive]\non = [[5, 15]]", "drive: speed must be zero where the drive goes on, at 5 s, got 0.1 m/s"),

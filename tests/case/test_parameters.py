@@ -168,7 +168,7 @@ def test_a_part_of_another_class_is_refused():
         Case.translation().with_(terrain=Track.ph4100c(), contact=5)
     assert [one[: one.index(", got")] for one in refused.value.errors] == [
         "terrain: Input should be Terrain",
-        "contact: Input should be PairContact or SphereContact",
+        "contact: Input should be PairContact or SphereContact or CellContact",
     ]
 
 

@@ -18,14 +18,14 @@ LAYOUT = StateLayout(
     flexible_shoes=(2, 3),
     modes=5,
     multipliers=(("right pin of link 1", 6), ("left pin of link 1", 6), ("drive", 1)),
-    contact_forces=True,
+    contact=6,
 )
 COUNT = 18 + 4 + 10
 
 
 def parts_of(layout):
     """Different numbers in every part."""
-    names = ["time", "multipliers", "contact forces"]
+    names = ["time", "multipliers", "contact"]
     names += [f"{part}{rate}" for part in ("shoes", "terrain", "modes") for rate in RATES]
     rng = np.random.default_rng(3)
     return {name: rng.random(layout.part(np.zeros(layout.size), name).shape) for name in names}

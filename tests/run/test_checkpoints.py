@@ -176,11 +176,11 @@ def test_a_checkpoint_with_flipped_bytes_gives_the_same_or_is_refused(three_stag
     (copied / "stage_0000.npz").write_bytes(content)
     message = ""
     try:
-        state = Checkpoints(copied).load(staged())[0].state
+        state = Checkpoints(copied).load(staged())[0].end()[0]
     except ValueError as error:
         message = str(error)
     assert not message or message.startswith(f"checkpoint {copied / 'stage_0000.npz'} ")
-    assert message or state.tobytes() == Checkpoints(three_stages[0]).load(staged())[0].state.tobytes()
+    assert message or state.tobytes() == Checkpoints(three_stages[0]).load(staged())[0].end()[0].tobytes()
 
 
 def test_a_checkpoint_in_the_place_of_another_is_left_out(copied):

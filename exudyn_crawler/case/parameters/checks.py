@@ -91,6 +91,8 @@ def _sinking(case: Case) -> Iterator[str]:
     elif 0.0 < depth < SHALLOWEST:
         yield f"{sinks} less than {SHALLOWEST:g} m; the stiffness is in N/m^exponent"
     terrain = case.terrain
+    if terrain.model == "cells":
+        return
     sag = (case.mean_load - terrain.unit_mass * case.gravity_vector()[2]) / terrain.heave_stiffness
     if sag > GREATEST_SAG * terrain.unit_height:
         yield (

@@ -1,10 +1,9 @@
 """Contact of a shoe with a terrain unit: by the pair law, or by spheres under the shoes."""
 
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
@@ -113,10 +112,6 @@ class SphereContact(Parameters):
     def settled_depth(self, load: ArrayLike) -> NDArray:
         """Penetration (m) of an evenly carried shoe by the reference law under each load (N)."""
         return _impact_depth(load, self.reference_stiffness, self.reference_exponent)
-
-
-Contact = Annotated[PairContact | SphereContact, Field(discriminator="model")]
-"""How shoes and terrain touch."""
 
 
 def _impact_depth(load: ArrayLike, stiffness: float, exponent: float) -> NDArray:

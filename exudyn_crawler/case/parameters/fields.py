@@ -128,7 +128,8 @@ def key_paths(kind: type[BaseModel], start: str = "") -> Iterator[str]:
 def models_of(annotation: Any) -> tuple[type[BaseModel], ...]:
     """Parameter classes that a field may hold one or many of; empty if it holds plain values."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return (annotation,)
+        # a class of which others are plugged in names them
+        return tuple(annotation.plugged_in()) if hasattr(annotation, "plugged_in") else (annotation,)
     return tuple(model for part in typing.get_args(annotation) for model in models_of(part))
 
 

@@ -8,19 +8,46 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters.base import Density, Errors, Parameters, Place, Slope, Two, quantity
+from exudyn_crawler.case.parameters.base import (
+    Density,
+    Errors,
+    Parameters,
+    Place,
+    Slope,
+    Two,
+    option,
+    quantity,
+)
 
 STEEPEST = 0.2
 """Greatest slope of a profile: gaps between the units' faces are half its square of their length, 2 %."""
 
 
-class Terrain(Parameters):
+class Sloping(Parameters):
+    """Ground that leans as a whole: its axes lean with it, and gravity leans in them."""
+
+    grade: Slope = quantity("1", "rise over horizontal run along x; + is uphill", (-0.3, 0.3), default=0.0)
+    side_slope: Slope = quantity("1", "the same along y; + rises to the left", (-0.3, 0.3), default=0.0)
+
+    @property
+    def down(self) -> NDArray:
+        """Direction of gravity: unit vector (3,) in the ground's axes.
+
+        An axis whose ground rises by s over a horizontal run of 1 points up by the sine s / sqrt(1 + s**2).
+        """
+        x, y = (slope / math.hypot(1.0, slope) for slope in (self.grade, self.side_slope))
+        # adding zero makes plain zeros of negative ones
+        return np.array([-x, -y, -math.sqrt(1.0 - x**2 - y**2)]) + 0.0
+
+
+class Terrain(Sloping):
     """Grid of rigid units, each with heave and one tilt on spring-dampers normal to the ground.
 
     Units count along y first, from 1. Their top faces lie at z = 0 while the springs are free. All places and
     directions are in the ground's own axes: on a slope gravity leans, and z stays normal to the ground.
     """
 
+    model: Literal["units"] = option("units: blocks on springs, as the papers'", "units")
     origin: Two = quantity("m", "global x and y of the corner of the top face at unit 1", default=(0.0, 0.0))
     columns: int = quantity("1", "units along x", ge=1, le=10_000)
     rows: int = quantity("1", "units along y", ge=1, le=10_000)
@@ -34,8 +61,6 @@ class Terrain(Parameters):
     spring_offset: float = quantity("m", "of each of two springs from the unit's centre", ge=0, le=1e4)
     column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
     tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
-    grade: Slope = quantity("1", "rise over horizontal run along x; + is uphill", (-0.3, 0.3), default=0.0)
-    side_slope: Slope = quantity("1", "the same along y; + rises to the left", (-0.3, 0.3), default=0.0)
     heights: tuple[Place, ...] | None = quantity(
         "m",
         "height of every unit's top face above even ground, units counting along y first; None: all even. "
@@ -141,14 +166,6 @@ class Terrain(Parameters):
     def profile_along(self, x: NDArray) -> NDArray:
         """Height of the profile at places x (m): array of their shape, m; zero without a profile."""
         return np.zeros_like(x) if self.profile is None else np.interp(x, self.edges, self.profile)
-
-    @property
-    def down(self) -> NDArray:
-        """Direction of gravity: unit vector (3,) in the ground's axes."""
-        # an axis whose ground rises by s over a run of 1 points up by the sine s / sqrt(1 + s**2)
-        x, y = (slope / math.hypot(1.0, slope) for slope in (self.grade, self.side_slope))
-        # adding zero makes plain zeros of negative ones
-        return np.array([-x, -y, -math.sqrt(1.0 - x**2 - y**2)]) + 0.0
 
     @property
     def unit_count(self) -> int:

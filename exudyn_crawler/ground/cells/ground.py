@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import CrawlerError
 from exudyn_crawler.ground.cells.covering import NO_HEIGHT, NO_TILE, cover
-from exudyn_crawler.ground.cells.heights import Heights
 from exudyn_crawler.ground.cells.kernel import (
     POINT,
     TRIAL,
@@ -66,6 +66,8 @@ class CellGround:
             force=np.zeros((shoes, most, 4)),
             wrench=np.zeros((shoes, 6)),
             tangent=np.zeros((shoes, 6, 6)),
+            bent=np.zeros((shoes, most, 6)),
+            slopes=np.zeros((shoes, most, 9)),
         )
         self.arrays = tuple(self.shoes)
         self._held = np.zeros(0, dtype=np.int64)

@@ -23,7 +23,7 @@ from exudyn_crawler.ground.cells.law import (
     respond,
     within_law,
 )
-from exudyn_crawler.ground.frames import Frame, Vector, along, compiled, cross, dot, turned, within
+from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, cross, dot, turned, within
 from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.ground.rows import IntArray
 
@@ -63,6 +63,10 @@ class ShoePoints(NamedTuple):
         Force (N) and moment about the frame's origin (N m) on each shoe, global.
     tangent : array (shoes, 6, 6)
         Its weighted derivative by displacements and small rotations (global components).
+    bent : array (shoes, most, 6)
+        Displacement of the points of flexible shoes by their modes (m), and its rate (m/s), shoes' axes.
+    slopes : array (shoes, most, 9)
+        Weighted derivative of each point's force by its displacement, row by row.
     """
 
     addresses: IntArray
@@ -75,6 +79,8 @@ class ShoePoints(NamedTuple):
     force: FloatArray
     wrench: FloatArray
     tangent: FloatArray
+    bent: FloatArray
+    slopes: FloatArray
 
 
 @within
@@ -84,11 +90,18 @@ def frame_at(row: FloatArray) -> Frame:
     return Frame((row[0], row[1], row[2]), rows, (row[12], row[13], row[14]), (row[15], row[16], row[17]))
 
 
+@within
+def arm_of(points: FloatArray, bent: FloatArray, a: int, R: Matrix) -> Vector:
+    """Place of a point from its shoe's origin, m, global."""
+    return turned(R, (points[a, 0] + bent[a, 0], points[a, 1] + bent[a, 1], points[a, 2] + bent[a, 2]))
+
+
 @within_law
-def _probe(points: FloatArray, a: int, frame: Frame, arm: Vector, normal: Vector) -> Probe:
+def _probe(points: FloatArray, bent: FloatArray, a: int, frame: Frame, arm: Vector, normal: Vector) -> Probe:
     """What the law sees at a point."""
     x = along(frame.r, 1.0, arm)
     velocity = along(frame.v, 1.0, cross(frame.omega, arm))
+    velocity = along(velocity, 1.0, turned(frame.R, (bent[a, 3], bent[a, 4], bent[a, 5])))
     rate = -dot(normal, velocity)
     moved = (x[0] - points[a, BEFORE], x[1] - points[a, BEFORE + 1], x[2] - points[a, BEFORE + 2])
     shear = (points[a, SHEAR], points[a, SHEAR + 1], points[a, SHEAR + 2])
@@ -104,7 +117,7 @@ def _probe(points: FloatArray, a: int, frame: Frame, arm: Vector, normal: Vector
 
 
 @within_law
-def press_shoe(law, points, frame, weights, trial, force, wrench, tangent):
+def press_shoe(law, points, bent, frame, weights, trial, force, wrench, tangent, slopes):
     """Write what the cells do to one shoe at a frame.
 
     Parameters
@@ -114,18 +127,17 @@ def press_shoe(law, points, frame, weights, trial, force, wrench, tangent):
     frame : array (FRAME,)
     weights : array (2,)
         Of the derivatives by displacements and by velocities; without any, the tangent is left as it is.
-    points, trial, force, wrench, tangent : array
-        As of `ShoePoints`, of this shoe; the latter four are overwritten.
+    points, bent, trial, force, wrench, tangent, slopes : array
+        As of `ShoePoints`, of this shoe; the latter five are overwritten.
     """
     at, count = frame_at(frame), points.shape[0]
     by_place, by_velocity = weights[0], weights[1]
     tangents = by_place != 0.0 or by_velocity != 0.0
-    terms = np.empty((count if tangents else 0, 9))
     F, M = NOTHING, NOTHING
     for a in range(count):
-        arm = turned(at.R, (points[a, 0], points[a, 1], points[a, 2]))
+        arm = arm_of(points, bent, a, at.R)
         n = (points[a, NORMAL], points[a, NORMAL + 1], points[a, NORMAL + 2])
-        probe = _probe(points, a, at, arm, n)
+        probe = _probe(points, bent, a, at, arm, n)
         answer = respond(law, probe, tangents)
         memory, v = answer.memory, probe.slip_velocity
         trial[a, 0], trial[a, 1] = memory.deepest, memory.pressure
@@ -145,17 +157,17 @@ def press_shoe(law, points, frame, weights, trial, force, wrench, tangent):
             x = along(along(NOTHING, A * b[0], n), A * h[0], m)
             y = along(along(NOTHING, A * b[1], n), A * h[1], m)
             z = along(along(NOTHING, A * b[2], n), A * h[2], m)
-            terms[a, 0], terms[a, 1], terms[a, 2] = x[0] + c, x[1], x[2]
-            terms[a, 3], terms[a, 4], terms[a, 5] = y[0], y[1] + c, y[2]
-            terms[a, 6], terms[a, 7], terms[a, 8] = z[0], z[1], z[2] + c
+            slopes[a, 0], slopes[a, 1], slopes[a, 2] = x[0] + c, x[1], x[2]
+            slopes[a, 3], slopes[a, 4], slopes[a, 5] = y[0], y[1] + c, y[2]
+            slopes[a, 6], slopes[a, 7], slopes[a, 8] = z[0], z[1], z[2] + c
     for i in range(3):
         wrench[i], wrench[3 + i] = F[i], M[i]
     if tangents:
-        _write_tangent(points, at.R, by_place, terms, force, tangent)
+        _write_tangent(points, at.R, by_place, slopes, force, tangent)
 
 
 @within
-def _write_tangent(points, R, by_place, terms, force, tangent):
+def _write_tangent(points, R, by_place, slopes, force, tangent):
     """Write the derivative of a wrench by motions of its shoe, of the derivatives (9, points) of its points.
 
     The arms are linear in the places X, Y on the underside, so that sums of these times 1, X, Y, X2, XY, Y2
@@ -167,7 +179,7 @@ def _write_tangent(points, R, by_place, terms, force, tangent):
         X, Y = points[a, 0], points[a, 1]
         monomials[a, 0], monomials[a, 1], monomials[a, 2] = 1.0, X, Y
         monomials[a, 3], monomials[a, 4], monomials[a, 5] = X * X, X * Y, Y * Y
-    sums = np.dot(terms.T, monomials)
+    sums = np.dot(slopes.T, monomials)
     z = points[0, 2] if count > 0 else 0.0
     _congruence(sums, R, z, tangent)
     # the arms turn under the forces: sum of a f' - (a . f) 1
@@ -230,23 +242,25 @@ def addresses_of(kernel: LawKernel) -> tuple[int, int]:
         prepare_points(law, carray(points, (count, POINT)))
         return 0
 
-    def law_press(constants, count, points, frame, weights, trial, force, wrench, tangent):
+    def law_press(constants, count, points, bent, frame, weights, trial, force, wrench, tangent, slopes):
         law = constants_type(*to_fixed_tuple(carray(constants, (size,)), size))
         press_shoe(
             law,
             carray(points, (count, POINT)),
+            carray(bent, (count, 6)),
             carray(frame, (FRAME,)),
             carray(weights, (2,)),
             carray(trial, (count, TRIAL)),
             carray(force, (count, 4)),
             carray(wrench, (6,)),
             carray(tangent, (6, 6)),
+            carray(slopes, (count, 9)),
         )
         return 0
 
     return (
         compile_entry(kernel, law_points, (numbers, number, numbers)),
-        compile_entry(kernel, law_press, (numbers, number, *7 * [numbers])),
+        compile_entry(kernel, law_press, (numbers, number, *9 * [numbers])),
     )
 
 
@@ -276,12 +290,14 @@ def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
             shoes.constants,
             shoes.counts[s],
             shoes.points[s],
+            shoes.bent[s],
             frames[s],
             weights,
             shoes.trial[s],
             shoes.force[s],
             shoes.wrench[s],
             shoes.tangent[s],
+            shoes.slopes[s],
         )
 
 

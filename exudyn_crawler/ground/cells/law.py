@@ -18,9 +18,10 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
-from pydantic import Field
+from scipy.optimize import brentq
 
-from exudyn_crawler.case.parameters.base import Parameters, quantity
+from exudyn_crawler.case.parameters.base import quantity
+from exudyn_crawler.case.parameters.cells import SoilLaw
 from exudyn_crawler.ground.frames import SOURCES, Vector
 from fem.compiling import compiler
 
@@ -118,11 +119,10 @@ class LawKernel(NamedTuple):
     forgets: bool
 
 
-class CellLaw(Parameters):
+class CellLaw(SoilLaw):
     """Parameters of a law of the cells, with those that all laws have; base of the classes in `laws`."""
 
     kernel: ClassVar[LawKernel]
-    model: str = Field(description="which law: the name of its file in ground/cells/laws")
     shear_deformation: float = quantity(
         "m",
         "K: slip at which shear of its first stiffness reaches the strength; in soil 63 % is mobilized there",
@@ -144,6 +144,17 @@ class CellLaw(Parameters):
     def constants(self, width: float) -> tuple[float, ...]:
         """Constants of the compiled law for shoes whose shorter side is `width` (m)."""
         raise NotImplementedError
+
+    def sinkage(self, pressure: float, width: float) -> float:
+        """Sinkage (m) of a plate as wide as `width` (m) that is first loaded by a pressure (Pa)."""
+
+        def excess(depth: float) -> float:
+            return float(self.drive(np.array([depth]), np.zeros(1), width)[0][0]) - pressure
+
+        deep = 0.01
+        while excess(deep) < 0.0:
+            deep *= 2.0
+        return float(brentq(excess, 0.0, deep)) if pressure > 0.0 else 0.0
 
     def drive(self, depths: NDArray, slips: NDArray, width: float = 0.65) -> tuple[NDArray, NDArray]:
         """Pressure and shear stress (Pa) of a cell along a path of accepted steps without rates.

@@ -245,7 +245,7 @@ def add_units(mbs: "exu.MainSystem", case: Case, fixed: int) -> list[int]:
 
     Units only tilt, so that angles serve them. `fixed` is a marker of the ground.
     """
-    terrain = case.terrain
+    terrain = case.unit_terrain()
     ground = mbs.AddObject(items.ObjectGround())
     # on a slope the ground below holds each unit along it; the joints, which end at the one unit that is
     # held, would hand the whole grid's share from unit to unit
@@ -282,7 +282,7 @@ def add_units(mbs: "exu.MainSystem", case: Case, fixed: int) -> list[int]:
 
 def _add_springs(mbs: "exu.MainSystem", case: Case, bodies: tuple[int, int], center: NDArray) -> None:
     """Springs between the ground and a unit, one or two across it."""
-    terrain = case.terrain
+    terrain = case.unit_terrain()
     across = np.eye(3)[0 if terrain.tilt == "pitch" else 1]
     springs = [0.0] if terrain.springs_per_unit == 1 else [-terrain.spring_offset, terrain.spring_offset]
     for offset in springs:
@@ -302,8 +302,8 @@ def _add_springs(mbs: "exu.MainSystem", case: Case, bodies: tuple[int, int], cen
 
 def _add_unit_joints(mbs: "exu.MainSystem", case: Case, bodies: Sequence[int]) -> None:
     """Spherical and in-plane joints at the middle of shared faces."""
-    sides = 0.5 * np.array([case.terrain.unit_length, case.terrain.unit_width])
-    for joint in terrain_joints(case.terrain):
+    sides = 0.5 * np.array([case.unit_terrain().unit_length, case.unit_terrain().unit_width])
+    for joint in terrain_joints(case.unit_terrain()):
         face = sides[joint.axis] * np.eye(3)[joint.axis]
         ends = ((joint.first, face), (joint.second, -face))
         markers = [

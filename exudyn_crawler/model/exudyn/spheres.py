@@ -29,7 +29,7 @@ def add_spheres(
     static : bool
         Leave friction out: at rest there is none, and on the way to it the track would creep.
     """
-    spheres, terrain, centers = case.sphere_contact(), case.terrain, sphere_centers(case)
+    spheres, terrain, centers = case.sphere_contact(), case.unit_terrain(), sphere_centers(case)
     friction = NO_FRICTION if static else max(spheres.friction, NO_FRICTION)
     contact = mbs.AddGeneralContact()
     contact.frictionProportionalZone = spheres.friction_speed

@@ -7,6 +7,7 @@ without rollers; the compiled equations are checked against it.
 """
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -107,7 +108,7 @@ class ExudynSystem(TrackSystem):
             joints += front.holds(fixed)
             if case.terrain.down[2] > -1.0:
                 add_slope_friction(mbs, case, shoes.nodes, tables.bodies.mass)
-            if case.terrain.heights is not None:
+            if case.unit_terrain().heights is not None:
                 add_dashpots(mbs, case, shoes.nodes, fixed)
         else:
             turn = case.drive.turn_rate or StepProfile.constant(0.0)
@@ -158,7 +159,7 @@ class ExudynSystem(TrackSystem):
             terrain=parts.contact.coordinates.size,
             terrain_bodies=isinstance(parts.contact.coordinates, UnitCoordinates),
             multipliers=tuple((name, len(rows)) for name, rows in zip(names, kept.values(), strict=True)),
-            contact_forces=self.general is not None,
+            contact=0 if self.general is None else 6,
         )
         return layout, np.concatenate(list(kept.values())).astype(int)
 
@@ -176,7 +177,7 @@ class ExudynSystem(TrackSystem):
         """Start from rest at the coordinates `q`."""
         self._set(q, np.zeros_like(q), np.zeros_like(q))
 
-    def set_state(self, row: NDArray) -> None:
+    def set_state(self, row: NDArray, memory: Mapping[str, NDArray] | None = None) -> None:
         """Start from a row as of `state`; its time goes into the solver's settings."""
         self._set(*(self.layout.part(row, f"coordinates{rate}") for rate in RATES))
 
@@ -200,7 +201,7 @@ class ExudynSystem(TrackSystem):
         }
         parts |= {"time": data.GetTime(), "multipliers": np.array(data.GetAECoordinates())[self._rows]}
         if self.general is not None:
-            parts["contact forces"] = self.contact_wrenches()
+            parts["contact"] = self.contact_wrenches()
         return self.layout.pack(parts)
 
     def contact_wrenches(self) -> NDArray:

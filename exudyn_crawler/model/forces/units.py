@@ -56,7 +56,7 @@ def unit_contacts(
     bodies: Bodies,
     flexible: IntArray,
     terrain: TerrainTable,
-    contact: tuple,
+    contact: tuple | None,
     state: FloatArray,
     weights: Weights,
     work: UnitWorkspace,
@@ -67,9 +67,12 @@ def unit_contacts(
     ----------
     flexible : array (2,)
         Number of the first modal coordinate, and how many flexible bodies there are.
-    contact : tuple
-        `pair_geometry.ContactGeometry` as plain tuples; its shoes are the first bodies.
+    contact : tuple, optional
+        `pair_geometry.ContactGeometry` as plain tuples; its shoes are the first bodies. None where there are
+        no units.
     """
+    if contact is None:
+        return 0
     _place_units(terrain, state[0], work.units)
     _place_units(terrain, state[1], work.rates)
     for u in range(terrain.heave.shape[0]):

@@ -31,6 +31,8 @@ NEEDS = {
     "flexible": "flexible shoes, the case has none",
     "rolled": "a rolled case (undercarriage), the case has none",
     "dragged": "a dragged track, the case has an undercarriage",
+    "units": "a terrain of units, the case has one of cells",
+    "cells": "a terrain of cells, the case has one of units",
 }
 """What a quantity may need, and why a case does not do."""
 
@@ -80,6 +82,7 @@ class Quantity:
         """What it needs and a case does not have, for reading; empty if it needs nothing more."""
         rolled = case.undercarriage is not None
         has = {"flexible": case.flexible is not None, "rolled": rolled, "dragged": not rolled}
+        has |= {model: case.terrain.model == model for model in ("units", "cells")}
         return " and ".join(NEEDS[need] for need in self.needs if not has[need])
 
 
@@ -91,16 +94,16 @@ QUANTITIES = {
 """Every quantity by the name of its variable."""
 
 
-def select(**columns: str | bool) -> dict[str, Quantity]:
+def select(**columns: str | bool | tuple[str, ...]) -> dict[str, Quantity]:
     """Quantities by name whose columns are, or hold among several words, what is wanted; in their order.
 
     ``select(per="pair", files="history")``; True and False ask whether a column says anything.
     """
 
-    def fits(value: str | tuple[str, ...], wanted: str | bool) -> bool:
+    def fits(value: str | tuple[str, ...], wanted: str | bool | tuple[str, ...]) -> bool:
         if isinstance(wanted, bool):
             return bool(value) is wanted
-        return wanted in value if isinstance(value, tuple) else wanted == value
+        return wanted == value or (isinstance(value, tuple) and wanted in value)
 
     return {
         name: quantity
@@ -141,7 +144,7 @@ def terrain_deformation(case: Case, dataset: xr.Dataset) -> xr.DataArray:
     """Sum of the springs' deformations since the start, upward, (time,), m; those by tilts cancel out."""
     # of a history that does not fit into memory, the motion of all units does not either
     parts = [part.unit_heave.sum("unit") for part in blocks(dataset[["unit_heave"]])]
-    total = case.terrain.springs_per_unit * xr.concat(parts, "time")
+    total = case.unit_terrain().springs_per_unit * xr.concat(parts, "time")
     return total - total.isel(time=0)
 
 

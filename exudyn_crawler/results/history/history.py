@@ -160,12 +160,14 @@ class History:
 def _check(case: Case, dataset: xr.Dataset) -> None:
     """Refuse a dataset whose variables are not those of a history of the case."""
     catalogue.check_dimensions(dataset)
-    always = set(catalogue.select(files="history", needs=False)) - set(files.TERRAIN_COORDINATES)
+    needed = (False, (case.terrain.model,))
+    always = {name for needs in needed for name in catalogue.select(files="history", needs=needs)}
+    always -= set(files.TERRAIN_COORDINATES)
     if missing := sorted(always - set(map(str, dataset.variables))):
         raise ValueError(f"it has no {missing[0]}")
     numbers = {"shoe": case.track.shoes, "joint": case.track.joints, "unit": case.terrain.units}
     for name, expected in numbers.items():
-        if not np.array_equal(dataset[name], expected):
+        if len(expected) and not np.array_equal(dataset[name], expected):
             raise ValueError(f"its {name}s are not those of its case")
     time = dataset.time.values
     if not (len(time) and np.isfinite(time).all() and (np.diff(time) > 0.0).all()):

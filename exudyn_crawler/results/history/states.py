@@ -9,7 +9,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.track import SIDES
-from exudyn_crawler.ground.pairs import RESULT
+from exudyn_crawler.ground.cells.ground import COARSE
+from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, pin_name
@@ -55,7 +56,7 @@ def system_history(system: "TrackSystem", rows: NDArray) -> History:
             "time": ("time", time, {"units": "s"}),
             "shoe": case.track.shoes,
             "joint": ("joint", case.track.joints, {"long_name": "link of shoes i and i + 1"}),
-            "unit": case.terrain.units,
+            **({"unit": case.terrain.units} if len(case.terrain.units) else {}),
             "axis": AXES,
             **motion,
             **_coordinates(system),
@@ -140,6 +141,8 @@ def _drive_point(states: _States) -> NDArray:
 
 def _terrain(states: _States) -> dict[str, NDArray]:
     contact = states.system.contact
+    if not len(states.system.case.terrain.units):
+        return {}
     if isinstance(contact.coordinates, ReducedCoordinates):
         modes = contact.coordinates.modes
         motion = {rate.replace(" ", "_"): states.part(f"terrain{rate}").copy() for rate in RATES}
@@ -155,8 +158,8 @@ def _terrain(states: _States) -> dict[str, NDArray]:
 def _contacts(states: _States) -> tuple[dict[str, NDArray], NDArray]:
     """Contacts over time, a column for each volume of a pair that ever met; zero while there is none."""
     parts = [states.part("coordinates"), states.part("coordinates rate")]
-    if states.system.layout.contact_forces:
-        parts.append(states.part("contact forces"))
+    if states.system.layout.contact:
+        parts.append(states.part("contact"))
     results = [states.system.contact.results(*state) for state in zip(*parts, strict=True)]
     rows = np.concatenate(results)
     keys = rows[:, [RESULT[name] for name in ("shoe", "unit", "finger")]].astype(int)
@@ -170,6 +173,11 @@ def _contacts(states: _States) -> tuple[dict[str, NDArray], NDArray]:
             tables[name] = np.zeros((len(results), len(pairs), *values.shape[1:]))
             # a history in memory has the numbers of its file
             tables[name][when, column.ravel()] = values.astype(quantity.dtype)
+    node_force = catalogue.QUANTITIES["node_force"]
+    if not node_force.lacking(states.system.case):
+        flexible = np.array(states.system.layout.flexible_shoes) - 1
+        forces = states.part("contact")[:, flexible, RESULTS:].astype(node_force.dtype).astype(float)
+        tables["node_force"] = forces.reshape(*forces.shape[:2], *COARSE, 3)
     return tables, pairs
 
 

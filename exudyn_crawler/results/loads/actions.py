@@ -45,6 +45,13 @@ class OverRectangle:
 
 
 @dataclass(frozen=True)
+class AtGridNode:
+    """Enters a flexible shoe about a node, from 0, of the coarse grid of its underside, spread by hats."""
+
+    node: int
+
+
+@dataclass(frozen=True)
 class OnRail:
     """Enters a flexible shoe at x (times,) in its frame, m, along one of its rails."""
 
@@ -58,7 +65,7 @@ class AtDrivePoint:
     """Enters a flexible shoe at the point that the drive moves."""
 
 
-Entry = AtInterface | OverSurface | OverRectangle | AtDrivePoint | OnRail
+Entry = AtInterface | OverSurface | OverRectangle | AtGridNode | AtDrivePoint | OnRail
 
 
 @dataclass(frozen=True)
@@ -120,7 +127,10 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
     position, frames = shoe_frames(history, shoe)
     yield from _joints(history, shoe, position, frames)
     yield from _weight_and_load(history, shoe, position, frames)
-    yield from _contacts(history, shoe)
+    if "node_force" in history.dataset and shoe in history.flexible_shoe:
+        yield from _grid(history, shoe, position, frames)
+    else:
+        yield from _contacts(history, shoe)
     if shoe == history.case.track.shoe_count:
         yield from _drive(history, shoe, position, frames)
     if history.case.undercarriage is not None:
@@ -161,8 +171,19 @@ def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDA
     yield Action("load", shoe, "top", point, load, zero, entry)
 
 
+def _grid(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+    """Forces of the cells at the nodes of a flexible shoe's grid."""
+    forces = history.node_force.sel(flexible_shoe=shoe).values
+    x0, x1, y0, y1, z = history.case.shoe.footprint
+    zero = np.zeros_like(position)
+    for node, (i, j) in enumerate(np.ndindex(forces.shape[1:3])):
+        place = np.linspace(x0, x1, forces.shape[1])[i], np.linspace(y0, y1, forces.shape[2])[j], z
+        force = np.einsum("tij,tj->ti", frames, forces[:, i, j])
+        yield Action("contact", shoe, "cells", position + frames @ place, force, zero, AtGridNode(node))
+
+
 def _contacts(history: History, shoe: int) -> Iterator[Action]:
-    """Contact with every unit that the shoe ever met."""
+    """Contact with every unit that the shoe ever met, or with the cells."""
     flexible = history.case.flexible
     bends = flexible is not None and shoe in flexible.shoes
     own = np.flatnonzero(history.contact_shoe.values == shoe)
@@ -177,7 +198,8 @@ def _contacts(history: History, shoe: int) -> Iterator[Action]:
         if patch is not None:
             entry = OverRectangle(patch[:, column, 0::2], patch[:, column, 1::2], area[:, column] > 0.0)
         force = normal[:, column] + friction[:, column]
-        yield Action("contact", shoe, f"unit {unit}", point[:, column], force, torque[:, column], entry)
+        where = f"unit {unit}" if unit else "cells"
+        yield Action("contact", shoe, where, point[:, column], force, torque[:, column], entry)
 
 
 def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:

@@ -155,7 +155,7 @@ def energies(history: History) -> xr.Dataset:
     in their contacts with rails. ValueError for a history with flexible shoes.
     """
     _only_rigid(history)
-    case, terrain, frame = history.case, history.case.terrain, history.case.undercarriage
+    case, terrain, frame = history.case, history.case.unit_terrain(), history.case.undercarriage
     gravity = case.gravity_vector()
     kinetic, height = (one.sum(axis=1) for one in _shoes(history).energies(gravity))
     heave, tilt = history.unit_heave.values, history.unit_tilt.values
@@ -183,7 +183,7 @@ def powers(history: History) -> xr.Dataset:
     a history of contact by spheres, of which a row does not say what each takes, or one with flexible shoes.
     """
     _only_rigid(history)
-    case, terrain, law = history.case, history.case.terrain, history.case.contact
+    case, terrain, law = history.case, history.case.unit_terrain(), history.case.contact
     if law.model != "pair":
         raise ValueError("powers need a history of contact.model 'pair', whose law they divide")
     shoes = _shoes(history)

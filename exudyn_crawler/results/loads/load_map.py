@@ -14,6 +14,7 @@ enters in a new way is a case of `shares_of`.
 
 The ground's grid and the rails' cubics are those of the equations of motion: an even traction over any
 rectangle is the sum of 16 rectangles from the corner, a force between stations is shared by four of a cubic.
+On cells the points are the nodes of a coarse grid of the underside, and tractions spread about each by hats.
 
 The run integrates the constraint modes and the lowest fixed-interface modes; the others lie far above what
 the track excites and follow their loads without inertia. Craig-Bampton bases nest, so that the
@@ -31,13 +32,14 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, hstack
 
 from exudyn_crawler.case import Case, FlexibleShoes, Shoe, Track, Undercarriage
+from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import integrated_in, shoe_model, weights_a_metre, whole_reduction
 from exudyn_crawler.model.shoe_mesh import STATIONS, cubic_weights, extended, station_spacing, strip_weights
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions
 from fem import ElasticBody, Nested, ReducedBody
-from fem.patches import Underside, integrate_underside
+from fem.patches import Underside, hat_grid, integrate_underside
 
 JOINTS, MACHINE, GROUND, RAILS, DRIVE, INERTIA = "joints", "machine", "ground", "rails", "drive", "inertia"
 
@@ -90,7 +92,7 @@ class ShoeUnitLoads:
     body: ElasticBody
     whole: ReducedBody  # all M modes that the stress is made of
     integrated: Nested  # the m of them that a run integrates
-    underside: Underside  # grid of the family "ground"
+    underside: Underside | None  # grid of the family "ground"; None on cells
     strips: StripStations | None  # stations of "rails"; None where no rollers run
     spread: Mapping[str, NodalShares]  # families whose forces nodes share
 
@@ -135,7 +137,8 @@ def unit_loads(case: Case) -> ShoeUnitLoads:
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
     node, whole = pulled_node(case, body.mesh), whole_reduction(case).body
-    return _unit_loads(flexible, case.track, case.shoe, case.undercarriage, whole, node)
+    cells = case.terrain.model == "cells"
+    return _unit_loads(flexible, case.track, case.shoe, case.undercarriage, whole, node, cells)
 
 
 @lru_cache(maxsize=2)
@@ -146,6 +149,7 @@ def _unit_loads(
     frame: Undercarriage | None,
     whole: ReducedBody,
     node: int | None,
+    cells: bool,
 ) -> ShoeUnitLoads:
     body, _ = shoe_model(flexible, track)
     mesh, strips = body.mesh, None
@@ -153,13 +157,14 @@ def _unit_loads(
     # of each node its own integrals: products with modes are those of the equations
     each = np.eye(len(under))[:, None]
     underside = integrate_underside(mesh.nodes[under, :2], each, shoe.footprint)
+    ground = hat_grid(underside, COARSE)[1] if cells else underside.integral
     # forces by a unit over the loaded surface, and what a metre of shift adds
     even = whole.weights(flexible.load_surface)
     machine = np.column_stack((even, weights_a_metre(even, whole.nodes)))
     loaded = np.flatnonzero(machine.any(axis=1))
     spread = {
         MACHINE: NodalShares(loaded, machine[loaded].T),
-        GROUND: NodalShares(under, underside.integral.reshape(-1, len(under))),
+        GROUND: NodalShares(under, ground.reshape(-1, len(under))),
     }
     if frame is not None and (rails := shoe.rails) is not None:
         strips = StripStations(rails.rear, station_spacing(rails) / THIRDS, frame.strips)
@@ -168,7 +173,8 @@ def _unit_loads(
         spread[RAILS] = NodalShares(nodes, along.reshape(-1, len(nodes)))
     if node is not None:
         spread[DRIVE] = NodalShares(np.array([node]), np.eye(1))
-    return ShoeUnitLoads(body, whole, integrated_in(flexible, whole), underside, strips, spread)
+    rectangles = None if cells else underside
+    return ShoeUnitLoads(body, whole, integrated_in(flexible, whole), rectangles, strips, spread)
 
 
 def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, NDArray, NDArray] | None:
@@ -180,7 +186,9 @@ def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, NDArra
         case actions.OverSurface(_, shift):
             metres = np.zeros(1) if shift is None else shift
             return MACHINE, np.array([[0, 1]]), np.column_stack((np.ones_like(metres), metres))
-        case actions.OverRectangle(low, high, pressed):
+        case actions.AtGridNode(node):
+            return GROUND, np.array([[node]]), np.ones((1, 1))
+        case actions.OverRectangle(low, high, pressed) if units.underside is not None:
             points, shares = units.underside.rectangle_mean(low, high)
             return GROUND, points, shares * pressed[:, None]
         case actions.OnRail(line, x) if units.strips is not None:

@@ -74,7 +74,7 @@ def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> 
     families = {load_map.JOINTS: fem.UnitLoads.at_centers(len(mesh.nodes), interfaces)}
     blocks = [eye_array(6 * len(interfaces))]
     for name, family in units.spread.items():
-        if name == load_map.GROUND:
+        if name == load_map.GROUND and units.underside is not None:
             grid = ground_grid(mesh)
             weights, shares = grid.weights, csr_array(_ground_shares(units.underside, grid))
         elif name == load_map.RAILS and units.strips is not None:

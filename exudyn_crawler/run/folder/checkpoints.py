@@ -25,7 +25,8 @@ from exudyn_crawler.errors import ASK_TO_OVERWRITE
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.results.history.files import Chunk, save_joined
 
-VARIABLE = "history "  # what the names of the history's arrays begin with in a file
+# what the names of the history's arrays and of the ground's memory begin with in a file
+VARIABLE, MEMORY = "history ", "memory "
 
 
 @dataclass(frozen=True)
@@ -38,10 +39,10 @@ class Checkpoint:
     path: Path
     chunk: Chunk  # what the stage stored, read from the file when it is needed
 
-    @property
-    def state(self) -> NDArray:
-        """State (size of the layout,) from which the run goes on; ValueError if the file was altered."""
-        return _read(self.path).state
+    def end(self) -> tuple[NDArray, dict[str, NDArray]]:
+        """State (size of the layout,) and memory of the ground to go on from; ValueError if altered."""
+        content = _read(self.path)
+        return content.state, content.memory
 
 
 class Checkpoints:
@@ -56,12 +57,19 @@ class Checkpoints:
         """History of the shorter run that this one goes on with."""
 
     def save(
-        self, case: Case, number: int, time: float, layout: str, state: NDArray, history: xr.Dataset
+        self,
+        case: Case,
+        number: int,
+        time: float,
+        layout: str,
+        state: NDArray,
+        memory: dict[str, NDArray],
+        history: xr.Dataset,
     ) -> Checkpoint:
         """Keep the end of a stage of a case; OSError if it cannot be written."""
         writable_folder(self.folder)
         path = self._file(number)
-        content = _Content(case.model_dump_json(), number, time, layout, state, history)
+        content = _Content(case.model_dump_json(), number, time, layout, state, memory, history)
         _write(path, content)
         return _checkpoint(path, content)
 
@@ -151,13 +159,15 @@ class _Content(NamedTuple):
     time: float
     layout: str
     state: NDArray
+    memory: dict[str, NDArray]
     history: xr.Dataset
 
 
 def _write(path: Path, content: _Content) -> None:
     """Write a checkpoint."""
     history = content.history
-    arrays: dict[str, Any] = {name: np.asarray(getattr(content, name)) for name in _Content._fields[:-1]}
+    arrays: dict[str, Any] = {name: np.asarray(getattr(content, name)) for name in _Content._fields[:5]}
+    arrays |= {f"{MEMORY}{name}": values for name, values in content.memory.items()}
     arrays["variables"] = np.array(json.dumps(history.to_dict(data=False)))
     arrays |= {f"{VARIABLE}{name}": variable.values for name, variable in history.variables.items()}
     with whole_file(path, overwrite=True) as temporary, temporary.open("wb") as file:
@@ -178,7 +188,9 @@ def _read(path: Path) -> _Content:
             for name, variable in description[kind].items():
                 variable["data"] = arrays[f"{VARIABLE}{name}"]
         case, number, time, layout = (arrays[name].item() for name in _Content._fields[:4])
-        return _Content(case, number, time, layout, arrays["state"], xr.Dataset.from_dict(description))
+        memory = {n.removeprefix(MEMORY): a for n, a in arrays.items() if n.startswith(MEMORY)}
+        history = xr.Dataset.from_dict(description)
+        return _Content(case, number, time, layout, arrays["state"], memory, history)
     # altered bytes make the readers of archives raise all kinds of errors
     except Exception as error:
         raise ValueError(f"checkpoint {path} cannot be read: {' '.join(str(error).split())}") from error

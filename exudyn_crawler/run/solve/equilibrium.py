@@ -21,8 +21,6 @@ ITERATIONS = 50
 
 PORTIONS = 8
 """Steps in which a profile rises where Newton's method finds no rest on all of it at once."""
-FIRST_DEPTH = 1e-5
-"""m, of all rollers in their rails to start from: enough to be felt."""
 OIL_SPEEDS = (0.02, 0.1, 0.5)
 """m/s, tried in this order: up to which friction holds creeping shoes in proportion to their slip. With more
 oil shoes creep further and Newton's method fails less."""
@@ -50,7 +48,7 @@ def static_equilibrium(case: Case) -> NDArray:
         Where Newton's method finds none, or one with spheres below the ground; on uneven ground it names the
         shoes that the ground carries least.
     """
-    if isinstance(terrain_coordinates(case), ReducedCoordinates):
+    if case.is_compiled or isinstance(terrain_coordinates(case), ReducedCoordinates):
         q = _compiled_rest(case)
         if case.is_compiled or case.flexible is None:
             return q
@@ -58,11 +56,11 @@ def static_equilibrium(case: Case) -> NDArray:
         return _rest(ExudynSystem(case, static=True), q)
     system = ExudynSystem(case, static=True)
     radius = case.contact.radius if isinstance(case.contact, SphereContact) else None
-    if case.terrain.heights is not None:
+    if case.unit_terrain().heights is not None:
         q = _on_uneven_ground(system)
     else:
         try:
-            q = _rest(system, _first_guess(system))
+            q = _rest(system, system.first_guess())
         except EquilibriumError as error:
             if radius is None:
                 raise
@@ -80,15 +78,15 @@ def static_equilibrium(case: Case) -> NDArray:
 
 def _compiled_rest(case: Case) -> NDArray:
     system = compiled_system(case)
-    guess = _first_guess(system)
+    guess = system.first_guess()
     try:
         if case.is_rolled:
             return _crept(case, guess)
         return rest(system, guess, RESIDUAL, ITERATIONS)
     except NewtonError as failed:
-        if case.is_rolled:
+        if case.is_rolled or system.sticks:
             raise _no_rest(system, failed) from failed
-        if case.terrain.profile is not None:
+        if case.unit_terrain().profile is not None:
             return _on_rising_ground(case)
         if case.pair_contact().normal == "face":
             raise _no_rest(system, failed) from failed
@@ -107,12 +105,12 @@ def _rest_from(case: Case, start: NDArray) -> NDArray:
 
 def _on_rising_ground(case: Case) -> NDArray:
     """Rest on a profile that rises from even ground in steps, each from the rest on the one before."""
-    profile = np.array(case.terrain.profile)
+    profile = np.array(case.unit_terrain().profile)
     found = guess = np.zeros(0)
     for share in np.linspace(0.0, 1.0, PORTIONS + 1):
-        terrain = case.terrain.with_(profile=tuple((share * profile).tolist()))
+        terrain = case.unit_terrain().with_(profile=tuple((share * profile).tolist()))
         raised = case.with_(terrain=terrain)
-        before, guess = guess, _first_guess(compiled_system(raised))
+        before, guess = guess, compiled_system(raised).first_guess()
         start = found + guess - before if found.size else guess
         found = _rest_from(raised, start)
     return found
@@ -120,6 +118,8 @@ def _on_rising_ground(case: Case) -> NDArray:
 
 def _crept(case: Case, guess: NDArray) -> NDArray:
     """Where a track under rollers creeps to, with as little oil as lets it."""
+    if case.contact.model == "cells":
+        return crept(compiled_system(case), guess)
     for speed in OIL_SPEEDS[:-1]:
         try:
             return crept(compiled_system(_oiled(case, speed)), guess)
@@ -172,9 +172,9 @@ def _on_uneven_ground(system: ExudynSystem) -> NDArray:
     links' forces turn with the shoes, and spheres come onto edges and leave them.
     """
     case = system.case
-    even = ExudynSystem(case.with_(terrain=case.terrain.with_(heights=None)), static=True)
-    q = _rest(even, _first_guess(even))
-    ground = system.contact.ground_below(q, case.terrain.top_heights)
+    even = ExudynSystem(case.with_(terrain=case.unit_terrain().with_(heights=None)), static=True)
+    q = _rest(even, even.first_guess())
+    ground = system.contact.ground_below(q, case.unit_terrain().top_heights)
     q[2 : 6 * len(ground) : 6] += ground.max()
     settings = _relaxation_settings()
     for _ in range(RELAXATIONS):
@@ -230,26 +230,3 @@ def _unsupported(system: ExudynSystem) -> str:
     if len(lifted):
         return f"Last, hardly any ground carried shoes {lifted.tolist()}."
     return f"Last, the ground carried shoe {force.argmin() + 1} least, with {force.min():.3g} N."
-
-
-def _first_guess(system: TrackSystem) -> NDArray:
-    """Every unit sunk by its own weight and every shoe by its load into the ground there.
-
-    Close enough for Newton's method, which does the rest.
-    """
-    case = system.case
-    q = np.zeros(system.layout.coordinate_count)
-    shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
-    # rails of neighbours at one height: rollers may be on either
-    loads = case.pressed(case.loads.loads(0.0)[0] if case.is_rolled else case.first_loads)
-    sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
-    shoes[:, 2] = -sag - system.contact.settled_depth(loads)
-    x, half = system.contact.shoe_reference[:, 0], 0.5 * case.shoe.length
-    rear, front = case.terrain.profile_along(x - half), case.terrain.profile_along(x + half)
-    shoes[:, 2] += 0.5 * (rear + front)
-    shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
-    terrain = q[shoes.size : shoes.size + system.contact.coordinates.size]
-    terrain[:] = system.contact.coordinates.sunk_evenly(-sag)
-    if case.is_rolled:  # the frame's coordinates come last
-        q[-4] = shoes[0, 2] - FIRST_DEPTH
-    return q

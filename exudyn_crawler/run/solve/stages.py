@@ -127,7 +127,7 @@ class RunStages:
         if self._kept:
             last = self._kept[-1]
             self.first = last.number + 1
-            self._system.set_state(last.state)
+            self._system.set_state(*last.end())
             self._recorder.go_on(last.time)
             checkpoints.say(f"{self._system.case.name}: going on from the checkpoint at t = {last.time:g} s")
 
@@ -142,7 +142,8 @@ class RunStages:
             return
         layout = self._system.layout.to_json()
         case, time = self._system.case, self._recorder.time
-        self._kept.append(self._checkpoints.save(case, number, time, layout, state, history))
+        memory = self._system.memory()
+        self._kept.append(self._checkpoints.save(case, number, time, layout, state, memory, history))
 
     @property
     def nothing(self) -> bool:

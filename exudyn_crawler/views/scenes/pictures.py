@@ -120,7 +120,7 @@ def windows(history: History) -> tuple[Window, Window]:
 
 def ground_section(case: Case, dataset: xr.Dataset, at_rest: bool = False) -> Solid:
     """Units of the row under the track's middle line, cut along that; as they are or with free springs."""
-    terrain = case.terrain
+    terrain = case.unit_terrain()
     y = float(track.shoe_poses(dataset)[0][0, :, 1].mean())
     row = int(np.clip((y - terrain.origin[1]) // terrain.unit_width, 0, terrain.rows - 1))
     units = np.arange(terrain.columns) * terrain.rows + row
@@ -202,7 +202,7 @@ def ground_figure(history: History, time: float) -> Figure:
     case, now = history.case, track.instants(history, [time])
     moment = History(case, now)
     left, right, _, top = windows(moment)[1]
-    bottom = min(0.0, float(case.terrain.top_heights.min())) - DEPTH
+    bottom = min(0.0, float(case.unit_terrain().top_heights.min())) - DEPTH
     # as high as the side view becomes when it takes the whole width, so that both panels are one as wide
     high = 10.5 * (top - bottom) / (right - left)
     with mpl.rc_context(style.STYLE):

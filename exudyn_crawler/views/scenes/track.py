@@ -121,7 +121,7 @@ def greatest_shoe_force(history: History) -> float:
 
 def unloaded_level(case: Case) -> float:
     """Heave of units that carry nothing but themselves, m."""
-    return case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
+    return case.unit_terrain().unit_mass * case.gravity_vector()[2] / case.unit_terrain().heave_stiffness
 
 
 def track_scene(case: Case, dataset: xr.Dataset, force_scale: float, units: NDArray | None = None) -> Scene:
@@ -167,7 +167,7 @@ def link_pins(case: Case, dataset: xr.Dataset) -> Solid:
 
 def ground_units(case: Case, dataset: xr.Dataset) -> Solid:
     """Units of the ground as boxes, as high as their faces."""
-    terrain = case.terrain
+    terrain = case.unit_terrain()
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, terrain.unit_height])
     # with heights of their own, faces alone are raised
     bend = np.zeros((1, terrain.unit_count, 8, 3))
@@ -180,7 +180,7 @@ def ground_units(case: Case, dataset: xr.Dataset) -> Solid:
 
 def ground_faces(case: Case, dataset: xr.Dataset, units: NDArray | None = None) -> Solid:
     """Top faces of units, coloured by their heave in mm, without what they tilt in a run."""
-    terrain = case.terrain
+    terrain = case.unit_terrain()
     chosen = np.arange(terrain.unit_count) if units is None else units
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, 0.0])
     points = half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
@@ -195,10 +195,10 @@ def ground_faces(case: Case, dataset: xr.Dataset, units: NDArray | None = None) 
 
 def unit_turns(case: Case, dataset: xr.Dataset | None = None) -> NDArray:
     """Turns of the units, (times, units, 3, 3), in some instants or with free springs."""
-    tilt = case.terrain.tilts[None]
+    tilt = case.unit_terrain().tilts[None]
     if dataset is not None:
         tilt = tilt + dataset.unit_tilt.transpose("time", "unit").values
-    return rotation_matrices(tilt[..., None] * np.eye(3)[case.terrain.tilt_axis])
+    return rotation_matrices(tilt[..., None] * np.eye(3)[case.unit_terrain().tilt_axis])
 
 
 def beam(case: Case, dataset: xr.Dataset) -> Solid:
@@ -247,7 +247,7 @@ def shown_box(history: History, margin: Sequence[float]) -> list[tuple[float, fl
 
     `margin` are the m beyond both ends, beside the shoes and below the ground's lowest face.
     """
-    shoe, terrain = history.case.shoe, history.case.terrain
+    shoe, terrain = history.case.shoe, history.case.unit_terrain()
     x, y = (history.position.sel(axis=axis) for axis in "xy")
     low, high = shoe.footprint[:2]
     length = float(x.min()) + low - margin[0], float(x.max()) + high + margin[0]

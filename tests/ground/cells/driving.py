@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.ground.cells.ground import CellGround
-from exudyn_crawler.ground.cells.heights import Heights
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 

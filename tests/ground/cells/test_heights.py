@@ -5,9 +5,9 @@ import pytest
 import xarray
 from numpy.testing import assert_allclose, assert_array_equal
 
+from exudyn_crawler.case.parameters.grid_files import MeasuredGrid
+from exudyn_crawler.case.parameters.heights import Heights, Ridge, Roughness, Stone
 from exudyn_crawler.errors import CrawlerError, ParameterError
-from exudyn_crawler.ground.cells.grid_files import MeasuredGrid
-from exudyn_crawler.ground.cells.heights import Heights, Ridge, Roughness, Stone
 from tests.ground.cells.driving import LOAD, ROCK, Driven, Shoe, ground, turn
 
 X, Y = (axis.ravel() for axis in np.meshgrid(np.linspace(-3, 3, 41), np.linspace(-2, 2, 33), indexing="ij"))

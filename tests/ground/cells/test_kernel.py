@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from exudyn_crawler.ground.cells.heights import Heights, Ridge, Roughness, Stone
+from exudyn_crawler.case.parameters.heights import Heights, Ridge, Roughness, Stone
 from tests.ground.cells.driving import LENGTH, LOAD, ROCK, SAND, WIDTH, Shoe, frame, ground, turn
 
 ROUGH = Heights(roughness=Roughness(spectrum=256e-6, seed=3))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from exudyn_crawler.ground.cells.heights import Heights, Roughness
+from exudyn_crawler.case.parameters.heights import Heights, Roughness
 from exudyn_crawler.ground.cells.tiles import SIDE
 from tests.ground.cells.driving import ROCK, SAND, frame, ground, turn
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from exudyn_crawler.ground.cells.heights import Heights, Roughness
+from exudyn_crawler.case.parameters.heights import Heights, Roughness
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from tests.ground.cells.driving import (
     AREA,

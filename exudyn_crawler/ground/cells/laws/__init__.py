@@ -8,6 +8,11 @@ from exudyn_crawler.case.parameters import reading
 from exudyn_crawler.ground.cells.law import CellLaw
 
 
+def law_classes() -> list[type[CellLaw]]:
+    """Classes of parameters of all laws."""
+    return [law_class(module.name) for module in pkgutil.iter_modules(__path__)]
+
+
 def law_class(model: object) -> type[CellLaw]:
     """Class of parameters of the law in the file of this name.
 

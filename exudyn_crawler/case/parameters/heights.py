@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Place, quantity
+from exudyn_crawler.case.parameters.grid_files import MeasuredGrid
 from exudyn_crawler.errors import ParameterError
-from exudyn_crawler.ground.cells.grid_files import MeasuredGrid
 
 FLANK = 2.0
 """Cells that a flank has at least, so that a shoe which comes to it is lifted over some steps of time."""

@@ -1,0 +1,77 @@
+"""Ground of cells that remember: where it is, its heights and the law of its soil."""
+
+import importlib
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field, SerializeAsAny
+
+from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
+from exudyn_crawler.case.parameters.fields import tag_of
+from exudyn_crawler.case.parameters.heights import Heights
+from exudyn_crawler.case.parameters.terrain import Sloping
+
+LAWS = "exudyn_crawler.ground.cells.laws"
+"""Where the laws are, a file each: a room above this one, found by name."""
+
+
+class SoilLaw(Parameters):
+    """Parameters of a law of the cells: what each of them has."""
+
+    model: str = Field(description="which law: the name of its file in ground/cells/laws")
+
+    @staticmethod
+    def plugged_in() -> list[type["SoilLaw"]]:
+        """Classes of all laws that there are."""
+        laws: list[type[SoilLaw]] = importlib.import_module(LAWS).law_classes()
+        return laws
+
+    def sinkage(self, pressure: float, width: float) -> float:
+        """Sinkage (m) of a plate as wide as `width` (m) that is first loaded by a pressure (Pa)."""
+        raise NotImplementedError
+
+
+def _law(values: Any) -> Any:
+    """Law of a table by its model; anything else as it is."""
+    if not isinstance(values, dict):
+        return values
+    laws = {tag_of(law): law for law in SoilLaw.plugged_in()}
+    if (model := values.get("model")) not in laws:
+        raise ValueError(f"model must be one of {', '.join(laws)}, got {model!r}")
+    return laws[model](**values)
+
+
+class CellContact(Parameters):
+    """Shoes on cells: pressure and shear of every cell by a law of the soil."""
+
+    model: Literal["cells"] = Field(default="cells", description="cells: ground that remembers")
+    law: Annotated[SerializeAsAny[SoilLaw], BeforeValidator(_law)] = Field(
+        description="law of the soil, by its model"
+    )
+
+
+class CellTerrain(Sloping):
+    """Field of square cells, each with a height, the sinkage that it has had and the shear that it bears."""
+
+    model: Literal["cells"] = Field(default="cells", description="cells: ground that remembers")
+    origin: tuple[Place, Place] = quantity("m", "x and y of the field's first corner, global")
+    length: float = quantity("m", "of the field along x", gt=0, le=1e5)
+    width: float = quantity("m", "of the field along y", gt=0, le=1e5)
+    cell: float = quantity("m", "side of a cell", plausible=(0.02, 0.2), ge=1e-3, le=10, default=0.1)
+    relief: Heights = Field(default=Heights(), description="heights of the ground before any shoe came")
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Least and greatest x, least and greatest y, m, global."""
+        x, y = self.origin
+        return (x, x + self.length), (y, y + self.width)
+
+    @property
+    def units(self) -> NDArray:
+        """Numbers of units, of which there are none."""
+        return np.zeros(0, dtype=int)
+
+    def surface(self, x: NDArray, y: NDArray) -> NDArray:
+        """Height of the ground at places (m): array of their shape, m."""
+        return np.asarray(self.relief.sample(x, y)[..., 0])

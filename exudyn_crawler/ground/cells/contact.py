@@ -1,0 +1,122 @@
+"""Contact of a track with ground of cells, as a history has it: one contact a shoe."""
+
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.ground.cells.ground import CellGround
+from exudyn_crawler.ground.cells.kernel import AREA, GROUND, NORMAL, ShoePoints, arm_of, frame_at
+from exudyn_crawler.ground.cells.law import CellLaw
+from exudyn_crawler.ground.frames import along, compiled, cross, dot, norm, velocity_at
+from exudyn_crawler.ground.pairs import RESULT, RESULTS, Contact, keep
+from exudyn_crawler.ground.rotations import FloatArray
+from exudyn_crawler.ground.terrain import ReducedCoordinates, TerrainCoordinates, TerrainModes
+
+NO_UNIT = -1
+"""In place of a unit's number."""
+NOTHING = (0.0, 0.0, 0.0)
+
+
+class CellGroundContact:
+    """Shoes on cells; a `ground.contact.GroundContact` without units.
+
+    Attributes
+    ----------
+    ground : CellGround
+        Cells and points of the shoes, fresh.
+    """
+
+    def __init__(self, case: Case) -> None:
+        terrain, shoe = case.cell_terrain(), case.shoe
+        none = np.zeros((0, 0))
+        modes = TerrainModes(none, none, none, none, np.zeros(0))
+        coms = case.track.com_positions(shoe.com_height)
+        x0, x1, y0, y1, z = shoe.footprint
+        corners = np.array([[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]])
+        self.coordinates: TerrainCoordinates = ReducedCoordinates(modes, 1)
+        self.shoe_reference = np.hstack((coms, np.zeros((len(coms), 3))))
+        self.unit_reference = np.zeros((0, 4))
+        law = cast(CellLaw, case.cell_contact().law)
+        self.ground = CellGround(law, terrain.relief, terrain.cell, corners, len(coms))
+        self._case, self._middle = case, float(coms[0, 1])
+
+    @property
+    def size(self) -> int:
+        """Number of generalized coordinates without modes: six a shoe."""
+        return self.shoe_reference.size
+
+    def results(self, _q: NDArray, _q_t: NDArray, stored: NDArray | None = None) -> NDArray:
+        """Contacts that a state has stored: those of the shoes that the ground carries."""
+        contacts = np.zeros((0, RESULTS)) if stored is None else stored[:, :RESULTS]
+        return contacts[contacts[:, RESULT["area"]] > 0.0]
+
+    def unit_motion(self, _q: NDArray) -> NDArray:
+        """Of no units."""
+        return np.zeros((0, 4))
+
+    def settled_depth(self, loads: NDArray) -> NDArray:
+        """Sinkage (m) of shoes under these loads (N) that lie flat on fresh ground."""
+        shoe, law = self._case.shoe, self._case.cell_contact().law
+        pressures = np.maximum(loads, 0.0) / (shoe.length * shoe.width)
+        return np.array([law.sinkage(float(p), min(shoe.length, shoe.width)) for p in pressures])
+
+    def surface(self, x: NDArray) -> NDArray:
+        """Height (m) of the ground along the track's middle at places x (m)."""
+        return self._case.cell_terrain().surface(x, np.full_like(x, self._middle))
+
+    def ground_below(self, _q: NDArray, heights: NDArray) -> NDArray:
+        """Of no units."""
+        return heights
+
+    def sunken(self, _q: NDArray) -> list[int]:
+        """None: the law pushes a shoe up from any depth."""
+        return []
+
+
+@compiled
+def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> None:
+    """Write a contact of every shoe (shoes, RESULTS or more) after it was pressed on the cells.
+
+    The penetration is the mean sinkage of the loaded area, its rate and the slip velocity those of the shoe
+    at the centre of pressure, the normal force that of all normal tractions, and the friction torque what the
+    moment about the centre of pressure has beside these forces.
+    """
+    for s in range(frames.shape[0]):
+        frame = frame_at(frames[s])
+        area = sunk = 0.0
+        pushed, moment = NOTHING, NOTHING
+        for a in range(shoes.counts[s]):
+            point, traction = shoes.points[s, a], shoes.force[s, a, 3]
+            if traction <= 0.0:
+                continue
+            arm = arm_of(shoes.points[s], shoes.bent[s], a, frame.R)
+            n, A = (point[NORMAL], point[NORMAL + 1], point[NORMAL + 2]), point[AREA]
+            area, sunk = area + A, sunk + A * (point[GROUND] - dot(n, along(frame.r, 1.0, arm)))
+            force = along(NOTHING, A * traction, n)
+            pushed, moment = along(pushed, 1.0, force), along(moment, 1.0, cross(arm, force))
+        size = norm(pushed)
+        out[s, :].fill(0.0)
+        if size == 0.0:
+            continue
+        wrench, up = shoes.wrench[s], (frame.R[0][2], frame.R[1][2], frame.R[2][2])
+        total, normal = (wrench[0], wrench[1], wrench[2]), along(NOTHING, 1.0 / size, pushed)
+        # where the line of the normal forces meets the underside
+        arm = along(NOTHING, 1.0 / size**2, cross(pushed, moment))
+        arm = along(arm, (shoes.corners[0, 2] - dot(up, arm)) / dot(up, normal), normal)
+        place = along(frame.r, 1.0, arm)
+        velocity = velocity_at(frame, place)
+        rate = -dot(velocity, normal)
+        torque = along((wrench[3], wrench[4], wrench[5]), -1.0, cross(arm, total))
+        contact = Contact(
+            sunk / area,
+            rate,
+            area,
+            place,
+            pushed,
+            along(total, -1.0, pushed),
+            along(velocity, rate, normal),
+            torque,
+        )
+        keep(contact, s, NO_UNIT, 0, out[s])

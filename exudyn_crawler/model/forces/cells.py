@@ -1,0 +1,322 @@
+"""Ground of cells under shoes as force elements: a wrench on a rigid one, forces at nodes of a flexible one.
+
+A flexible shoe meets the cells through bilinear hat functions on a coarse grid of its underside: its modes
+move the nodes of the grid, the hats the points in between, and the forces of these go back to the nodes. That
+keeps force and moment, and the bending moments on the grid's lines.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exudyn_crawler.ground.cells.contact import write_contacts
+from exudyn_crawler.ground.cells.ground import CellGround
+from exudyn_crawler.ground.cells.kernel import BEFORE, FRAME, ShoePoints, press
+from exudyn_crawler.ground.frames import Vector, along, cross, turned
+from exudyn_crawler.ground.pairs import RESULTS
+from exudyn_crawler.ground.rotations import Attitude, FloatArray
+from exudyn_crawler.ground.rows import ForceRows, IntArray, Weights
+from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of
+from exudyn_crawler.model.elimination import solving, solving_within
+
+WRENCH = 6
+"""Motions of a rigid shoe: displacement of its COM (m) and rotation (rad), global."""
+
+
+class CellTable(NamedTuple):
+    """Undersides of shoes on cells, with a grid of nodes for those that bend.
+
+    Attributes
+    ----------
+    flexible : array (shoes,)
+        Row of a shoe among the flexible ones, -1 for a rigid one.
+    nodes : array (along, across, 3)
+        Nodes of the grid in the shoe's frame, m.
+    rows : array (along, across, 3, modes)
+        Displacement of the nodes by the modes.
+    """
+
+    flexible: IntArray
+    nodes: FloatArray
+    rows: FloatArray
+
+
+class CellWorkspace(NamedTuple):
+    """Workspace of the cells' forces.
+
+    Attributes
+    ----------
+    shoes : tuple
+        `ground.cells.kernel.ShoePoints` as a plain tuple.
+    frames : array (shoes, FRAME)
+        Of the shoes at the last state.
+    bent : array (flexible shoes, 2, along, across, 3)
+        Displacement of the grid's nodes by the modes (m), and its rate (m/s), in the shoes' axes.
+    rigid, flexible : tuple
+        `ForceRows` of rigid shoes (force, moment about the COM) and of flexible ones (forces at the nodes).
+    """
+
+    shoes: tuple
+    frames: FloatArray
+    bent: FloatArray
+    rigid: tuple
+    flexible: tuple
+
+    @classmethod
+    def allocate(cls, table: CellTable, shoes: ShoePoints) -> "CellWorkspace":
+        """Workspace for these shoes."""
+        flexible, modes = int((table.flexible >= 0).sum()), table.rows.shape[3]
+        rigid = ForceRows.allocate(len(table.flexible) - flexible, WRENCH, modes)
+        rigid.bodies[:, 0] = np.flatnonzero(table.flexible < 0)
+        bending = ForceRows.allocate(flexible, table.nodes.size, modes)
+        bending.bodies[:, 0] = np.flatnonzero(table.flexible >= 0)
+        frames, bent = np.zeros((len(table.flexible), FRAME)), np.zeros((flexible, 2, *table.nodes.shape))
+        return cls(tuple(shoes), frames, bent, tuple(rigid), tuple(bending))
+
+
+class Hats(NamedTuple):
+    """First node of the mesh of a grid that a place is in, and how far within, along and across."""
+
+    i: int
+    j: int
+    u: float
+    v: float
+
+
+@solving_within
+def _hats(nodes: FloatArray, x: float, y: float) -> Hats:
+    """Mesh of a place (m, the shoe's frame)."""
+    last_i, last_j = nodes.shape[0] - 1, nodes.shape[1] - 1
+    low, high = nodes[0, 0], nodes[last_i, last_j]
+    u = (x - low[0]) / (high[0] - low[0]) * last_i
+    v = (y - low[1]) / (high[1] - low[1]) * last_j
+    i, j = min(max(int(u), 0), last_i - 1), min(max(int(v), 0), last_j - 1)
+    return Hats(i, j, u - i, v - j)
+
+
+@solving_within
+def _share(hats: Hats, k: int) -> float:
+    """Share of a place that the k-th node of its mesh has."""
+    u = hats.u if k >= 2 else 1.0 - hats.u
+    return u * (hats.v if k % 2 == 1 else 1.0 - hats.v)
+
+
+@solving_within
+def _moved_by_nodes(hats: Hats, bent: FloatArray) -> Vector:
+    """Value at a place of a field (along, across, 3) that is known at the nodes."""
+    value = (0.0, 0.0, 0.0)
+    for k in range(4):
+        node = bent[hats.i + k // 2, hats.j + k % 2]
+        value = along(value, _share(hats, k), (node[0], node[1], node[2]))
+    return value
+
+
+@solving_within
+def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: CellWorkspace) -> None:
+    """Write the shoes' frames, and how the modes move the grid's nodes."""
+    modes = table.rows.shape[3]
+    for s in range(table.flexible.shape[0]):
+        frame = frame_of(bodies, s, state, attitude_of(bodies, s, state[0]))
+        row = work.frames[s]
+        for c in range(3):
+            row[c], row[12 + c], row[15 + c] = frame.r[c], frame.v[c], frame.omega[c]
+            for k in range(3):
+                row[3 + 3 * c + k] = frame.R[c][k]
+        f, modal = table.flexible[s], bodies.modal[s]
+        if f < 0:
+            continue
+        for i, j, c in np.ndindex(table.nodes.shape):
+            for rate in range(2):
+                moved = 0.0
+                for m in range(modes):
+                    moved += table.rows[i, j, c, m] * state[rate, modal + m]
+                work.bent[f, rate, i, j, c] = moved
+
+
+@solving
+def place_shoes(bodies: tuple, cells: tuple, state: FloatArray, workspace: tuple) -> None:
+    """Write the frames of shoes at a state, and how these are bent; arguments as plain tuples."""
+    write_frames(Bodies(*bodies), CellTable(*cells), state, CellWorkspace(*workspace))
+
+
+@solving
+def bend_before(cells: tuple, frames: FloatArray, bent: FloatArray, workspace: tuple) -> None:
+    """Move where the points of flexible shoes were when the last step was accepted by how these were bent.
+
+    Parameters
+    ----------
+    cells, workspace : tuple
+        `CellTable` and `CellWorkspace` as plain tuples.
+    frames : array (shoes, FRAME)
+        Of the shoes then.
+    bent : array (flexible shoes, along, across, 3)
+        Displacement of the grid's nodes then, m.
+    """
+    table, work = CellTable(*cells), CellWorkspace(*workspace)
+    shoes = ShoePoints(*work.shoes)
+    for s in range(table.flexible.shape[0]):
+        f, row = table.flexible[s], frames[s]
+        if f < 0:
+            continue
+        R = (row[3], row[4], row[5]), (row[6], row[7], row[8]), (row[9], row[10], row[11])
+        for a in range(shoes.counts[s]):
+            point = shoes.points[s, a]
+            moved = turned(R, _moved_by_nodes(_hats(table.nodes, point[0], point[1]), bent[f]))
+            for c in range(3):
+                point[BEFORE + c] += moved[c]
+
+
+@solving_within
+def cell_forces(
+    cells: tuple | None, bodies: Bodies, state: FloatArray, weights: Weights, workspace: tuple | None
+) -> None:
+    """Press the shoes on the cells that were covered for the step, and write the elements.
+
+    Parameters
+    ----------
+    cells, workspace : tuple, optional
+        `CellTable` and `CellWorkspace` as plain tuples; None where the ground has no cells.
+    """
+    if cells is None or workspace is None:
+        return
+    table, work = CellTable(*cells), CellWorkspace(*workspace)
+    shoes, rigid, flexible = ShoePoints(*work.shoes), ForceRows(*work.rigid), ForceRows(*work.flexible)
+    write_frames(bodies, table, state, work)
+    for s in range(table.flexible.shape[0]):
+        if table.flexible[s] >= 0:
+            _bend_points(table, shoes, s, work.bent[table.flexible[s]])
+    # derivatives of what stands negative in the residual
+    by = np.array((-weights.position, -weights.velocity))
+    press(shoes, work.frames, by)
+    derive = by[0] != 0.0 or by[1] != 0.0
+    count = 0
+    for s in range(table.flexible.shape[0]):
+        at, f = attitude_of(bodies, s, state[0]), table.flexible[s]
+        if f >= 0:
+            _write_nodal(table, shoes, s, at, work.bent[f, 0], derive, flexible, f)
+            continue
+        for r in range(WRENCH):
+            rigid.wrench[count, r] = shoes.wrench[s, r]
+            for c in range(WRENCH):
+                rigid.jacobian[count, 0, r, c] = 1.0 if r == c and r < 3 else 0.0
+                rigid.tangent[count, r, c] = shoes.tangent[s, r, c]
+        for c in range(3):
+            for r in range(3):
+                rigid.jacobian[count, 0, 3 + r, 3 + c] = at.axes[c][r]
+        count += 1
+
+
+@solving_within
+def _bend_points(table: CellTable, shoes: ShoePoints, s: int, bent: FloatArray) -> None:
+    """Write how a shoe's modes move its points."""
+    for a in range(shoes.counts[s]):
+        hats = _hats(table.nodes, shoes.points[s, a, 0], shoes.points[s, a, 1])
+        for rate in range(2):
+            moved = _moved_by_nodes(hats, bent[rate])
+            for c in range(3):
+                shoes.bent[s, a, 3 * rate + c] = moved[c]
+
+
+@solving_within
+def _write_nodal(
+    table: CellTable,
+    shoes: ShoePoints,
+    s: int,
+    at: Attitude,
+    bent: FloatArray,
+    derive: bool,
+    rows: ForceRows,
+    f: int,
+) -> None:
+    """Write the forces at the nodes of a flexible shoe, their tangent, and the nodes' motions."""
+    wrench, tangent, jacobian = rows.wrench[f], rows.tangent[f], rows.jacobian[f, 0]
+    nodes, across = table.nodes, table.nodes.shape[1]
+    wrench.fill(0.0)
+    if derive:
+        tangent.fill(0.0)
+    for a in range(shoes.counts[s]):
+        hats, force = _hats(nodes, shoes.points[s, a, 0], shoes.points[s, a, 1]), shoes.force[s, a]
+        slopes = shoes.slopes[s, a]
+        for k in range(4):
+            first, share = 3 * ((hats.i + k // 2) * across + hats.j + k % 2), _share(hats, k)
+            for r in range(3):
+                wrench[first + r] += share * force[r]
+            if not derive:
+                continue
+            for m in range(4):
+                second, both = 3 * ((hats.i + m // 2) * across + hats.j + m % 2), share * _share(hats, m)
+                for r in range(3):
+                    for c in range(3):
+                        tangent[first + r, second + c] += both * slopes[3 * r + c]
+    for i in range(nodes.shape[0]):
+        for j in range(across):
+            place = (
+                nodes[i, j, 0] + bent[i, j, 0],
+                nodes[i, j, 1] + bent[i, j, 1],
+                nodes[i, j, 2] + bent[i, j, 2],
+            )
+            arm, first = turned(at.R, place), 3 * (i * across + j)
+            for c in range(3):
+                by_angle = cross(at.axes[c], arm)
+                for r in range(3):
+                    jacobian[first + r, c] = 1.0 if r == c else 0.0
+                    jacobian[first + r, 3 + c] = by_angle[r]
+            for m in range(table.rows.shape[3]):
+                by_mode = table.rows[i, j, :, m]
+                moved = turned(at.R, (by_mode[0], by_mode[1], by_mode[2]))
+                for r in range(3):
+                    jacobian[first + r, 6 + m] = moved[r]
+
+
+class TrackOnCells:
+    """Cells under a track from step to step: covered before one, committed after it was accepted.
+
+    Parameters
+    ----------
+    ground : CellGround
+        Cells under the shoes.
+    bodies, table, workspace : tuple
+        `Bodies`, `CellTable` and `CellWorkspace` of the equations as plain tuples.
+    """
+
+    def __init__(self, ground: CellGround, bodies: tuple, table: tuple, workspace: tuple) -> None:
+        self._ground, self._bodies, self._table, self._workspace = ground, bodies, table, workspace
+        self._work = CellWorkspace(*workspace)
+        self._before = self._work.frames.copy(), self._work.bent[:, 0].copy()
+
+    def put_down(self, state: NDArray) -> None:
+        """Let slip count from a state (3, coordinates)."""
+        place_shoes(self._bodies, self._table, state, self._workspace)
+        self._before = self._work.frames.copy(), self._work.bent[:, 0].copy()
+
+    def cover(self, state: NDArray) -> None:
+        """Freeze which cells lie under the shoes, by the state (3, coordinates) that is predicted."""
+        place_shoes(self._bodies, self._table, state, self._workspace)
+        self._ground.cover(self._work.frames, self._before[0])
+        bend_before(self._table, *self._before, self._workspace)
+
+    def commit(self) -> None:
+        """Let the cells remember the state whose residual was computed last."""
+        self._ground.commit()
+        self._before = self._work.frames.copy(), self._work.bent[:, 0].copy()
+
+    def contacts(self, numbers: int) -> NDArray:
+        """Contacts at the last residual (shoes, numbers): `ground.pairs.RESULTS`, then forces on the grid.
+
+        The forces (N, the shoe's axes) are those at the nodes of a grid of the underside, for flexible shoes.
+        """
+        out = np.zeros((len(self._work.frames), numbers))
+        write_contacts(self._ground.shoes, self._work.frames, out)
+        if numbers > RESULTS:
+            out[:, RESULTS:] = self._ground.coarse_forces(self._work.frames).reshape(len(out), -1)
+        return out
+
+    def memory(self) -> dict[str, NDArray]:
+        """Committed memory of the cells, as of `CellGround.state`."""
+        return self._ground.state()
+
+    def remember(self, memory: Mapping[str, NDArray]) -> None:
+        """Take a memory as of `memory`."""
+        self._ground.restore(memory)
