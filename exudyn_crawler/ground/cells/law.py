@@ -230,9 +230,7 @@ def _respond(law, probe, tangents):
     return lambda law, probe, tangents: function(law, probe, tangents)
 
 
-FAST = {"contract", "nsz", "arcp"}
-"""What the compiler may choose; not the order of sums, which would differ between processes that compile."""
-within_law = njit(error_model="numpy", no_cfunc_wrapper=True, fastmath=FAST)
+within_law = njit(error_model="numpy", no_cfunc_wrapper=True)
 """Compiles a function that meets a law, as part of its entry alone (`compile_entry`): cached by itself it
 would outlive a change of the law, whose file may be anywhere."""
 
@@ -243,7 +241,7 @@ def compile_entry(kernel: LawKernel, function: Callable, arguments: tuple) -> in
     law_file = Path(inspect.getfile(kernel.constants))
     # numba caches by this name, and a file of its cache is valid for the sources of one law
     function.__qualname__ = f"{kernel.constants.__module__}.{kernel.constants.__name__}.{function.__name__}"
-    wanted = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": False, "fastmath": FAST}
+    wanted = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": False}
     compiled = compiler(*SOURCES, law_file, **wanted)(function)
     compiled.compile(types.intp(*arguments))
     (code,) = compiled.overloads.values()

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from exudyn_crawler.ground.cells.law import Memory, Probe, Response
-from exudyn_crawler.ground.frames import Vector, along, compiled, dot, inlined, norm
+from exudyn_crawler.ground.frames import Vector, along, compiled, dot, inlined
 
 COHESION_PRESSURE = 1e3
 """Pa, pressure at which half of the cohesion acts: strength then falls to nothing with the pressure, without
@@ -56,30 +56,31 @@ def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool) -> She
     The stiffness never falls while a cell is in contact, so that no cycle of pressure and slip makes energy.
     """
     T, T_p = shear_strength(law, pressure)
-    memory, slip = probe.memory, probe.slip
+    memory, slip, per = probe.memory, probe.slip, 1.0 / law.deformation
     k, k_p = probe.prepared[1], 0.0
     if pressure > memory.pressure:
-        k, k_p = T / law.deformation, T_p / law.deformation
+        k, k_p = per * T, per * T_p
     # viscous where it sticks, nothing where the committed shear is all of the strength
     used = dot(memory.shear, memory.shear) / (T * T)
     drag = drag_p = 0.0
     if used < 1.0:
-        drag = law.viscosity * T / law.deformation * (1.0 - used)
-        drag_p = law.viscosity * T_p / law.deformation * (1.0 + used)
+        drag = law.viscosity * per * T * (1.0 - used)
+        drag_p = law.viscosity * per * T_p * (1.0 + used)
     trial = along(memory.shear, k, slip)
-    size, bound = norm(trial), T * memory.mobilized
-    by_pressure = along(along(NOTHING, k_p, slip), drag_p, probe.slip_velocity)
-    if size <= bound:
+    square, bound, by_pressure = dot(trial, trial), T * memory.mobilized, NOTHING
+    if tangents:
+        by_pressure = along(along(NOTHING, k_p, slip), drag_p, probe.slip_velocity)
+    if square <= max(bound * bound, 1e-18 * T * T):
+        if square > bound * bound:
+            k = per * T
         return Shear(trial, by_pressure, k, k, NOTHING, drag, memory.mobilized)
-    if size <= 1e-9 * T:
-        k = T / law.deformation
-        return Shear(trial, by_pressure, k, k, NOTHING, drag, memory.mobilized)
+    size = math.sqrt(square)
     plastic = (size - bound) / k
-    mobilized = 1.0 - (1.0 - memory.mobilized) * math.exp(-plastic / law.deformation)
+    mobilized = 1.0 - (1.0 - memory.mobilized) * math.exp(-per * plastic)
     scale, tangential, direction = T * mobilized / size, 0.0, NOTHING
     if tangents:
         direction = along(NOTHING, 1.0 / size, trial)
-        tangential = T * (1.0 - mobilized) / law.deformation
+        tangential = per * T * (1.0 - mobilized)
         forward = dot(direction, slip)
         grow = T_p * mobilized + tangential * (forward * k_p - T_p * memory.mobilized - plastic * k_p) / k
         sideways = along(slip, -forward, direction)
