@@ -85,8 +85,9 @@ def run_case(
     TypeError
         If `case_file` is none.
     FileNotFoundError, ValueError
-        Before anything is written, if `reuse` holds no history or one of other parameters, or if the flexible
-        shoes' mesh does not fit the track; or if checkpoints come from other parameters.
+        Before anything is written, if `out` or `reuse` is empty, if `reuse` holds no history or one of other
+        parameters, or if the flexible shoes' mesh does not fit the track; or if checkpoints come from other
+        parameters.
     FileExistsError, BlockingIOError
         Before anything runs, if results are there and `overwrite` is false, or another run works there.
     EquilibriumError
@@ -95,6 +96,9 @@ def run_case(
         If the run ends early; its history stays in the folder.
     """
     check_case_file(case_file)
+    for name, folder in (("out", out), ("reuse", reuse)):
+        if folder == "":
+            raise ValueError(f"{name} must name a folder, or be None, got ''")
     case, outputs = case_file.case, case_file.outputs
     path = None if out is None else Path(out)
     reused = None if reuse is None else matching_history(Path(reuse), case_file)

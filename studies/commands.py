@@ -26,6 +26,11 @@ def _positive(duration: float | None) -> float | None:
 
 
 KINEMATICS = RESULTS / "kinematics"
+COMPARED = ("quantity", "statistic", "paper", "computed", "within", "unit")
+"""Columns of a comparison that are shown where not all fit, as `print_rows` takes them."""
+HOT = ("rank", "region", "von Mises in MPa", "time in s", "verdict", "node")
+LIVES = ("propel_and_material", "region", "life in h at least", "life in h at most", "verdict", "main part")
+"""Same of hot spots, and of lives."""
 Propel = Literal["translation", "turning", "both"]
 Chosen = Annotated[Propel, typer.Option(help="what to run")]
 Ground = StrEnum("Ground", ["step", "ramp", "rough"])
@@ -43,8 +48,10 @@ def _names(case: Propel) -> tuple[str, ...]:
     return ("translation", "turning") if case == "both" else (case,)
 
 
-def _show_comparison(table: "pd.DataFrame", study: str) -> None:
-    print_table(table, f"{study}: paper against computed")
+def _show_comparison(table: "pd.DataFrame", study: str, out: Path) -> None:
+    for case, rows in table.drop(columns="study").groupby("case", sort=False):
+        title = f"{study}, {case}: paper against computed"
+        print_table(rows.drop(columns="case"), title, COMPARED, out / "comparison.csv")
     print_table(within_by_class(table), "Rows within their class")
 
 
@@ -61,7 +68,7 @@ def kinematics(
     from studies.kinematics import study
 
     _, table = study(out, _names(case), duration=duration, overwrite=overwrite, say=typer.echo)
-    _show_comparison(table, "Kinematics")
+    _show_comparison(table, "Kinematics", out)
     typer.echo(f"runs, figures and comparison.csv are in {out}")
 
 
@@ -91,7 +98,7 @@ def forces(
         return
     sources: dict[str, Any] = {"reuse": KINEMATICS if reuse is None else reuse, "strict": reuse is not None}
     _, table = study(out, _names(case), duration=duration, overwrite=overwrite, say=typer.echo, **sources)
-    _show_comparison(table, "Forces")
+    _show_comparison(table, "Forces", out)
     typer.echo(f"runs, figures, comparison.csv and turning_ratios.csv are in {out}")
 
 
@@ -115,7 +122,8 @@ def stress(
     Example: exudyn-crawler stress --duration 8 --mesh coarse --out results/short
     """
     from exudyn_crawler import Case, LoadCycle
-    from studies.stress import open_choices, study
+    from exudyn_crawler.results.stress.hot_spots import hot_spot_table
+    from studies.stress import RUN, open_choices, study
     from studies.stress_comparison import highest_in_propel_and_loading
 
     if choices:
@@ -126,13 +134,16 @@ def stress(
         case = case.with_(flexible=case.flexible_shoes().with_modes(modes))
     if cycle is not None:
         case = case.with_(loads=LoadCycle.from_toml(cycle))
-    print_table(case.loads.table(), "Loads on the shoes at the ends of the phases, kN")
+    loads, title = case.loads.table(), "Loads on the shoes at the ends of the phases, kN"
+    print_table(loads, title, loads.columns, out / RUN / "loads.csv")
     run, table = study(out, case, duration=duration, overwrite=overwrite, say=typer.echo)
-    for shoe, hot_spots in run.recovered().hot_spots.items():
-        print_table(hot_spots, f"Shoe {shoe}: highest von Mises stresses (Pa; places in m at t = 0)")
+    stresses = run.recovered()
+    for shoe, spots in stresses.hot_spots.items():
+        rows, whole = hot_spot_table(spots, stresses.dataset), out / RUN / f"hot_spots_shoe_{shoe}.csv"
+        print_table(rows, f"Shoe {shoe}: highest von Mises stresses", HOT, whole)
     summary = highest_in_propel_and_loading(run.history, run.recovered())
     print_table(summary, "Highest von Mises stress, MPa")
-    _show_comparison(table, "Stress")
+    _show_comparison(table, "Stress", out)
     typer.echo(f"the run and comparison.csv are in {out}")
 
 
@@ -172,8 +183,7 @@ def shovel_life(
     from studies.life import study
 
     _, summary = study(out, stress, rollers, overwrite=overwrite, say=typer.echo)
-    shown = [name for name in summary.loc[:, :"main load"].columns if " in the shoe " not in name]
-    print_table(summary[shown], "Shortest life by propel and material")
+    print_table(summary, "Shortest life by propel and material", LIVES, out / "summary.csv")
     typer.echo(f"lives, pages and summary.csv are in {out}")
 
 
@@ -197,7 +207,8 @@ def rollers(
         print_table(open_choices(min(duration or 8.0, 8.0)), "What the open choices of the rollers do")
         return
     _, regions = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
-    print_table(regions, "Highest von Mises stress by region of the shoe")
+    keys = ("case", "region", "von Mises in MPa", "time in s", "verdict", "shoe")
+    print_table(regions, "Highest von Mises stress by region of the shoe", keys, out / "regions.csv")
     typer.echo(f"the runs and regions.csv are in {out}")
 
 
@@ -212,7 +223,8 @@ def plate_sweep(
     from studies.plate_sweep import study
 
     run = study(out, workers=workers, say=typer.echo)
-    print_table(run.table.drop(columns=["folder", "reason"]), "Runs; units are in the head of results.csv")
+    table = run.table.drop(columns=["folder", "reason"])
+    print_table(table, "Runs; units are in the head of results.csv", table.columns, out / "results.csv")
     typer.echo(f"the runs, results.csv and report.html are in {out}")
 
 
@@ -225,10 +237,10 @@ def sliding_modes(
 
     Example: python -m studies.sliding_modes --out results/sliding_modes
     """
-    from studies.sliding_modes import study
+    from studies.sliding_modes import study, table_name
 
     for title, table in study(out, runs=runs, overwrite=overwrite):
-        print_table(table, title)
+        print_table(table, title, table.columns, out / table_name(title))
     typer.echo(f"the tables and modes.png are in {out}")
 
 

@@ -353,8 +353,13 @@ def study(
         save_figure(mode_figure(modes, case), out / "modes.png", overwrite)
     for title, table in _tables(modes, runs):
         if out is not None:
-            write_table(table, out / f"{title.split(',')[0].replace(' ', '_')}.csv", overwrite)
+            write_table(table, out / table_name(title), overwrite)
         yield title, table
+
+
+def table_name(title: str) -> str:
+    """File of the table of a title."""
+    return f"{title.split(',')[0].replace(' ', '_')}.csv"
 
 
 def _tables(modes: xr.Dataset, runs: bool) -> Iterator[tuple[str, pd.DataFrame]]:

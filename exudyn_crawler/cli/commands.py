@@ -5,7 +5,7 @@ Nothing heavy is imported before a command needs it, so that help comes at once.
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,7 +13,10 @@ import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.application import CASES, RESULTS, Changes, Overwrite, Run
 from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.views.tables import print_rows
+from exudyn_crawler.views.tables import print_rows, print_table
+
+if TYPE_CHECKING:
+    from exudyn_crawler.case_run import CaseRun
 
 START = "kinematics"
 """Study whose case `init` starts from where none is named."""
@@ -94,7 +97,8 @@ def info(
     rows = [(*row[:2], of_base.get(row.key, ""), *row[2:]) for row in fields.case_rows(case_file)]
     differing = sum(row[2] != "" for row in rows)
     columns = ("key", "value", "in the base", "unit", "meaning")
-    print_rows(columns, rows, f"{case}: {differing} of {len(rows)} values differ from the case {base!r}")
+    title = f"{case}: {differing} of {len(rows)} values differ from the case {base!r}"
+    print_rows(columns, rows, title, keys=columns[:4], whole="in the file that init writes")
     if weights := shoe_weights(case_file.case):
         typer.echo(weights)
     checks.warn_implausible(case_file.case, case_file.duration)
@@ -124,8 +128,30 @@ def run(
     case_file = crawler.read_case(case, changes or ())
     out = out or RESULTS / case.stem
     refuse_occupied(out, case_file, overwrite)
-    history = crawler.run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo).history
-    typer.echo(f"{case_file.case.name}: {history.duration:g} s; case, log, results and figures are in {out}")
+    done = crawler.run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo)
+    show_answers(done)
+    name, duration = case_file.case.name, done.history.duration
+    typer.echo(f"{name}: {duration:g} s; case, log, results and figures are in {out}")
+    typer.echo(f"all of it on one page: exudyn-crawler report {out}")
+
+
+def show_answers(run: "CaseRun") -> None:
+    """Print the greatest values of a run, and where the peak of the stress is and how far to trust it."""
+    from exudyn_crawler.results.history.summary import key_results
+    from exudyn_crawler.results.stress.hot_spots import hot_spot_table
+
+    stresses = run.stresses
+    table = key_results(run.history, None if stresses is None else stresses.dataset)
+    print_table(table.rename(columns={"at": "at t in s"}), f"{run.history.case.name}: results")
+    if stresses is not None:
+        spots = stresses.hot_spots
+        shoe = max(spots, key=lambda one: float(spots[one]["value"].max()))
+        top = hot_spot_table(spots[shoe].head(1), stresses.dataset).to_dict("records")[0]
+        place = ", ".join(f"{top[f'{axis} in the shoe in m']:.3f}" for axis in "xyz")
+        typer.echo(
+            f"peak stress: {top['von Mises in MPa']:.4g} MPa at t = {top['time in s']:g} s in shoe {shoe}, "
+            f"{top['region']}, node {top['node']} at ({place}) m in the shoe; {top['verdict']}"
+        )
 
 
 @command

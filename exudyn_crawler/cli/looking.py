@@ -15,6 +15,11 @@ from exudyn_crawler.views.tables import print_table, write_table
 if TYPE_CHECKING:
     import pandas as pd
 
+COMPARED = ("quantity", "axis", "greatest in A", "greatest in B", "change in %", "unit")
+"""Columns of what differs between two runs that are shown where not all fit, as `print_rows` takes them."""
+LIVES = ("region", "life in h at least", "life in h at most", "verdict", "main part", "node")
+"""Same of shortest lives."""
+
 Shoe = Annotated[int, typer.Option(help="number of the shoe")]
 Out = Annotated[Path | None, typer.Option(help="file to write; one beside the history, if not given")]
 
@@ -129,6 +134,7 @@ def compare(
     comparison.write_comparison(histories, page, stresses, overwrite)
     parameters, results = comparison.comparison_tables(histories, stresses)
     named = ", ".join(f"{letter} is {name}" for letter, name in zip("AB", runs, strict=True))
+    whole = write_table(results, page.with_suffix(".csv"), overwrite)
     for table, title, same in (
         (parameters, f"What differs in the cases: {named}", comparison.SAME_CASES),
         (results, "What differs in the results", comparison.SAME_RESULTS),
@@ -136,9 +142,8 @@ def compare(
         if table.empty:
             typer.echo(same)
         else:
-            print_table(table, title)
-    write_table(results, page.with_suffix(".csv"), overwrite)
-    typer.echo(f"{page}: open it in a browser; {page.with_suffix('.csv')}: the table of results")
+            print_table(table, title, COMPARED, whole)
+    typer.echo(f"{page}: open it in a browser; {whole}: the table of results")
 
 
 def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
@@ -178,12 +183,13 @@ def life(
     Example: exudyn-crawler life digging.toml --out results/digging
     """
     asked = crawler.read_duty(duty)  # wrong files end the command before all that counts and draws is loaded
-    from exudyn_crawler.results.life.life import in_words
+    from exudyn_crawler.results.life.life import BEYOND, LIFE, life_words
 
     folder = out or RESULTS / duty.stem
     result = crawler.life(asked, folder, overwrite=overwrite, say=typer.echo)
-    shown = result.table.loc[:, :"main load"].drop(columns=[f"{axis} in the shoe in m" for axis in "xyz"])
-    print_table(in_words(shown), f"{asked.name}: shortest lives by region")
+    lives = result.table.filter(regex=f"^{LIFE}").map(lambda one: one if one < BEYOND else life_words(one))
+    title, whole = f"{asked.name}: shortest lives by region", folder / "shortest_lives.csv"
+    print_table(result.table.assign(**lives), title, LIVES, whole)
     typer.echo(f"life, tables, fields and page (life.html) are in {folder}")
 
 

@@ -1,6 +1,7 @@
 """Tables on a terminal and in CSV files; nothing heavy is loaded to print rows."""
 
 from collections.abc import Iterable, Sequence
+from numbers import Number
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,33 +26,48 @@ def print_rows(
     rows: Iterable[Sequence[object]],
     title: str,
     numeric: Iterable[str] = (),
+    keys: Sequence[str] = (),
+    whole: str | Path = "",
     console: Console | None = None,
 ) -> None:
     """Print rows of cells under the names of their columns; `numeric` ones stand to the right.
 
-    No word and no number is cut: where the columns do not fit side by side, each row is a block of lines.
-    Rows with a column `within` are coloured.
+    No word and no number is cut. Where the columns do not fit side by side, those of the `keys` are shown, as
+    many from the first on as fit, and a line says where the `whole` is; if even two do not fit, or without
+    keys, each row is a block of lines. Rows with a column `within` are coloured.
     """
     console = console or Console()
     if not console.is_terminal:
         console = Console(width=150)
-    cells = [[cell_text(value) for value in row] for row in rows]
-    right = set(numeric)
-    widths = [
-        max([_longest(name), *(_longest(row[k], name in right) for row in cells)])
-        for k, name in enumerate(columns)
-    ]
-    verdict = columns.index("within") if "within" in columns else None
-    styles = ["" if verdict is None else VERDICT_STYLES.get(row[verdict], "") for row in cells]
-    if sum(widths) + BETWEEN * len(columns) + 1 > console.width:
-        _print_blocks(columns, cells, styles, title, console)
+    cells = [dict(zip(columns, map(cell_text, row), strict=True)) for row in rows]
+    right, wanted, shown = set(numeric), [name for name in keys if name in columns], list(columns)
+    widths = {
+        name: max([_longest(name), *(_longest(row[name], name in right) for row in cells)])
+        for name in columns
+    }
+
+    def spare() -> int:
+        return console.width - 1 - sum(widths[name] + BETWEEN for name in shown)
+
+    while spare() < 0 and len(wanted) > 1:
+        shown = [name for name in columns if name in wanted]
+        wanted.pop()
+    if spare() < 0:
+        _print_blocks(cells, title, console)
         return
-    shown = Table(title=escape(title), title_justify="left")
-    for name, width in zip(columns, widths, strict=True):
-        shown.add_column(escape(name), justify="right" if name in right else "left", min_width=width)
-    for row, style in zip(cells, styles, strict=True):
-        shown.add_row(*map(escape, row), style=style)
-    console.print(shown)
+    # those that need least to stand in one line get it first
+    needs = {name: max(map(len, [name, *(row[name] for row in cells)])) - widths[name] for name in shown}
+    for left, name in zip(range(len(shown), 0, -1), sorted(shown, key=lambda name: needs[name]), strict=True):
+        widths[name] += min(needs[name], spare() // left)
+    table = Table(title=escape(title), title_justify="left")
+    for name in shown:
+        table.add_column(escape(name), justify="right" if name in right else "left", width=widths[name])
+    for row in cells:
+        style = VERDICT_STYLES.get(row.get("within", ""), "")
+        table.add_row(*(escape(row[name]) for name in shown), style=style)
+    console.print(table)
+    if len(shown) < len(columns):
+        console.print(f"all columns: {whole}", soft_wrap=True, highlight=False, markup=False)
 
 
 def _longest(text: str, whole: bool = False) -> int:
@@ -59,22 +75,16 @@ def _longest(text: str, whole: bool = False) -> int:
     return len(text) if whole else max(map(len, text.split()), default=0)
 
 
-def _print_blocks(
-    columns: Sequence[str],
-    cells: Sequence[Sequence[str]],
-    styles: Sequence[str],
-    title: str,
-    console: Console,
-) -> None:
+def _print_blocks(cells: Sequence[dict[str, str]], title: str, console: Console) -> None:
     """Print a block of lines for each row: names of the columns, and their cells."""
     console.print(f"[italic]{escape(title)}[/italic]")
-    for row, style in zip(cells, styles, strict=True):
-        shown = Table(show_header=False, style=style)
+    for row in cells:
+        shown = Table(show_header=False, style=VERDICT_STYLES.get(row.get("within", ""), ""))
         shown.add_column()
         shown.add_column(overflow="fold")
-        for name, text in zip(columns, row, strict=True):
+        for name, text in row.items():
             if text:
-                shown.add_row(escape(name), escape(text), style=style)
+                shown.add_row(escape(name), escape(text))
         console.print(shown)
 
 
@@ -88,10 +98,17 @@ def cell_text(value: object) -> str:
     return f"{float(short):,.0f}".replace(",", " ") if LARGE <= abs(float(short)) < BEYOND else short
 
 
-def print_table(table: "pd.DataFrame", title: str, console: Console | None = None) -> None:
-    """Print a table as of `print_rows`."""
-    numeric = [str(name) for name in table.columns if table[name].dtype.kind in "biuf"]
-    print_rows([*map(str, table.columns)], table.itertuples(index=False), title, numeric, console)
+def print_table(
+    table: "pd.DataFrame",
+    title: str,
+    keys: Sequence[str] = (),
+    whole: str | Path = "",
+    console: Console | None = None,
+) -> None:
+    """Print a table as of `print_rows`; a column with a number is numeric, whatever words it has, too."""
+    numeric = [str(name) for name in table.columns if any(isinstance(one, Number) for one in table[name])]
+    rows = table.itertuples(index=False, name=None)
+    print_rows([*map(str, table.columns)], rows, title, numeric, keys, whole, console)
 
 
 def write_table(table: "pd.DataFrame", path: Path, overwrite: bool = False) -> Path:

@@ -12,6 +12,7 @@ import pytest
 import fem
 from exudyn_crawler import (
     Case,
+    CaseFile,
     Drive,
     LoadCycle,
     PairContact,
@@ -207,6 +208,14 @@ def test_what_is_no_case_is_answered_with_how_to_get_one():
         simulate("translation", 1)
     with pytest.raises(TypeError, match=r"^case_file must be a CaseFile, .*\(path\), got a Case$"):
         run_case(Case.translation())
+
+
+@pytest.mark.parametrize("name", ["out", "reuse"])
+def test_an_empty_path_is_no_folder(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match=f"^{name} must name a folder, or be None, got ''$"):
+        run_case(CaseFile(case=Case.translation(), duration=0.01), **{name: ""})
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,204 @@
+"""What commands print on a terminal: no number is cut at any width, and a run ends with its answer."""
+
+import re
+import sys
+from types import SimpleNamespace
+
+import pandas as pd
+import pytest
+
+from exudyn_crawler import Case, cli
+from exudyn_crawler.cli.commands import show_answers
+from exudyn_crawler.results.stress.recovery import StressResults
+from studies.comparison import comparison_table
+from studies.reported import reported_values
+
+WIDTHS = [80, 120]
+LIFE = pd.DataFrame(
+    {
+        "region": ["lugs", "roller path"],
+        "node": [146, 13_772],
+        **{f"{axis} in the shoe in m": [-0.283571, 1.25] for axis in "xyz"},
+        "life in h that 90 % survive": [3.009e5, 412.7],
+        "life in h at least": [3.009e5, 0.04392],
+        "life in h at most": [float("inf"), 4321.7],
+        "verdict": ["inside a spider: do not use", "good to 15 %"],
+        "worst place": [5, 6],
+        "life in h there": [0.07561, 2.0e9],
+        "main part": ["propel: constant", "digging: crowd"],
+        "its share": [1.0, 0.73],
+        "main load": ["pins", "rollers"],
+        "life in h, critical plane": [1432.0, 5.0],
+    }
+)
+SPOTS = pd.DataFrame(
+    {
+        "rank": [1, 2],
+        "region": ["lugs", "roller path"],
+        "von Mises in MPa": [133.94821, 32.24158],
+        "node": [146, 13_772],
+        "time in s": [33.526, 0.134],
+        **{f"{axis} in the shoe in m": [-0.283571, 1.25] for axis in "xyz"},
+        **{f"{axis} in the track at t = 0 in m": [13.879852, 9.942141] for axis in "xyz"},
+        "jump in MPa": [15.8658, 3.43212],
+        "error in MPa": [9.6184, 9.0107],
+        "flag": ["", ""],
+        "verdict": ["mesh-limited: refine here", "good to 15 %"],
+        "share of pins": [1.009, 0.991],
+    }
+)
+SPREAD = pd.DataFrame(
+    [
+        {"shoe": 13, "node": 146}
+        | {f"{run} in MPa": 133.94821 for run in ("as it is", "start 2", "start 3", "area")}
+        | {f"{part} in %": 12.345 for part in ("spread", "choice")}
+        | {"verdict": "good to 15 %"}
+    ]
+)
+HAND = pd.DataFrame(
+    [("reaction", "N", -2.146e6, -2.1460003e6, 3.0e-9)], columns=["quantity", "unit", "hand", "engine", "off"]
+)
+RESULTS = pd.DataFrame(
+    [("greatest contact force on a shoe", 655.13, "kN", "shoe 13", 33.526)],
+    columns=["result", "value", "unit", "of", "at"],
+)
+
+
+def compared(study):
+    reported = reported_values(study)
+    return comparison_table(reported, [1.0234 * value for value in reported["value"]])
+
+
+def result(*found):
+    """What takes the place of a function that would run for minutes."""
+    return lambda *_arguments, **_options: found[0] if len(found) == 1 else found
+
+
+VALUES = pd.DataFrame({"value": [133.94821e6]})
+STRESSES = SimpleNamespace(hot_spots={13: VALUES}, dataset=None)
+RUN = SimpleNamespace(recovered=lambda: STRESSES, history=None)
+FAKES = {
+    "kinematics": {"studies.kinematics.study": result({}, compared("kinematics"))},
+    "forces": {"studies.forces.study": result({}, compared("forces"))},
+    "forces --variants": {
+        "studies.variants.compare_variants": result(compared("forces").drop(columns=["study", "ratio"])),
+        "studies.variants.counts": result(HAND),
+    },
+    "stress --mesh coarse": {
+        "studies.stress.study": result(RUN, compared("stress")),
+        "exudyn_crawler.results.stress.hot_spots.hot_spot_table": result(SPOTS),
+        "studies.stress_comparison.highest_in_propel_and_loading": result(SPREAD),
+    },
+    "shovel-life": {"studies.life.study": result({}, LIFE.assign(propel_and_material="dragged_a36"))},
+    "rollers": {"studies.rollers.study": result({}, SPOTS.assign(case="rolled", shoe=7))},
+    "verify": {"studies.two_bodies.study": result(HAND, compared("kinematics"))},
+    "info": {},
+    "info stress": {},
+    "life duty.toml": {
+        "exudyn_crawler.results.life.duty.read_duty": result(SimpleNamespace(name="digging")),
+        "exudyn_crawler.life_run.life": result(SimpleNamespace(table=LIFE)),
+    },
+    "spread .": {"exudyn_crawler.spread_run.spread": result(SimpleNamespace(by_shoe=lambda: SPREAD))},
+    "run case.toml": {
+        "exudyn_crawler.case_run.run_case": result(
+            SimpleNamespace(
+                history=SimpleNamespace(case=Case.translation(), duration=10.0), stresses=STRESSES
+            )
+        ),
+        "exudyn_crawler.results.history.summary.key_results": result(RESULTS),
+        "exudyn_crawler.results.stress.hot_spots.hot_spot_table": result(SPOTS),
+    },
+    "sweep sweep.toml --dry-run": {},
+}
+"""Commands that print a table, and what takes the place of their work."""
+NUMBERS = {
+    "shovel-life": ["300 900", "0.04392"],
+    "rollers": ["133.9", "33.53"],
+    "life duty.toml": ["300 900", "0.04392"],
+    "spread .": ["133.9", "12.35"],
+    "verify": ["-2 146 000", "3e-09"],
+    "run case.toml": ["655.1", "33.53"],
+    "stress --mesh coarse": ["133.9", "33.53", "386.4"],
+    "sweep sweep.toml --dry-run": ["10 000 000", "30 000 000"],
+    "info": ["100e6"],
+}
+"""Of them, as they are written, that have to be seen at any width."""
+
+
+@pytest.fixture
+def terminal(monkeypatch, capsys, tmp_path):
+    """Call the command in a terminal of some width: lines of output, without their colours."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "case.toml").write_text('base = "translation"\n')
+    (tmp_path / "sweep.toml").write_text(
+        '[case]\nbase = "translation"\nduration = 0.02\n[[answers]]\nquantity = "joint_force"\n'
+        '[[vary]]\nkey = "terrain.spring_stiffness"\nlow = 1e7\nhigh = 3e7\ncount = 3\n'
+    )
+
+    def call(words, width):
+        for name, value in {"COLUMNS": width, "TTY_COMPATIBLE": 1, "NO_COLOR": 1}.items():
+            monkeypatch.setenv(name, str(value))
+        monkeypatch.setattr(sys, "argv", ["exudyn-crawler", *words.split()])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        told = capsys.readouterr()
+        assert (end.value.code, told.err) == (0, "")
+        return re.sub(r"\x1b\[[0-9;]*m", "", told.out).splitlines()
+
+    return call
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("words", FAKES)
+def test_no_number_is_cut_in_any_table(terminal, monkeypatch, words, width):
+    for name, fake in FAKES[words].items():
+        monkeypatch.setattr(name, fake)
+    lines = terminal(words, width)
+    rules = [line for line in lines if line[:1] in "┏┡└┌"]
+    assert rules
+    # tables have their right edge
+    assert all(line[-1] in "┓┩┘┐" and len(line) <= width for line in rules)
+    told = "\n".join(lines)
+    assert "…" not in told
+    for number in NUMBERS.get(words, ()):
+        assert re.search(rf"[│ ]{re.escape(number)}[ ,]", told)
+
+
+@pytest.mark.parametrize(
+    ("words", "columns", "file"),
+    [
+        ("kinematics", "quantity statistic unit paper computed within", "results/kinematics/comparison.csv"),
+        ("life duty.toml", "region life least most verdict", "results/duty/shortest_lives.csv"),
+    ],
+)
+def test_where_not_all_columns_fit_a_line_says_where_they_are(terminal, monkeypatch, words, columns, file):
+    for name, fake in FAKES[words].items():
+        monkeypatch.setattr(name, fake)
+    lines = terminal(words, 80)
+    assert f"all columns: {file}" in lines
+    heads = [line for line in lines if line.startswith("┃")]
+    assert all(name in " ".join(heads) for name in columns.split())
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.simulation
+def test_two_runs_are_compared_in_any_terminal(terminal, translation, turning, tmp_path, width):
+    for name, history in (("straight", translation), ("turning", turning)):
+        (tmp_path / name).mkdir()
+        history.save(tmp_path / name / "history.nc")
+    lines = terminal("compare straight turning", width)
+    assert all(len(line) <= width for line in lines if line[:1] in "┏│└")
+    assert ("all columns: straight_turning.csv" in lines) == (width == 80)
+
+
+@pytest.mark.simulation
+def test_a_flexible_run_ends_with_its_greatest_values_and_the_place_of_its_peak(flexible_run, capsys):
+    history, stress, hot_spots = flexible_run
+    show_answers(SimpleNamespace(history=history, stresses=StressResults(stress, hot_spots, {}, whole=None)))
+    told = " ".join(capsys.readouterr().out.split())
+    highest = float(stress.highest_von_mises.max()) / 1e6
+    assert f"peak stress: {highest:.4g} MPa at t = " in told
+    assert "in shoe 13, " in told
+    for name in ("contact force on a shoe", "force of a link", "force of the drive", "penetration", "way"):
+        assert name in told
+    assert hot_spots[13]["verdict"].iloc[0] in told
