@@ -43,6 +43,13 @@ class CaseRun:
         return self.stresses
 
 
+def _folder(path: str | Path | None) -> Path | None:
+    """Folder of a path; an empty one, which would be where the program runs, is refused."""
+    if path == "":
+        raise ValueError("out and reuse must name folders, or be None, got ''")
+    return None if path is None else Path(path)
+
+
 def run_case(
     case_file: CaseFile,
     out: str | Path | None = None,
@@ -85,9 +92,8 @@ def run_case(
     TypeError
         If `case_file` is none.
     FileNotFoundError, ValueError
-        Before anything is written, if `out` or `reuse` is empty, if `reuse` holds no history or one of other
-        parameters, or if the flexible shoes' mesh does not fit the track; or if checkpoints come from other
-        parameters.
+        Before anything is written, if a path is empty, `reuse` holds no history or one of other parameters,
+        or the flexible shoes' mesh does not fit the track; or if checkpoints come from other parameters.
     FileExistsError, BlockingIOError
         Before anything runs, if results are there and `overwrite` is false, or another run works there.
     EquilibriumError
@@ -96,12 +102,9 @@ def run_case(
         If the run ends early; its history stays in the folder.
     """
     check_case_file(case_file)
-    for name, folder in (("out", out), ("reuse", reuse)):
-        if folder == "":
-            raise ValueError(f"{name} must name a folder, or be None, got ''")
     case, outputs = case_file.case, case_file.outputs
-    path = None if out is None else Path(out)
-    reused = None if reuse is None else matching_history(Path(reuse), case_file)
+    path, source = _folder(out), _folder(reuse)
+    reused = None if source is None else matching_history(source, case_file)
     if case.flexible is not None:
         check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
     with reductions_in(reductions):

@@ -213,7 +213,7 @@ def test_what_is_no_case_is_answered_with_how_to_get_one():
 @pytest.mark.parametrize("name", ["out", "reuse"])
 def test_an_empty_path_is_no_folder(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(ValueError, match=f"^{name} must name a folder, or be None, got ''$"):
+    with pytest.raises(ValueError, match=r"^out and reuse must name folders, or be None, got ''$"):
         run_case(CaseFile(case=Case.translation(), duration=0.01), **{name: ""})
     assert list(tmp_path.iterdir()) == []
 
