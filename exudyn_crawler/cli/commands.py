@@ -29,6 +29,11 @@ app = typer.Typer(
 )
 
 
+def main() -> None:
+    """Entry point of `exudyn-crawler`."""
+    application.call(app)
+
+
 def command(function: Callable[..., None]) -> Callable[..., None]:
     """Register a command that reports what goes wrong in a line."""
     return app.command()(application.readable(function))

@@ -36,6 +36,7 @@ JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values(
 """Labels of forces and sinkage of shoes, and of forces of links."""
 HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
 ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
+ON_RAILS = f"{ROLLER_FORCE} on the {{}} rails".format
 PULL = QUANTITIES["drive_pull"].label
 OF_FLEXIBLE_SHOES = ("displacement", "velocity", "angular velocity", "contact force")
 """Figures of the flexible shoes."""
@@ -190,7 +191,7 @@ def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
         values = values.assign_coords(axis=[TURNS[str(axis)] for axis in values.axis.values])
     parts = {quantity.label: values}
     if "rail" in values.dims:
-        sides = {on_rails(str(side)): values.sel(rail=side, drop=True) for side in values.rail.values}
+        sides = {ON_RAILS(side): values.sel(rail=side, drop=True) for side in values.rail.values}
         parts = {quantity.label: values.sum("rail")} | sides
     if "pin" in values.dims:
         # a rigid link has one joint for both pins, whose force is the link's
@@ -233,11 +234,6 @@ NAMED: dict[str, Callable[[Any], str]] = {
 """Items of what has one of a quantity, by the dimension; a place is that of a pin."""
 
 
-def on_rails(side: str) -> str:
-    """Label of the rollers' force on the rails of a side."""
-    return f"{ROLLER_FORCE} on the {side} rails"
-
-
 def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Figure]:
     """Motion and contact of some shoes, forces of the links behind them, of rollers, and the side frame."""
     found, case, items = history_series(history), history.case, shoe_names(shoes)
@@ -248,7 +244,7 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
     panels |= {label: _panels(found, [label], links) for label in JOINT_VECTORS}
     panels |= _deformation(found)
     if case.is_rolled:
-        sides = [on_rails(str(side)) for side in history.rail.values]
+        sides = [ON_RAILS(side) for side in history.rail.values]
         panels[ROLLER_FORCE] = _panels(found, [ROLLER_FORCE, *sides], axis="z")
         loaded = items if case.flexible is None else shoe_names(case.flexible.shoes)
         panels[RAIL_FORCE] = _panels(found, [RAIL_FORCE], loaded)

@@ -46,11 +46,6 @@ def _read(path: Path, read: Callable[[Path], T]) -> T:
         raise ValueError(named) from error
 
 
-def run_folders(folder: Path) -> list[Path]:
-    """A folder and those of the runs in it: a study keeps each of its cases in a folder of its own."""
-    return [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
-
-
 def histories_in(folders: list[Path], left_out: LeftOut) -> tuple[dict[str, History], dict[str, Path]]:
     """Histories of some folders by case, and the folder of each."""
     histories: dict[str, History] = {}

@@ -19,7 +19,7 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import BAND, bouncing, key_results
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import page
-from exudyn_crawler.views.pages.folder import STRESSES, LeftOut, histories_in, run_folders, stress_of
+from exudyn_crawler.views.pages.folder import STRESSES, LeftOut, histories_in, stress_of
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_curves, packed_scene
 from exudyn_crawler.views.pages.page import Section, part, table, together
 from exudyn_crawler.views.scenes import shoes, track
@@ -31,6 +31,8 @@ LONGEST_TABLE = 300
 INSTANTS, MARGIN = 101, (0.6, 0.4, 0.3)
 """Instants that the moving track shows, evenly spread; m beyond the track, beside it and below the ground."""
 VERDICTS = {"yes": "within", "no": "outside"}
+SPOTS = "hot_spots_"
+"""Begin of the names of hot spots' tables."""
 HOT_SPOTS = (
     "Highest von Mises stresses over the run and where they are. A jump as large as the value means that the "
     "mesh makes the peak."
@@ -85,7 +87,9 @@ def write_report(
 
 def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -> str:
     """HTML of the report; raises as `write_report`."""
-    folders, left_out = run_folders(folder), LeftOut()
+    # a study keeps each of its cases in a folder of its own
+    folders = [folder, *sorted({path.parent for path in folder.glob("*/history*.nc")})]
+    left_out = LeftOut()
     histories, homes = histories_in(folders, left_out)
     stressed = next((one for one in folders if (one / STRESSES).is_file()), folder)
     stress = left_out.unless_broken(stressed / STRESSES, lambda _: stress_of(stressed))
@@ -213,30 +217,30 @@ def _compared(comparison: pd.DataFrame | None) -> Markup:
     return together(counts, part("verdict_filter"), rows)
 
 
+def _tables(how: str, titles: Mapping[Path, str], left_out: LeftOut) -> list[Markup]:
+    """Tables of files with their titles that are short enough to be read, by the macro of that name."""
+
+    def shown(path: Path) -> Markup | None:
+        own = pd.read_csv(path)
+        return part(how, titles[path], table(own, digits=5)) if len(own) <= LONGEST_TABLE else None
+
+    return left_out.of_all(titles, shown)
+
+
 def _hot_spots(folder: Path, left_out: LeftOut) -> Markup:
     """Tables of the hot spots in a folder, in the order of the shoes."""
-
-    def titled(path: Path) -> Markup:
-        title = path.stem.removeprefix("hot_spots_").replace("_", " ")
-        return part("titled", title, table(pd.read_csv(path), digits=5))
-
-    paths = sorted(folder.glob("hot_spots_*.csv"), key=lambda path: (len(path.name), path.name))
-    tables = left_out.of_all(paths, titled)
+    paths = sorted(folder.glob(f"{SPOTS}*.csv"), key=lambda path: (len(path.name), path.name))
+    titles = {path: path.stem.removeprefix(SPOTS).replace("_", " ") for path in paths}
+    tables = _tables("titled", titles, left_out)
     return together(page.paragraph(HOT_SPOTS), *tables) if tables else Markup()
 
 
 def _further(folder: Path, folders: list[Path], left_out: LeftOut) -> Markup:
-    """Tables that have no section of their own and are short enough to be read."""
-
-    def folded(path: Path) -> Markup | None:
-        if path.name == COMPARISON or path.name.startswith("hot_spots_"):
-            return None
-        own = pd.read_csv(path)
-        title = path.relative_to(folder).as_posix()
-        return part("folded", title, table(own, digits=5)) if len(own) <= LONGEST_TABLE else None
-
+    """Tables that have no section of their own."""
     paths = [path for one in folders for path in sorted(one.glob("[!.]*.csv"))]
-    return together(*left_out.of_all(paths, folded))
+    further = [path for path in paths if path.name != COMPARISON and not path.name.startswith(SPOTS)]
+    titles = {path: path.relative_to(folder).as_posix() for path in further}
+    return together(*_tables("folded", titles, left_out))
 
 
 def _cases(folder: Path, histories: Mapping[str, History], left_out: LeftOut) -> Markup:
