@@ -126,18 +126,18 @@ def compare(
     names = [application.run_folder(run).resolve().name for run in (first, second)]
     runs = dict(zip(names if names[0] != names[1] else "AB", (first, second), strict=True))
     histories = {name: application.loaded(run) for name, run in runs.items()}
-    from exudyn_crawler.views.pages import comparison, folder
+    from exudyn_crawler.views.pages import runs as pages
 
-    by_run = {name: folder.stress_of(application.run_folder(run)) for name, run in runs.items()}
+    by_run = {name: pages.stress_of(application.run_folder(run)) for name, run in runs.items()}
     stresses = {name: stress for name, stress in by_run.items() if stress is not None}
     page = out or Path("_".join(runs) + ".html")
-    comparison.write_comparison(histories, page, stresses, overwrite)
-    parameters, results = comparison.comparison_tables(histories, stresses)
+    pages.write_comparison(histories, page, stresses, overwrite)
+    parameters, results = pages.comparison_tables(histories, stresses)
     named = ", ".join(f"{letter} is {name}" for letter, name in zip("AB", runs, strict=True))
     whole = write_table(results, page.with_suffix(".csv"), overwrite)
     for table, title, same in (
-        (parameters, f"What differs in the cases: {named}", comparison.SAME_CASES),
-        (results, "What differs in the results", comparison.SAME_RESULTS),
+        (parameters, f"What differs in the cases: {named}", pages.SAME_CASES),
+        (results, "What differs in the results", pages.SAME_RESULTS),
     ):
         if table.empty:
             typer.echo(same)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from exudyn_crawler.views.pages.comparison import comparison_figures, write_comparison
+from exudyn_crawler.views.pages.runs import comparison_figures, write_comparison
 
 
 def test_curves_of_both_runs_stand_in_one_figure(translation, turning):

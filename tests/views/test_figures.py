@@ -10,7 +10,7 @@ from exudyn_crawler.case import MachineCycle, MachinePhase
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views.figures import history_series, link_names, run_figures, shoe_names, stress_figures
-from exudyn_crawler.views.pages.comparison import comparison_figures
+from exudyn_crawler.views.pages.runs import comparison_figures
 from exudyn_crawler.views.scenes.films import TrackPicture
 from exudyn_crawler.views.style import PHASE_BANDS
 

@@ -19,9 +19,9 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import BAND, bouncing, key_results
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import page
-from exudyn_crawler.views.pages.folder import STRESSES, LeftOut, histories_in, stress_of
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_curves, packed_scene
 from exudyn_crawler.views.pages.page import Section, part, table, together
+from exudyn_crawler.views.pages.runs import STRESSES, LeftOut, histories_in, stress_of
 from exudyn_crawler.views.scenes import shoes, track
 from exudyn_crawler.views.tables import within_by_class
 
