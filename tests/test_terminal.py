@@ -10,6 +10,7 @@ import pytest
 from exudyn_crawler import Case, cli
 from exudyn_crawler.cli.commands import show_answers
 from exudyn_crawler.results.stress.recovery import StressResults
+from exudyn_crawler.views.pages.sweep import Best
 from studies.comparison import comparison_table
 from studies.reported import reported_values
 
@@ -74,6 +75,8 @@ def result(*found):
     return lambda *_arguments, **_options: found[0] if len(found) == 1 else found
 
 
+SWEPT = pd.DataFrame({"status": ["done"]})
+SWEPT.attrs = {"units": {"joint force": "N"}}
 VALUES = pd.DataFrame({"value": [133.94821e6]})
 STRESSES = SimpleNamespace(hot_spots={13: VALUES}, dataset=None)
 RUN = SimpleNamespace(recovered=lambda: STRESSES, history=None)
@@ -97,6 +100,7 @@ FAKES = {
     "life duty.toml": {
         "exudyn_crawler.results.life.duty.read_duty": result(SimpleNamespace(name="digging")),
         "exudyn_crawler.life_run.life": result(SimpleNamespace(table=LIFE)),
+        "exudyn_crawler.views.pages.life.life_lines": result(["90 % of the shoes see no crack"]),
     },
     "spread .": {"exudyn_crawler.spread_run.spread": result(SimpleNamespace(by_shoe=lambda: SPREAD))},
     "run case.toml": {
@@ -109,6 +113,10 @@ FAKES = {
         "exudyn_crawler.results.stress.hot_spots.hot_spot_table": result(SPOTS),
     },
     "sweep sweep.toml --dry-run": {},
+    "sweep sweep.toml": {
+        "exudyn_crawler.sweep.running.run_sweep": result(SimpleNamespace(table=SWEPT)),
+        "exudyn_crawler.sweep.results.best_and_worst": result([Best("joint force", "best", 7, "1a2b", 7e5)]),
+    },
 }
 """Commands that print a table, and what takes the place of their work."""
 NUMBERS = {
@@ -120,6 +128,7 @@ NUMBERS = {
     "run case.toml": ["655.1", "33.53"],
     "stress --mesh coarse": ["133.9", "33.53", "386.4"],
     "sweep sweep.toml --dry-run": ["10 000 000", "30 000 000"],
+    "sweep sweep.toml": ["700 000", "1a2b"],
     "info": ["100e6"],
 }
 """Of them, as they are written, that have to be seen at any width."""

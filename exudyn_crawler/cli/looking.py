@@ -10,7 +10,7 @@ import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.application import RESULTS, Overwrite, Run
 from exudyn_crawler.cli.commands import command
-from exudyn_crawler.views.tables import print_table, write_table
+from exudyn_crawler.views.tables import print_rows, print_table, write_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -184,12 +184,14 @@ def life(
     """
     asked = crawler.read_duty(duty)  # wrong files end the command before all that counts and draws is loaded
     from exudyn_crawler.results.life.life import BEYOND, LIFE, life_words
+    from exudyn_crawler.views.pages.life import life_lines
 
     folder = out or RESULTS / duty.stem
     result = crawler.life(asked, folder, overwrite=overwrite, say=typer.echo)
     lives = result.table.filter(regex=f"^{LIFE}").map(lambda one: one if one < BEYOND else life_words(one))
     title, whole = f"{asked.name}: shortest lives by region", folder / "shortest_lives.csv"
     print_table(result.table.assign(**lives), title, LIVES, whole)
+    typer.echo("\n".join(life_lines(result)))
     typer.echo(f"life, tables, fields and page (life.html) are in {folder}")
 
 
@@ -254,6 +256,7 @@ def sweep(
 
     plan = read_sweep(file)
     out = out or RESULTS / file.stem
+    from exudyn_crawler.sweep.results import best_and_worst
     from exudyn_crawler.sweep.running import folder_state, run_sweep
 
     if dry_run:
@@ -267,6 +270,9 @@ def sweep(
     run = run_sweep(
         plan, out, scheduler=scheduler, workers=workers, storage=storage, retry=retry, say=typer.echo
     )
+    units, columns = run.table.attrs["units"], ("answer", "which", "run", "value", "unit", "folder")
+    best = [(*one[:3], one.value, units[one.answer], one.folder) for one in best_and_worst(plan, run.table)]
+    print_rows(columns, best, "Best and worst runs", ("run", "value"))
     failed = int((run.table["status"] != "done").sum())
     more = f"; {failed} runs have failed, results.csv says why, --retry runs them again" if failed else ""
     typer.echo(f"{out}: open report.html in a browser; results.csv, .parquet and .nc hold the answers{more}")

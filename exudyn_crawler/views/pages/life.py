@@ -37,11 +37,11 @@ def write_life_page(found: LifeResults, path: Path, overwrite: bool = False) -> 
         page.Section("duty", "Duty", page.table(pd.DataFrame(case_rows(found.duty)))),
     ]
     data = {"scenes": {"life": {"": scene}}, "arrays": arrays.packed, "first": []}
-    html = page.page(f"Life of the shoes: {found.duty.name}", _lead(found), sections, data)
+    html = page.page(f"Life of the shoes: {found.duty.name}", life_lines(found), sections, data)
     return page.write_page(html, path, overwrite)
 
 
-def _lead(found: LifeResults) -> list[str]:
+def life_lines(found: LifeResults) -> list[str]:
     """Shortest life and how far to trust it, and what it is counted by."""
     shortest = float(np.nanmin(found.dataset.life[-1]))
     survival, places = 100.0 * float(found.dataset.survival[-1]), found.dataset.shoe.values.tolist()
