@@ -31,23 +31,14 @@ def law_class(model: object) -> type[CellLaw]:
     return law
 
 
-def law_of(content: reading.Content) -> CellLaw:
-    """Law of the values of a file's table: `model`, and what differs from a `base` such as "lete_sand".
-
-    Raises
-    ------
-    ValueError
-        For an unknown `model` or `base`; pydantic's `ValidationError` for values that are not allowed.
-    """
-    kind = law_class(content.get("model"))
-    return reading.from_content(kind, reading.with_base(content, kind))
-
-
 def read_law(path: str | Path) -> CellLaw:
-    """Law of a file (TOML), as of `law_of`; raises `FileNotFoundError` or `CaseFileError`."""
+    """Law of a file (TOML): its `model`, and what differs from a `base` such as "lete_sand".
+
+    Raises `FileNotFoundError` or `CaseFileError`.
+    """
     path = Path(path)
     with reading.errors_named(path, CellLaw):
         content = reading.toml_content(path, "law file")
         kind = law_class(content.get("model"))
     with reading.errors_named(path, kind):
-        return law_of(content)
+        return reading.from_content(kind, reading.with_base(content, kind))
