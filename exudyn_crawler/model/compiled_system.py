@@ -17,6 +17,7 @@ from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import moments_on_angles
 from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
 from exudyn_crawler.model.engine import coordinates_only, exu, predict
@@ -79,7 +80,8 @@ class CompiledSystem(TrackSystem):
 
     def __init__(self, case: Case, parts: Parts) -> None:
         contact = parts.contact
-        if not (case.is_compiled and isinstance(contact, PairGroundContact | CellGroundContact)):
+        reduced = isinstance(contact.coordinates, ReducedCoordinates)
+        if not (reduced and isinstance(contact, PairGroundContact | CellGroundContact)):
             raise ValueError(
                 "the case needs contact.model 'pair' or 'cells' and terrain_formulation 'reduced'"
             )
@@ -93,6 +95,7 @@ class CompiledSystem(TrackSystem):
         self._driven = True
         self._state = np.zeros((3, size))
         self._multipliers = np.zeros(multipliers)
+        self._first: NDArray | None = None
         self._scratch = (np.zeros(size + multipliers), np.zeros(self.tables.fronts.size))
         self._cells: TrackOnCells | None = None
         if isinstance(contact, CellGroundContact):
@@ -163,7 +166,8 @@ class CompiledSystem(TrackSystem):
         return q
 
     def _put_down(self, cells: TrackOnCells) -> None:
-        self._state[0], self._state[1:] = self.first_guess(), 0.0
+        self._first = self.first_guess() if self._first is None else self._first
+        self._state[0], self._state[1:] = self._first, 0.0
         cells.put_down(self._state)
 
     def memory(self) -> dict[str, NDArray]:

@@ -191,6 +191,9 @@ def cell_forces(
     by = np.array((-weights.position, -weights.velocity))
     press(shoes, work.frames, by)
     derive = by[0] != 0.0 or by[1] != 0.0
+    if weights.acceleration != 0.0 and not derive:
+        rigid.tangent.fill(0.0)
+        flexible.tangent.fill(0.0)
     count = 0
     for s in range(table.flexible.shape[0]):
         at, f = attitude_of(bodies, s, state[0]), table.flexible[s]
@@ -201,7 +204,8 @@ def cell_forces(
             rigid.wrench[count, r] = shoes.wrench[s, r]
             for c in range(WRENCH):
                 rigid.jacobian[count, 0, r, c] = 1.0 if r == c and r < 3 else 0.0
-                rigid.tangent[count, r, c] = shoes.tangent[s, r, c]
+                if derive:
+                    rigid.tangent[count, r, c] = shoes.tangent[s, r, c]
         for c in range(3):
             for r in range(3):
                 rigid.jacobian[count, 0, 3 + r, 3 + c] = at.axes[c][r]
