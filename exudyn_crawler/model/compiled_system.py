@@ -149,6 +149,8 @@ class CompiledSystem(TrackSystem):
         cells.cover(self._state)
         self.residual(self._state, self.inputs(0.0))
         cells.commit()
+        # what holds the front shoe without a drive is the ground alone
+        self.switch_drive(self.case.drive.drives_after(0.0))
         multipliers, time, step = np.zeros_like(self._multipliers), 0.0, FIRST_STEP
         while time < SETTLING:
             self._state[0], self._multipliers[:] = q, multipliers

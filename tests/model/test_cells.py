@@ -1,0 +1,104 @@
+"""Tracks on ground of cells that remember: rest, slopes, balances, tangents and modal loads."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, Drive, LoadCycle, StepProfile, simulate
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.results.loads.balance import shoe_imbalance, track_imbalance
+from exudyn_crawler.results.loads.load_map import INERTIA, loads_by_kind, unit_loads
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from tests.model.both import compiled_matrix, residual_of
+
+pytestmark = pytest.mark.simulation
+
+FREE = Drive.translation().with_(on=())
+
+
+def three_shoes(law, grade=0.0, side_slope=0.0, drive=None):
+    base = Case.translation()
+    terrain = base.terrain.with_(grade=grade, side_slope=side_slope)
+    case = base.with_(track=base.track.with_(shoe_count=3), loads=LoadCycle.propel(3), terrain=terrain)
+    return case.with_(drive=drive or case.drive).on_cells(law)
+
+
+def weight(case):
+    return case.loads.loads(0.0).sum() + case.track.shoe_count * case.shoe.mass * case.gravity
+
+
+@pytest.fixture(scope="module")
+def dragged():
+    drive = Drive.translation()
+    case = three_shoes(
+        BekkerSoil.lete_sand(), drive=drive.with_(speed=StepProfile(times=(0.0, 0.05), values=(0.0, 0.2)))
+    )
+    return simulate(case.with_(solver=case.solver.with_(residual=1e-3)), 0.3, False)
+
+
+def test_shoes_start_at_rest_and_the_ground_carries_them(dragged):
+    case = three_shoes(BekkerSoil.lete_sand(), drive=FREE)
+    start = simulate(case, 4e-3, False)
+    assert np.abs(start.acceleration.isel(time=0)).max() < 0.01  # m/s2, of what loads and ground have 90 of
+    carried = (start.normal_force + start.friction_force).isel(time=0).sum("contact").values
+    assert carried[2] == pytest.approx(weight(case), rel=1e-6)
+    assert np.abs(carried[:2]).max() < 1e-6 * weight(case)
+
+
+def test_what_acts_on_dragged_shoes_is_the_rate_of_their_momentum(dragged):
+    imbalance = shoe_imbalance(dragged)
+    assert np.abs(imbalance.force).max() < 0.05  # N, of 400 kN in single precision
+    assert np.abs(imbalance.moment).max() < 1.0  # N m: places are stored to a micrometre
+    assert np.abs(track_imbalance(dragged).force).max() < 0.1
+
+
+def test_a_dragged_track_is_held_back_by_the_strength_of_the_soil(dragged):
+    # slipped by five shear deformations, all of it: c and tan(phi) of the normal force
+    law = dragged.case.contact.law
+    pull = dragged.drive_force.values[-1]
+    area = dragged.area.isel(time=-1).sum().item()
+    normal = dragged.normal_force.isel(time=-1, axis=2).sum().item()
+    strength = law.cohesion * area + np.tan(np.radians(law.friction_angle)) * normal
+    assert 0.9 * strength < pull < 1.05 * strength
+
+
+@pytest.mark.parametrize("law", [BekkerSoil.lete_sand(), RockFloor.hard_floor()], ids=["sand", "rock"])
+def test_shoes_on_a_side_slope_below_friction_stay_where_they_are(law):
+    case = three_shoes(law, side_slope=0.1, drive=FREE)
+    run = simulate(case, 2.0, False)
+    ground = (run.normal_force + run.friction_force).sum("contact").values
+    assert ground[-1] == pytest.approx(-weight(case) * case.terrain.down, abs=1e-5 * weight(case))
+    moved = run.position - run.position.isel(time=0)
+    assert np.abs(moved).max() < 1e-4  # m
+
+
+@pytest.mark.parametrize("base", [Case.translation(), Case.stress("coarse")], ids=["rigid", "flexible"])
+def test_newtons_matrix_is_the_derivative_of_the_residual(base):
+    system = compiled_system(base.on_cells(BekkerSoil.lete_sand()))
+    q = static_equilibrium(system.case)
+    system.set_initial(q)
+    # deeper than ever before and slipping, away from the kinks of the law
+    shoes = q[: 6 * system.layout.shoes].reshape(-1, 6)
+    shoes[:, 2] -= 2e-3
+    shoes[:, 0] += 3e-3
+    q_t, weights = np.zeros(len(q)), (1.0, 900.0, 0.0, False, 1e-3)
+    matrix = compiled_matrix(system, q, q_t, weights)[: len(q), : len(q)]
+    found = np.empty_like(matrix)
+    for k, e in enumerate(1e-8 * np.eye(len(q))):
+        above = residual_of(system, q + e, q_t + weights[1] * e, 0.0 * e)
+        below = residual_of(system, q - e, q_t - weights[1] * e, 0.0 * e)
+        found[:, k] = (above - below)[: len(q)] / 2e-8
+    scale = np.sqrt(np.outer(np.abs(np.diag(found)), np.abs(np.diag(found))))
+    assert (np.abs(matrix - found) / scale).max() < 0.02
+
+
+def test_modal_loads_of_histories_are_those_of_the_equations():
+    case = Case.stress("coarse").on_cells(BekkerSoil.lete_sand())
+    run = simulate(case, 4e-3, False)
+    loads, units = loads_by_kind(run, 13), unit_loads(case)
+    inertia = loads[INERTIA][[0]].toarray()[0, units.families[INERTIA]]
+    ground = (loads["contact"][[0]] @ units.work @ units.integrated.inside)[0]
+    # at rest the modes have neither momentum nor damping: their loads are their elastic forces, but for
+    # forces at nodes that are stored in single precision
+    assert np.abs(inertia).max() < 3e-5 * np.abs(ground).max()
