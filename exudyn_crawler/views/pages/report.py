@@ -55,16 +55,11 @@ def write_report(
     folder : path
         What a study or a run left.
     out : path, optional
-        File to write; `report.html` in the folder if not given.
+        File to write, which is returned; `report.html` in the folder if not given.
     overwrite : bool
         Replace an earlier report.
     say : callable
         Is told of the files beside the histories that cannot be read; the report goes on without them.
-
-    Returns
-    -------
-    Path
-        The report.
 
     Raises
     ------

@@ -100,10 +100,9 @@ class TrackPicture(Picture):
             bar = {"ax": views, "label": "heave of units in mm", "fraction": 0.02, "pad": 0.01}
             self.figure.colorbar(style.scale_of(*self._heave, style.HEAVE_MAP), **bar)
             self._side.set_title(self._legend(), fontsize=9, loc="left")
-            drawn = _curves(history)
-            drawn.draw(curves)
+            _curves(history).draw(curves)
             curves.set(xlabel="time in s", xlim=(0.0, history.duration), ymargin=HEADROOM)
-            curves.legend(loc="upper left", ncols=len(drawn.curves), columnspacing=1.0, handlelength=1.2)
+            curves.legend(loc="upper left", ncols=len(curves.lines), columnspacing=1.0, handlelength=1.2)
             self.cursor = curves.axvline(0.0, color="black", lw=0.8)
             self.title = self.figure.suptitle("", x=0.01, ha="left", parse_math=False)
             self.show(0.0)
@@ -255,7 +254,7 @@ def write_animation(
     Parameters
     ----------
     path : path
-        File to write; its suffix, `.mp4` or `.gif`, says which.
+        File to write, which is returned; its suffix, `.mp4` or `.gif`, says which.
     scale : float, optional
         Magnification of the ground's displacements in the side view; a fitting round one if not given.
     shoe : int, optional
@@ -266,11 +265,6 @@ def write_animation(
         Simulated seconds that a second of the animation shows.
     start, end : float
         s, first and last time that is shown; the run's end if None.
-
-    Returns
-    -------
-    Path
-        `path`.
 
     Raises
     ------

@@ -28,7 +28,7 @@ from exudyn_crawler.views.scenes.scene import Arrows, Scene, Solid, View, upward
 
 Window = tuple[float, float, float, float]
 """Least and greatest coordinate to the right, least and greatest upward, m."""
-ARROW_WIDTH, FINEST = 0.018, 0.12
+ARROW_WIDTH, FINEST = 0.018, 0.06
 """Inches, width of an arrow's shaft; m, edges of shaded triangles that are painted whole."""
 LIGHT = np.array([0.30, 0.15, 0.94]) / np.linalg.norm([0.30, 0.15, 0.94])
 """Where light comes from, in the picture's axes: right, up, toward the viewer."""
@@ -161,18 +161,11 @@ def side_scene(case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: flo
 
 
 def draw_side(
-    ax: Axes,
-    case: Case,
-    now: xr.Dataset,
-    scale: float = 1.0,
-    force_scale: float = 0.0,
-    shoe_opacity: float = 0.75,
+    ax: Axes, case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: float = 0.0, opacity: float = 0.75
 ) -> list[Artist]:
-    """Draw, and return, what `side_scene` has in axes that keep their limits."""
+    """Draw, and return, what `side_scene` has in axes that keep their limits; `opacity` is that of shoes."""
     scene = side_scene(case, now, scale, force_scale)
-    shown = [
-        replace(one, opacity=shoe_opacity) if one.name.endswith("shoes") else one for one in scene.solids
-    ]
+    shown = [replace(one, opacity=opacity) if one.name.endswith("shoes") else one for one in scene.solids]
     return [paint(ax, shown, FROM_THE_RIGHT), *draw_arrows(ax, scene.arrows, FROM_THE_RIGHT)]
 
 

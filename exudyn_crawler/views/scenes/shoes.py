@@ -185,7 +185,7 @@ def stress_picture(
             figure.text(0.011, y, one.notes[0], fontsize=9, va="top")
         ax = figure.add_axes((0.08, FOOT / tall, 0.85, (STRIP - 0.3) / tall))
         now = track.instants(history, [frame])
-        pictures.draw_side(ax, history.case, now, 1.0, scales.shoe_force, shoe_opacity=0.0)
+        pictures.draw_side(ax, history.case, now, 1.0, scales.shoe_force, opacity=0.0)
         _, window = pictures.windows(history)
         pictures.paint(ax, [one.at() for one in bent], pictures.FROM_THE_RIGHT, window)
         ax.set(xlabel="x in m", ylabel="z in m")
