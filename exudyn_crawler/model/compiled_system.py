@@ -39,7 +39,7 @@ FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.2, 1e-7
 """s, of creeping."""
 FEW, MANY = 8, 25
 """Iterations below which the next step of creeping is longer, and most of them."""
-SETTLING, SETTLING_LIMITS = 1.0, (1e-2, MANY)
+SETTLING, SETTLING_LIMITS = 4.0, (1e-2, MANY)
 """s in which shoes creep to their rest on cells that remember them; limits as of `creep`."""
 
 
