@@ -2,6 +2,7 @@
 
 import re
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pandas as pd
@@ -112,6 +113,7 @@ FAKES = {
         "exudyn_crawler.results.history.summary.key_results": result(RESULTS),
         "exudyn_crawler.results.stress.hot_spots.hot_spot_table": result(SPOTS),
     },
+    "run case.toml --page": {},
     "sweep sweep.toml --dry-run": {},
     "sweep sweep.toml": {
         "exudyn_crawler.sweep.running.run_sweep": result(SimpleNamespace(table=SWEPT)),
@@ -119,6 +121,9 @@ FAKES = {
     },
 }
 """Commands that print a table, and what takes the place of their work."""
+PAGE = Path("results/case/report.html")
+WRITE_REPORT = {"exudyn_crawler.views.pages.report.write_report": result(PAGE)}
+FAKES["run case.toml --page"] = FAKES["run case.toml"] | WRITE_REPORT
 NUMBERS = {
     "shovel-life": ["300 900", "0.04392"],
     "rollers": ["133.9", "33.53"],
@@ -187,6 +192,13 @@ def test_where_not_all_columns_fit_a_line_says_where_they_are(terminal, monkeypa
     assert f"all columns: {file}" in lines
     heads = [line for line in lines if line.startswith("┃")]
     assert all(name in " ".join(heads) for name in columns.split())
+
+
+def test_a_run_makes_its_page_where_asked(terminal, monkeypatch):
+    for name, fake in FAKES["run case.toml --page"].items():
+        monkeypatch.setattr(name, fake)
+    assert terminal("run case.toml --page", 80)[-1] == f"{PAGE}: open it in a browser"
+    assert terminal("run case.toml", 80)[-1].endswith("exudyn-crawler report results/case")
 
 
 @pytest.mark.parametrize("width", WIDTHS)

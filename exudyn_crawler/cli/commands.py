@@ -121,6 +121,7 @@ def run(
         Path | None, typer.Option(help="folder whose history takes the place of the simulation")
     ] = None,
     changes: Changes = None,
+    page: Annotated[bool, typer.Option("--page", help="make report.html of it, too, as report does")] = False,
     overwrite: Overwrite = False,
 ) -> None:
     """Run a case file into a folder of its own.
@@ -137,7 +138,10 @@ def run(
     show_answers(done)
     name, duration = case_file.case.name, done.history.duration
     typer.echo(f"{name}: {duration:g} s; case, log, results and figures are in {out}")
-    typer.echo(f"all of it on one page: exudyn-crawler report {out}")
+    if page:
+        make_page(out, overwrite=True)
+    else:
+        typer.echo(f"all of it on one page: exudyn-crawler report {out}")
 
 
 def show_answers(run: "CaseRun") -> None:
@@ -169,7 +173,11 @@ def report(
 
     Example: exudyn-crawler report results/stress
     """
-    folder = application.run_folder(run)  # refused before all that draws is loaded
+    make_page(application.run_folder(run), out, overwrite)  # refused before all that draws is loaded
+
+
+def make_page(folder: Path, out: Path | None = None, overwrite: bool = False) -> None:
+    """Write the page of a folder, and say where it is."""
     with heartbeat(f"report of {folder}"):
         page = crawler.write_report(folder, out, overwrite, typer.echo)
     application.report_made(page, ": open it in a browser")
