@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 from exudyn_crawler import Case, FlexibleShoes, LoadCycle, Terrain
 from exudyn_crawler.model.formulation import track_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.integration import set_times, solver_settings
+from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 from exudyn_crawler.views.tables import print_table
 
 RUNS = 3

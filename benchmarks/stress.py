@@ -22,7 +22,7 @@ from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.integration import integrate_from
+from exudyn_crawler.run.solve.simulation import integrate_from
 from exudyn_crawler.views.figures import stress_figures
 from exudyn_crawler.views.tables import print_table
 from fem import ReducedBody, recover_extremes

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from exudyn_crawler import Case
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.model.state import pin_name

@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import PairContact, Shoe, Terrain
-from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.terrain import UnitCoordinates
 from exudyn_crawler.model.engine import exu, items
 from studies.comparison import comparison_table

@@ -1,16 +1,239 @@
-"""Contact between shoes and ground: what every model of it does, and the choice of one for a case."""
+"""Contact between shoes and ground: what every model of it does, that of pairs, and the choice of one."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from math import prod
+from typing import NamedTuple, Protocol
 
+import numpy as np
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case, CellTerrain
+from exudyn_crawler.case import Case, CellTerrain, PairContact, Shoe, Terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
-from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.frames import plain
+from exudyn_crawler.ground.laws import Coulomb, Impact, Law
+from exudyn_crawler.ground.overlap import overlap_workspace
+from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Fingers, Flexible
+from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
+from exudyn_crawler.ground.pairs import RESULT, Footprint, PairLaw
+from exudyn_crawler.ground.rotations import Weights, moments_on_angles, rotation_matrices
 from exudyn_crawler.ground.sphere_contact import SphereGroundContact
-from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, terrain_coordinates
+from exudyn_crawler.ground.terrain import (
+    TerrainCoordinates,
+    UnitCoordinates,
+    grid_of,
+    terrain_coordinates,
+    units_below,
+)
 from fem.patches import Underside
+
+NO_DERIVATIVES = Weights(0.0, 0.0, 0.0, False, 1.0)
+"""Of forces alone."""
+
+
+def pair_law(law: PairContact, underside_area: float) -> PairLaw:
+    """Law of a pair; `underside_area` (m2) is that of a shoe."""
+    return PairLaw(
+        Law(
+            impact=Impact(law.stiffness, law.exponent, law.damping, law.damping_depth),
+            coulomb=Coulomb(
+                law.static_friction, law.dynamic_friction, law.stiction_speed, law.friction_speed
+            ),
+        ),
+        edge_width=law.edge_width,
+        whole_area=underside_area if law.sharing == "area" else 0.0,
+        area_normal=law.normal == "area",
+        closest_points=law.penetration == "closest",
+    )
+
+
+class ContactWrenches(NamedTuple):
+    """Forces (N) and moments about the origins (N m) on shoes and units, global; modal forces.
+
+    `shoes` is (shoes, 6), `units` (units, 6), `modal` (flexible shoes, modes).
+    """
+
+    shoes: NDArray
+    units: NDArray
+    modal: NDArray
+
+
+class PairGroundContact:
+    """Contact by one contact for every pair of a shoe and a unit; a `contact.GroundContact`.
+
+    Parameters
+    ----------
+    com_positions : array (shoes, 3)
+        COMs of the shoes where their coordinates are zero, m, global.
+    shoe : Shoe
+        What all of them are.
+    terrain : Terrain
+        Grid of units.
+    law : PairContact
+        Contact law of every pair.
+    coordinates : TerrainCoordinates
+        Formulation of the terrain; flexible shoes need one with shapes.
+    underside : Underside, optional
+        Integrated modes of the flexible shoes' underside.
+    flexible_shoes : sequence of int
+        Indices (from 0) of the flexible shoes.
+
+    Raises
+    ------
+    ValueError
+        If there are flexible shoes and the units have coordinates of their own.
+    """
+
+    def __init__(
+        self,
+        com_positions: NDArray,
+        shoe: Shoe,
+        terrain: Terrain,
+        law: PairContact,
+        coordinates: TerrainCoordinates,
+        underside: Underside | None = None,
+        flexible_shoes: Sequence[int] = (),
+    ) -> None:
+        if flexible_shoes and isinstance(coordinates, UnitCoordinates):
+            raise ValueError(
+                "coordinates must be the terrain's independent ones where shoes are flexible, "
+                "got the units' own"
+            )
+        shoes, units = len(com_positions), terrain.unit_count
+        if underside is None:
+            underside = Underside(np.zeros(2), np.ones(2), np.zeros((2, 2, 3, 0)))
+        modes = underside.mode_count
+        row = np.full(shoes, -1)
+        row[list(flexible_shoes)] = np.arange(len(flexible_shoes))
+        self.coordinates = coordinates
+        self.shoe_reference = np.hstack((com_positions, np.zeros((shoes, 3))))
+        self.unit_reference = np.hstack((terrain.centers, terrain.tilts[:, None]))
+        self._law, self._terrain = law, terrain
+        self._row = row
+        self._grid = grid_of(terrain)
+        geometry = ContactGeometry(
+            self._grid,
+            Footprint(*shoe.footprint.tolist()),
+            Flexible(underside.corner, underside.cell, underside.integral, row),
+            pair_law(law, shoe.length * shoe.width),
+            Fingers(shoe.finger_length, shoe.fingers),
+        )
+        self._geometry = plain(geometry)
+        # units that a shoe's outline can meet at once, at any yaw
+        diagonal = float(np.hypot(shoe.length, shoe.width))
+        reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)
+        contacts = shoes * min(reach, units) * (1 + len(shoe.fingers))
+        self._contacts = UnitContacts.allocate(contacts, modes)
+        self._work = overlap_workspace()
+        self._modal_shape = (len(flexible_shoes), modes)
+
+    @property
+    def geometry(self) -> tuple:
+        """`pair_geometry.ContactGeometry` as plain tuples."""
+        return self._geometry
+
+    @property
+    def greatest_count(self) -> int:
+        """Number of contacts that there can be at once."""
+        return len(self._contacts.results)
+
+    @property
+    def size(self) -> int:
+        """Number of generalized coordinates: six a shoe, the terrain's, the flexible shoes' modes."""
+        return self.shoe_reference.size + self.coordinates.size + prod(self._modal_shape)
+
+    def bodies(self, shoes: NDArray, shoe_rates: NDArray, q: NDArray, q_t: NDArray) -> BodyStates:
+        """Places of all bodies, as the contact takes them.
+
+        Parameters
+        ----------
+        shoes, shoe_rates : array (shoes, 6)
+            Positions (m) and angles (rad), and their rates.
+        q, q_t : array
+            Coordinates of the terrain and, behind them, of the modes, and their rates.
+        """
+        ground = self.coordinates.size
+        modal = slice(ground, ground + prod(self._modal_shape))
+        return BodyStates(
+            shoes,
+            shoe_rates,
+            self.unit_reference + self.coordinates.motion(q[:ground]),
+            self.coordinates.motion(q_t[:ground]),
+            q[modal].reshape(self._modal_shape),
+            q_t[modal].reshape(self._modal_shape),
+        )
+
+    def bodies_at(self, q: NDArray, q_t: NDArray) -> BodyStates:
+        """Places of all bodies at generalized coordinates and their rates."""
+        shoes, rates = (values[: self.shoe_reference.size].reshape(-1, 6) for values in (q, q_t))
+        rest = slice(self.shoe_reference.size, None)
+        return self.bodies(self.shoe_reference + shoes, rates, q[rest], q_t[rest])
+
+    def _touching(self, bodies: BodyStates) -> tuple[NDArray, NDArray]:
+        """Contacts (contacts, RESULTS), and how modes move their patches (contacts, 3, modes)."""
+        count = touching_pairs(
+            tuple(bodies), self._geometry, tuple(NO_DERIVATIVES), tuple(self._contacts), self._work
+        )
+        return self._contacts.results[:count], self._contacts.modes[:count]
+
+    def wrenches(self, bodies: BodyStates) -> "ContactWrenches":
+        """Forces of all contacts on the bodies."""
+        rows, modes = self._touching(bodies)
+        shoe, unit = rows[:, RESULT["shoe"]].astype(int), rows[:, RESULT["unit"]].astype(int)
+        point = rows[:, RESULT["point"]]
+        force = rows[:, RESULT["normal_force"]] + rows[:, RESULT["friction_force"]]
+        torque = rows[:, RESULT["friction_torque"]]
+        found = ContactWrenches(
+            np.zeros_like(bodies.shoes), np.zeros((len(bodies.units), 6)), np.zeros(self._modal_shape)
+        )
+        for places, index, sign, out in (
+            (bodies.shoes, shoe, 1.0, found.shoes),
+            (bodies.units, unit, -1.0, found.units),
+        ):
+            moment = torque + np.cross(point - places[index, :3], force)
+            np.add.at(out, index, sign * np.hstack((force, moment)))
+        if found.modal.size:
+            bent = self._row[shoe] >= 0
+            R = rotation_matrices(bodies.shoes[shoe[bent], 3:])
+            local = np.einsum("nji,nj->ni", R, force[bent])
+            np.add.at(found.modal, self._row[shoe[bent]], np.einsum("ncm,nc->nm", modes[bent], local))
+        return found
+
+    def forces(self, q: NDArray, q_t: NDArray) -> NDArray:
+        """Generalized contact forces: array (size,)."""
+        bodies = self.bodies_at(q, q_t)
+        found = self.wrenches(bodies)
+        found.shoes[:, 3:] = moments_on_angles(bodies.shoes[:, 3:], found.shoes[:, 3:])
+        units = self.coordinates.project(found.units)
+        return np.concatenate((found.shoes.ravel(), units, found.modal.ravel()))
+
+    def results(self, q: NDArray, q_t: NDArray, wrenches: NDArray | None = None) -> NDArray:
+        """Contacts at a state: array (contacts, RESULTS), columns as in `pairs.RESULT`.
+
+        `wrenches` are not needed: the forces in motion are these.
+        """
+        return self._touching(self.bodies_at(q, q_t))[0].copy()
+
+    def unit_motion(self, q: NDArray) -> NDArray:
+        """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
+        first = self.shoe_reference.size
+        return self.coordinates.motion(q[first : first + self.coordinates.size])
+
+    def settled_depth(self, loads: NDArray) -> NDArray:
+        """Penetration (m) of shoes that each stand on one unit under these loads (N)."""
+        return (np.maximum(loads, 0.0) / self._law.stiffness) ** (1.0 / self._law.exponent)
+
+    def surface(self, x: NDArray) -> NDArray:
+        """Height (m) of the ground along the track's middle at places x (m), with the springs free."""
+        return self._terrain.profile_along(x)
+
+    def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
+        """Height (m) of the ground below each shoe's COM, of the units' heights: array (shoes,)."""
+        shoes = self.shoe_reference[:, :2] + q[: self.shoe_reference.size].reshape(-1, 6)[:, :2]
+        return heights[units_below(self._grid, shoes)]
+
+    def sunken(self, q: NDArray) -> list[int]:
+        """None: the law pushes a shoe up from any depth."""
+        return []
 
 
 class GroundContact(Protocol):

@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.ground.frames import Frame, Vector, compiled, inlined, turned_back, within
-from exudyn_crawler.ground.grid import Cells, Grid, cell, cells_about
-from exudyn_crawler.ground.laws import named_law
-from exudyn_crawler.ground.laws.impact import step
+from exudyn_crawler.ground.laws import named_law, step
 from exudyn_crawler.ground.overlap import Overlap
 from exudyn_crawler.ground.pairs import (
     Footprint,
@@ -22,6 +20,7 @@ from exudyn_crawler.ground.pairs import (
     pair_overlap,
 )
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude, shoe_frame, tilted, unit_frame
+from exudyn_crawler.ground.terrain import Cells, Grid, cell, cells_about
 from fem.patches import mean_rows
 
 

@@ -51,8 +51,7 @@ from exudyn_crawler.ground.pairs import (
     pair_contact,
     share_of,
 )
-from exudyn_crawler.ground.rotations import Attitude, FloatArray
-from exudyn_crawler.ground.rows import ForceRows, Weights
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, Weights
 
 MOTIONS = 4
 """Displacement of the shoe's side of a contact against the unit's along x, y, z (m) and rotation about the

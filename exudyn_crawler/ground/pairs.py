@@ -26,8 +26,7 @@ from exudyn_crawler.ground.frames import (
     velocity_at,
     within,
 )
-from exudyn_crawler.ground.laws import Law, drag_ratio, normal_force, spin_torque
-from exudyn_crawler.ground.laws.impact import step
+from exudyn_crawler.ground.laws import Law, drag_ratio, normal_force, spin_torque, step
 from exudyn_crawler.ground.overlap import Overlap, overlap
 from exudyn_crawler.ground.rotations import FloatArray
 

@@ -1,6 +1,6 @@
 """Spheres under rigid shoes on units of different heights, and what their forces say of contacts.
 
-Exudyn makes the forces (`model.exudyn.spheres`). Here is what follows from a state: where the spheres are,
+Exudyn makes the forces (`model.exudyn.system`). Here is what follows from a state: where the spheres are,
 where the force on a shoe acts, how much of it is normal to the ground, and how the shoe slips there.
 """
 
@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, Terrain
-from exudyn_crawler.ground.grid import grid_of, units_below
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import angular_velocity, rotation_matrices
-from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates
+from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of, units_below
 
 
 def sphere_centers(case: Case) -> NDArray:

@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, cross, dot, turned, turned_back
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude, spin, spin_rate
-from exudyn_crawler.ground.rows import IntArray, Weights
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, IntArray, Weights, attitude, spin, spin_rate
 from exudyn_crawler.model.elimination import solving_within
 
 

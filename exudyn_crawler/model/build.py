@@ -11,11 +11,9 @@ from exudyn_crawler.case import Case, Rails, Undercarriage
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.ground import COARSE
-from exudyn_crawler.ground.contact import GroundContact, ground_contact
-from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.contact import GroundContact, PairGroundContact, ground_contact
 from exudyn_crawler.ground.terrain import ReducedCoordinates, TerrainModes, reduced_coordinates
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
-from exudyn_crawler.model.drive_point import DrivePoint, drive_point
 from exudyn_crawler.model.elimination import Fronts, fronts_of
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
 from exudyn_crawler.model.forces.cells import CellTable
@@ -23,7 +21,7 @@ from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.treads import Rollers
 from exudyn_crawler.model.forces.units import TerrainTable
 from exudyn_crawler.model.joints import ROWS, Joints, Markers, Pull
-from exudyn_crawler.model.shoe_mesh import rail_rows, strip_lines
+from exudyn_crawler.model.shoe_mesh import DrivePoint, drive_point, rail_rows, strip_lines
 from exudyn_crawler.model.tables import FrontRows, Tables
 from fem.patches import hat_grid
 

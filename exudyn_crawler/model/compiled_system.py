@@ -12,11 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.cells.contact import CellGroundContact
+from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.pair_contact import PairGroundContact
 from exudyn_crawler.ground.pairs import RESULTS
-from exudyn_crawler.ground.rotations import moments_on_angles
-from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.rotations import Weights, moments_on_angles
 from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
@@ -34,7 +33,7 @@ from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
 """Of a residual alone."""
 DRAG = 100.0
-"""1/s, of what drains momentum in creeping, so that shoes slip slowly."""
+"""1/s, force over momentum that slows every body in creeping, so that shoes slip slowly."""
 FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.2, 1e-7
 """s, of creeping."""
 FEW, MANY = 8, 25
@@ -151,21 +150,34 @@ class CompiledSystem(TrackSystem):
         cells.commit()
         # what holds the front shoe without a drive is the ground alone
         self.switch_drive(self.case.drive.drives_after(0.0))
-        multipliers, time, step = np.zeros_like(self._multipliers), 0.0, FIRST_STEP
-        while time < SETTLING:
+        multipliers = np.zeros_like(self._multipliers)
+
+        def attempt(step: float) -> int | None:
+            nonlocal q, multipliers
             self._state[0], self._multipliers[:] = q, multipliers
             cells.cover(self._state)
-            iterations = self._creep((step, DRAG), SETTLING_LIMITS)
+            iterations = self._creep(step, SETTLING_LIMITS)
+            if iterations is not None:
+                cells.commit()
+                q, multipliers = self._state[0].copy(), self._multipliers.copy()
+            return iterations
+
+        self.creep_for(SETTLING, attempt)
+        return q
+
+    def creep_for(self, duration: float, attempt: Callable[[float], int | None]) -> None:
+        """Creep for some time (s) by attempts at steps (s), which give their iterations or fail with None."""
+        time, step = 0.0, FIRST_STEP
+        while time < duration:
+            iterations = attempt(step)
             if iterations is None:
                 step *= 0.25
                 if step < LEAST_STEP:
                     raise self.failure()
                 continue
-            cells.commit()
-            q, multipliers, time = self._state[0].copy(), self._multipliers.copy(), time + step
+            time += step
             if iterations < FEW:
                 step = min(1.5 * step, LONGEST_STEP)
-        return q
 
     def _put_down(self, cells: TrackOnCells) -> None:
         self._first = self.first_guess() if self._first is None else self._first
@@ -280,21 +292,12 @@ class CompiledSystem(TrackSystem):
         return out[:-2], direction
 
     def creep(
-        self, q: NDArray, multipliers: NDArray, pace: tuple[float, float], limits: tuple[float, int]
+        self, q: NDArray, multipliers: NDArray, step: float, limits: tuple[float, int]
     ) -> tuple[NDArray, NDArray, int] | None:
-        """One step without inertia from coordinates and multipliers, under the loads of t = 0.
+        """One step (s) without inertia from coordinates and multipliers, under the loads of t = 0.
 
-        Parameters
-        ----------
-        pace : tuple
-            Length of the step (s), and force over momentum (1/s) that slows every body.
-        limits : tuple
-            Residual (N, root mean square) that ends the search, and most iterations.
-
-        Returns
-        -------
-        tuple, optional
-            Coordinates, multipliers and iterations; None if the step is too long to be found.
+        `limits` are the residual (N, root mean square) that ends the search, and most iterations. Gives
+        coordinates, multipliers and iterations; None if the step is too long to be found.
         """
         if self._cells is not None:
             self._put_down(self._cells)
@@ -302,15 +305,14 @@ class CompiledSystem(TrackSystem):
         if self._cells is not None:
             self._cells.cover(self._state)
         self._multipliers[:] = multipliers
-        iterations = self._creep(pace, limits)
+        iterations = self._creep(step, limits)
         return None if iterations is None else (self._state[0].copy(), self._multipliers.copy(), iterations)
 
-    def _creep(self, pace: tuple[float, float], limits: tuple[float, int]) -> int | None:
+    def _creep(self, h: float, limits: tuple[float, int]) -> int | None:
         """Iterations of a step as of `creep`, which the state takes; None if it is too long to be found."""
-        h, drag = pace
         self._state[1:] = 0.0
         inputs = self.inputs(0.0)._replace(speeds=np.zeros(2))
-        converged, iterations = self._step(inputs, Weights(1.0, 1.0 / h, drag / h, False, h), limits)
+        converged, iterations = self._step(inputs, Weights(1.0, 1.0 / h, DRAG / h, False, h), limits)
         return iterations if converged and np.isfinite(self._state).all() else None
 
     def calls(self) -> dict[str, list[tuple[Any, tuple]]]:

@@ -13,8 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.frames import SOURCES
-from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.ground.rows import IntArray
+from exudyn_crawler.ground.rotations import FloatArray, IntArray
 from fem.compiling import compiler
 
 solving = compiler(Path(__file__).parent, *SOURCES, error_model="numpy")

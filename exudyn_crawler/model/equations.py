@@ -13,8 +13,7 @@ and not accuracy.
 import numpy as np
 
 from exudyn_crawler.ground.frames import Vector
-from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.ground.rows import ForceRows, Weights
+from exudyn_crawler.ground.rotations import FloatArray, ForceRows, Weights
 from exudyn_crawler.model.bodies import (
     Bodies,
     Inertia,

@@ -15,8 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned, turned_back, upward
-from exudyn_crawler.ground.rotations import Attitude, FloatArray
-from exudyn_crawler.ground.rows import IntArray
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, IntArray
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
 from exudyn_crawler.model.elimination import solving_within
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.rotations import FloatArray, Weights
 from exudyn_crawler.model.elimination import eliminate, solve, solving, solving_within
 from exudyn_crawler.model.equations import matrix, residual
 from exudyn_crawler.model.tables import Tables

@@ -12,8 +12,7 @@ from exudyn_crawler.ground.cells.kernel import ShoePoints
 from exudyn_crawler.ground.frames import Vector, inlined, plain
 from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_stiffness import UnitContacts
-from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.ground.rows import IntArray
+from exudyn_crawler.ground.rotations import FloatArray, IntArray
 from exudyn_crawler.model.bodies import Bodies, Modes
 from exudyn_crawler.model.elimination import Fronts
 from exudyn_crawler.model.forces.cells import CellTable, CellWorkspace

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, CellTerrain, Terrain
 from exudyn_crawler.ground.contact import GroundContact
-from exudyn_crawler.model.drive_point import DrivePoint
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.flexible_shoes import FloatingShoe
+from exudyn_crawler.model.shoe_mesh import DrivePoint
 from exudyn_crawler.model.state import StateLayout
 
 FIRST_DEPTH = 1e-5
@@ -32,6 +32,19 @@ class NewtonError(Exception):
         super().__init__("Newton's method failed")
         self.residual = residual
         self.singular = singular
+
+    def fault(self, layout: StateLayout) -> str:
+        """Name of the equation that failed, such as "greatest residual at shoe 7 (z)".
+
+        Residuals are compared as they are: forces in N, moments in N m, modal forces, and the gaps of
+        constraints in m, rad and their rates.
+        """
+        singular = "the equations are singular, " if self.singular else ""
+        residual = np.abs(self.residual)
+        if not np.isfinite(residual).all():
+            # a single one makes all of them so in the next iteration
+            return f"{singular}the residual is not finite"
+        return f"{singular}greatest residual at {layout.equation(int(residual.argmax()))}"
 
 
 class TrackSystem(ABC):

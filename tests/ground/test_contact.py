@@ -5,8 +5,7 @@ import pytest
 
 from exudyn_crawler import Case, PairContact, SphereContact
 from exudyn_crawler.case import Terrain
-from exudyn_crawler.ground.contact import ground_contact
-from exudyn_crawler.ground.pair_contact import PairGroundContact
+from exudyn_crawler.ground.contact import PairGroundContact, ground_contact
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import moments_of
 from exudyn_crawler.ground.terrain import UnitCoordinates

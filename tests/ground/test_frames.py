@@ -7,9 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from exudyn_crawler import PairContact
+from exudyn_crawler.ground.contact import pair_law
 from exudyn_crawler.ground.frames import Frame, turned, velocity_at
 from exudyn_crawler.ground.overlap import overlap_workspace
-from exudyn_crawler.ground.pair_contact import pair_law
 from exudyn_crawler.ground.pairs import (
     FROM_CURVE,
     RIGID,

@@ -5,16 +5,21 @@ import math
 import pytest
 
 from exudyn_crawler import PairContact
-from exudyn_crawler.ground.laws import Law, drag_ratio, normal_force, spin_torque
-from exudyn_crawler.ground.laws.coulomb import (
+from exudyn_crawler.ground.contact import pair_law
+from exudyn_crawler.ground.laws import (
     Coulomb,
+    Impact,
+    Law,
+    drag_ratio,
     equal_area_radius,
     friction_coefficient,
     friction_per_slip,
     friction_torque,
+    impact_force,
+    normal_force,
+    spin_torque,
+    step,
 )
-from exudyn_crawler.ground.laws.impact import Impact, impact_force, step
-from exudyn_crawler.ground.pair_contact import pair_law
 
 K, E, C, D = 1.0e8, 2.0, 1.0e4, 1.0e-4
 MU_S, MU_D, V_ST, V_D = 0.4, 0.3, 0.01, 0.1

@@ -7,14 +7,14 @@ import pytest
 from numpy.typing import NDArray
 
 from exudyn_crawler import PairContact, Shoe, Terrain
+from exudyn_crawler.ground.contact import pair_law
 from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.grid import grid_of
 from exudyn_crawler.ground.overlap import GRADIENT, overlap, overlap_workspace, write_gradient
-from exudyn_crawler.ground.pair_contact import pair_law
 from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Fingers, Flexible
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.pairs import RESULT, Footprint
-from exudyn_crawler.ground.rows import ForceRows, Weights
+from exudyn_crawler.ground.rotations import ForceRows, Weights
+from exudyn_crawler.ground.terrain import grid_of
 from tests.ground.test_overlap import HALF, rectangle
 
 CORNERS = {

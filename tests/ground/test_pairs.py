@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, PairContact, Shoe, Terrain
-from exudyn_crawler.ground.contact import ground_contact
+from exudyn_crawler.ground.contact import ground_contact, pair_law
 from exudyn_crawler.ground.laws import normal_force
 from exudyn_crawler.ground.overlap import overlap_workspace
-from exudyn_crawler.ground.pair_contact import pair_law
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.pairs import RESULT
-from exudyn_crawler.ground.rows import ForceRows, Weights
+from exudyn_crawler.ground.rotations import ForceRows, Weights
 
 TERRAINS = {
     f"{name} {tilt}": terrain.with_(tilt=tilt)

@@ -18,7 +18,7 @@ from exudyn_crawler.ground.terrain import (
 )
 from exudyn_crawler.model.build import parts_of
 from exudyn_crawler.model.exudyn.bodies import add_terrain_modes, add_units, coordinate_marker
-from exudyn_crawler.run.solve.integration import set_times, solver_settings
+from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 from tests.model.linearized import linearized
 
 GRIDS = {"coarse": Terrain.kinematics(), "fine": Terrain.stress()}

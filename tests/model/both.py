@@ -6,7 +6,7 @@ from typing import NamedTuple
 import exudyn as exu
 import numpy as np
 
-from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.model.compiled_system import AT_REST, compiled_system
 from exudyn_crawler.model.equations import matrix
 from exudyn_crawler.model.exudyn.system import ExudynSystem

@@ -4,7 +4,7 @@ import numpy as np
 
 from exudyn_crawler import Case
 from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.rotations import Weights
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.elimination import fronts_of

@@ -6,8 +6,8 @@ import pytest
 from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, Terrain, simulate
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.drive_point import drive_point, pulled_node
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
+from exudyn_crawler.model.shoe_mesh import drive_point, pulled_node
 from exudyn_crawler.results.loads.balance import powers, shoe_imbalance
 from studies.grounds import plain
 

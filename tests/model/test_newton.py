@@ -9,7 +9,7 @@ from exudyn_crawler.model import engine
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.integration import set_times, solver_settings
+from exudyn_crawler.run.solve.simulation import set_times, solver_settings
 
 pytestmark = pytest.mark.simulation
 

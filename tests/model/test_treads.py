@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler.ground.laws.impact import Impact
+from exudyn_crawler.ground.laws import Impact
 from exudyn_crawler.model.forces.tread_law import Bending, Rail, tread_force
 
 LAW = Impact(1e9, 1.2, 3e5, 1e-3)

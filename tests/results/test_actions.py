@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.drive_point import pulled_node
+from exudyn_crawler.model.shoe_mesh import pulled_node
 from exudyn_crawler.results.loads.actions import (
     AtDrivePoint,
     AtInterface,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Drive, FlexibleShoes, StepProfile, simulate
-from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import shoe_model
+from exudyn_crawler.model.shoe_mesh import pulled_node
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.results.stress.recovery import recover_stresses

@@ -7,14 +7,14 @@ import pytest
 
 from exudyn_crawler import Case, LoadCycle, simulate
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
-from exudyn_crawler.ground.pair_contact import ContactWrenches, PairGroundContact
+from exudyn_crawler.ground.contact import ContactWrenches, PairGroundContact
 from exudyn_crawler.model import compiled_system as compiled
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.exudyn.system import ExudynSystem
 from exudyn_crawler.model.track_system import NewtonError
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.integration import at_fault, integrate
+from exudyn_crawler.run.solve.simulation import integrate
 
 pytestmark = pytest.mark.simulation
 
@@ -72,7 +72,7 @@ def test_a_track_that_nothing_carries_is_singular(rest):
     with pytest.raises(NewtonError) as failed:
         system.rest(settings)
     # the springs of the units push up what no shoe holds down
-    fault = at_fault(system.layout, failed.value)
+    fault = failed.value.fault(system.layout)
     assert fault == "the equations are singular, greatest residual at terrain (coordinate 2)"
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from exudyn_crawler import Case, SphereContact
 from exudyn_crawler.model.formulation import track_system
-from exudyn_crawler.run.solve.integration import integrate_from
+from exudyn_crawler.run.solve.simulation import integrate_from
 from studies.grounds import plain
 from studies.sliding import eigenmodes, linearized, steady_sliding
 from studies.sliding_modes import (

@@ -7,8 +7,7 @@ import numpy as np
 from exudyn_crawler.ground.cells.kernel import AREA, BEFORE, GROUND, NORMAL, ShoePoints, frame_at
 from exudyn_crawler.ground.cells.tiles import BITS, SIDE, Tiles
 from exudyn_crawler.ground.frames import Frame, along, compiled, turned, within
-from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.ground.rows import IntArray
+from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 LEAST = 1e-9
 """Share of a cell below which a part of it is left out."""

@@ -24,8 +24,7 @@ from exudyn_crawler.ground.cells.law import (
     within_law,
 )
 from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, cross, dot, turned, within
-from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.ground.rows import IntArray
+from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 PLACE, NORMAL, GROUND, AREA, BEFORE, DEEPEST, PREPARED, SHEAR, MOBILIZED = 0, 3, 6, 7, 8, 11, 13, 15, 18
 """First column of what a point is: its place in the shoe's frame (m), the cell's normal, the distance of the

@@ -10,8 +10,7 @@ import numpy as np
 
 from exudyn_crawler.ground.cells.kernel import AREA, DEEPEST, MOBILIZED, NORMAL, SHEAR, ShoePoints
 from exudyn_crawler.ground.frames import compiled
-from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.ground.rows import IntArray
+from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 BITS = 5
 SIDE = 1 << BITS

@@ -16,8 +16,7 @@ from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.kernel import BEFORE, FRAME, ShoePoints, press
 from exudyn_crawler.ground.frames import Vector, along, cross, turned
 from exudyn_crawler.ground.pairs import RESULTS
-from exudyn_crawler.ground.rotations import Attitude, FloatArray
-from exudyn_crawler.ground.rows import ForceRows, IntArray, Weights
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of
 from exudyn_crawler.model.elimination import solving, solving_within
 

@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.frames import compiled
-from exudyn_crawler.ground.laws.impact import step
-from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.ground.rows import IntArray
+from exudyn_crawler.ground.laws import step
+from exudyn_crawler.ground.rotations import FloatArray, IntArray
 from exudyn_crawler.model.bodies import Bodies, add_body, attitude_of, read_body
 from exudyn_crawler.model.elimination import solving_within
 from exudyn_crawler.model.joints import Markers, direction, end_of

@@ -10,7 +10,7 @@ elastic part has a potential. Rolling resistance lies along the rail.
 import math
 from typing import NamedTuple
 
-from exudyn_crawler.ground.laws.impact import Impact, impact_force, step
+from exudyn_crawler.ground.laws import Impact, impact_force, step
 from exudyn_crawler.model.elimination import solving, solving_within
 
 Pair = tuple[float, float]

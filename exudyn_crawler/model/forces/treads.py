@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.frames import Frame, Vector, along, cross, turned, turned_back
-from exudyn_crawler.ground.laws.impact import Impact
-from exudyn_crawler.ground.rotations import Attitude, FloatArray
-from exudyn_crawler.ground.rows import ForceRows, IntArray, Weights
+from exudyn_crawler.ground.laws import Impact
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
 from exudyn_crawler.model.elimination import solving_within
 from exudyn_crawler.model.forces.tread_law import Bending, Rail, Tread, tread_force

@@ -3,8 +3,7 @@
 from typing import NamedTuple
 
 from exudyn_crawler.ground.pair_stiffness import touching_pairs
-from exudyn_crawler.ground.rotations import FloatArray
-from exudyn_crawler.ground.rows import ForceRows, IntArray, Weights
+from exudyn_crawler.ground.rotations import FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies
 from exudyn_crawler.model.elimination import solving_within
 

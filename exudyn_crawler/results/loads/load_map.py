@@ -33,9 +33,15 @@ from scipy.sparse import csr_array, hstack
 
 from exudyn_crawler.case import Case, FlexibleShoes, Shoe, Track, Undercarriage
 from exudyn_crawler.ground.cells.ground import COARSE
-from exudyn_crawler.model.drive_point import pulled_node
 from exudyn_crawler.model.flexible_shoes import integrated_in, shoe_model, weights_a_metre, whole_reduction
-from exudyn_crawler.model.shoe_mesh import STATIONS, cubic_weights, extended, station_spacing, strip_weights
+from exudyn_crawler.model.shoe_mesh import (
+    STATIONS,
+    cubic_weights,
+    extended,
+    pulled_node,
+    station_spacing,
+    strip_weights,
+)
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions
 from fem import ElasticBody, Nested, ReducedBody

@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.track import Track
-from exudyn_crawler.model.drive_point import pulled_node
+from exudyn_crawler.model.shoe_mesh import pulled_node
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.stress.basis import StressBasis

@@ -1,4 +1,6 @@
-"""Static equilibrium of track and terrain before t = 0."""
+"""Static equilibrium of track and terrain before t = 0, by Newton's method with the whole derivative."""
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,18 +8,28 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case, SphereContact
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.terrain import ReducedCoordinates, terrain_coordinates
-from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.model.compiled_system import MANY, CompiledSystem, compiled_system
 from exudyn_crawler.model.engine import exu
+from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.model.exudyn.system import ExudynSystem
-from exudyn_crawler.model.rest import crept, rest
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
-from exudyn_crawler.run.solve.integration import at_fault
 from fem.interrupts import interrupts_wait
 
-RESIDUAL = 1e-3
-"""N, root mean square of the residual that ends the iteration: 1e-9 of a shoe's load."""
+STEPS = (1e-7, 1e3)
+"""Half steps of central differences: of coordinates (m, rad, modal), far below the 0.1 mm of the contact's
+damping law, and of multipliers (N, N m), on which the forces depend linearly."""
 
-ITERATIONS = 50
+HELD = (1, 5)
+"""Coordinates of the front shoe that are held beside its drive point: y and the angle about z. Friction needs
+slip, so that nothing else holds a track at rest in the plane; on ground that sticks nothing is held."""
+
+CREEPING = 6.0
+"""s, after which what still creeps is held by friction."""
+CREEPING_LIMITS = (1.0, MANY)
+"""Residual (N, root mean square) that ends a step's search, and most iterations."""
+
+RESIDUAL, ITERATIONS = 1e-3, 50
+"""The same of a rest; N, 1e-9 of a shoe's load."""
 
 PORTIONS = 8
 """Steps in which a profile rises where Newton's method finds no rest on all of it at once."""
@@ -32,6 +44,73 @@ POLISHING = 10
 
 SLOW = 1e-6
 """m/s and rad/s, greatest speed at rest: its dashpots take less than 1e-4 m/s2 of a shoe's mass."""
+
+
+def crept(system: CompiledSystem, guess: NDArray) -> NDArray:
+    """Coordinates that a track under rollers has crept to from a guess, or a `NewtonError`.
+
+    Frictionless it may have no rest at all: the rollers fold the chain up, and only friction holds the shoes
+    where they are. So all bodies creep to where they stay, without inertia and slowed in proportion to their
+    mass, while friction in proportion to the slip holds what it would hold.
+    """
+    q, multipliers = guess, np.zeros(len(system.multipliers))
+
+    def attempt(step: float) -> int | None:
+        nonlocal q, multipliers
+        crept_to = system.creep(q, multipliers, step, CREEPING_LIMITS)
+        if crept_to is None:
+            return None
+        q, multipliers, iterations = crept_to
+        return iterations
+
+    system.creep_for(CREEPING, attempt)
+    return q
+
+
+def rest(system: CompiledSystem, guess: NDArray) -> NDArray:
+    """Coordinates at which a track with its front shoe held rests, near to a guess, or a `NewtonError`.
+
+    Along x the shoe is held where the drive will pull: its force, which the drive takes over, bends the shoe,
+    and from another place the run would start with a jolt.
+    """
+    n, front = len(guess), 6 * system.layout.shoes - 6
+    held = [] if system.sticks else [front + k for k in HELD]
+    start, holds = system.pulled_place(np.zeros(n)), 1 + len(held)
+
+    def balance(x: NDArray) -> NDArray:
+        q, multipliers, forces_held = x[:n], x[n:-holds], x[-holds:]
+        residual, pulled = system.at_rest(q, multipliers)
+        residual[:n] += forces_held[0] * pulled
+        residual[held] += forces_held[1:]
+        gaps = [system.pulled_place(q) - start, *q[held]]
+        return np.concatenate((residual, STIFFNESS * np.array(gaps)))
+
+    x = np.concatenate((guess, np.zeros(system.pin_rows + holds)))
+    steps = np.repeat(STEPS, [n, len(x) - n])
+    for _ in range(ITERATIONS):
+        residual = balance(x)
+        if not np.isfinite(residual).all() or np.sqrt(np.mean(residual**2)) < RESIDUAL:
+            break
+        try:
+            x = x - np.linalg.solve(_derivative(balance, x, steps), residual)
+        except np.linalg.LinAlgError as error:
+            raise NewtonError(system.in_units(residual[:-holds]), singular=True) from error
+    if not np.sqrt(np.mean(residual**2)) < RESIDUAL:
+        raise NewtonError(system.in_units(residual[:-holds]), singular=False)
+    return x[:n]
+
+
+def _derivative(function: Callable[[NDArray], NDArray], at: NDArray, steps: NDArray) -> NDArray:
+    """Central differences of a function, a column for each of its arguments."""
+    moved = at.copy()
+    columns = np.empty((len(at), len(at)))
+    for k, step in enumerate(steps):
+        moved[k] = at[k] + step
+        above = function(moved)
+        moved[k] = at[k] - step
+        columns[k] = (above - function(moved)) / (2.0 * step)
+        moved[k] = at[k]
+    return columns.T
 
 
 def static_equilibrium(case: Case) -> NDArray:
@@ -82,7 +161,7 @@ def _compiled_rest(case: Case) -> NDArray:
     try:
         if case.is_rolled:
             return _crept(case, guess)
-        return rest(system, guess, RESIDUAL, ITERATIONS)
+        return rest(system, guess)
     except NewtonError as failed:
         if case.is_rolled or system.sticks:
             raise _no_rest(system, failed) from failed
@@ -98,7 +177,7 @@ def _rest_from(case: Case, start: NDArray) -> NDArray:
     """Rest by Newton's method from coordinates near to it."""
     system = compiled_system(case)
     try:
-        return rest(system, start, RESIDUAL, ITERATIONS)
+        return rest(system, start)
     except NewtonError as failed:
         raise _no_rest(system, failed) from failed
 
@@ -138,16 +217,14 @@ def _oiled(case: Case, speed: float) -> Case:
 def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
     return EquilibriumError(
         f"no static equilibrium of case {system.case.name!r} was found: Newton's method failed, "
-        f"{at_fault(system.layout, failed)}"
+        f"{failed.fault(system.layout)}"
     )
 
 
 def _rest(system: ExudynSystem, guess: NDArray, iterations: int = ITERATIONS) -> NDArray:
     """Rest of a system built for statics, by Newton's method from a guess."""
     system.set_initial(guess)
-    settings = exu.SimulationSettings()
-    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
-    settings.solution.file.write = False
+    settings = _settings()
     settings.staticSolver.useLoadFactor = False
     settings.staticSolver.verboseMode = 0
     # loads are whole from the start, so that a shorter step would be the same one
@@ -184,7 +261,7 @@ def _on_uneven_ground(system: ExudynSystem) -> NDArray:
         except NewtonError as failed:
             raise EquilibriumError(
                 f"no static equilibrium of case {case.name!r} was found on its uneven ground: damped motion "
-                f"failed, {at_fault(system.layout, failed)}. {_unsupported(system)}"
+                f"failed, {failed.fault(system.layout)}. {_unsupported(system)}"
             ) from failed
         q, rates, _ = system.coordinates()
         speed = np.abs(rates).max()
@@ -200,10 +277,15 @@ def _on_uneven_ground(system: ExudynSystem) -> NDArray:
     )
 
 
-def _relaxation_settings() -> "exu.SimulationSettings":
+def _settings() -> "exu.SimulationSettings":
     settings = exu.SimulationSettings()
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     settings.solution.file.write = False
+    return settings
+
+
+def _relaxation_settings() -> "exu.SimulationSettings":
+    settings = _settings()
     time = settings.timeIntegration
     time.verboseMode = 0
     time.endTime = RELAXATION

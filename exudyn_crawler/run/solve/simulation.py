@@ -1,20 +1,178 @@
-"""Run of a case from its static equilibrium."""
+"""Run of a case from its static equilibrium: time integration, stage by stage, and what ends it early."""
 
-from contextlib import nullcontext
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, field
+from itertools import pairwise
 
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, Solver
 from exudyn_crawler.case.case_file import check_run
 from exudyn_crawler.case.parameters.checks import warn_implausible
+from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
+from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.model.formulation import EQUATIONS, compile_equations, track_system
+from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
-from exudyn_crawler.run.folder.progress import note
+from exudyn_crawler.run.folder.progress import note, progress_bar
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from exudyn_crawler.run.solve.integration import integrate
+from exudyn_crawler.run.solve.stages import Recorder, RunStages, is_quiet, stage_times
 from fem.compiling import notify_compiling
+from fem.interrupts import interrupts_wait
+
+
+def solver_settings(solver: Solver) -> "exu.SimulationSettings":
+    """Exudyn's settings for a run; `set_times` gives it its times."""
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.solution.sensors.active = False
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    time = settings.timeIntegration
+    # a stage starts from the accelerations that the one before ended with
+    time.generalizedAlpha.resetAccelerations = False
+    time.adaptiveStepRecoverySteps = 1
+    time.adaptiveStepRecoveryIterations = solver.maximum_iterations
+    time.verboseMode = 0
+    time.generalizedAlpha.spectralRadius = solver.spectral_radius
+    newton = time.newton
+    # Exudyn's numerical Jacobian costs far more than an iteration: a new one only where that slows down
+    newton.useModifiedNewton = True
+    newton.modifiedNewtonJacUpdatePerStep = False
+    newton.absoluteTolerance = solver.residual
+    # the absolute tolerance alone decides: the first residual of a step is no measure
+    newton.relativeTolerance = 1e-16
+    newton.weightTolerancePerCoordinate = True
+    newton.maxIterations = solver.maximum_iterations
+    return settings
+
+
+def set_times(
+    settings: "exu.SimulationSettings", solver: Solver, start: float, end: float, quiet: bool = False
+) -> None:
+    """Put the times of a stage into Exudyn's settings; a quiet one takes longer steps."""
+    time = settings.timeIntegration
+    step = max(solver.step, solver.quiet_step) if quiet else solver.step
+    time.startTime = start
+    time.endTime = end
+    time.numberOfSteps = max(1, math.ceil((end - start) / step - 1e-6))
+    time.minimumStepSize = min(solver.minimum_step, end - start)
+
+
+def integrate(
+    system: TrackSystem,
+    duration: float,
+    progress: bool | None = None,
+    settings: "exu.SimulationSettings | None" = None,
+    checkpoints: Checkpoints | None = None,
+) -> History:
+    """Integrate a built system from its initial state; see `simulate`.
+
+    `settings` take the place of those that `solver_settings` makes of the case, their times apart.
+    """
+    case = system.case
+    if settings is None:
+        settings = solver_settings(case.solver)
+    recorder = Recorder(system, duration)
+    ends = stage_times(case, duration)
+    stages = RunStages(system, recorder, ends, checkpoints)
+    reason = None
+    with progress_bar(case.name, duration, progress) as tell, _watched(system, recorder, tell) as watch:
+        for number, (start, end) in enumerate(pairwise(ends)):
+            if number < stages.first:
+                continue
+            system.switch_drive(case.drive.drives_after(start))
+            set_times(settings, case.solver, start, end, is_quiet(case, start))
+            settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = number == 0
+            reason = _solve(system, settings, watch)
+            if reason is not None:
+                break
+            stages.end(number)
+    if watch.waiting:
+        reason = INTERRUPTED
+    if reason is not None:
+        raise SimulationStopped(recorder.time, reason, None if stages.nothing else stages.history())
+    return stages.history()
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")
+def integrate_from(case: Case, state: NDArray, duration: float) -> History:
+    """Integrate a case for some time (s) from a state's row, of which the multipliers do not matter.
+
+    Raises
+    ------
+    SimulationStopped
+        If a step fails at its least size.
+    """
+    system, start = track_system(case), float(state[0])
+    recorder = Recorder(system, start + duration)
+    recorder.go_on(start)
+    system.set_state(state)
+    system.switch_drive(case.drive.drives_after(start))
+    settings = solver_settings(case.solver)
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    set_times(settings, case.solver, start, start + duration)
+    with _watched(system, recorder, lambda _time: None) as watch:
+        reason = _solve(system, settings, watch)
+    history = system_history(system, recorder.taken())
+    if reason is not None:
+        raise SimulationStopped(recorder.time, reason, history)
+    return history
+
+
+@dataclass
+class _Watch:
+    """What ends a run early: signals that interrupt it, and numbers of shoes that sank through the ground."""
+
+    waiting: list[int]
+    sunken: list[int] = field(default_factory=list)
+
+
+@contextmanager
+def _watched(system: TrackSystem, recorder: Recorder, tell: Callable[[float], None]) -> Iterator[_Watch]:
+    """Store the states after each step within the block, and end the run after one where there is a reason.
+
+    An interrupt waits for the end of its step: Exudyn does not hand on all of those that meet its own calls.
+    """
+    watch = _Watch([])
+
+    def after_step(time: float) -> bool:
+        recorder.store(time)
+        tell(time)
+        watch.sunken[:] = system.sunken()
+        return not (watch.sunken or watch.waiting)
+
+    system.after_step(after_step)
+    try:
+        with interrupts_wait() as watch.waiting:
+            yield watch
+    except KeyboardInterrupt:
+        if not watch.waiting:
+            raise
+
+
+def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watch) -> str | None:
+    """Integrate one stage; gives why it stopped early, or None."""
+    reason = None
+    try:
+        system.solve(settings)
+    except NewtonError as failed:
+        least, fault = system.case.solver.minimum_step, failed.fault(system.layout)
+        reason = f"Newton's method failed at the least step {least:g} s; {fault}"
+    if watch.waiting:
+        return INTERRUPTED
+    if watch.sunken:
+        return (
+            f"spheres of shoes {watch.sunken} sank through the ground; they need a greater "
+            f"contact.radius than {system.case.sphere_contact().radius} m, or flatter ground"
+        )
+    return reason
+
 
 COMPILING = "compiling the equations of motion, once on a machine: half a minute or more (a stop waits)"
 

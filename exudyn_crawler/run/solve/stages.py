@@ -43,23 +43,18 @@ def is_quiet(case: Case, start: float) -> bool:
 
 
 class Recorder:
-    """Keeps the state at the start, unless it is another run's end, and after every output interval."""
+    """Keeps the state at the start, unless it goes on behind another one's end, and every output interval."""
 
-    def __init__(self, system: TrackSystem, duration: float, start: float | None = None) -> None:
+    def __init__(self, system: TrackSystem, duration: float) -> None:
         self._system = system
         self._interval = system.case.solver.output_interval
         self._duration = duration
         self._next = 0.0
         self._states: list[NDArray] = []
         self.time = 0.0
-        if start is not None:
-            self._end_of(start)
 
     def go_on(self, time: float) -> None:
-        """Go on behind the end of a stage, s."""
-        self._end_of(time)
-
-    def _end_of(self, time: float) -> None:
+        """Go on behind a time, s, of which the state is stored."""
         self.time = time
         self._next = (math.floor(time / self._interval + 1e-6) + 1) * self._interval
 
@@ -69,7 +64,7 @@ class Recorder:
         tolerance = TIME_TOLERANCE * max(1.0, self._duration)
         if time >= self._next - tolerance or time >= self._duration - tolerance:
             self._states.append(self._system.state())
-            self._end_of(time)
+            self.go_on(time)
 
     def end_stage(self) -> None:
         """Store the state at the end of a stage shorter than the output interval: each has one at least."""

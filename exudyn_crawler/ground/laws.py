@@ -1,0 +1,162 @@
+"""Laws of contact, and which of them a contact has.
+
+Pure functions of numbers, compiled so that the contact of a whole track costs microseconds; every function
+can be called from plain Python as well. Functions handed over as arguments would be compiled anew in every
+process: a second law is one more field of `Law` for its parameters, and a number there that chooses it in
+the functions at the end.
+"""
+
+import math
+from typing import NamedTuple
+
+from exudyn_crawler.ground.frames import compiled, inlined
+
+
+class Impact(NamedTuple):
+    """Parameters of IMPACT: `stiffness` k (N/m**exponent), `exponent` e, `damping` c_max (N s/m).
+
+    The damping grows with STEP from zero at the surface to all of it at `damping_depth` d (m).
+    """
+
+    stiffness: float
+    exponent: float
+    damping: float
+    damping_depth: float
+
+
+@compiled
+def step(x: float, x0: float, h0: float, x1: float, h1: float) -> float:
+    """Cubic step from `h0` at `x0` to `h1` at `x1`, constant outside (ADAMS/Solver STEP).
+
+    Between the two ends ``h0 + (h1 - h0) d**2 (3 - 2 d)`` with ``d = (x - x0) / (x1 - x0)``.
+    """
+    if x <= x0:
+        return h0
+    if x >= x1:
+        return h1
+    d = (x - x0) / (x1 - x0)
+    return h0 + (h1 - h0) * d * d * (3.0 - 2.0 * d)
+
+
+@compiled
+def impact_force(law: Impact, penetration: float, penetration_rate: float) -> float:
+    """Normal contact force of the ADAMS IMPACT law (F-paper, contact section).
+
+    Parameters
+    ----------
+    penetration : float
+        m; no force unless positive.
+    penetration_rate : float
+        m/s, positive while the bodies approach.
+
+    Returns
+    -------
+    float
+        N, never negative: damping does not pull the bodies together.
+    """
+    if penetration <= 0.0:
+        return 0.0
+    if law.exponent == 2.0:
+        elastic = law.stiffness * penetration * penetration
+    else:
+        elastic = law.stiffness * penetration**law.exponent
+    damped = law.damping * penetration_rate * step(penetration, 0.0, 0.0, law.damping_depth, 1.0)
+    return max(0.0, elastic + damped)
+
+
+class Coulomb(NamedTuple):
+    """Parameters of the friction curve: coefficients mu_s and mu_d, speeds V_st and V_d (m/s)."""
+
+    static: float
+    dynamic: float
+    stiction_speed: float
+    friction_speed: float
+
+
+@compiled
+def friction_coefficient(law: Coulomb, slip_speed: float) -> float:
+    """Coefficient of friction of the ADAMS Coulomb curve at a slip speed (F-paper).
+
+    It rises with STEP from zero to mu_s at V_st, falls to mu_d at V_d and stays there: there is no true
+    sticking. ADAMS writes the rise as ``STEP(v, -V_st, -1, V_st, 1)``, an odd function of v.
+
+    Parameters
+    ----------
+    slip_speed : float
+        m/s, magnitude of the slip velocity, not negative.
+    """
+    if slip_speed < law.stiction_speed:
+        return law.static * step(slip_speed, -law.stiction_speed, -1.0, law.stiction_speed, 1.0)
+    return step(slip_speed, law.stiction_speed, law.static, law.friction_speed, law.dynamic)
+
+
+@compiled
+def friction_per_slip(law: Coulomb, slip_speed: float) -> float:
+    """Coefficient of friction over slip speed (s/m), finite at zero slip.
+
+    The friction force is this times the normal force times the negative slip velocity, without
+    a direction to divide by. The limit at zero is ``1.5 mu_s / V_st``.
+    """
+    if slip_speed < law.stiction_speed:
+        # STEP(v; -V_st, -1, V_st, 1) = r (3 - r**2) / 2 with r = v / V_st
+        r = slip_speed / law.stiction_speed
+        return law.static * 0.5 * (3.0 - r * r) / law.stiction_speed
+    return friction_coefficient(law, slip_speed) / slip_speed
+
+
+@compiled
+def friction_torque(law: Coulomb, spin: float, contact_radius: float, friction_force: float) -> float:
+    """Friction torque about the contact normal, against the relative spin (F-paper).
+
+    ``T = (2/3) R F_T``, turned with the spin by the same odd STEP of the rim speed ``R * spin``
+    that turns the friction force with the slip, so that it passes through zero smoothly.
+
+    Parameters
+    ----------
+    spin : float
+        rad/s, relative angular velocity about the normal.
+    contact_radius : float
+        m, radius R of the circle with the area of contact.
+    friction_force : float
+        N, magnitude of the tangential force.
+    """
+    direction = step(contact_radius * spin, -law.stiction_speed, -1.0, law.stiction_speed, 1.0)
+    return -2.0 / 3.0 * contact_radius * friction_force * direction
+
+
+@compiled
+def equal_area_radius(area: float) -> float:
+    """Radius (m) of the circle with the area (m2)."""
+    return math.sqrt(area / math.pi)
+
+
+class Law(NamedTuple):
+    """Parameters of the normal and of the friction law."""
+
+    impact: Impact
+    coulomb: Coulomb
+
+
+@inlined
+def normal_force(law: Law, depth: float, rate: float) -> float:
+    """Normal force (N) at a penetration (m) and its rate (m/s)."""
+    return impact_force(law.impact, depth, rate)
+
+
+@compiled
+def drag_ratio(law: Law, slip_speed: float) -> float:
+    """Friction over normal force and slip speed (s/m), finite at rest."""
+    return friction_per_slip(law.coulomb, slip_speed)
+
+
+@inlined
+def spin_torque(law: Law, spin: float, area: float, friction: float) -> float:
+    """Torque (N m) about the normal against a spin (rad/s) of a contact of an area (m2) and friction (N)."""
+    return friction_torque(law.coulomb, spin, equal_area_radius(area), friction)
+
+
+@inlined
+def named_law(values: tuple) -> Law:
+    """Law of its values as plain tuples."""
+    impact, coulomb = values
+    return Law(Impact(*impact), Coulomb(*coulomb))
