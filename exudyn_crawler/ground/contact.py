@@ -47,14 +47,11 @@ def pair_law(law: PairContact, underside_area: float) -> PairLaw:
 
 
 class ContactWrenches(NamedTuple):
-    """Forces (N) and moments about the origins (N m) on shoes and units, global; modal forces.
+    """Forces (N) and moments about the origins (N m) on shoes and units, global; modal forces."""
 
-    `shoes` is (shoes, 6), `units` (units, 6), `modal` (flexible shoes, modes).
-    """
-
-    shoes: NDArray
-    units: NDArray
-    modal: NDArray
+    shoes: NDArray  # (shoes, 6)
+    units: NDArray  # (units, 6)
+    modal: NDArray  # (flexible shoes, modes)
 
 
 class PairGroundContact:
@@ -241,20 +238,11 @@ class GroundContact(Protocol):
 
     The coordinates q, with rates q_t: six a shoe (COM displacement from `shoe_reference` and angles), the
     terrain's as `coordinates` has them, the flexible shoes' modes.
-
-    Attributes
-    ----------
-    coordinates : TerrainCoordinates
-        How the terrain's coordinates carry the units.
-    shoe_reference : array (shoes, 6)
-        COM positions (m, global) and angles where the shoes' coordinates are zero.
-    unit_reference : array (units, 4)
-        Centres (m, global) and tilt of the units with the springs free.
     """
 
-    coordinates: TerrainCoordinates
-    shoe_reference: NDArray
-    unit_reference: NDArray
+    coordinates: TerrainCoordinates  # how the terrain's coordinates carry the units
+    shoe_reference: NDArray  # (shoes, 6): COM positions (m, global) and angles at coordinates of zero
+    unit_reference: NDArray  # (units, 4): centres (m, global) and tilt of the units with the springs free
 
     @property
     def size(self) -> int:

@@ -20,43 +20,24 @@ COLUMNS = 4
 
 
 class Overlap(NamedTuple):
-    """Overlap of an underside with a unit, in the unit's axes from its centre.
+    """Overlap of an underside with a unit, in the unit's axes from its centre."""
 
-    Attributes
-    ----------
-    area : float
-        m2, seen along the unit's normal; zero where there is none.
-    xi, eta : float
-        m, centroid of the overlap's volume.
-    depth : float
-        m, depth of the underside below the top face at the centroid.
-    low_xi, high_xi, low_eta, high_eta : float
-        m, bounds.
-    volume : float
-        m3.
-    side_x, side_y : float
-        m2, area vector of the unit's side faces within the shoe. With `area` along z it is the integral of
-        the outward normal over all faces of the unit within the shoe, and the opposite of the volume's
-        change by an even displacement of the shoe.
-    reach : float
-        m, greatest x of the overlap in the shoe's frame.
-    cut : int
-        Corners of the clipped polygon that `overlap` leaves in ``work[0]``; zero where nothing was clipped.
-    """
-
-    area: float
-    xi: float
+    area: float  # m2, seen along the unit's normal; zero where there is none
+    xi: float  # m, centroid of the overlap's volume
     eta: float
-    depth: float
-    low_xi: float
+    depth: float  # m, of the underside below the top face at the centroid
+    low_xi: float  # m, bounds
     high_xi: float
     low_eta: float
     high_eta: float
-    volume: float
+    volume: float  # m3
+    # m2, area vector of the unit's side faces within the shoe. With `area` along z it is the integral of the
+    # outward normal over all faces of the unit within the shoe, and the opposite of the volume's change by an
+    # even displacement of the shoe
     side_x: float
     side_y: float
-    reach: float
-    cut: int
+    reach: float  # m, greatest x of the overlap in the shoe's frame
+    cut: int  # corners of the clipped polygon that `overlap` leaves in ``work[0]``; zero if unclipped
 
 
 NO_OVERLAP = Overlap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)

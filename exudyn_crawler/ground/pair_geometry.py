@@ -54,23 +54,13 @@ class ContactGeometry(NamedTuple):
 
 
 class BodyStates(NamedTuple):
-    """Places of all bodies, and their rates.
+    """Places of all bodies, and their rates."""
 
-    Attributes
-    ----------
-    shoes, shoe_rates : array (shoes, 6)
-        COM position (m) and angles about x, y, z (rad).
-    units, unit_rates : array (units, 4)
-        Centre position (m) and tilt (rad).
-    modal, modal_rates : array (flexible shoes, modes)
-        Modal coordinates.
-    """
-
-    shoes: FloatArray
+    shoes: FloatArray  # (shoes, 6): COM position (m) and angles about x, y, z (rad)
     shoe_rates: FloatArray
-    units: FloatArray
+    units: FloatArray  # (units, 4): centre position (m) and tilt (rad)
     unit_rates: FloatArray
-    modal: FloatArray
+    modal: FloatArray  # (flexible shoes, modes): modal coordinates
     modal_rates: FloatArray
 
 

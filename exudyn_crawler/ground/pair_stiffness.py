@@ -62,21 +62,11 @@ DEPTH_STEP, MOVE_STEP, RATE_STEP = 1e-8, 1e-7, 1e-7
 
 
 class UnitContacts(NamedTuple):
-    """Contacts of shoes with units of the terrain, in the order of the shoes; workspace.
+    """Contacts of shoes with units of the terrain, in the order of the shoes; workspace."""
 
-    Attributes
-    ----------
-    rows : tuple
-        `ForceRows` as a plain tuple: force on the shoe (N, global) and torque about the normal (N m).
-    results : array (contacts, RESULTS)
-        Columns as in `pairs.RESULT`.
-    modes : array (contacts, 3, modes)
-        Mean displacement of the patches of flexible shoes by their modes.
-    """
-
-    rows: tuple
-    results: FloatArray
-    modes: FloatArray
+    rows: tuple  # `ForceRows` as a plain tuple: force on the shoe (N, global), torque about the normal (N m)
+    results: FloatArray  # (contacts, RESULTS): columns as in `pairs.RESULT`
+    modes: FloatArray  # (contacts, 3, modes): mean displacement of flexible shoes' patches by their modes
 
     @classmethod
     def allocate(cls, contacts: int, modes: int) -> "UnitContacts":

@@ -199,30 +199,16 @@ class Weights(NamedTuple):
 
 
 class ForceRows(NamedTuple):
-    """Elements of one kind with r rows each, as many as act at a state; m modes of a flexible body.
+    """Elements of one kind with r rows each, as many as act at a state; m modes of a flexible body."""
 
-    Attributes
-    ----------
-    bodies : array (elements, 2)
-        Numbers of the bodies; -1 where there is no second one.
-    unit : array (elements,)
-        Unit of the terrain on the other side, -1 for none.
-    wrench : array (elements, r)
-        On the first body.
-    tangent : array (elements, r, r)
-        Weighted derivative of the negative wrench, which is in the residual, by the motions and their rates.
-    jacobian : array (elements, 2, r, 6 + m)
-        The motions by the coordinates of both bodies.
-    unit_jacobian : array (elements, r, 2)
-        The motions by heave and tilt of the unit.
-    """
-
-    bodies: IntArray
-    unit: IntArray
-    wrench: FloatArray
+    bodies: IntArray  # (elements, 2): numbers of the bodies; -1 where there is no second one
+    unit: IntArray  # (elements,): unit of the terrain on the other side, -1 for none
+    wrench: FloatArray  # (elements, r): on the first body
+    # (elements, r, r): weighted derivative of the negative wrench, which is in the residual, by the motions
+    # and their rates
     tangent: FloatArray
-    jacobian: FloatArray
-    unit_jacobian: FloatArray
+    jacobian: FloatArray  # (elements, 2, r, 6 + m): the motions by the coordinates of both bodies
+    unit_jacobian: FloatArray  # (elements, r, 2): the motions by heave and tilt of the unit
 
     @classmethod
     def allocate(cls, elements: int, rows: int, modes: int) -> "ForceRows":

@@ -81,16 +81,12 @@ def cell(grid: Grid, cells: Cells, k: int) -> int:
 
 @dataclass(frozen=True)
 class TerrainJoint:
-    """Joint of two neighbouring units at the middle of their shared face.
+    """Joint of two neighbouring units at the middle of their shared face."""
 
-    `first` and `second` are unit indices (from 0), `axis` the direction from one to the other (0 for x,
-    1 for y), `spherical` tells a spherical joint from an in-plane one.
-    """
-
-    first: int
+    first: int  # unit index (from 0)
     second: int
-    axis: int
-    spherical: bool
+    axis: int  # direction from one to the other: 0 for x, 1 for y
+    spherical: bool  # or in-plane
 
 
 def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
@@ -112,25 +108,13 @@ def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
 
 @dataclass(frozen=True)
 class TerrainModes:
-    """Independent coordinates of the terrain, with the identity for their mass matrix.
+    """Independent coordinates of the terrain, with the identity for their mass matrix."""
 
-    Attributes
-    ----------
-    heave : array (units, coordinates)
-        Heave of each unit (m) per unit of a coordinate.
-    tilt : array (units, coordinates)
-        Tilt of each unit (rad) per unit of a coordinate.
-    stiffness, damping : array (coordinates, coordinates)
-        Stiffness (1/s2) and damping (1/s) of the supports.
-    weight : array (coordinates,)
-        Load of a unit acceleration of gravity along -z.
-    """
-
-    heave: NDArray
-    tilt: NDArray
-    stiffness: NDArray
-    damping: NDArray
-    weight: NDArray
+    heave: NDArray  # (units, coordinates): heave of each unit (m) per unit of a coordinate
+    tilt: NDArray  # (units, coordinates): tilt of each unit (rad)
+    stiffness: NDArray  # (coordinates, coordinates): of the supports, 1/s2
+    damping: NDArray  # (coordinates, coordinates): of the supports, 1/s
+    weight: NDArray  # (coordinates,): load of a unit acceleration of gravity along -z
 
     @property
     def size(self) -> int:

@@ -17,50 +17,24 @@ from exudyn_crawler.model.elimination import solving_within
 
 
 class Bodies(NamedTuple):
-    """All bodies of a system: b of them, shoes first.
+    """All bodies of a system: b of them, shoes first."""
 
-    Attributes
-    ----------
-    coordinate : array (b,)
-        First of the six coordinates of each: position and angles.
-    modal : array (b,)
-        First of its modal coordinates, -1 for a rigid body.
-    reference : array (b, 6)
-        Position (m, global) and angles (rad) where its coordinates are zero.
-    mass : array (b,)
-        kg.
-    first, second : array (b, 3), (b, 3, 3)
-        Integrals over the mass of the places x and of x_a x_b in the body's frame, kg m and kg m2.
-    """
-
-    coordinate: IntArray
-    modal: IntArray
-    reference: FloatArray
-    mass: FloatArray
-    first: FloatArray
-    second: FloatArray
+    coordinate: IntArray  # (b,): first of the six coordinates of each, position and angles
+    modal: IntArray  # (b,): first of its modal coordinates, -1 for a rigid body
+    reference: FloatArray  # (b, 6): position (m, global) and angles (rad) where its coordinates are zero
+    mass: FloatArray  # (b,): kg
+    first: FloatArray  # (b, 3): integral over the mass of the places x in the body's frame, kg m
+    second: FloatArray  # (b, 3, 3): of x_a x_b, kg m2
 
 
 class Modes(NamedTuple):
-    """Modes that all flexible bodies share, m of modal mass 1, and their integrals over the mass.
+    """Modes that all flexible bodies share, m of modal mass 1, and their integrals over the mass."""
 
-    Attributes
-    ----------
-    stiffness, damping : array (m,)
-        1/s2 and 1/s.
-    shapes : array (3, m)
-        Integral of the mode shapes.
-    places : array (9 m,)
-        Of x_a Psi_ck over (a, k, c).
-    products : array (m, 9 m)
-        Of Psi_aj Psi_ck over j and (a, k, c).
-    """
-
-    stiffness: FloatArray
-    damping: FloatArray
-    shapes: FloatArray
-    places: FloatArray
-    products: FloatArray
+    stiffness: FloatArray  # (m,): 1/s2
+    damping: FloatArray  # (m,): 1/s
+    shapes: FloatArray  # (3, m): integral of the mode shapes
+    places: FloatArray  # (9 m,): of x_a Psi_ck over (a, k, c)
+    products: FloatArray  # (m, 9 m): of Psi_aj Psi_ck over j and (a, k, c)
 
     @classmethod
     def none(cls) -> "Modes":
@@ -84,21 +58,11 @@ def second_moment(mass: float, inertia: FloatArray, center: FloatArray) -> Float
 
 
 class Inertia(NamedTuple):
-    """Integrals over the mass of a body as it is bent, in its frame; workspace.
+    """Integrals over the mass of a body as it is bent, in its frame; workspace."""
 
-    Attributes
-    ----------
-    first : array (3,)
-        Of the places p, kg m.
-    second : array (3, 3)
-        Of p_a p_b, kg m2.
-    turning : array (3, m)
-        Of p x Psi: moment of unit modal accelerations.
-    """
-
-    first: FloatArray
-    second: FloatArray
-    turning: FloatArray
+    first: FloatArray  # (3,): of the places p, kg m
+    second: FloatArray  # (3, 3): of p_a p_b, kg m2
+    turning: FloatArray  # (3, m): of p x Psi, the moment of unit modal accelerations
 
 
 @solving_within
@@ -119,14 +83,11 @@ def _moment_of(tensor: FloatArray) -> Vector:
 
 
 class Motion(NamedTuple):
-    """Motion of a body's frame in its own axes.
+    """Motion of a body's frame in its own axes."""
 
-    `omega` (rad/s), the rows of Omega (1/s2) and the acceleration of the origin less that of gravity (m/s2).
-    """
-
-    omega: Vector
-    turning: Matrix
-    acceleration: Vector
+    omega: Vector  # rad/s
+    turning: Matrix  # rows of Omega, 1/s2
+    acceleration: Vector  # of the origin less that of gravity, m/s2
 
 
 @solving_within

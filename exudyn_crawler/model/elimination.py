@@ -25,30 +25,14 @@ solving_within = compiler(Path(__file__).parent, *SOURCES, error_model="numpy", 
 
 
 class Fronts(NamedTuple):
-    """Fronts in the order of their elimination; values of all of them stand in one array.
+    """Fronts in the order of their elimination; values of all of them stand in one array."""
 
-    Attributes
-    ----------
-    unknowns : array (entries,)
-        Unknowns of every front, its own group's first.
-    first : array (fronts + 1,)
-        Where a front's unknowns start.
-    own : array (fronts,)
-        How many of them it eliminates.
-    place : array (fronts + 1,)
-        Where a front's matrix starts among all values; it is square and stored row by row.
-    parent : array (fronts,)
-        Front that takes what is left, -1 where nothing is.
-    into : array (entries,)
-        Row in the parent's matrix of every unknown that is left.
-    """
-
-    unknowns: IntArray
-    first: IntArray
-    own: IntArray
-    place: IntArray
-    parent: IntArray
-    into: IntArray
+    unknowns: IntArray  # (entries,): unknowns of every front, its own group's first
+    first: IntArray  # (fronts + 1,): where a front's unknowns start
+    own: IntArray  # (fronts,): how many of them it eliminates
+    place: IntArray  # (fronts + 1,): where a front's square matrix starts among all values, row by row
+    parent: IntArray  # (fronts,): front that takes what is left, -1 where nothing is
+    into: IntArray  # (entries,): row in the parent's matrix of every unknown that is left
 
     @property
     def size(self) -> int:

@@ -22,31 +22,15 @@ MACHINE_LOAD, DRIVE = "machine load", "drive"
 
 @dataclass(frozen=True)
 class FloatingShoe:
-    """Everything that the multibody system needs of a flexible shoe; m modes.
+    """Everything that the multibody system needs of a flexible shoe; m modes."""
 
-    Attributes
-    ----------
-    reduced : fem.ReducedBody
-        Modes, stress modes and surfaces.
-    joints : tuple of str
-        Names of the joint centres, in the order of `reduced.interfaces`.
-    load_point : array (3,)
-        Middle of the loaded surface, m.
-    load_rows : array (3, m)
-        Its mean displacement by the modes.
-    beside, beside_rows : array (3,), (3, m)
-        What both change by per metre that a load over the surface shifts to the left.
-    underside : Underside
-        Integrated modes of the underside.
-    """
-
-    reduced: ReducedBody
-    joints: tuple[str, ...]
-    load_point: NDArray
-    load_rows: NDArray
-    beside: NDArray
-    beside_rows: NDArray
-    underside: Underside
+    reduced: ReducedBody  # modes, stress modes and surfaces
+    joints: tuple[str, ...]  # names of the joint centres, in the order of `reduced.interfaces`
+    load_point: NDArray  # (3,): middle of the loaded surface, m
+    load_rows: NDArray  # (3, m): its mean displacement by the modes
+    beside: NDArray  # (3,): change of the load's point per metre that a load shifts to the left
+    beside_rows: NDArray  # (3, m): change of its rows
+    underside: Underside  # integrated modes of the underside
 
     @property
     def mode_count(self) -> int:

@@ -27,56 +27,29 @@ SMALL = 1e-3
 
 
 class Markers(NamedTuple):
-    """Points of bodies at which joints, loads and drives act; k of them.
+    """Points of bodies at which joints, loads and drives act; k of them."""
 
-    Attributes
-    ----------
-    body : array (k,)
-        Number of the body.
-    position : array (k, 3)
-        In the body's frame, m.
-    displacement, rotation : array (k, 3, m)
-        Of the point by the modes of its body, in the body's frame; zero where that is rigid.
-    """
-
-    body: IntArray
-    position: FloatArray
-    displacement: FloatArray
-    rotation: FloatArray
+    body: IntArray  # (k,): number of the body
+    position: FloatArray  # (k, 3): in the body's frame, m
+    displacement: FloatArray  # (k, 3, m): by the body's modes, in its frame; zero where it is rigid
+    rotation: FloatArray  # (k, 3, m): the same
 
 
 class Joints(NamedTuple):
-    """Constraints, whose multipliers come in this order: pins, drive, turn, holds.
+    """Constraints, whose multipliers come in this order: pins, drive, turn, holds."""
 
-    Attributes
-    ----------
-    pins : array (pins, 2)
-        Markers of the rear and of the front shoe of every link pin.
-    drive : int
-        Marker whose velocity along x is prescribed.
-    turn : int
-        Body whose angular velocity about its own axis z is prescribed.
-    holds : array (holds, 2)
-        Body and coordinate that stays where it is.
-    bodies : array (multipliers, 2)
-        Bodies that each constraint is between; -1 for none.
-    """
-
-    pins: IntArray
-    drive: int
-    turn: int
-    holds: IntArray
-    bodies: IntArray
+    pins: IntArray  # (pins, 2): markers of the rear and of the front shoe of every link pin
+    drive: int  # marker whose velocity along x is prescribed
+    turn: int  # body whose angular velocity about its own axis z is prescribed
+    holds: IntArray  # (holds, 2): body and coordinate that stays where it is
+    bodies: IntArray  # (multipliers, 2): bodies that each constraint is between; -1 for none
 
 
 class End(NamedTuple):
-    """A marker as its body carries it.
+    """A marker as its body carries it."""
 
-    `lever` (m, global) from the frame's origin; `rotation` (rad, the body's frame) is a vector to turn about.
-    """
-
-    lever: Vector
-    rotation: Vector
+    lever: Vector  # from the frame's origin, m, global
+    rotation: Vector  # vector to turn about, rad, the body's frame
 
 
 @solving_within
@@ -246,27 +219,13 @@ PULLED = 3
 
 
 class Pull(NamedTuple):
-    """Where a frame pulls its chain.
+    """Where a frame pulls its chain."""
 
-    Attributes
-    ----------
-    frame : int
-        Body that pulls.
-    tumbler : float
-        x in the frame where the chain is pulled, m.
-    pitch : float
-        Of the chain, m.
-    ahead : float
-        x of the front pins in a shoe, m.
-    markers : array (shoes,)
-        Middle of every shoe's front pins.
-    """
-
-    frame: int
-    tumbler: float
-    pitch: float
-    ahead: float
-    markers: IntArray
+    frame: int  # body that pulls
+    tumbler: float  # x in the frame where the chain is pulled, m
+    pitch: float  # of the chain, m
+    ahead: float  # x of the front pins in a shoe, m
+    markers: IntArray  # (shoes,): middle of every shoe's front pins
 
 
 @solving_within

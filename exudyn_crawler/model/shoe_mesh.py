@@ -102,18 +102,11 @@ STATIONS = 9
 
 
 class RailRows(NamedTuple):
-    """Displacements of lines along the rails by m modes, at even stations.
+    """Displacements of lines along the rails by m modes, at even stations."""
 
-    Attributes
-    ----------
-    rear, spacing : float
-        x of the first station and distance of neighbours, m, in the shoe's frame.
-    rows : array (lines, STATIONS + 2, 2, m)
-        Along x and z, at the stations and extrapolated evenly by one on either side.
-    """
-
-    rear: float
-    spacing: float
+    rear: float  # x of the first station, m, the shoe's frame
+    spacing: float  # distance of neighbours, m
+    # (lines, STATIONS + 2, 2, m): along x and z, at the stations and extrapolated evenly by one on each side
     rows: NDArray
 
 
@@ -182,18 +175,10 @@ def cubic_weights(t: NDArray) -> NDArray:
 
 @dataclass(frozen=True)
 class DrivePoint:
-    """Point of a shoe, with a body of m modes; none for a rigid shoe.
+    """Point of a shoe, with a body of m modes; none for a rigid shoe."""
 
-    Attributes
-    ----------
-    place : array (3,)
-        Where it is in the undeformed shoe, m, the shoe's frame.
-    rows : array (3, m)
-        Its displacement by each mode; transposed, they turn a force on it into modal loads.
-    """
-
-    place: NDArray
-    rows: NDArray
+    place: NDArray  # (3,): where it is in the undeformed shoe, m, the shoe's frame
+    rows: NDArray  # (3, m): its displacement by each mode; transposed, they make modal loads of a force
 
     def arm(self, angles: NDArray, modal: NDArray) -> NDArray:
         """From the frame's origin to the point, global: array (..., 3), m.

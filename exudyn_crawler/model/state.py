@@ -41,36 +41,18 @@ class StateLayout:
     other bodies by their names (6,), together "coordinates", each also followed by " rate" and
     " acceleration"; every joint with multipliers, such as "right pin of link 1", "drive" and "turn", together
     "multipliers"; "contact" (shoes, contact).
-
-    Attributes
-    ----------
-    shoes : int
-        Number of shoes.
-    terrain : int
-        Number of the terrain's coordinates.
-    terrain_bodies : bool
-        Whether these are six a unit.
-    flexible_shoes : tuple of int
-        Numbers of the flexible shoes.
-    modes : int
-        Modes of each of them.
-    multipliers : tuple of (str, int)
-        Items with Lagrange multipliers and how many each has.
-    contact : int
-        Numbers of the contact with a shoe that do not follow from the rest: with the engine's contact
-        the force and moment that it makes.
-    bodies : tuple of str
-        Names of the bodies beside the shoes.
     """
 
     shoes: int
-    terrain: int
-    terrain_bodies: bool = False
-    flexible_shoes: tuple[int, ...] = ()
-    modes: int = 0
-    multipliers: tuple[tuple[str, int], ...] = ()
+    terrain: int  # number of the terrain's coordinates
+    terrain_bodies: bool = False  # whether these are six a unit
+    flexible_shoes: tuple[int, ...] = ()  # their numbers
+    modes: int = 0  # of each flexible shoe
+    multipliers: tuple[tuple[str, int], ...] = ()  # items with Lagrange multipliers and how many each has
+    # numbers of the contact with a shoe that do not follow from the rest: with the engine's contact the force
+    # and moment that it makes
     contact: int = 0
-    bodies: tuple[str, ...] = ()
+    bodies: tuple[str, ...] = ()  # names of the bodies beside the shoes
 
     @cached_property
     def _coordinate_shapes(self) -> dict[str, tuple[int, ...]]:

@@ -23,46 +23,17 @@ from exudyn_crawler.model.joints import PULLED, ROWS, Joints, Markers, Pull
 
 
 class FrontRows(NamedTuple):
-    """Where in the fronts of the elimination the terms of the equations go.
+    """Where in the fronts of the elimination the terms of the equations go."""
 
-    Attributes
-    ----------
-    body : array (fronts, bodies)
-        Row of a body's first coordinate in a front, -1 where the front has none; its modes follow the six.
-    front : array (bodies,)
-        Front in which a body is eliminated.
-    terrain : array (fronts,)
-        Row of the terrain's first coordinate.
-    multiplier : array (fronts, multipliers)
-        Row of a multiplier.
-    """
-
+    # (fronts, bodies): row of a body's first coordinate in a front, -1 where the front has none; modes follow
     body: IntArray
-    front: IntArray
-    terrain: IntArray
-    multiplier: IntArray
+    front: IntArray  # (bodies,): front in which a body is eliminated
+    terrain: IntArray  # (fronts,): row of the terrain's first coordinate
+    multiplier: IntArray  # (fronts, multipliers): row of a multiplier
 
 
 class Tables(NamedTuple):
-    """All of a system that does not change.
-
-    Attributes
-    ----------
-    bodies, modes, markers, joints, loads, terrain :
-        Tables of these.
-    flexible : array (2,)
-        First modal coordinate of all, and the number of flexible bodies.
-    contact : tuple, optional
-        `pair_geometry.ContactGeometry` of shoes and units.
-    fronts, rows :
-        Order of the elimination, and where terms go.
-    rollers : Rollers, optional
-        Those that roll over the shoes.
-    cells : CellTable, optional
-        Undersides of the shoes on ground of cells.
-    pull : Pull, optional
-        What the drive pulls; without it the drive's force acts at its marker alone.
-    """
+    """All of a system that does not change."""
 
     bodies: Bodies
     modes: Modes
@@ -70,13 +41,13 @@ class Tables(NamedTuple):
     joints: Joints
     loads: Loads
     terrain: TerrainTable
-    flexible: IntArray
-    contact: tuple | None
-    fronts: Fronts
+    flexible: IntArray  # (2,): first modal coordinate of all, and the number of flexible bodies
+    contact: tuple | None  # `pair_geometry.ContactGeometry` of shoes and units
+    fronts: Fronts  # order of the elimination
     rows: FrontRows
-    rollers: Rollers | None
-    pull: Pull | None
-    cells: CellTable | None
+    rollers: Rollers | None  # those that roll over the shoes
+    pull: Pull | None  # what the drive pulls; without it the drive's force acts at its marker alone
+    cells: CellTable | None  # undersides of the shoes on ground of cells
 
     @property
     def multiplier_count(self) -> int:
@@ -85,60 +56,28 @@ class Tables(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """What time makes of loads and drive.
+    """What time makes of loads and drive."""
 
-    Attributes
-    ----------
-    gravity : Vector
-        m/s2, global.
-    loads : array (loads, 6)
-        Forces (N) and moments (N m), global.
-    shift : float
-        How far those that shift act to the left of their places, m.
-    active : array (2,)
-        Whether drive and turn act: 1 or 0.
-    speeds : array (2,)
-        Of drive and turn, m/s and rad/s.
-    drag : float
-        Rolling resistance over normal force, with the sign of the speed.
-    """
-
-    gravity: Vector
-    loads: FloatArray
-    shift: float
-    active: FloatArray
-    speeds: FloatArray
-    drag: float
+    gravity: Vector  # m/s2, global
+    loads: FloatArray  # (loads, 6): forces (N) and moments (N m), global
+    shift: float  # how far those that shift act to the left of their places, m
+    active: FloatArray  # (2,): whether drive and turn act, 1 or 0
+    speeds: FloatArray  # (2,): of drive and turn, m/s and rad/s
+    drag: float  # rolling resistance over normal force, with the sign of the speed
 
 
 class Workspace(NamedTuple):
-    """What a residual leaves for the matrix and for the next one.
+    """What a residual leaves for the matrix and for the next one."""
 
-    Attributes
-    ----------
-    first, second, turning : array (bodies, ...)
-        `Inertia` of every body.
-    gap : array (multipliers,)
-        Of the constraints, m, rad and their rates.
-    jacobian : array (multipliers, 2, 6 + modes)
-        Of the gaps, by the coordinates of their bodies.
-    pulled, pull : array (PULLED,), (PULLED, 6 + modes)
-        Bodies and directions of the pull.
-    counts : array (2,)
-        Number of contacts with units and of treads on rails.
-    units, treads, cells : tuple
-        Workspaces of these.
-    """
-
-    first: FloatArray
+    first: FloatArray  # (bodies, ...): this and the next two are the `Inertia` of every body
     second: FloatArray
     turning: FloatArray
-    gap: FloatArray
-    jacobian: FloatArray
-    pulled: IntArray
-    pull: FloatArray
-    counts: IntArray
-    units: tuple
+    gap: FloatArray  # (multipliers,): of the constraints, m, rad and their rates
+    jacobian: FloatArray  # (multipliers, 2, 6 + modes): of the gaps, by the coordinates of their bodies
+    pulled: IntArray  # (PULLED,): bodies of the pull
+    pull: FloatArray  # (PULLED, 6 + modes): its directions
+    counts: IntArray  # (2,): number of contacts with units and of treads on rails
+    units: tuple  # workspaces of these
     treads: tuple | None
     cells: tuple | None
 

@@ -48,30 +48,14 @@ class NewtonError(Exception):
 
 
 class TrackSystem(ABC):
-    """Multibody system that Exudyn steps through time.
+    """Multibody system that Exudyn steps through time."""
 
-    Attributes
-    ----------
-    case : Case
-        What it was built of.
-    contact : GroundContact
-        Contact forces as functions of its coordinates.
-    floating : FloatingShoe, optional
-        What the flexible shoes share.
-    point : DrivePoint
-        Point of the front shoe that the drive moves.
-    layout : StateLayout
-        What the numbers of a state are.
-    mbs : exudyn.MainSystem
-        The assembled system.
-    """
-
-    case: Case
-    contact: GroundContact
-    floating: FloatingShoe | None
-    point: DrivePoint
-    layout: StateLayout
-    mbs: "exu.MainSystem"
+    case: Case  # what it was built of
+    contact: GroundContact  # contact forces as functions of its coordinates
+    floating: FloatingShoe | None  # what the flexible shoes share
+    point: DrivePoint  # point of the front shoe that the drive moves
+    layout: StateLayout  # what the numbers of a state are
+    mbs: "exu.MainSystem"  # the assembled system
 
     @property
     def frequencies(self) -> NDArray | None:

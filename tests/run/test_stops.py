@@ -13,7 +13,7 @@ from exudyn_crawler import Case, CaseFile, History, run_case
 from exudyn_crawler.case import Outputs, write_case
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.run.folder.record import note_file
-from exudyn_crawler.run.solve import integration
+from exudyn_crawler.run.solve import simulation
 from exudyn_crawler.views import outputs
 from studies.kinematics import study as kinematics_study
 from tests.run.test_folder import record, visible
@@ -102,12 +102,12 @@ def test_what_follows_the_simulation_does_not_simulate_again(staged, tmp_path, m
 
 
 def test_an_interrupted_simulation_keeps_what_it_had_until_it_has_ended(staged, tmp_path, monkeypatch):
-    def interrupted(system, settings, sunken, solve=integration._solve):
+    def interrupted(system, settings, sunken, solve=simulation._solve):
         reason = solve(system, settings, sunken)
         return INTERRUPTED if system.layout.part(system.state(), "time") > 0.07 else reason
 
     with monkeypatch.context() as patch:
-        patch.setattr(integration, "_solve", interrupted)
+        patch.setattr(simulation, "_solve", interrupted)
         with pytest.raises(SimulationStopped, match="interrupted"):
             run_case(STAGED, tmp_path)
     whole = History.load(staged / "history.nc").dataset

@@ -25,43 +25,23 @@ WRENCH = 6
 
 
 class CellTable(NamedTuple):
-    """Undersides of shoes on cells, with a grid of nodes for those that bend.
+    """Undersides of shoes on cells, with a grid of nodes for those that bend."""
 
-    Attributes
-    ----------
-    flexible : array (shoes,)
-        Row of a shoe among the flexible ones, -1 for a rigid one.
-    nodes : array (along, across, 3)
-        Nodes of the grid in the shoe's frame, m.
-    rows : array (along, across, 3, modes)
-        Displacement of the nodes by the modes.
-    """
-
-    flexible: IntArray
-    nodes: FloatArray
-    rows: FloatArray
+    flexible: IntArray  # (shoes,): row of a shoe among the flexible ones, -1 for a rigid one
+    nodes: FloatArray  # (along, across, 3): nodes of the grid in the shoe's frame, m
+    rows: FloatArray  # (along, across, 3, modes): displacement of the nodes by the modes
 
 
 class CellWorkspace(NamedTuple):
-    """Workspace of the cells' forces.
+    """Workspace of the cells' forces."""
 
-    Attributes
-    ----------
-    shoes : tuple
-        `ground.cells.kernel.ShoePoints` as a plain tuple.
-    frames : array (shoes, FRAME)
-        Of the shoes at the last state.
-    bent : array (flexible shoes, 2, along, across, 3)
-        Displacement of the grid's nodes by the modes (m), and its rate (m/s), in the shoes' axes.
-    rigid, flexible : tuple
-        `ForceRows` of rigid shoes (force, moment about the COM) and of flexible ones (forces at the nodes).
-    """
-
-    shoes: tuple
-    frames: FloatArray
+    shoes: tuple  # `ground.cells.kernel.ShoePoints` as a plain tuple
+    frames: FloatArray  # (shoes, FRAME): of the shoes at the last state
+    # (flexible shoes, 2, along, across, 3): displacement of the grid's nodes by the modes (m), and its rate
+    # (m/s), in the shoes' axes
     bent: FloatArray
-    rigid: tuple
-    flexible: tuple
+    rigid: tuple  # `ForceRows` of rigid shoes: force, moment about the COM
+    flexible: tuple  # of flexible ones: forces at the nodes
 
     @classmethod
     def allocate(cls, table: CellTable, shoes: ShoePoints) -> "CellWorkspace":

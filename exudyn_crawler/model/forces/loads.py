@@ -47,18 +47,11 @@ def values_at(profiles: tuple, time: float, out: FloatArray) -> None:
 
 
 class Loads(NamedTuple):
-    """Where loads act; k of them.
+    """Where loads act; k of them."""
 
-    Attributes
-    ----------
-    marker : array (k,)
-        Where they act.
-    beside : array (k,)
-        Marker whose position and modes are what those of the load's place change by per metre that it
-        shifts to the left; -1 for a load that does not shift.
-    """
-
-    marker: IntArray
+    marker: IntArray  # (k,): where they act
+    # (k,): marker whose position and modes are what those of the load's place change by per metre that it
+    # shifts to the left; -1 for a load that does not shift
     beside: IntArray
 
 

@@ -34,31 +34,16 @@ class Bending(NamedTuple):
 
 
 class Tread(NamedTuple):
-    """Force of a rail on a strip of a tread in the shoe's frame.
+    """Force of a rail on a strip of a tread in the shoe's frame."""
 
-    Attributes
-    ----------
-    force : tuple
-        Along x and z, N.
-    foot : tuple
-        x and z of the rail's nearest point, m.
-    depth : float
-        m.
-    inside : float
-        1 where the foot goes along with the roller, 0 at an end of the rail.
-    by_place : tuple
-        Derivatives of both forces by the centre's x, with which the place of rise and slope goes along, and
-        z, by the rise and by the slope.
-    by_rate : tuple
-        By the rates of the first three.
-    """
-
-    force: Pair
-    foot: Pair
-    depth: float
-    inside: float
+    force: Pair  # along x and z, N
+    foot: Pair  # x and z of the rail's nearest point, m
+    depth: float  # m
+    inside: float  # 1 where the foot goes along with the roller, 0 at an end of the rail
+    # derivatives of both forces by the centre's x, with which the place of rise and slope goes along, and z,
+    # by the rise and by the slope
     by_place: tuple[Pair, Pair, Pair, Pair]
-    by_rate: tuple[Pair, Pair, Pair]
+    by_rate: tuple[Pair, Pair, Pair]  # by the rates of the first three
 
 
 class Slopes(NamedTuple):

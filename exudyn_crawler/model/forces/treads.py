@@ -24,65 +24,28 @@ RISE = 0.02
 
 
 class Rollers(NamedTuple):
-    """Rollers of a frame, each with the same strips of treads.
+    """Rollers of a frame, each with the same strips of treads."""
 
-    Attributes
-    ----------
-    frame : int
-        Body that carries them.
-    shoes : int
-        Number of shoes, the first bodies.
-    places : array (rollers, strips, 3)
-        Middle of every strip's axis in the frame's axes, m.
-    radius : float
-        m.
-    law : tuple
-        `Impact` of a strip.
-    rail : tuple
-        `Rail`.
-    rows : array (strips, stations + 2, 2, m)
-        Displacement along x and z of a flexible shoe's rail under each strip by its modes, at stations from
-        the rail's rear end to its front end, and extrapolated by one on either side.
-    spacing : float
-        Of the stations, m.
-    pitch : float
-        Of the chain, m.
-    """
-
-    frame: int
-    shoes: int
-    places: FloatArray
-    radius: float
-    law: tuple[float, float, float, float]
-    rail: tuple[float, float, float]
-    rows: FloatArray
-    spacing: float
-    pitch: float
+    frame: int  # body that carries them
+    shoes: int  # number of shoes, the first bodies
+    places: FloatArray  # (rollers, strips, 3): middle of every strip's axis in the frame's axes, m
+    radius: float  # m
+    law: tuple[float, float, float, float]  # `Impact` of a strip
+    rail: tuple[float, float, float]  # `Rail`
+    rows: FloatArray  # (strips, stations + 2, 2, m): as of `shoe_mesh.RailRows`
+    spacing: float  # of the stations, m
+    pitch: float  # of the chain, m
 
 
 class TreadWorkspace(NamedTuple):
-    """Treads as they touch at a state; t counts rollers, strips and touched shoes.
+    """Treads as they touch at a state; t counts rollers, strips and touched shoes."""
 
-    Attributes
-    ----------
-    rows : tuple
-        `ForceRows` of those that touch as a plain tuple: force on the frame, N, global.
-    rear : array (rollers,)
-        Shoe at or behind the axis.
-    depth : array (t,)
-        m; no touch unless positive.
-    force, foot : array (t, 3)
-        On the frame, N, and where, m, global.
-    modes : array (3, m)
-        Scratch: displacement of the foot by the shoe's modes along x and z, and the slope of the latter.
-    """
-
-    rows: tuple
-    rear: IntArray
-    depth: FloatArray
-    force: FloatArray
-    foot: FloatArray
-    modes: FloatArray
+    rows: tuple  # `ForceRows` of those that touch as a plain tuple: force on the frame, N, global
+    rear: IntArray  # (rollers,): shoe at or behind the axis
+    depth: FloatArray  # (t,): m; no touch unless positive
+    force: FloatArray  # (t, 3): on the frame, N, global
+    foot: FloatArray  # (t, 3): where, m, global
+    modes: FloatArray  # (3, m): scratch, as of `rows_at`
 
     @classmethod
     def allocate(cls, rollers: int, strips: int, modes: int) -> "TreadWorkspace":

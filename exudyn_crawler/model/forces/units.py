@@ -9,34 +9,25 @@ from exudyn_crawler.model.elimination import solving_within
 
 
 class TerrainTable(NamedTuple):
-    """Terrain in its own coordinates, whose mass is 1; arrays over them.
+    """Terrain in its own coordinates, whose mass is 1."""
 
-    `heave` and `tilt` (units, coordinates) carry the units, `reference` (units, 4) is where they are with
-    free springs; `stiffness` (1/s2) and `damping` (1/s) are of the supports, `weight` the load of a unit of
-    gravity; `first` is the number of the first coordinate.
-    """
-
-    heave: FloatArray
+    heave: FloatArray  # (units, coordinates): of the units by the coordinates
     tilt: FloatArray
-    reference: FloatArray
-    stiffness: FloatArray
-    damping: FloatArray
-    weight: FloatArray
-    first: int
+    reference: FloatArray  # (units, 4): where the units are with free springs
+    stiffness: FloatArray  # (coordinates, coordinates): of the supports, 1/s2
+    damping: FloatArray  # of the supports, 1/s
+    weight: FloatArray  # (coordinates,): load of a unit of gravity
+    first: int  # number of the first coordinate
 
 
 class UnitWorkspace(NamedTuple):
-    """Workspace of the contacts.
+    """Workspace of the contacts."""
 
-    `units` and `rates` (units, 4) are places and rates of the units, `forces` (units, 2) what acts on their
-    heave and tilt, `contacts` a `UnitContacts` as a plain tuple, `overlap` scratch of the clipping.
-    """
-
-    units: FloatArray
-    rates: FloatArray
-    forces: FloatArray
-    contacts: tuple
-    overlap: FloatArray
+    units: FloatArray  # (units, 4): places of the units
+    rates: FloatArray  # (units, 4)
+    forces: FloatArray  # (units, 2): what acts on their heave and tilt
+    contacts: tuple  # `UnitContacts` as a plain tuple
+    overlap: FloatArray  # scratch of the clipping
 
 
 @solving_within
