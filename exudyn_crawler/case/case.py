@@ -265,7 +265,10 @@ class Case(Parameters):
     def translation(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
         """Straight propel of the K-chapter, the K-paper and the F-paper.
 
-        Its shoe is even, or uneven: the variant `Shoe.uneven`, which is fitted to the turn.
+        Parameters
+        ----------
+        shoe : str
+            even, or uneven: the variant `Shoe.uneven`, which is fitted to the turn.
         """
         return cls(
             name="translation" if shoe == "even" else "uneven translation",
@@ -314,8 +317,12 @@ class Case(Parameters):
     def rolled(cls, shoe_count: int = 24) -> Self:
         """Straight propel of a side frame that rolls over rigid shoes laid out before it.
 
-        Contacts share a shoe by area: shoes that tilt under the rollers stand on several units. 24 shoes give
-        the frame 5 m of way.
+        Contacts share a shoe by area: shoes that tilt under the rollers stand on several units.
+
+        Parameters
+        ----------
+        shoe_count : int
+            Of the track: 24 give the frame 5 m of way.
         """
         track = Track.ph4100c().with_(shoe_count=shoe_count)
         return cls(

@@ -118,8 +118,17 @@ class LoadCycle(Cycle):
     def from_toml(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
         """Read a cycle from a TOML file, a list of tables ``[[phases]]`` with name, end and loads.
 
-        A phase may give one number for all shoes. Raises FileNotFoundError, or ValueError naming what is
-        wrong.
+        Parameters
+        ----------
+        shoe_count : int
+            Shoes that a phase loads which gives one number for all of them.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If it is not TOML or not a load cycle, naming what is wrong.
         """
         content = with_equal_loads(cycle_content(path), shoe_count)
         with reading.errors_named(Path(path), cls):

@@ -119,19 +119,41 @@ class Terrain(Sloping):
         return self._raised(np.where(self.centers[:, 0] > x, height, 0.0))
 
     def with_ramp(self, x0: float, x1: float, height: float) -> Self:
-        """Copy that rises from `x0` to `x1` (m) by `height` (m) and stays up, in steps: units stay level."""
+        """Copy that rises from `x0` to `x1` (m) by `height` (m), unit by unit, and stays up beyond.
+
+        Each unit is raised by the ramp's height at its centre and stays level: a ramp of many small steps.
+
+        Raises
+        ------
+        ValueError
+            If `x1` is not beyond `x0`.
+        """
         if not x1 > x0:
             raise ValueError(f"x1 must be greater than x0 = {x0}, got {x1}")
         return self._raised(height * np.clip((self.centers[:, 0] - x0) / (x1 - x0), 0.0, 1.0))
 
     def with_roughness(self, standard_deviation: float, seed: int) -> Self:
-        """Copy with normally distributed random heights (m) of the units added; same seed, same heights."""
+        """Copy with normally distributed random heights (m) of the units added; same seed, same heights.
+
+        Raises
+        ------
+        ValueError
+            If `standard_deviation` is negative or not finite.
+        """
         if not 0.0 <= standard_deviation < math.inf:
             raise ValueError(f"standard_deviation must be finite and not negative, got {standard_deviation}")
         return self._raised(np.random.default_rng(seed).normal(0.0, standard_deviation, self.unit_count))
 
     def with_profile(self, height: Callable[[NDArray], ArrayLike]) -> Self:
-        """Copy with a smooth ground whose height (m) is a function of x (m, array); its units pitch."""
+        """Copy with a smooth ground whose height (m) is a function of x (m, array), straight along each unit.
+
+        Its units pitch.
+
+        Raises
+        ------
+        ValueError
+            If it is too steep, or the units already have heights.
+        """
         heights = np.broadcast_to(np.asarray(height(self.edges), dtype=float), self.edges.shape)
         return self.with_(profile=tuple(heights.tolist()), tilt="pitch")
 

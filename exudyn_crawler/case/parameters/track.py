@@ -101,7 +101,13 @@ class Shoe(Parameters):
 
     @classmethod
     def uneven(cls, unevenness: float = UNEVENNESS) -> Self:
-        """Shoe of the rigid studies whose underside's middle lies right of its COM and its load, by m."""
+        """Shoe of the rigid studies whose underside's middle lies beside its COM and its load.
+
+        Parameters
+        ----------
+        unevenness : float
+            m; the middle lies to the right.
+        """
         even = cls.kinematics()
         x, y = even.underside_center
         sides = tuple(side - unevenness for side in even.finger_sides)
