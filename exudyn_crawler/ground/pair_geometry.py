@@ -9,16 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from exudyn_crawler.ground import pairs
 from exudyn_crawler.ground.frames import Frame, Vector, compiled, inlined, turned_back, within
 from exudyn_crawler.ground.laws import named_law, step
 from exudyn_crawler.ground.overlap import Overlap
-from exudyn_crawler.ground.pairs import (
-    Footprint,
-    PairLaw,
-    Volume,
-    contact_point,
-    pair_overlap,
-)
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude, shoe_frame, tilted, unit_frame
 from exudyn_crawler.ground.terrain import Cells, Grid, cell, cells_about
 from fem.patches import mean_rows
@@ -47,9 +41,9 @@ class ContactGeometry(NamedTuple):
     """What stays as it is: units, underside of the shoes, flexible shoes and the law of every contact."""
 
     grid: Grid
-    footprint: Footprint
+    footprint: pairs.Footprint
     flexible: Flexible
-    law: PairLaw
+    law: pairs.PairLaw
     fingers: Fingers
 
 
@@ -68,9 +62,9 @@ class BodyStates(NamedTuple):
 def named(places: tuple, geometry: tuple) -> tuple[BodyStates, ContactGeometry]:
     """BodyStates and track of their values as plain tuples."""
     grid, footprint, flexible, (law, edge_width, whole_area, area_normal, closest_points), fingers = geometry
-    law = PairLaw(named_law(law), edge_width, whole_area, area_normal, closest_points)
+    law = pairs.PairLaw(named_law(law), edge_width, whole_area, area_normal, closest_points)
     return BodyStates(*places), ContactGeometry(
-        Grid(*grid), Footprint(*footprint), Flexible(*flexible), law, Fingers(*fingers)
+        Grid(*grid), pairs.Footprint(*footprint), Flexible(*flexible), law, Fingers(*fingers)
     )
 
 
@@ -85,7 +79,7 @@ def patch_rectangle(
     half_xi, half_eta = 0.5 * (part.high_xi - part.low_xi), 0.5 * (part.high_eta - part.low_eta)
     x = unit.r[0] + 0.5 * (part.low_xi + part.high_xi) - shoe.r[0]
     y = unit.r[1] + 0.5 * (part.low_eta + part.high_eta) - shoe.r[1]
-    z = contact_point(part, unit, 0.5 * geometry.grid.height)[2] - shoe.r[2]
+    z = pairs.contact_point(part, unit, 0.5 * geometry.grid.height)[2] - shoe.r[2]
     middle = turned_back(shoe.R, (x, y, z))
     along_x, along_y = shoe.R[0], shoe.R[1]
     hx = abs(along_x[0]) * half_xi + abs(along_y[0]) * half_eta
@@ -122,13 +116,13 @@ class Outline(NamedTuple):
     `footprint` and `finger_length` (m) are those of a shoe, `half` half the sides of a unit (m).
     """
 
-    footprint: Footprint
+    footprint: pairs.Footprint
     finger_length: float
     half: Vector
 
 
 @inlined
-def cells_below(shoe: Frame, footprint: Footprint, grid: Grid) -> Cells:
+def cells_below(shoe: Frame, footprint: pairs.Footprint, grid: Grid) -> Cells:
     """Units that may lie under a shoe."""
     x = max(abs(footprint.low_x), abs(footprint.high_x))
     y = max(abs(footprint.low_y), abs(footprint.high_y))
@@ -178,14 +172,14 @@ def share_of_whole(reach: float, outline: Outline) -> float:
 
 
 @inlined
-def whole_volume(shoe: Frame, unit: Frame, outline: Outline, work: FloatArray) -> Volume:
+def whole_volume(shoe: Frame, unit: Frame, outline: Outline, work: FloatArray) -> pairs.Volume:
     """Overlap of a whole underside with a unit."""
-    part = pair_overlap(shoe, unit, outline.footprint, outline.half, work)
-    return Volume(part, share_of_whole(part.reach, outline), outline.footprint, outline.half)
+    part = pairs.pair_overlap(shoe, unit, outline.footprint, outline.half, work)
+    return pairs.Volume(part, share_of_whole(part.reach, outline), outline.footprint, outline.half)
 
 
 @inlined
-def fading_of(whole: Volume, outline: Outline) -> float:
+def fading_of(whole: pairs.Volume, outline: Outline) -> float:
     """Slope of a whole underside's weight over its reach, 1/m."""
     if whole.weight == 0.0 or whole.weight == 1.0:
         return 0.0
@@ -195,8 +189,10 @@ def fading_of(whole: Volume, outline: Outline) -> float:
 @within
 def finger_volume(
     right: float, left: float, weight: float, shoe: Frame, unit: Frame, outline: Outline, work: FloatArray
-) -> Volume:
+) -> pairs.Volume:
     """Overlap of a finger between two sides (m) with a unit, beside a whole underside of this weight."""
     whole = outline.footprint
-    own = Footprint(whole.low_x, whole.low_x + outline.finger_length, right, left, whole.z)
-    return Volume(pair_overlap(shoe, unit, own, outline.half, work), 1.0 - weight, own, outline.half)
+    own = pairs.Footprint(whole.low_x, whole.low_x + outline.finger_length, right, left, whole.z)
+    return pairs.Volume(
+        pairs.pair_overlap(shoe, unit, own, outline.half, work), 1.0 - weight, own, outline.half
+    )

@@ -8,49 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import (
-    Frame,
-    Vector,
-    along,
-    basis,
-    compiled,
-    cross,
-    dot,
-    norm,
-    turned,
-    turned_back,
-    upward,
-    within,
-)
-from exudyn_crawler.ground.laws import drag_ratio, normal_force, spin_torque
-from exudyn_crawler.ground.overlap import GRADIENT, Overlap, write_gradient
-from exudyn_crawler.ground.pair_geometry import (
-    BodyStates,
-    below,
-    fading_of,
-    finger_volume,
-    named,
-    outline_of,
-    patch_rectangle,
-    patch_rows,
-    standing,
-    whole_volume,
-)
-from exudyn_crawler.ground.pairs import (
-    FROM_CURVE,
-    RESULTS,
-    RIGID,
-    Contact,
-    PairLaw,
-    Patch,
-    Volume,
-    keep,
-    keep_patch,
-    leans,
-    normal_of,
-    pair_contact,
-    share_of,
-)
+from exudyn_crawler.ground import frames, laws, overlap, pair_geometry, pairs
+from exudyn_crawler.ground.frames import Frame, Vector, along, basis, cross, dot, norm, turned, turned_back
+from exudyn_crawler.ground.overlap import Overlap
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, Weights
 
 MOTIONS = 4
@@ -73,14 +33,14 @@ class UnitContacts(NamedTuple):
         """Workspace for so many contacts."""
         return cls(
             tuple(ForceRows.allocate(contacts, MOTIONS, modes)),
-            np.zeros((contacts, RESULTS)),
+            np.zeros((contacts, pairs.RESULTS)),
             np.zeros((contacts, 3, modes)),
         )
 
 
-@within
+@frames.within
 def _write_jacobian(
-    contact: Contact,
+    contact: pairs.Contact,
     normal: Vector,
     frames: tuple[Frame, Frame],
     at: Attitude,
@@ -104,7 +64,7 @@ def _write_jacobian(
     by_unit[3, 0], by_unit[3, 1] = 0.0, -normal[tilt_axis]
 
 
-@within
+@frames.within
 def _write_modal_jacobian(shoe: Frame, modes: FloatArray, jacobian: FloatArray) -> None:
     """Write how modes, whose displacements in the shoe's axes are given (3, m), move a contact."""
     for k in range(modes.shape[1]):
@@ -113,12 +73,12 @@ def _write_modal_jacobian(shoe: Frame, modes: FloatArray, jacobian: FloatArray) 
             jacobian[r, 6 + k] = move[r]
 
 
-@within
+@frames.within
 def _write_stiffness(
-    volume: Volume,
-    contact: Contact,
+    volume: pairs.Volume,
+    contact: pairs.Contact,
     turning: tuple[Vector, float],
-    pair_law: PairLaw,
+    pair_law: pairs.PairLaw,
     weights: Weights,
     out: FloatArray,
 ) -> None:
@@ -130,28 +90,28 @@ def _write_stiffness(
     """
     normal, spin = turning
     law, part = pair_law.law, volume.part
-    share = share_of(volume, pair_law)
+    share = pairs.share_of(volume, pair_law)
     depth, rate = contact.penetration, contact.penetration_rate
     slip = contact.slip_velocity
     speed = norm(slip)
-    force, ratio = normal_force(law, depth, rate), drag_ratio(law, speed)
-    by_depth = (normal_force(law, depth + DEPTH_STEP, rate) - force) / DEPTH_STEP
-    by_rate = (normal_force(law, depth, rate + RATE_STEP) - force) / RATE_STEP
+    force, ratio = laws.normal_force(law, depth, rate), laws.drag_ratio(law, speed)
+    by_depth = (laws.normal_force(law, depth + DEPTH_STEP, rate) - force) / DEPTH_STEP
+    by_rate = (laws.normal_force(law, depth, rate + RATE_STEP) - force) / RATE_STEP
     force *= share
     along_normal = by_depth * (2.0 - part.depth * part.area / part.volume)
     change = -share * (weights.position * along_normal + weights.velocity * by_rate)
     falling = 0.0
     if not weights.secant and speed > RATE_STEP:
-        falling = (drag_ratio(law, speed + RATE_STEP) - ratio) / (RATE_STEP * speed)
+        falling = (laws.drag_ratio(law, speed + RATE_STEP) - ratio) / (RATE_STEP * speed)
     drag, steeper = weights.velocity * force * ratio, weights.velocity * force * falling
     drawn = along(normal, -ratio, slip)
     for r in range(3):
         for c in range(3):
             across = (1.0 if r == c else 0.0) - normal[r] * normal[c]
             out[r, c] = change * drawn[r] * normal[c] - drag * across - steeper * slip[r] * slip[c]
-    torque = spin_torque(law, spin, part.area, force * ratio * speed)
-    turned_more = spin_torque(law, spin + RATE_STEP, part.area, force * ratio * speed)
-    a_newton = spin_torque(law, spin, part.area, 1.0)
+    torque = laws.spin_torque(law, spin, part.area, force * ratio * speed)
+    turned_more = laws.spin_torque(law, spin + RATE_STEP, part.area, force * ratio * speed)
+    a_newton = laws.spin_torque(law, spin, part.area, 1.0)
     for c in range(3):
         # the torque is proportional to friction, which grows with the normal force and with the slip
         friction = ratio * speed * change * normal[c]
@@ -162,15 +122,15 @@ def _write_stiffness(
     out[3, 3] = weights.velocity * (turned_more - torque) / RATE_STEP
 
 
-@within
-def _moved(volume: Volume, gradient: FloatArray, fading: float, u: Vector) -> Volume:
+@frames.within
+def _moved(volume: pairs.Volume, gradient: FloatArray, fading: float, u: Vector) -> pairs.Volume:
     """Clipped overlap after a small displacement u of the shoe along the unit's axes (m).
 
     `gradient` (GRADIENT, 4) is that of `write_gradient` with a column of workspace, `fading` the slope of the
     weight over the reach.
     """
     part, change = volume.part, gradient[:, 3]
-    for k in range(GRADIENT):
+    for k in range(overlap.GRADIENT):
         change[k] = gradient[k, 0] * u[0] + gradient[k, 1] * u[1] + gradient[k, 2] * u[2]
     grown = part.volume + change[1]
     xi = (part.xi * part.volume + change[2]) / grown
@@ -191,18 +151,18 @@ def _moved(volume: Volume, gradient: FloatArray, fading: float, u: Vector) -> Vo
         part.reach + change[9],
         part.cut,
     )
-    return Volume(moved, volume.weight + fading * change[9], volume.footprint, volume.half)
+    return pairs.Volume(moved, volume.weight + fading * change[9], volume.footprint, volume.half)
 
 
-@within
+@frames.within
 def _write_leaning_stiffness(
-    volume: Volume,
+    volume: pairs.Volume,
     gradient: FloatArray,
     fading: float,
-    contact: Contact,
+    contact: pairs.Contact,
     frames: tuple[Frame, Frame],
-    patch: Patch,
-    law: PairLaw,
+    patch: pairs.Patch,
+    law: pairs.PairLaw,
     weights: Weights,
     out: FloatArray,
 ) -> None:
@@ -212,8 +172,8 @@ def _write_leaning_stiffness(
     shoe's own outline as it turns is left out as for the others.
     """
     shoe, unit = frames
-    normal = normal_of(volume.part, unit, law)
-    ratio = drag_ratio(law.law, norm(contact.slip_velocity)) if weights.secant else FROM_CURVE
+    normal = pairs.normal_of(volume.part, unit, law)
+    ratio = laws.drag_ratio(law.law, norm(contact.slip_velocity)) if weights.secant else pairs.FROM_CURVE
     force = along(contact.normal_force, 1.0, contact.friction_force)
     torque = dot(contact.friction_torque, normal)
     arm = along(contact.point, -1.0, shoe.r)
@@ -237,15 +197,15 @@ def _write_leaning_stiffness(
                     h = -h  # a small volume grows
                 moved = Frame(along(shoe.r, h, basis(c)), shoe.R, shoe.v, shoe.omega)
                 changed = _moved(volume, gradient, fading, along((0.0, 0.0, 0.0), h, axis))
-            other = pair_contact(changed, moved, unit, patch, law, ratio)
+            other = pairs.pair_contact(changed, moved, unit, patch, law, ratio)
             pushed = along(other.normal_force, 1.0, other.friction_force)
             for r in range(3):
                 out[r, c] += weight * (pushed[r] - force[r]) / h
             out[3, c] += weight * (dot(other.friction_torque, normal) - torque) / h
 
 
-@within
-def _write_wrench(contact: Contact, normal: Vector, wrench: FloatArray) -> None:
+@frames.within
+def _write_wrench(contact: pairs.Contact, normal: Vector, wrench: FloatArray) -> None:
     """Write force and torque of a contact on its shoe (MOTIONS,)."""
     force = along(contact.normal_force, 1.0, contact.friction_force)
     for c in range(3):
@@ -253,35 +213,35 @@ def _write_wrench(contact: Contact, normal: Vector, wrench: FloatArray) -> None:
     wrench[3] = dot(contact.friction_torque, normal)
 
 
-@within
-def _patch(bodies: BodyStates, f: int, rows: FloatArray) -> Patch:
+@frames.within
+def _patch(bodies: pair_geometry.BodyStates, f: int, rows: FloatArray) -> pairs.Patch:
     """Mean motion of the patch that has these rows (3, modes) on the flexible shoe in row f."""
     moved, moving = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(rows.shape[1]):
         row = (rows[0, k], rows[1, k], rows[2, k])
         moved, moving = along(moved, bodies.modal[f, k], row), along(moving, bodies.modal_rates[f, k], row)
-    return Patch(moved, moving)
+    return pairs.Patch(moved, moving)
 
 
-@within
+@frames.within
 def _write_gradient(
-    volume: Volume, finger: int, shoe: Frame, unit: Frame, work: FloatArray, gradient: FloatArray
+    volume: pairs.Volume, finger: int, shoe: Frame, unit: Frame, work: FloatArray, gradient: FloatArray
 ) -> None:
     """Write the gradient of the overlap of which `work` holds the polygon.
 
     That of the reach stays the whole overlap's for its fingers, since they take over by it.
     """
     reach = (gradient[9, 0], gradient[9, 1], gradient[9, 2])
-    down = turned_back(unit.R, upward(shoe.R))
+    down = turned_back(unit.R, frames.upward(shoe.R))
     part, half = volume.part, volume.half
     slopes = (down[0] / down[2], down[1] / down[2])
-    write_gradient(work[0], max(4, part.cut), part, half[0], half[1], slopes[0], slopes[1], gradient)
+    overlap.write_gradient(work[0], max(4, part.cut), part, half[0], half[1], slopes[0], slopes[1], gradient)
     if finger > 0:
         for k in range(3):
             gradient[9, k] = reach[k]
 
 
-@compiled
+@frames.compiled
 def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work: FloatArray) -> int:
     """Wrenches of all contacts, their tangents and how the coordinates move them.
 
@@ -298,41 +258,43 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
     int
         Number of contacts, in the order of the shoes, units and fingers.
     """
-    bodies, geometry = named(places, model)
+    bodies, geometry = pair_geometry.named(places, model)
     weights, contacts = Weights(*factors), UnitContacts(*out)
     rows = ForceRows(*contacts.rows)
     derive = weights.position != 0.0 or weights.velocity != 0.0
-    law, outline, sides = geometry.law, outline_of(geometry), geometry.fingers.sides
-    gradient = np.zeros((GRADIENT, 4))
+    law, outline, sides = geometry.law, pair_geometry.outline_of(geometry), geometry.fingers.sides
+    gradient = np.zeros((overlap.GRADIENT, 4))
     greatest, count = rows.unit.shape[0], 0
     for s in range(bodies.shoes.shape[0]):
-        shoe = standing(bodies, geometry, s)
+        shoe = pair_geometry.standing(bodies, geometry, s)
         for k in range(shoe.cells.columns * shoe.cells.rows):
-            u, unit = below(bodies, geometry, shoe, k)
-            whole = whole_volume(shoe.frame, unit, outline, work)
+            u, unit = pair_geometry.below(bodies, geometry, shoe, k)
+            whole = pair_geometry.whole_volume(shoe.frame, unit, outline, work)
             if whole.part.area <= 0.0:
                 continue
-            fading = fading_of(whole, outline)
+            fading = pair_geometry.fading_of(whole, outline)
             volume = whole
             for finger in range(1 if whole.weight == 1.0 else 1 + sides.shape[0]):
                 if finger > 0:
                     right, left = sides[finger - 1, 0], sides[finger - 1, 1]
-                    volume = finger_volume(right, left, whole.weight, shoe.frame, unit, outline, work)
+                    volume = pair_geometry.finger_volume(
+                        right, left, whole.weight, shoe.frame, unit, outline, work
+                    )
                 if volume.weight * volume.part.area <= 0.0 or count >= greatest:
                     continue
                 rows.bodies[count, 0], rows.unit[count] = s, u
-                patch, result = RIGID, contacts.results[count]
+                patch, result = pairs.RIGID, contacts.results[count]
                 if shoe.row >= 0:
-                    rectangle = patch_rectangle(volume.part, shoe.frame, unit, geometry)
-                    keep_patch(rectangle, result)
-                    patch_rows(rectangle, geometry, contacts.modes[count])
+                    rectangle = pair_geometry.patch_rectangle(volume.part, shoe.frame, unit, geometry)
+                    pairs.keep_patch(rectangle, result)
+                    pair_geometry.patch_rows(rectangle, geometry, contacts.modes[count])
                     patch = _patch(bodies, shoe.row, contacts.modes[count])
                     _write_modal_jacobian(shoe.frame, contacts.modes[count], rows.jacobian[count, 0])
                 else:
-                    keep_patch((0.0, 0.0, 0.0, 0.0), result)
-                contact = pair_contact(volume, shoe.frame, unit, patch, law, FROM_CURVE)
-                keep(contact, s, u, finger, result)
-                normal = normal_of(volume.part, unit, law)
+                    pairs.keep_patch((0.0, 0.0, 0.0, 0.0), result)
+                contact = pairs.pair_contact(volume, shoe.frame, unit, patch, law, pairs.FROM_CURVE)
+                pairs.keep(contact, s, u, finger, result)
+                normal = pairs.normal_of(volume.part, unit, law)
                 _write_wrench(contact, normal, rows.wrench[count])
                 _write_jacobian(
                     contact,
@@ -343,7 +305,7 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
                     rows.jacobian[count, 0],
                     rows.unit_jacobian[count],
                 )
-                if derive and (fading != 0.0 or leans(volume.part, law)):
+                if derive and (fading != 0.0 or pairs.leans(volume.part, law)):
                     slope = fading if finger == 0 else -fading
                     _write_gradient(volume, finger, shoe.frame, unit, work, gradient)
                     _write_leaning_stiffness(

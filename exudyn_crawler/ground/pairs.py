@@ -10,23 +10,8 @@ displacement of the patch of its underside over the unit adds to its rigid motio
 import math
 from typing import NamedTuple
 
-from exudyn_crawler.ground.frames import (
-    Frame,
-    Vector,
-    along,
-    basis,
-    columns_of,
-    compiled,
-    dot,
-    inlined,
-    norm,
-    turned,
-    turned_back,
-    upward,
-    velocity_at,
-    within,
-)
-from exudyn_crawler.ground.laws import Law, drag_ratio, normal_force, spin_torque, step
+from exudyn_crawler.ground import frames, laws
+from exudyn_crawler.ground.frames import Frame, Vector, along, basis, dot, norm, turned, turned_back, upward
 from exudyn_crawler.ground.overlap import Overlap, overlap
 from exudyn_crawler.ground.rotations import FloatArray
 
@@ -52,7 +37,7 @@ class PairLaw(NamedTuple):
     with `closest_points` the penetration is the distance of the closest points of both surfaces.
     """
 
-    law: Law
+    law: laws.Law
     edge_width: float
     whole_area: float
     area_normal: bool
@@ -101,7 +86,7 @@ class Contact(NamedTuple):
     friction_torque: Vector
 
 
-RESULT, RESULTS = columns_of(Contact, "shoe", "unit", "finger")
+RESULT, RESULTS = frames.columns_of(Contact, "shoe", "unit", "finger")
 """Columns of a contact's results, and how many they are. Vectors are global; forces and torque act on the
 shoe; the slip velocity is the shoe's relative to the unit. Shoe and unit count from 0; the finger is 0 for a
 volume of the whole underside, or the number of the finger from 1."""
@@ -109,7 +94,7 @@ RESULT["patch"] = slice(RESULTS, RESULTS + 4)
 RESULTS += 4
 
 
-@compiled
+@frames.compiled
 def pair_overlap(shoe: Frame, unit: Frame, footprint: Footprint, half: Vector, work: FloatArray) -> Overlap:
     """Overlap of a shoe, taken as rigid, with a unit of which `half` holds half the sides (m).
 
@@ -126,29 +111,29 @@ def pair_overlap(shoe: Frame, unit: Frame, footprint: Footprint, half: Vector, w
     return overlap(work, half[0], half[1])
 
 
-@inlined
+@frames.inlined
 def share_of(volume: Volume, law: PairLaw) -> float:
     """Share of the law that an overlap has."""
     part = volume.part
     if law.whole_area > 0.0:
         return volume.weight * part.area / law.whole_area
     width = min(part.high_xi - part.low_xi, part.high_eta - part.low_eta)
-    return volume.weight * step(width, 0.0, 0.0, law.edge_width, 1.0)
+    return volume.weight * laws.step(width, 0.0, 0.0, law.edge_width, 1.0)
 
 
-@inlined
+@frames.inlined
 def contact_point(part: Overlap, unit: Frame, top: float) -> Vector:
     """Where a contact acts (m): above the centroid of the overlap, halfway up to the face at `top`."""
     return along(unit.r, 1.0, turned(unit.R, (part.xi, part.eta, top - 0.5 * part.depth)))
 
 
-@inlined
+@frames.inlined
 def leans(part: Overlap, law: PairLaw) -> bool:
     """Whether a law takes more of a clipped overlap than its depth at the centroid."""
     return part.cut > 0 and (law.area_normal or law.closest_points)
 
 
-@inlined
+@frames.inlined
 def normal_of(part: Overlap, unit: Frame, law: PairLaw) -> Vector:
     """Normal of a contact, global: from the unit to the shoe."""
     if not law.area_normal or (part.side_x == 0.0 and part.side_y == 0.0):
@@ -157,7 +142,7 @@ def normal_of(part: Overlap, unit: Frame, law: PairLaw) -> Vector:
     return turned(unit.R, along((0.0, 0.0, 0.0), 1.0 / norm(faces), faces))
 
 
-@within
+@frames.within
 def _way_out(place: Vector, toward: Vector, footprint: Footprint) -> float:
     """Distance (m) of a place in the shoe's frame from the outline of its underside, along a direction."""
     way = math.inf
@@ -169,7 +154,7 @@ def _way_out(place: Vector, toward: Vector, footprint: Footprint) -> float:
     return max(0.0, way)
 
 
-@within
+@frames.within
 def _closest_distance(volume: Volume, shoe: Frame, unit: Frame) -> float:
     """Distance of the closest points of both surfaces about a contact's point, m.
 
@@ -190,12 +175,12 @@ def _closest_distance(volume: Volume, shoe: Frame, unit: Frame) -> float:
             if weighing == 0:
                 least = min(least, thickness)
             else:
-                weight = step(thickness - least, 0.0, 1.0, FACE_BLEND, 0.0)
+                weight = laws.step(thickness - least, 0.0, 1.0, FACE_BLEND, 0.0)
                 total, mean = total + weight, mean + weight * thickness
     return mean / total
 
 
-@compiled
+@frames.compiled
 def pair_contact(
     volume: Volume, shoe: Frame, unit: Frame, patch: Patch, law: PairLaw, ratio: float
 ) -> Contact:
@@ -209,7 +194,7 @@ def pair_contact(
     part = volume.part
     normal = normal_of(part, unit, law)
     point = contact_point(part, unit, volume.half[2])
-    velocity = along(velocity_at(shoe, point), -1.0, velocity_at(unit, point))
+    velocity = along(frames.velocity_at(shoe, point), -1.0, frames.velocity_at(unit, point))
     velocity = along(velocity, 1.0, turned(shoe.R, patch.velocity))
     penetration = part.depth
     if law.closest_points and part.cut > 0:
@@ -218,10 +203,10 @@ def pair_contact(
     rate = -dot(velocity, normal)
     slip = along(velocity, rate, normal)
     speed = norm(slip)
-    force = share_of(volume, law) * normal_force(law.law, depth, rate)
-    drag = force * (ratio if ratio >= 0.0 else drag_ratio(law.law, speed))
+    force = share_of(volume, law) * laws.normal_force(law.law, depth, rate)
+    drag = force * (ratio if ratio >= 0.0 else laws.drag_ratio(law.law, speed))
     spin = dot(along(shoe.omega, -1.0, unit.omega), normal)
-    torque = spin_torque(law.law, spin, part.area, drag * speed)
+    torque = laws.spin_torque(law.law, spin, part.area, drag * speed)
     nothing = (0.0, 0.0, 0.0)
     return Contact(
         depth,
@@ -235,7 +220,7 @@ def pair_contact(
     )
 
 
-@compiled
+@frames.compiled
 def keep(contact: Contact, shoe: int, unit: int, finger: int, row: FloatArray) -> None:
     """Write a contact of a shoe and a unit (from 0) into a row of results (RESULTS)."""
     row[0], row[1], row[2] = shoe, unit, finger
@@ -248,7 +233,7 @@ def keep(contact: Contact, shoe: int, unit: int, finger: int, row: FloatArray) -
         row[18 + k] = contact.friction_torque[k]
 
 
-@compiled
+@frames.compiled
 def keep_patch(rectangle: tuple[float, float, float, float], row: FloatArray) -> None:
     """Write the patch of a contact, as of `pair_geometry.patch_rectangle`, into a row of results."""
     for k in range(4):

@@ -9,15 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from exudyn_crawler.ground.rotations import (
-    angle_accelerations,
-    angle_rates,
-    angles_of,
-    angular_acceleration,
-    angular_velocity,
-    moments_on_angles,
-    rotation_matrices,
-)
+from exudyn_crawler.ground import rotations
 
 UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
 """Euler parameters of reference of every body."""
@@ -68,20 +60,20 @@ class BodyCoordinates:
         """Positions and angles (bodies, 6) of Exudyn's coordinates, and their rates."""
         bodies, rates = self._split(q, SIZE)[0], self._split(q_t, SIZE)[0]
         e = bodies[:, 3:] + UNTURNED
-        angles = angles_of(matrices_of(e))
+        angles = rotations.angles_of(matrices_of(e))
         omega = np.einsum("nij,nj->ni", rate_matrix(e), rates[:, 3:])
         places = np.hstack((self._reference[:, :3] + bodies[:, :3], angles))
-        return places, np.hstack((rates[:, :3], angle_rates(angles, omega)))
+        return places, np.hstack((rates[:, :3], rotations.angle_rates(angles, omega)))
 
     def of_state(self, q: NDArray, q_t: NDArray, q_tt: NDArray) -> list[NDArray]:
         """Exudyn's coordinates, rates and accelerations of a state's."""
         bodies, rates, accelerations = (self._split(values, 6)[0] for values in (q, q_t, q_tt))
         angles = self._reference[:, 3:] + bodies[:, 3:]
         self._turned = angles
-        e = np.asarray(Rotation.from_matrix(rotation_matrices(angles)).as_quat(scalar_first=True))
+        e = np.asarray(Rotation.from_matrix(rotations.rotation_matrices(angles)).as_quat(scalar_first=True))
         back = 0.25 * rate_matrix(e)
-        e_t = np.einsum("nij,ni->nj", back, angular_velocity(angles, rates[:, 3:]))
-        alpha = angular_acceleration(angles, rates[:, 3:], accelerations[:, 3:])
+        e_t = np.einsum("nij,ni->nj", back, rotations.angular_velocity(angles, rates[:, 3:]))
+        alpha = rotations.angular_acceleration(angles, rates[:, 3:], accelerations[:, 3:])
         e_tt = np.einsum("nij,ni->nj", back, alpha) - np.sum(e_t**2, axis=1)[:, None] * e
         return [
             np.concatenate((np.hstack((own[:, :3], turned)).ravel(), self._split(values, 6)[1]))
@@ -100,10 +92,10 @@ class BodyCoordinates:
         rates, accelerations = self._split(q_t, SIZE)[0], self._split(q_tt, SIZE)[0]
         e = self._parameters(q)
         G = rate_matrix(e)
-        angles = angles_of(matrices_of(e))
+        angles = rotations.angles_of(matrices_of(e))
         omega, alpha = (np.einsum("nij,nj->ni", G, values[:, 3:]) for values in (rates, accelerations))
-        angles_t = angle_rates(angles, omega)
-        angles_tt = angle_accelerations(angles, angles_t, alpha)
+        angles_t = rotations.angle_rates(angles, omega)
+        angles_tt = rotations.angle_accelerations(angles, angles_t, alpha)
         turns = 2.0 * np.pi
         self._turned = angles + turns * np.round((self._turned - angles) / turns)
         own = (self._turned - self._reference[:, 3:], angles_t, angles_tt)
@@ -128,6 +120,6 @@ class BodyCoordinates:
     def forces_to_state(self, q: NDArray, forces: NDArray) -> NDArray:
         """Generalized forces on a state's coordinates of those on Exudyn's."""
         wrenches = self.wrenches(q, forces)
-        angles = angles_of(matrices_of(self._parameters(q)))
-        wrenches[:, 3:] = moments_on_angles(angles, wrenches[:, 3:])
+        angles = rotations.angles_of(matrices_of(self._parameters(q)))
+        wrenches[:, 3:] = rotations.moments_on_angles(angles, wrenches[:, 3:])
         return np.concatenate((wrenches.ravel(), self._split(forces, SIZE)[1]))

@@ -21,15 +21,7 @@ from exudyn_crawler.ground.terrain import UnitCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.compiled_system import layout_of
 from exudyn_crawler.model.engine import exu, items
-from exudyn_crawler.model.exudyn.bodies import (
-    add_shoe_nodes,
-    add_shoes,
-    add_terrain_modes,
-    add_units,
-    coordinate_marker,
-    points_of,
-)
-from exudyn_crawler.model.exudyn.drive import FrontShoe, add_dashpots, add_loads, add_slope_friction
+from exudyn_crawler.model.exudyn import bodies, drive
 from exudyn_crawler.model.exudyn.euler_parameters import SIZE, BodyCoordinates
 from exudyn_crawler.model.state import RATES, StateLayout, pin_name
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
@@ -139,14 +131,14 @@ class ExudynSystem(TrackSystem):
     def _assemble(self, parts: Parts, static: bool) -> list[int]:
         """Add all items; gives the joints that the compiled equations have, too."""
         mbs, case, tables, gravity = self.mbs, self.case, parts.tables, self.case.gravity_vector()
-        fixed = coordinate_marker(mbs, mbs.AddNode(items.NodePointGround()), 0)
+        fixed = bodies.coordinate_marker(mbs, mbs.AddNode(items.NodePointGround()), 0)
         # coordinates come in the order of the nodes
-        nodes = add_shoe_nodes(mbs, tables)
+        nodes = bodies.add_shoe_nodes(mbs, tables)
         if isinstance(parts.contact.coordinates, UnitCoordinates):
-            ground = add_units(mbs, case, fixed)
+            ground = bodies.add_units(mbs, case, fixed)
         else:
-            ground = add_terrain_modes(mbs, tables.terrain, gravity)
-        shoes = add_shoes(mbs, tables, nodes, points_of(tables), gravity)
+            ground = bodies.add_terrain_modes(mbs, tables.terrain, gravity)
+        shoes = bodies.add_shoes(mbs, tables, nodes, bodies.points_of(tables), gravity)
         joints = []
         for p, (link, side) in enumerate(parts.pins):
             pin = items.ObjectJointGeneric(
@@ -155,18 +147,18 @@ class ExudynSystem(TrackSystem):
                 constrainedAxes=[1, 1, 1, 1, 0, 1],
             )
             joints.append(mbs.AddObject(pin))
-        add_loads(mbs, case, shoes.markers[2 * len(joints) :], static)
+        drive.add_loads(mbs, case, shoes.markers[2 * len(joints) :], static)
         if isinstance(parts.contact, PairGroundContact):
             self._add_contact(parts.contact, [*shoes.nodes, *ground, *shoes.modal_nodes])
         else:
             self.general = add_spheres(mbs, case, shoes.bodies, ground, static)
-        front = FrontShoe(mbs, tables, shoes)
+        front = drive.FrontShoe(mbs, tables, shoes)
         if static:
             joints += front.holds(fixed)
             if case.terrain.down[2] > -1.0:
-                add_slope_friction(mbs, case, shoes.nodes, tables.bodies.mass)
+                drive.add_slope_friction(mbs, case, shoes.nodes, tables.bodies.mass)
             if case.unit_terrain().heights is not None:
-                add_dashpots(mbs, case, shoes.nodes, fixed)
+                drive.add_dashpots(mbs, case, shoes.nodes, fixed)
         else:
             turn = case.drive.turn_rate or StepProfile.constant(0.0)
             joints += [front.drive(case.drive.speed), front.turn(turn)]

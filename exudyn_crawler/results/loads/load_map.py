@@ -33,15 +33,8 @@ from scipy.sparse import csr_array, hstack
 
 from exudyn_crawler.case import Case, FlexibleShoes, Shoe, Track, Undercarriage
 from exudyn_crawler.ground.cells.ground import COARSE
+from exudyn_crawler.model import shoe_mesh
 from exudyn_crawler.model.flexible_shoes import integrated_in, shoe_model, weights_a_metre, whole_reduction
-from exudyn_crawler.model.shoe_mesh import (
-    STATIONS,
-    cubic_weights,
-    extended,
-    pulled_node,
-    station_spacing,
-    strip_weights,
-)
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions
 from fem import ElasticBody, Nested, ReducedBody
@@ -50,7 +43,7 @@ from fem.patches import Underside, hat_grid, integrate_underside
 JOINTS, MACHINE, GROUND, RAILS, DRIVE, INERTIA = "joints", "machine", "ground", "rails", "drive", "inertia"
 
 THIRDS = 3  # pieces between two stations of the equations' rails: a cubic has four values there
-STRIP_STATIONS = THIRDS * (STATIONS - 1) + 1  # stations along the line of a strip
+STRIP_STATIONS = THIRDS * (shoe_mesh.STATIONS - 1) + 1  # stations along the line of a strip
 
 
 class NodalShares(NamedTuple):
@@ -80,7 +73,7 @@ class StripStations(NamedTuple):
     def shares(self, line: int, x: NDArray) -> tuple[NDArray, NDArray]:
         """Numbers (times, 4) of stations and their shares in a force at x (times,) on a strip's line."""
         t = np.clip((x - self.rear) / self.spacing, 0.0, STRIP_STATIONS - 1.0)
-        first = THIRDS * np.minimum((t / THIRDS).astype(int), STATIONS - 2)
+        first = THIRDS * np.minimum((t / THIRDS).astype(int), shoe_mesh.STATIONS - 2)
         u = t - first
         shares = (
             -(u - 1.0) * (u - 2.0) * (u - 3.0) / 6.0,
@@ -142,7 +135,7 @@ def unit_loads(case: Case) -> ShoeUnitLoads:
     """Unit loads of a case's flexible shoes, remembered; ValueError if there are none, or no mesh fits."""
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
-    node, whole = pulled_node(case, body.mesh), whole_reduction(case).body
+    node, whole = shoe_mesh.pulled_node(case, body.mesh), whole_reduction(case).body
     cells = case.terrain.model == "cells"
     return _unit_loads(flexible, case.track, case.shoe, case.undercarriage, whole, node, cells)
 
@@ -173,9 +166,9 @@ def _unit_loads(
         GROUND: NodalShares(under, ground.reshape(-1, len(under))),
     }
     if frame is not None and (rails := shoe.rails) is not None:
-        strips = StripStations(rails.rear, station_spacing(rails) / THIRDS, frame.strips)
-        nodes, weights = strip_weights(mesh, frame, rails)
-        along = cubic_weights(np.arange(STRIP_STATIONS) / THIRDS) @ extended(weights)
+        strips = StripStations(rails.rear, shoe_mesh.station_spacing(rails) / THIRDS, frame.strips)
+        nodes, weights = shoe_mesh.strip_weights(mesh, frame, rails)
+        along = shoe_mesh.cubic_weights(np.arange(STRIP_STATIONS) / THIRDS) @ shoe_mesh.extended(weights)
         spread[RAILS] = NodalShares(nodes, along.reshape(-1, len(nodes)))
     if node is not None:
         spread[DRIVE] = NodalShares(np.array([node]), np.eye(1))
