@@ -157,8 +157,7 @@ def _moved(volume: pairs.Volume, gradient: FloatArray, fading: float, u: Vector)
 @frames.within
 def _write_leaning_stiffness(
     volume: pairs.Volume,
-    gradient: FloatArray,
-    fading: float,
+    change: tuple[FloatArray, float],
     contact: pairs.Contact,
     frames: tuple[Frame, Frame],
     patch: pairs.Patch,
@@ -168,10 +167,10 @@ def _write_leaning_stiffness(
 ) -> None:
     """Write the same of a contact whose outline moves and whose normal turns as the shoe moves.
 
-    By differences of the law along the exact change of the overlap (`write_gradient`); the motion of the
-    shoe's own outline as it turns is left out as for the others.
+    By differences of the law along the exact `change` of the overlap (`write_gradient`, and the slope of the
+    weight over the reach); the motion of the shoe's own outline as it turns is left out as for the others.
     """
-    shoe, unit = frames
+    (gradient, fading), (shoe, unit) = change, frames
     normal = pairs.normal_of(volume.part, unit, law)
     ratio = laws.drag_ratio(law.law, norm(contact.slip_velocity)) if weights.secant else pairs.FROM_CURVE
     force = along(contact.normal_force, 1.0, contact.friction_force)
@@ -296,29 +295,14 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
                 pairs.keep(contact, s, u, finger, result)
                 normal = pairs.normal_of(volume.part, unit, law)
                 _write_wrench(contact, normal, rows.wrench[count])
-                _write_jacobian(
-                    contact,
-                    normal,
-                    (shoe.frame, unit),
-                    shoe.at,
-                    geometry.grid.tilt_axis,
-                    rows.jacobian[count, 0],
-                    rows.unit_jacobian[count],
-                )
+                both, jacobian = (shoe.frame, unit), rows.jacobian[count, 0]
+                by_unit, tilt_axis = rows.unit_jacobian[count], geometry.grid.tilt_axis
+                _write_jacobian(contact, normal, both, shoe.at, tilt_axis, jacobian, by_unit)
                 if derive and (fading != 0.0 or pairs.leans(volume.part, law)):
                     slope = fading if finger == 0 else -fading
                     _write_gradient(volume, finger, shoe.frame, unit, work, gradient)
-                    _write_leaning_stiffness(
-                        volume,
-                        gradient,
-                        slope,
-                        contact,
-                        (shoe.frame, unit),
-                        patch,
-                        law,
-                        weights,
-                        rows.tangent[count],
-                    )
+                    change, tangent = (gradient, slope), rows.tangent[count]
+                    _write_leaning_stiffness(volume, change, contact, both, patch, law, weights, tangent)
                 elif derive:
                     spin = dot(along(shoe.frame.omega, -1.0, unit.omega), normal)
                     _write_stiffness(volume, contact, (normal, spin), law, weights, rows.tangent[count])
