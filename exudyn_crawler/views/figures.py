@@ -291,9 +291,9 @@ def _panels(
 
 
 def _deformation(found: Mapping[str, Series]) -> dict[str, list[Panel]]:
-    """Figure of the terrain's deformation, with a label that fits beside it."""
-    whole = found[QUANTITIES["terrain_deformation"].label]
-    return {"terrain deformation": replace(whole, label="deformation").panels()}
+    """Figure of the terrain's deformation, with a label that fits beside it; none without springs."""
+    whole = found.get(QUANTITIES["terrain_deformation"].label)
+    return {} if whole is None else {"terrain deformation": replace(whole, label="deformation").panels()}
 
 
 def _modal_panel(history: History, shoe: int) -> Panel:

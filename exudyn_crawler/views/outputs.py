@@ -9,9 +9,17 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case, Outputs, Terrain
-from exudyn_crawler.files import blocks, refuse_existing, whole_file, writable_folder, write_netcdf_along
+from exudyn_crawler.case import Case, CellTerrain, Outputs, Terrain
+from exudyn_crawler.files import (
+    blocks,
+    refuse_existing,
+    whole_file,
+    writable_folder,
+    write_netcdf,
+    write_netcdf_along,
+)
 from exudyn_crawler.results.history.catalogue import select
+from exudyn_crawler.results.history.ground_map import ground_map
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import extremes, load_table
 from exudyn_crawler.results.stress import hot_spots
@@ -25,6 +33,7 @@ from meshes import mesh_named
 
 MOST_DRAWN = 5 * 10**8
 """Bytes of a history whose curves are drawn as they are: 70 s of 13 rigid shoes, stored every 2 ms."""
+GROUND = "ground.nc"  # map of ground of cells as the run ends
 SERIES, PARTS = "track.pvd", "track_parts"
 """File of the series for ParaView, and the folder of the VTU files beside it."""
 
@@ -44,7 +53,7 @@ def write_tables(history: History, stresses: StressResults | None, folder: Path,
 
 def write_forces(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
     """What derives from the forces of the history, which has them themselves."""
-    names = select(files="forces")
+    names = {name: one for name, one in select(files="forces").items() if history.has(name)}
     # those of pairs may be larger than memory, and change nothing from one time to another
     whole = {name: history.quantity(name) for name, one in names.items() if one.per != "pair"}
 
@@ -62,8 +71,11 @@ def write_forces(history: History, stresses: StressResults | None, folder: Path,
 def write_figures(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
     """Curves of some shoes and links, of rollers and of flexible shoes; uneven ground as the run ends."""
     terrain, drawn = history.case.terrain, {}
+    if isinstance(terrain, CellTerrain):
+        drawn["ground"] = pictures.map_figure(history)
     if stresses is not None:
-        drawn = {f"flexible {name}": one for name, one in figures.stress_figures(history, stresses).items()}
+        found = figures.stress_figures(history, stresses)
+        drawn |= {f"flexible {name}": one for name, one in found.items()}
     if isinstance(terrain, Terrain) and not (terrain.heights is None and terrain.profile is None):
         drawn["ground"] = pictures.ground_figure(history, history.duration)
     # curves of a long run would not fit into memory, and no figure shows them at every step
@@ -104,8 +116,8 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
 
     Everything is in place in the global frame. Flexible shoes carry their elastic displacement (m, global
     components, for Warp By Vector) and von Mises stress (Pa) at all nodes of the mesh, rigid ones their
-    number, units their heave (m), contacts and treads the force on the shoe (N, for glyphs), rollers their
-    number and what they press with on both rails (N).
+    number, units their heave (m), the surface of cells height and sinkage (m), contacts and treads the force
+    on the shoe (N, for glyphs), rollers their number and what they press with on both rails (N).
     A ValueError if the nodes of `stress` are not those of the history's mesh, a FileExistsError if the series
     exists and `overwrite` is false.
     """
@@ -153,7 +165,7 @@ def _track(case: Case, moment: xr.Dataset) -> Iterator[tuple[str, meshio.Mesh]]:
         if solid.name == "rigid shoes":
             numbers = [float(label.removeprefix("shoe ")) for label in solid.labels]
             yield solid.name, _cells(solid, shoe=np.array(numbers))
-    yield "terrain", _cells(track.ground_units(case, moment), heave=now.unit_heave.values)
+    yield "terrain", _ground(case, moment)
     yield from _forces("contacts", *track.touching(now))
     if track.rolls(now):
         beam = track.beam(case, moment)
@@ -162,6 +174,16 @@ def _track(case: Case, moment: xr.Dataset) -> Iterator[tuple[str, meshio.Mesh]]:
         force, number = (np.repeat(one.values, now.sizes["rail"], axis=0) for one in treads)
         yield "rollers", _cells(track.rollers(case, moment)[0], roller=number, force=force)
         yield from _forces("treads", *track.pressing(now))
+
+
+def _ground(case: Case, moment: xr.Dataset) -> meshio.Mesh:
+    """Units as boxes with their heave; cells as a surface with its height and how deep it was pressed, m."""
+    if not isinstance(case.terrain, CellTerrain):
+        return _cells(track.ground_units(case, moment), heave=moment.isel(time=0).unit_heave.values)
+    solid, depth = track.ground_faces(case, moment).at(), moment.ground_depth.values.ravel()
+    return meshio.Mesh(
+        solid.points, [("quad", solid.faces[0])], point_data={"height": solid.points[:, 2], "sinkage": depth}
+    )
 
 
 def _cells(solid: Solid, **fields: NDArray) -> meshio.Mesh:
@@ -196,9 +218,11 @@ WRITERS: dict[str, Callable[[History, StressResults | None, Path, Outputs], None
 
 
 def write_outputs(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
-    """Write the stresses, and what derives from history and stresses as far as the outputs ask for it."""
+    """Write stresses, the ground's map, and what derives from all of it as far as the outputs ask for it."""
     if stresses is not None:
         stresses.save(folder / "stress.nc", overwrite=True)
+    if isinstance(history.case.terrain, CellTerrain):
+        write_netcdf(ground_map(history), folder / GROUND, overwrite=True)
     for output, write in WRITERS.items():
         if getattr(outputs, output):
             write(history, stresses, folder, outputs)

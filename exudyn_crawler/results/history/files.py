@@ -205,9 +205,17 @@ def joined(chunks: Sequence[Chunk]) -> xr.Dataset:
     )
 
 
-def save_joined(case: Case, chunks: Sequence[Chunk], path: Path, overwrite: bool = False) -> Path:
-    """Write the history of a case that the chunks make, a part of it at a time; raises as `whole_file`."""
-    whole = (with_case(packed(part), case) for part in _parts(chunks))
+def save_joined(
+    case: Case, chunks: Sequence[Chunk], path: Path, overwrite: bool = False, end: xr.Dataset | None = None
+) -> Path:
+    """Write the history of a case that the chunks make, a part of it at a time; raises as `whole_file`.
+
+    `end` are cells of the ground as of the history's end, in place of those that chunks have.
+    """
+    parts = _parts(chunks)
+    if end is not None:
+        parts = (part.drop_dims("cell", errors="ignore").assign(end) for part in parts)
+    whole = (with_case(packed(part), case) for part in parts)
     times = sum(chunk.times for chunk in chunks)
     return write_netcdf_along("time", times, whole, path, overwrite)
 

@@ -107,13 +107,18 @@ class Checkpoints:
             found.append(_checkpoint(path, content))
         return found
 
-    def save_history(self, case: Case, stages: Sequence[Checkpoint], more: Iterable[Chunk]) -> Path:
-        """Write the history of stages, the earlier run's before them, and of more chunks into the folder."""
+    def save_history(
+        self, case: Case, stages: Sequence[Checkpoint], more: Iterable[Chunk], end: xr.Dataset
+    ) -> Path:
+        """Write the history of stages, the earlier run's before them, and of more chunks into the folder.
+
+        `end` are the cells of the ground as of its end.
+        """
         writable_folder(self.folder)
         chunks = [*(stage.chunk for stage in stages), *more]
         if stages and stages[0].number:
             chunks.insert(0, Chunk.of_file(self._earlier, stages[0].time))
-        return save_joined(case, chunks, self.history, overwrite=True)
+        return save_joined(case, chunks, self.history, overwrite=True, end=end)
 
     def begin_from(self, end: Path, history: Path) -> None:
         """Go on behind a shorter run of the same case, of which `settle` kept the end."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.track_system import TrackSystem
 from exudyn_crawler.results.history.files import Chunk, joined
+from exudyn_crawler.results.history.ground_map import end_memory
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints
@@ -153,7 +154,7 @@ class RunStages:
         """
         rows = self._recorder.taken()
         unfinished = [Chunk.of(system_history(self._system, rows).dataset)] if len(rows) else []
-        chunks = self._in_memory + unfinished
+        chunks, end = self._in_memory + unfinished, end_memory(self._system)
         if self._checkpoints is None:
-            return History(self._system.case, joined(chunks))
-        return History.load(self._checkpoints.save_history(self._system.case, self._kept, chunks))
+            return History(self._system.case, joined(chunks).assign(end))
+        return History.load(self._checkpoints.save_history(self._system.case, self._kept, chunks, end))

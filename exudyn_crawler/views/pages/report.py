@@ -13,6 +13,7 @@ import pandas as pd
 import xarray as xr
 from markupsafe import Markup
 
+from exudyn_crawler.case import Terrain
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.files import refuse_existing
 from exudyn_crawler.results.history.history import History
@@ -127,8 +128,10 @@ def packed_track(history: History, arrays: SceneArrays) -> dict[str, Any]:
     """Track in evenly spread instants of a run, for a view in 3D."""
     case, window = history.case, track.shown_box(history, MARGIN)
     shown = track.instants(history, np.linspace(0.0, history.duration, INSTANTS))
-    x, half = case.unit_terrain().middles[:, 0], 0.5 * case.unit_terrain().unit_length
-    near = np.flatnonzero((x + half >= window[0][0]) & (x - half <= window[0][1]))
+    near = None
+    if isinstance(case.terrain, Terrain):
+        x, half = case.terrain.middles[:, 0], 0.5 * case.terrain.unit_length
+        near = np.flatnonzero((x + half >= window[0][0]) & (x - half <= window[0][1]))
     return packed_scene(track.track_scene(case, shown, shoes.shoe_force_scale(history), near), arrays, window)
 
 

@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
+from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.files import refuse_existing, whole_file
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.stress.recovery import surface_stress
@@ -83,8 +84,8 @@ class TrackPicture(Picture):
             raise ValueError(f"scale must be positive, got {scale:g}")
         self.history, self.name, self._scale = history, history.case.name, scale
         self._force_scale = shoes.shoe_force_scale(history)
-        heave = history.unit_heave.values / style.MILLI
-        self._heave = float(heave.min()), float(heave.max())
+        ground, what = ground_range(history)
+        self._heave = float(ground.min()), float(ground.max())
         windows = pictures.windows(history)
         # both views become as wide as the picture has room for
         ratios = [*(VIEW_WIDTH * (one[3] - one[2]) / (one[1] - one[0]) for one in windows), SPEED_HEIGHT]
@@ -97,7 +98,7 @@ class TrackPicture(Picture):
                 ax.grid(False)
             self._plan.set_ylabel("y in m")
             self._side.set(xlabel="x in m", ylabel="z in m")
-            bar = {"ax": views, "label": "heave of units in mm", "fraction": 0.02, "pad": 0.01}
+            bar = {"ax": views, "label": what, "fraction": 0.02, "pad": 0.01}
             self.figure.colorbar(style.scale_of(*self._heave, style.HEAVE_MAP), **bar)
             self._side.set_title(self._legend(), fontsize=9, loc="left")
             _curves(history).draw(curves)
@@ -127,9 +128,24 @@ class TrackPicture(Picture):
         return plan + pictures.draw_side(self._side, case, now, self._scale, self._force_scale)
 
 
+def ground_range(history: History) -> tuple[NDArray, str]:
+    """What colours the ground over a run, mm, of cells as it begins and ends, and what it is."""
+    if isinstance(history.case.terrain, CellTerrain):
+        (ground,) = track.ground_faces(history.case, _ends(history)).colourings
+        return ground.values, ground.title
+    return history.unit_heave.values / style.MILLI, "heave of units in mm"
+
+
+def _ends(history: History) -> xr.Dataset:
+    return track.instants(history, [0.0, history.duration])
+
+
 def ground_scale(history: History) -> float:
     """Round magnification that makes the ground's displacements visible."""
-    moved = history.unit_heave.values - track.unloaded_level(history.case)
+    if isinstance(history.case.terrain, CellTerrain):
+        moved = _ends(history).ground_depth.values
+    else:
+        moved = history.unit_heave.values - track.unloaded_level(history.case)
     return max(1.0, style.drawn_scale(moved, DEEPEST))
 
 

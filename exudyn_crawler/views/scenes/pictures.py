@@ -20,11 +20,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, CellTerrain
+from exudyn_crawler.results.history.ground_map import ground_map
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes import track
-from exudyn_crawler.views.scenes.scene import Arrows, Scene, Solid, View, upward
+from exudyn_crawler.views.scenes import cell_ground, track
+from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Scene, Solid, View, upward
 
 Window = tuple[float, float, float, float]
 """Least and greatest coordinate to the right, least and greatest upward, m."""
@@ -61,7 +62,7 @@ def paint(ax: Axes, solids: Iterable[Solid], view: View, window: Window | None =
             faces += list(corners[seen])
             fills.append(fill)
             depths.append(corners[seen, :, 2].mean(axis=1))
-            edged = solid.edges and corners.shape[1] > 3
+            edged = solid.edges not in ("", FLAT) and corners.shape[1] > 3
             # opaque faces are drawn to their edges, so that nothing shines through between them
             between = fill * [1.0, 1.0, 1.0, solid.opacity == 1.0]
             lines.append(np.tile(mpl.colors.to_rgba(solid.edges), (len(fill), 1)) if edged else between)
@@ -119,9 +120,14 @@ def windows(history: History) -> tuple[Window, Window]:
 
 
 def ground_section(case: Case, dataset: xr.Dataset, at_rest: bool = False) -> Solid:
-    """Units of the row under the track's middle line, cut along that; as they are or with free springs."""
-    terrain = case.unit_terrain()
+    """Ground under the track's middle line, cut along that, as it is or at rest.
+
+    At rest the springs of units are free, and no shoe has come to cells.
+    """
     y = float(track.shoe_poses(dataset)[0][0, :, 1].mean())
+    if isinstance(case.terrain, CellTerrain):
+        return cell_ground.section(dataset, y, 2.0 * MARGIN[2], at_rest)
+    terrain = case.unit_terrain()
     row = int(np.clip((y - terrain.origin[1]) // terrain.unit_width, 0, terrain.rows - 1))
     units = np.arange(terrain.columns) * terrain.rows + row
     half, deep = 0.5 * terrain.unit_length, 2.0 * MARGIN[2] + float(np.ptp(terrain.top_heights))
@@ -178,7 +184,10 @@ def draw_plan(ax: Axes, case: Case, now: xr.Dataset, heave: tuple[float, float])
 
 
 def plan_solids(case: Case, now: xr.Dataset, heave: tuple[float, float]) -> list[Solid]:
-    """Shoes and rollers from above in one instant, on units in the colours of a range of their heave, mm."""
+    """Shoes and rollers from above in one instant, on ground in the colours of a range, mm.
+
+    That is the heave of units, or the height of cells.
+    """
     shown = []
     for one in (solid.at() for solid in track.track_scene(case, now, 0.0).solids):
         if one.name == "ground":
@@ -219,4 +228,35 @@ def ground_figure(history: History, time: float) -> Figure:
         carried.set_ylim(top=1.25 * max(float(force.max()), mean))
         carried.legend(loc="upper left", fontsize="small")
         carried.set(xlabel="x in m; numbers are those of the shoes", ylabel="z contact force\nin kN")
+    return figure
+
+
+def map_figure(history: History) -> Figure:
+    """Greatest sinkage of ground of cells as a run ends, in mm from above, with the outlines of the shoes."""
+    ground, case, end = ground_map(history), history.case, history.dataset.isel(time=-1)
+    x0, x1, y0, y1, z0 = case.shoe.footprint
+    corners = np.array([[x0, y0, z0], [x1, y0, z0], [x1, y1, z0], [x0, y1, z0]])
+    outlines = [track.shoe_pose(end, shoe).place(corners)[:, :2] for shoe in end.shoe.values]
+    half, sinkage, rut = 0.5 * case.cell_terrain().cell, *(ground[name].values for name in ("sinkage", "rut"))
+    (left, right), (low, high) = (
+        (one[0] - half, one[-1] + half) for one in (ground.x.values, ground.y.values)
+    )
+    shape = (high - low + 1.0) / (right - left + 1.0)
+    with mpl.rc_context(style.STYLE):
+        figure = Figure(figsize=(11.0, float(np.clip(10.0 * shape, 1.6, 9.0)) + 1.0))
+        ax = figure.subplots()
+        how: dict[str, Any] = {"extent": (left, right, low, high), "origin": "lower", "vmin": 0.0}
+        image = ax.imshow(sinkage.T / style.MILLI, cmap=style.SINKAGE_MAP, **how)
+        lines: dict[str, Any] = {"facecolors": "none", "edgecolors": style.SHOE_EDGE, "linewidths": 0.6}
+        ax.add_collection(PolyCollection(outlines, **lines))
+        for number, outline in zip(end.shoe.values, outlines, strict=True):
+            x, y = outline.mean(axis=0)
+            ax.text(x, y, str(number), ha="center", va="center", fontsize=6.5, clip_on=True)
+        ax.autoscale_view()
+        ax.grid(False)
+        ax.set(xlabel="x in m; numbers are those of the shoes", ylabel="y in m", aspect="equal")
+        ax.set_title(f"{case.name}: ground at t = {history.duration:.3g} s", loc="left", parse_math=False)
+        stays = f"where nothing presses, ruts of at most {rut.max() / style.MILLI:.3g} mm stay"
+        ax.set_title(stays, loc="right", fontsize=8)
+        figure.colorbar(image, ax=ax, label="greatest sinkage in mm", fraction=0.025, pad=0.01)
     return figure

@@ -12,6 +12,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+FLAT = "none"  # edges of faces that are drawn without shade and without lines between them
 HIDDEN, SIDES = 0.002, 32
 """m by which something before a point has to lie to hide it; sides of the prism that is drawn for a disc."""
 BOX = np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))], dtype=float)
@@ -94,7 +95,8 @@ class Solid:
     origin, turn : arrays (times, copies, 3) and (times, copies, 3, 3)
         Place of the body's axes (m), and their directions as columns. What is not a number is not there.
     edges : str
-        Colour of the edges of faces with more than three corners; with edges there is no shade. "" for none.
+        Colour of the edges of faces with more than three corners; with edges, or `FLAT`, there is no shade.
+        "" for none.
     labels, notes : tuple of str
         What each copy is called; what is written beside the name at each time.
     lift, bend : arrays (times, copies) and (times, copies, n, 3)

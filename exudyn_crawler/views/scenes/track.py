@@ -10,10 +10,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from exudyn_crawler.case import Case, Rails, Undercarriage
+from exudyn_crawler.case import Case, CellTerrain, Rails, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
+from exudyn_crawler.views.scenes import cell_ground
 from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Scene, Solid, box, disc
 
 CONTACTS = ("contact", "axis")
@@ -24,14 +25,21 @@ BEAM = (0.05, 0.85)
 long it is, not how high and wide."""
 GAP = 0.03
 """m between the beam and the treads beside it."""
+BESIDE = (0.6, 0.4)
+"""m beyond the track and beside it of which ground of cells is drawn."""
 PIN, PIN_SIDES, MARK = 0.03, 12, 0.012
 """m, radius of a drawn link pin; sides of its prism; m, width of the line that shows how far rollers roll."""
 
 
 def instants(history: History, times: ArrayLike) -> xr.Dataset:
-    """States of a history at the stored times nearest to some (s), each once."""
-    rows = history.dataset.get_index("time").get_indexer(np.asarray(times), method="nearest")
-    return history.dataset.isel(time=np.unique(rows)).load()
+    """States of a history at the stored times nearest to some (s), each once; ground of cells with them."""
+    rows = np.unique(history.dataset.get_index("time").get_indexer(np.asarray(times), method="nearest"))
+    now, terrain = history.dataset.isel(time=rows).load(), history.case.terrain
+    if not isinstance(terrain, CellTerrain):
+        return now
+    return cell_ground.with_ground(
+        history, now, rows, cell_ground.grid_of(terrain, *_around(history, BESIDE))
+    )
 
 
 def shoe_poses(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
@@ -120,7 +128,9 @@ def greatest_shoe_force(history: History) -> float:
 
 
 def unloaded_level(case: Case) -> float:
-    """Heave of units that carry nothing but themselves, m."""
+    """Heave of units that carry nothing but themselves, m; cells stay where they are."""
+    if isinstance(case.terrain, CellTerrain):
+        return 0.0
     return case.unit_terrain().unit_mass * case.gravity_vector()[2] / case.unit_terrain().heave_stiffness
 
 
@@ -179,7 +189,9 @@ def ground_units(case: Case, dataset: xr.Dataset) -> Solid:
 
 
 def ground_faces(case: Case, dataset: xr.Dataset, units: NDArray | None = None) -> Solid:
-    """Top faces of units, coloured by their heave in mm, without what they tilt in a run."""
+    """Top faces of units, coloured by their heave in mm, without what they tilt in a run; or of cells."""
+    if isinstance(case.terrain, CellTerrain):
+        return cell_ground.surface(dataset)
     terrain = case.unit_terrain()
     chosen = np.arange(terrain.unit_count) if units is None else units
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, 0.0])
@@ -247,15 +259,23 @@ def shown_box(history: History, margin: Sequence[float]) -> list[tuple[float, fl
 
     `margin` are the m beyond both ends, beside the shoes and below the ground's lowest face.
     """
-    shoe, terrain = history.case.shoe, history.case.unit_terrain()
-    x, y = (history.position.sel(axis=axis) for axis in "xy")
-    low, high = shoe.footprint[:2]
-    length = float(x.min()) + low - margin[0], float(x.max()) + high + margin[0]
-    sideways = 0.5 * shoe.width + margin[1]
-    near = np.abs(terrain.middles[:, 0] - np.mean(length)) < 0.5 * (np.ptp(length) + terrain.unit_length)
-    tops = terrain.top_heights[near]
+    shoe, terrain = history.case.shoe, history.case.terrain
+    length, beside = _around(history, margin)
+    if isinstance(terrain, CellTerrain):
+        tops = cell_ground.grid_of(terrain, length, beside)[2]
+    else:
+        near = np.abs(terrain.middles[:, 0] - np.mean(length)) < 0.5 * (np.ptp(length) + terrain.unit_length)
+        tops = terrain.top_heights[near]
     top = float(tops.max(initial=0.0)) + 2.0 * (shoe.com_height + shoe.load_point[2])
     if rolls(history.dataset):
         top = max(top, float(history.side_frame_position.sel(axis="z").max()) + BEAM[1])
-    beside = float(y.min()) - sideways, float(y.max()) + sideways
     return [length, beside, (float(tops.min(initial=0.0)) - margin[2], top)]
+
+
+def _around(history: History, margin: Sequence[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Least and greatest x and y of all shoes in a run, with m beyond both ends and beside them, m."""
+    shoe, (x, y) = history.case.shoe, (history.position.sel(axis=axis) for axis in "xy")
+    low, high = shoe.footprint[:2]
+    sideways = 0.5 * shoe.width + margin[1]
+    length = float(x.min()) + low - margin[0], float(x.max()) + high + margin[0]
+    return length, (float(y.min()) - sideways, float(y.max()) + sideways)
