@@ -13,7 +13,7 @@ import pandas as pd
 import xarray as xr
 from markupsafe import Markup
 
-from exudyn_crawler.case import Terrain
+from exudyn_crawler.case import CellTerrain, Terrain
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.files import refuse_existing
 from exudyn_crawler.results.history.history import History
@@ -23,7 +23,7 @@ from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_curves, packed_scene
 from exudyn_crawler.views.pages.page import Section, part, table, together
 from exudyn_crawler.views.pages.runs import STRESSES, LeftOut, histories_in, stress_of
-from exudyn_crawler.views.scenes import shoes, track
+from exudyn_crawler.views.scenes import pictures, shoes, track
 from exudyn_crawler.views.tables import within_by_class
 
 REPORT, RECORD, COMPARISON = "report.html", "run.json", "comparison.csv"
@@ -108,6 +108,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
         Section("comparison", "Paper against computed", _compared(comparison)),
         Section("histories", "Time histories", part("histories", thinned) if histories else Markup()),
         Section("track", "Track in motion", part("track", rolled) if histories else Markup()),
+        Section("ground", "Ground", _ground(histories)),
         Section("hot-spots", "Hot spots", _hot_spots(stressed, left_out)),
         Section("shoes", "Flexible shoes in 3D", part("shoes") if "shoe" in scenes else Markup()),
         Section("pictures", "Stress pictures", shown),
@@ -133,6 +134,16 @@ def packed_track(history: History, arrays: SceneArrays) -> dict[str, Any]:
         x, half = case.terrain.middles[:, 0], 0.5 * case.terrain.unit_length
         near = np.flatnonzero((x + half >= window[0][0]) & (x - half <= window[0][1]))
     return packed_scene(track.track_scene(case, shown, shoes.shoe_force_scale(history), near), arrays, window)
+
+
+def _ground(histories: Mapping[str, History]) -> Markup:
+    """Maps of the ground as runs on cells end."""
+    on_cells = {name: one for name, one in histories.items() if isinstance(one.case.terrain, CellTerrain)}
+    drawn = (
+        page.figure_picture(f"greatest sinkage, {name}", pictures.map_figure(one))
+        for name, one in on_cells.items()
+    )
+    return together(*drawn)
 
 
 def packed_shoes(

@@ -258,5 +258,5 @@ def map_figure(history: History) -> Figure:
         ax.set_title(f"{case.name}: ground at t = {history.duration:.3g} s", loc="left", parse_math=False)
         stays = f"where nothing presses, ruts of at most {rut.max() / style.MILLI:.3g} mm stay"
         ax.set_title(stays, loc="right", fontsize=8)
-        figure.colorbar(image, ax=ax, label="greatest sinkage in mm", fraction=0.025, pad=0.01)
+        figure.colorbar(image, ax=ax, label="greatest sinkage in mm", fraction=0.025, pad=0.01, shrink=0.75)
     return figure
