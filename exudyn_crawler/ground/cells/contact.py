@@ -10,10 +10,12 @@ from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.kernel import AREA, GROUND, NORMAL, ShoePoints, arm_of, frame_at
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.frames import along, compiled, cross, dot, norm, velocity_at
-from exudyn_crawler.ground.pairs import RESULT, RESULTS, Contact, keep
+from exudyn_crawler.ground.pairs import RESULTS, Contact, keep
 from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.ground.terrain import ReducedCoordinates, TerrainCoordinates, TerrainModes
 
+ACROSS = 15
+"""Places across the track where its ground is looked at before shoes are put down."""
 NO_UNIT = -1
 """In place of a unit's number."""
 NOTHING = (0.0, 0.0, 0.0)
@@ -48,9 +50,8 @@ class CellGroundContact:
         return self.shoe_reference.size
 
     def results(self, _q: NDArray, _q_t: NDArray, stored: NDArray | None = None) -> NDArray:
-        """Contacts that a state has stored: those of the shoes that the ground carries."""
-        contacts = np.zeros((0, RESULTS)) if stored is None else stored[:, :RESULTS]
-        return contacts[contacts[:, RESULT["area"]] > 0.0]
+        """Contacts that a state has stored: one a shoe, of no area where it hangs in the air."""
+        return np.zeros((0, RESULTS)) if stored is None else stored[:, :RESULTS]
 
     def unit_motion(self, _q: NDArray) -> NDArray:
         """Of no units."""
@@ -63,8 +64,13 @@ class CellGroundContact:
         return np.array([law.sinkage(float(p), min(shoe.length, shoe.width)) for p in pressures])
 
     def surface(self, x: NDArray) -> NDArray:
-        """Height (m) of the ground along the track's middle at places x (m)."""
-        return self._case.cell_terrain().surface(x, np.full_like(x, self._middle))
+        """Height (m) at places x (m) of the straight line on which a chain lies that is put on the ground."""
+        shoe, (x0, *_), (x1, *_) = self._case.shoe, self.shoe_reference[0], self.shoe_reference[-1]
+        along = np.arange(x0 - shoe.length, x1 + shoe.length, self.ground.tiles.cell)
+        across = self._middle + np.linspace(-0.5, 0.5, ACROSS) * shoe.width
+        heights = self._case.cell_terrain().surface(*np.meshgrid(along, across)).max(axis=0)
+        slope = np.polyfit(along, heights, 1)[0]
+        return np.asarray(slope * x + (heights - slope * along).max())
 
     def ground_below(self, _q: NDArray, heights: NDArray) -> NDArray:
         """Of no units."""
@@ -98,6 +104,7 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
             pushed, moment = along(pushed, 1.0, force), along(moment, 1.0, cross(arm, force))
         size = norm(pushed)
         out[s, :].fill(0.0)
+        out[s, 0], out[s, 1] = s, NO_UNIT
         if size == 0.0:
             continue
         wrench, up = shoes.wrench[s], (frame.R[0][2], frame.R[1][2], frame.R[2][2])

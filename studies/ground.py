@@ -1,0 +1,136 @@
+"""The machine rolls over ground of cells: sand, oil sand as a range, hard floor with ruts, stones and ridges.
+
+No paper reports it. The papers' ground of units stands beside: there a shoe sinks by 66 mm under its share of
+the machine and tilts the rollers into a climb that is most of the pull.
+"""
+
+from pathlib import Path
+from typing import NamedTuple, Unpack
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler import Case, CaseFile, FlexibleShoes
+from exudyn_crawler.case import Heights
+from exudyn_crawler.case.parameters.heights import Ridge, Stone
+from exudyn_crawler.case_run import CaseRun
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.views.tables import write_table
+from studies.rollers import highest_by_region, rolled_case
+from studies.running import Running, study_runs
+
+FLEXIBLE = 20
+"""Flexible shoe of every case."""
+PASS_DURATION = 60.0
+"""s, in which five of the six rollers pass over it."""
+PAPERS = "papers' units"
+KILO = 1e3
+
+
+def reliefs() -> dict[str, Heights]:
+    """Reliefs of a hard floor: what lies on it is chosen here."""
+    case = Case.rolled()
+    (x0, x1), y = case.terrain.bounds[0], case.track.first_com[1]
+    edge = 0.5 * case.shoe.width - 0.3
+    ridges = [Ridge(x=x, y=y, height=0.1, width=0.2, flank=0.3) for x in np.arange(x0, x1 + 20.0, 2.0)]
+    ruts = [
+        Ridge(x=x0, y=y + side * edge, heading=0.0, height=-0.1, width=0.6, flank=0.3) for side in (-1.0, 1.0)
+    ]
+    # a stone under one edge of a shoe, and one under the other edge of the next but one
+    places = [(x, y + (-1.0) ** k * edge) for k, x in enumerate(np.arange(x0 + 1.0, x1 + 20.0, 1.3))]
+    stones = [Stone(x=x, y=across, height=0.08, width=0.2, flank=0.2) for x, across in places]
+    return {
+        "hard floor": Heights(),
+        "hard floor, ruts under both edges": Heights(parts=tuple(ruts)),
+        "hard floor, stones under the edges": Heights(parts=tuple(stones)),
+        "hard floor, ridges 2 m apart": Heights(parts=tuple(ridges)),
+    }
+
+
+def study_cases(mesh: str = "coarse", duration: float = PASS_DURATION) -> dict[str, CaseFile]:
+    """Cases of the study, each over `duration` (s)."""
+    flexible = FlexibleShoes.ph4100c(mesh).with_(shoes=(FLEXIBLE,))
+    base = rolled_case(mesh).with_(flexible=flexible)
+    soils = {
+        "LETE sand": BekkerSoil.lete_sand(),
+        "oil sand, soft end": BekkerSoil.oil_sand_low(),
+        "oil sand, stiff end": BekkerSoil.oil_sand_high(),
+    }
+    cases = {PAPERS: base} | {name: base.on_cells(law) for name, law in soils.items()}
+    cases |= {name: base.on_cells(RockFloor.hard_floor(), relief) for name, relief in reliefs().items()}
+    return {name: CaseFile(case=case.with_(name=name), duration=duration) for name, case in cases.items()}
+
+
+class GroundStudy(NamedTuple):
+    """Runs by ground, a row a ground, and the highest stresses by ground and region."""
+
+    runs: dict[str, CaseRun]
+    table: pd.DataFrame
+    regions: pd.DataFrame
+
+
+def row(run: CaseRun) -> dict[str, float]:
+    """Pull, tilt, sinkage and loads of a run."""
+    history = run.history
+    tilt = np.abs(history.angles.sel(axis="y").values)
+    carried = history.contacts_by_shoe()
+    pressed = carried.normal_force.sel(axis="z").values > 0.25 * history.case.mean_load
+    sunk = np.where(pressed, carried.penetration.values, np.nan)
+    heave = history.side_frame_position.sel(axis="z").values
+    treads = np.linalg.norm(history.roller_force.values, axis=-1)
+    return {
+        "mean pull in kN": float(history.drive_pull.mean()) / KILO,
+        "greatest pull in kN": float(history.drive_pull.max()) / KILO,
+        "greatest tilt of a shoe in mrad": KILO * float(tilt.max()),
+        "mean sinkage in mm": KILO * float(np.nanmean(sunk)),
+        "greatest sinkage in mm": KILO * float(np.nanmax(sunk)),
+        "heave of the frame in mm": KILO * float(np.ptp(heave)),
+        "greatest force on a rail in kN": float(treads.max()) / KILO,
+    }
+
+
+def study(
+    out: Path | None = None,
+    mesh: str = "coarse",
+    *,
+    duration: float = PASS_DURATION,
+    **how: Unpack[Running],
+) -> GroundStudy:
+    """Roll the machine over every ground, with one flexible shoe, and compare.
+
+    Parameters
+    ----------
+    out : Path, optional
+        Folder of the study: a folder a ground, `grounds.csv` and `regions.csv`; None writes nothing.
+    mesh : str
+        coarse, study or fine, or the path of a mesh.
+    duration : float
+        s, of each run.
+    **how
+        Options `overwrite`, `progress` and `say` of `run_case`.
+
+    Raises
+    ------
+    FileExistsError, BlockingIOError
+        Before a run, if results are there and `overwrite` is false, or another run works there.
+    EquilibriumError, SimulationStopped
+        As of `run_case`.
+    """
+    with study_runs(out, study_cases(mesh, duration), **how) as runs:
+        table = pd.DataFrame({"ground": name} | row(run) for name, run in runs.items())
+        parts = [highest_by_region(run).assign(ground=name) for name, run in runs.items()]
+        regions = pd.concat(parts, ignore_index=True)
+        regions = regions[["ground", *[name for name in regions.columns if name != "ground"]]].fillna(0.0)
+        highest = regions.groupby("ground")["von Mises in MPa"].max()
+        table["highest stress in MPa"] = highest[table["ground"]].values
+        if out is not None:
+            write_table(table, out / "grounds.csv", overwrite=True)
+            write_table(regions, out / "regions.csv", overwrite=True)
+        return GroundStudy(runs, table, regions)
+
+
+if __name__ == "__main__":
+    from exudyn_crawler.cli import run_script
+
+    run_script("studies.commands:ground")
