@@ -12,7 +12,7 @@ MESHER := $(VENV)/mesher
 # two processes of tests share two cores; threads that wait for each other would take half of them
 ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: help kinematics forces uneven stress rollers life sweep-terrain sweep-plate verify check test test-slow lint format bench \
+.PHONY: help kinematics forces uneven stress rollers ground life sweep-terrain sweep-plate verify check test test-slow lint format bench \
 	docs notebooks lock clean
 
 help:  ## what can be made
@@ -47,6 +47,9 @@ life: $(INSTALLED)  ## life of the shoes in machine hours, of the stress study; 
 
 rollers: $(INSTALLED)  ## the machine rolls over six flexible shoes and digs above them; beside the papers' dragging
 	$(BIN)/python -m studies.rollers --out $(OUT)/rollers $(ARGS)
+
+ground: $(INSTALLED)  ## the machine rolls over sand, oil sand and hard floor with ruts, stones and ridges
+	$(BIN)/python -m studies.ground --out $(OUT)/ground $(ARGS)
 
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
 	$(BIN)/python -m studies.two_bodies

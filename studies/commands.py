@@ -212,6 +212,26 @@ def rollers(
     typer.echo(f"the runs and regions.csv are in {out}")
 
 
+def grounds(
+    duration: Duration = 60.0,
+    mesh: MeshName = "coarse",
+    out: Out = RESULTS / "ground",
+    overwrite: Overwrite = False,
+) -> None:
+    """Roll the machine over sand, oil sand and hard floor; beside the papers' ground.
+
+    Example: exudyn-crawler grounds --duration 2 --out results/short
+    """
+    from studies.ground import study
+
+    _, table, regions = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
+    keys = ("ground", "mean pull in kN", "greatest tilt of a shoe in mrad", "highest stress in MPa")
+    print_table(table, "The machine on every ground", keys, out / "grounds.csv")
+    keys = ("ground", "region", "von Mises in MPa", "verdict")
+    print_table(regions, "Highest von Mises stress by region of the shoe", keys, out / "regions.csv")
+    typer.echo(f"the runs, grounds.csv and regions.csv are in {out}")
+
+
 def plate_sweep(
     workers: Annotated[int | None, typer.Option(help="processes; one a core, if not given", min=1)] = None,
     out: Out = RESULTS / "plate_sweep",

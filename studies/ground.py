@@ -133,4 +133,4 @@ def study(
 if __name__ == "__main__":
     from exudyn_crawler.cli import run_script
 
-    run_script("studies.commands:ground")
+    run_script("studies.commands:grounds")
