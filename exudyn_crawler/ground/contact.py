@@ -55,29 +55,11 @@ class ContactWrenches(NamedTuple):
 
 
 class PairGroundContact:
-    """Contact by one contact for every pair of a shoe and a unit; a `contact.GroundContact`.
+    """Contact by one contact for every pair of a shoe and a unit; a `GroundContact`.
 
-    Parameters
-    ----------
-    com_positions : array (shoes, 3)
-        COMs of the shoes where their coordinates are zero, m, global.
-    shoe : Shoe
-        What all of them are.
-    terrain : Terrain
-        Grid of units.
-    law : PairContact
-        Contact law of every pair.
-    coordinates : TerrainCoordinates
-        Formulation of the terrain; flexible shoes need one with shapes.
-    underside : Underside, optional
-        Integrated modes of the flexible shoes' underside.
-    flexible_shoes : sequence of int
-        Indices (from 0) of the flexible shoes.
-
-    Raises
-    ------
-    ValueError
-        If there are flexible shoes and the units have coordinates of their own.
+    `com_positions` (shoes, 3) are the COMs of the shoes where their coordinates are zero, m, global. Shoes of
+    these indices (from 0) are flexible, by the integrated modes of their underside; they need terrain by its
+    independent coordinates, or a ValueError says so.
     """
 
     def __init__(
@@ -141,12 +123,8 @@ class PairGroundContact:
     def bodies(self, shoes: NDArray, shoe_rates: NDArray, q: NDArray, q_t: NDArray) -> BodyStates:
         """Places of all bodies, as the contact takes them.
 
-        Parameters
-        ----------
-        shoes, shoe_rates : array (shoes, 6)
-            Positions (m) and angles (rad), and their rates.
-        q, q_t : array
-            Coordinates of the terrain and, behind them, of the modes, and their rates.
+        Of positions (m) and angles (rad) of the shoes (shoes, 6), and of the coordinates `q` of the terrain
+        and, behind them, of the modes; and of their rates.
         """
         ground = self.coordinates.size
         modal = slice(ground, ground + prod(self._modal_shape))
@@ -281,13 +259,7 @@ class GroundContact(Protocol):
 def ground_contact(
     case: Case, underside: Underside | None = None, flexible_shoes: Sequence[int] = ()
 ) -> GroundContact:
-    """Contact of a case by the model that it names.
-
-    Parameters
-    ----------
-    underside, flexible_shoes :
-        As for `PairGroundContact`.
-    """
+    """Contact of a case by the model that it names; flexible shoes as for `PairGroundContact`."""
     if isinstance(case.terrain, CellTerrain):
         return CellGroundContact(case)
     coordinates = terrain_coordinates(case)

@@ -40,19 +40,10 @@ def step(x: float, x0: float, h0: float, x1: float, h1: float) -> float:
 
 @compiled
 def impact_force(law: Impact, penetration: float, penetration_rate: float) -> float:
-    """Normal contact force of the ADAMS IMPACT law (F-paper, contact section).
+    """Normal contact force (N) of the ADAMS IMPACT law (F-paper, contact section).
 
-    Parameters
-    ----------
-    penetration : float
-        m; no force unless positive.
-    penetration_rate : float
-        m/s, positive while the bodies approach.
-
-    Returns
-    -------
-    float
-        N, never negative: damping does not pull the bodies together.
+    Of a penetration (m), without which there is none, and its rate (m/s), positive while the bodies approach.
+    Never negative: damping does not pull the bodies together.
     """
     if penetration <= 0.0:
         return 0.0
@@ -75,15 +66,10 @@ class Coulomb(NamedTuple):
 
 @compiled
 def friction_coefficient(law: Coulomb, slip_speed: float) -> float:
-    """Coefficient of friction of the ADAMS Coulomb curve at a slip speed (F-paper).
+    """Coefficient of friction of the ADAMS Coulomb curve at a slip speed (m/s, not negative; F-paper).
 
     It rises with STEP from zero to mu_s at V_st, falls to mu_d at V_d and stays there: there is no true
     sticking. ADAMS writes the rise as ``STEP(v, -V_st, -1, V_st, 1)``, an odd function of v.
-
-    Parameters
-    ----------
-    slip_speed : float
-        m/s, magnitude of the slip velocity, not negative.
     """
     if slip_speed < law.stiction_speed:
         return law.static * step(slip_speed, -law.stiction_speed, -1.0, law.stiction_speed, 1.0)
@@ -106,19 +92,11 @@ def friction_per_slip(law: Coulomb, slip_speed: float) -> float:
 
 @compiled
 def friction_torque(law: Coulomb, spin: float, contact_radius: float, friction_force: float) -> float:
-    """Friction torque about the contact normal, against the relative spin (F-paper).
+    """Friction torque (N m) about the contact normal, against the relative spin (rad/s; F-paper).
 
-    ``T = (2/3) R F_T``, turned with the spin by the same odd STEP of the rim speed ``R * spin``
-    that turns the friction force with the slip, so that it passes through zero smoothly.
-
-    Parameters
-    ----------
-    spin : float
-        rad/s, relative angular velocity about the normal.
-    contact_radius : float
-        m, radius R of the circle with the area of contact.
-    friction_force : float
-        N, magnitude of the tangential force.
+    ``T = (2/3) R F_T`` of the radius R (m) of the circle with the area of contact and the tangential force
+    (N), turned with the spin by the same odd STEP of the rim speed ``R * spin`` that turns the friction force
+    with the slip, so that it passes through zero smoothly.
     """
     direction = step(contact_radius * spin, -law.stiction_speed, -1.0, law.stiction_speed, 1.0)
     return -2.0 / 3.0 * contact_radius * friction_force * direction

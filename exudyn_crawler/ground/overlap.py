@@ -188,12 +188,8 @@ def _corner_speed(
 ) -> float:
     """How fast the corner at an end of an edge on a unit's side moves along it as the shoe moves.
 
-    Parameters
-    ----------
-    at, beyond : array
-        That corner, and the other end of the next edge.
-    axis, direction : int
-        Of the side's normal, and of the displacement: 0 for xi, 1 for eta.
+    `at` is that corner, `beyond` the other end of the next edge; `axis` and `direction` are those of the
+    side's normal and of the displacement: 0 for xi, 1 for eta.
     """
     along_it, apart = beyond[1 - axis] - at[1 - axis], beyond[axis] - at[axis]
     if _side(at, beyond, half_x, half_y) >= 0 or apart == 0.0:

@@ -242,20 +242,11 @@ def _write_gradient(
 
 @frames.compiled
 def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work: FloatArray) -> int:
-    """Wrenches of all contacts, their tangents and how the coordinates move them.
+    """Write wrenches of all contacts, their tangents and how the coordinates move them; gives their number.
 
-    Parameters
-    ----------
-    places, model, factors, out : tuple
-        `BodyStates`, `ContactGeometry`, `Weights` and `UnitContacts` as plain tuples; without weights of
-        position and velocity the tangents are left as they are.
-    work : array (2, VERTICES, COLUMNS)
-        Scratch memory as of `overlap_workspace`.
-
-    Returns
-    -------
-    int
-        Number of contacts, in the order of the shoes, units and fingers.
+    They come in the order of the shoes, units and fingers. `places`, `model`, `factors` and `out` are
+    `BodyStates`, `ContactGeometry`, `Weights` and `UnitContacts` as plain tuples; without weights of position
+    and velocity the tangents are left as they are. `work` is scratch memory as of `overlap_workspace`.
     """
     bodies, geometry = pair_geometry.named(places, model)
     weights, contacts = Weights(*factors), UnitContacts(*out)

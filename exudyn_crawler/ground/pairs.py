@@ -186,10 +186,7 @@ def pair_contact(
 ) -> Contact:
     """Contact of a shoe with a unit at a known overlap.
 
-    Parameters
-    ----------
-    ratio : float
-        Friction over normal force and slip speed, s/m; `FROM_CURVE` takes it from the friction law.
+    `ratio` is friction over normal force and slip speed, s/m; `FROM_CURVE` takes it from the friction law.
     """
     part = volume.part
     normal = normal_of(part, unit, law)

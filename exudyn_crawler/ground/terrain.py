@@ -161,17 +161,12 @@ def terrain_modes(terrain: Terrain) -> TerrainModes:
 
 
 def localized(modes: TerrainModes, units: NDArray) -> TerrainModes:
-    """Same terrain in coordinates of which only the first few move the given units.
+    """Same terrain in coordinates of which only the first few move these units (indices from 0).
 
-    An orthogonal change of coordinates, so the mass matrix stays the identity; it makes the
-    derivatives of the contact forces sparse. The coordinates follow from the terrain and the units alone:
-    many modes have one frequency and any mixture of them serves, but a kept state has to mean the same
-    on another machine.
-
-    Parameters
-    ----------
-    units : array of int
-        Indices (from 0) of the units that the track can touch.
+    The units are those that the track can touch. An orthogonal change of coordinates, so the mass matrix
+    stays the identity; it makes the derivatives of the contact forces sparse. The coordinates follow from the
+    terrain and the units alone: many modes have one frequency and any mixture of them serves, but a stored
+    state has to mean the same on another machine.
     """
     shapes = np.vstack((modes.heave, modes.tilt * _length_scale(modes)))
     near = shapes[np.concatenate((units, len(modes.heave) + units))]

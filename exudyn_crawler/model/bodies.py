@@ -43,16 +43,9 @@ class Modes(NamedTuple):
 
 
 def second_moment(mass: float, inertia: FloatArray, center: FloatArray) -> FloatArray:
-    """Integral of x_a x_b over the mass (3, 3), kg m2.
+    """Integral of x_a x_b over a mass (kg): array (3, 3), kg m2.
 
-    Parameters
-    ----------
-    mass : float
-        kg.
-    inertia : array (3, 3)
-        About the centre of mass, kg m2.
-    center : array (3,)
-        Centre of mass, m.
+    `inertia` (3, 3) is about the centre of mass, kg m2, and that at `center` (3,), m.
     """
     return 0.5 * np.trace(inertia) * np.eye(3) - inertia + mass * np.outer(center, center)
 
@@ -170,14 +163,8 @@ def body_residual(
 ) -> None:
     """Add inertia, elastic forces and weight of a body to its residual; `inertia` is kept for the matrix.
 
-    Parameters
-    ----------
-    state : array (3, 6 + m)
-        Coordinates of the body and its modes, their rates and accelerations.
-    gravity : Vector
-        Acceleration of gravity, m/s2, global.
-    residual : array (6 + m,)
-        Generalized forces, N, N m and modal.
+    `state` (3, 6 + m) are the coordinates of the body and its modes, their rates and accelerations, `gravity`
+    is in m/s2, global, and `residual` (6 + m,) are generalized forces, N, N m and modal.
     """
     motion = _motion(at, state, gravity)
     tensor = np.empty((3, 3))

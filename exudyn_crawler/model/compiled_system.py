@@ -63,17 +63,7 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateL
 
 
 class CompiledSystem(TrackSystem):
-    """Multibody system of a case by compiled equations; a `formulation.TrackSystem`.
-
-    Attributes
-    ----------
-    mbs : exudyn.MainSystem
-        With the coordinates alone.
-    tables : Tables
-        What the equations are made of.
-    case, contact, floating, point, layout :
-        The case, its `GroundContact`, flexible shoe (or None) and drive point, and the layout of states.
-    """
+    """Multibody system of a case by compiled equations of its `tables`; `mbs` has the coordinates alone."""
 
     contact: PairGroundContact | CellGroundContact
 
@@ -256,20 +246,10 @@ class CompiledSystem(TrackSystem):
         return float(front[0] + self.point.arm(front[3:], modal)[0])
 
     def at_rest(self, q: NDArray, multipliers: NDArray) -> tuple[NDArray, NDArray]:
-        """Residual (coordinates and pins) at rest at t = 0 without the drive, and the drive's direction.
+        """Residual at rest at t = 0 without the drive, and the drive's direction, as generalized force.
 
-        Parameters
-        ----------
-        q : array (coordinates,)
-        multipliers : array (pin_rows,)
-            N and N m.
-
-        Returns
-        -------
-        residual : array (coordinates + pin_rows,)
-            As of `equations.residual`.
-        direction : array (coordinates,)
-            Generalized force of a unit force of the drive.
+        Of coordinates and the pins' multipliers (pin_rows,), N and N m. Gives arrays (coordinates +
+        pin_rows,), as of `equations.residual`, and (coordinates,).
         """
         state = np.zeros_like(self._state)
         state[0] = q

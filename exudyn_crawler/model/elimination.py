@@ -44,26 +44,15 @@ class Fronts(NamedTuple):
         return self.unknowns[self.first[front] : self.first[front + 1]].tolist()
 
     def row(self, front: int, unknown: int) -> int:
-        """Row of an unknown in a front's matrix.
-
-        Raises
-        ------
-        ValueError
-            If the front has no such unknown.
-        """
+        """Row of an unknown in a front's matrix; a ValueError if the front has no such unknown."""
         return self.rows(front).index(unknown)
 
 
 def fronts_of(groups: Sequence[Sequence[int]], couplings: Sequence[Sequence[int]]) -> Fronts:
     """Fronts of equations whose groups of unknowns are eliminated in the given order.
 
-    Parameters
-    ----------
-    groups : sequence of sequences of int
-        Unknowns, each in one group.
-    couplings : sequence of sequences of int
-        Sets of unknowns that equations couple with each other: all of a set meet in the front of the group
-        among them that goes first.
+    Each unknown is in one of the `groups`. `couplings` are sets of unknowns that equations couple with each
+    other: all of a set meet in the front of the group among them that goes first.
     """
     order = {unknown: rank for rank, unknown in enumerate(u for group in groups for u in group)}
     group_of = {unknown: k for k, group in enumerate(groups) for unknown in group}
@@ -102,19 +91,10 @@ def front(places: Fronts, values: FloatArray, k: int) -> FloatArray:
 
 @solving
 def eliminate(fronts: tuple, values: FloatArray) -> None:
-    """Eliminate group by group, in place.
+    """Eliminate group by group, in place; a `LinAlgError` if the matrix of a group is singular.
 
-    Parameters
-    ----------
-    fronts : tuple
-        `Fronts` as a plain tuple.
-    values : array (size,)
-        Matrices of the fronts, each with the terms that were put there; overwritten with what `solve` takes.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If the matrix of a group is singular.
+    `fronts` are `Fronts` as a plain tuple, `values` (size,) the matrices of the fronts, each with the terms
+    that were put there; they are overwritten with what `solve` takes.
     """
     places = Fronts(*fronts)
     for k in range(places.own.shape[0]):

@@ -130,16 +130,9 @@ def residual(
 ) -> None:
     """Write the residual of all equations: forces, then gaps times `STIFFNESS`.
 
-    Parameters
-    ----------
-    values, arguments, factors, workspace : tuple
-        `Tables`, `Inputs`, `Weights` and `Workspace` as plain tuples.
-    state : array (3, coordinates)
-        Coordinates, rates and accelerations.
-    multipliers : array (multipliers,)
-        N and N m.
-    out : array (coordinates + multipliers,)
-        Overwritten.
+    Tables, inputs, weights and workspace are `Tables`, `Inputs`, `Weights` and `Workspace` as plain tuples.
+    `state` (3, coordinates) are coordinates, rates and accelerations, `multipliers` in N and N m; `out`
+    (coordinates + multipliers,) is overwritten.
     """
     tables, inputs = named_tables(values), Inputs(*arguments)
     weights, work = Weights(*factors), Workspace(*workspace)
@@ -302,14 +295,9 @@ def _add_joint_rows(
 def matrix(
     values: tuple, state: FloatArray, arguments: tuple, factors: tuple, workspace: tuple, fronts: FloatArray
 ) -> None:
-    """Write the weighted derivative of the residual into the values of the fronts.
+    """Write the weighted derivative of the residual into the values of the fronts (size,).
 
-    Parameters
-    ----------
-    values, arguments, factors, workspace : tuple
-        As of `residual`, which was called with the same weights just before and at the same state.
-    fronts : array (size,)
-        Overwritten.
+    Tuples are those of `residual`, which was called with the same weights just before and at the same state.
     """
     tables, inputs = named_tables(values), Inputs(*arguments)
     weights, work = Weights(*factors), Workspace(*workspace)

@@ -56,11 +56,8 @@ def _finite_elements(mesh_name: str, material: Material, track: Track) -> tuple[
 def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[ElasticBody, list[Interface]]:
     """Finite-element model of a flexible shoe and its four joint centres; remembered.
 
-    Raises
-    ------
-    ValueError
-        If the mesh has linear elements or no bores where the track's pins are, or lacks its underside or the
-        surface that is loaded.
+    A ValueError says if the mesh has linear elements or no bores where the track's pins are, or lacks its
+    underside or the surface that is loaded.
     """
     body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track)
     check_surfaces(body.mesh, flexible.load_surface, flexible.mesh)
@@ -88,13 +85,7 @@ def _reduction(
 
 
 def check_shoe(case: Case) -> None:
-    """Refuse a mesh of the flexible shoes that does not fit the track, its shoes or the machine's memory.
-
-    Raises
-    ------
-    ValueError
-        Naming what does not fit.
-    """
+    """Refuse a mesh of the flexible shoes that does not fit the track, its shoes or the machine's memory."""
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
     check_footprint(body.mesh, flexible.mesh, case.shoe)
@@ -107,12 +98,7 @@ def whole_reduction(case: Case) -> CachedReduction:
 
     They are the constraint modes and `recovered_modes` fixed-interface modes. The static answer to a force
     along x on the node that the drive pulls joins them, if there is one: no fixed-interface mode knows of a
-    force on a single node.
-
-    Raises
-    ------
-    ValueError
-        If the case has no flexible shoes or their mesh does not fit the track.
+    force on a single node. Errors are those of `shoe_model`.
     """
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
@@ -124,10 +110,7 @@ def whole_reduction(case: Case) -> CachedReduction:
 def integrated_reduction(case: Case) -> Nested:
     """Modes that a run of a case integrates, and where they lie in `whole_reduction`; remembered.
 
-    Raises
-    ------
-    ValueError
-        If the case has no flexible shoes, their mesh does not fit the track or no mode remains.
+    A ValueError says if no mode remains.
     """
     return integrated_in(case.flexible_shoes(), whole_reduction(case).body)
 
@@ -153,12 +136,8 @@ def integrated_in(flexible: FlexibleShoes, whole: ReducedBody) -> Nested:
 def floating_shoe(case: Case) -> FloatingShoe:
     """Reduce the mesh of a case's flexible shoes and integrate what the multibody system needs.
 
-    The last few results are remembered: a run builds its system twice.
-
-    Raises
-    ------
-    ValueError
-        If the case has no flexible shoes, their mesh does not fit the track or no mode remains.
+    The last few results are remembered: a run builds its system twice. Errors are those of `check_shoe` and
+    `integrated_reduction`.
     """
     check_shoe(case)
     reduced = integrated_reduction(case).body
@@ -190,15 +169,9 @@ def _floating_shoe(
 def side_weights(weights: NDArray, nodes: NDArray) -> tuple[NDArray, NDArray]:
     """Weights (n,) of a surface that grow evenly from nothing at one side to the right and to the left.
 
-    Both together are the even ones twice. A load that both share in unequal parts presses with a pressure
-    that changes evenly across the shoe.
-
-    Parameters
-    ----------
-    weights : array (n,)
-        Even ones: shares of the surface's area.
-    nodes : array (n, 3)
-        m.
+    `weights` are even ones, shares of the surface's area, at `nodes` (n, 3), m; both results together are
+    these twice. A load that both share in unequal parts presses with a pressure that changes evenly across
+    the shoe.
     """
     across = nodes[:, 1] - weights @ nodes[:, 1] / weights.sum()
     part = across / np.abs(across[weights != 0.0]).max()

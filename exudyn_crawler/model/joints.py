@@ -129,12 +129,8 @@ def pin(
 ) -> None:
     """Write the gaps of a pin (ROWS,) and their Jacobian (ROWS, 2, 6 + m).
 
-    Parameters
-    ----------
-    pair, ends, attitudes : tuple
-        Markers of rear and front shoe, as carried by these, and the shoes' attitudes.
-    apart : Vector
-        From the rear frame's origin to the front one's, m, global.
+    `pair`, `ends` and `attitudes` are the markers of rear and front shoe, as carried by these, and the shoes'
+    attitudes; `apart` (m, global) leads from the rear frame's origin to the front one's.
     """
     rear, front = ends
     between = along(along(apart, 1.0, front.lever), -1.0, rear.lever)

@@ -21,15 +21,8 @@ UNDERSIDE_TOLERANCE = 5e-3
 def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
     """Interfaces of a shoe at the joint centres of its track, each tied to its bore.
 
-    Parameters
-    ----------
-    name : str
-        Of the mesh, for what is refused.
-
-    Raises
-    ------
-    ValueError
-        If the mesh is in other units, or has no bore where a pin is.
+    A ValueError, which calls the mesh by this name, says if it is in other units, or has no bore where a pin
+    is.
     """
     check_extent(mesh, name)
     interfaces = []
@@ -52,13 +45,7 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
 
 
 def check_footprint(mesh: Mesh, name: str, shoe: Shoe) -> None:
-    """Refuse a mesh whose underside is not that of the rigid shoes.
-
-    Raises
-    ------
-    ValueError
-        With both.
-    """
+    """Refuse a mesh whose underside is not that of the rigid shoes, naming both."""
     under = mesh.nodes[mesh.nodes_of("underside")]
     low, high = under.min(axis=0), under.max(axis=0)
     found = np.array([low[0], high[0], low[1], high[1], low[2]])
@@ -71,13 +58,7 @@ def check_footprint(mesh: Mesh, name: str, shoe: Shoe) -> None:
 
 
 def check_rails(mesh: Mesh, name: str, rails: Rails) -> None:
-    """Refuse a mesh whose rails are not those of the rigid shoes.
-
-    Raises
-    ------
-    ValueError
-        With both, or with what the mesh lacks.
-    """
+    """Refuse a mesh whose rails are not those of the rigid shoes, naming both, or what the mesh lacks."""
     try:
         found = rail_outline(mesh)
     except ValueError as error:
@@ -137,10 +118,7 @@ def extended(rows: NDArray) -> NDArray:
 def rail_rows(reduced: ReducedBody | None, case: Case) -> RailRows:
     """Displacements of the rails of a case's flexible shoes under the strips of its rollers.
 
-    Parameters
-    ----------
-    reduced : ReducedBody, optional
-        Modes of the shoes; without them rows have none.
+    Without a reduced body rows have no modes.
     """
     frame, rails = case.undercarriage, case.shoe.rails
     modes = 0 if reduced is None else len(reduced.frequencies)
@@ -183,12 +161,7 @@ class DrivePoint:
     def arm(self, angles: NDArray, modal: NDArray) -> NDArray:
         """From the frame's origin to the point, global: array (..., 3), m.
 
-        Parameters
-        ----------
-        angles : array (..., 3)
-            Successive rotations about x, y, z, rad.
-        modal : array (..., m)
-            Modal coordinates.
+        `angles` (..., 3) are successive rotations about x, y, z, rad, `modal` (..., m) modal coordinates.
         """
         local = self.place + modal @ self.rows.T
         return np.einsum("...ij,...j->...i", rotation_matrices(angles), local)
@@ -203,12 +176,9 @@ def pulled_node(case: Case, mesh: Mesh) -> int | None:
 
 
 def drive_point(case: Case, reduced: ReducedBody | None) -> DrivePoint:
-    """Point at which a case's drive moves its front shoe.
+    """Point at which a case's drive moves its front shoe, of which `reduced` is the body and the modes.
 
-    Parameters
-    ----------
-    reduced : ReducedBody, optional
-        Body and modes of the front shoe; None for a rigid one, whose COM is in place of a node.
+    None is for a rigid shoe, whose COM is in place of a node.
     """
     at = case.drive.point
     front = [name for name in case.track.joint_centers if name.startswith("front")]

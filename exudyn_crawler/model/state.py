@@ -101,10 +101,7 @@ class StateLayout:
     def part(self, rows: NDArray, name: str) -> NDArray:
         """View of a part of rows (..., size): array (..., shape of the part).
 
-        Raises
-        ------
-        ValueError
-            If there is no such part or the rows have another length.
+        A ValueError says if there is no such part or the rows have another length.
         """
         if rows.shape[-1] != self.size:
             raise ValueError(f"rows of a state must have {self.size} numbers, got {rows.shape[-1]}")
@@ -115,13 +112,7 @@ class StateLayout:
         raise ValueError(f"a state has no part {name!r}; it has {sorted(self._parts)}")
 
     def first_multiplier(self, name: str) -> int:
-        """Index of an item's first multiplier among all multipliers.
-
-        Raises
-        ------
-        ValueError
-            If no item of this name has any.
-        """
+        """Index of an item's first multiplier among all multipliers; a ValueError if it has none."""
         names = [item for item, _ in self.multipliers]
         if name not in names:
             raise ValueError(f"a state has no multipliers of {name!r}; it has those of {names}")
@@ -134,10 +125,7 @@ class StateLayout:
     def pack(self, parts: Mapping[str, ArrayLike]) -> NDArray:
         """Row of a state from its parts: array (size,).
 
-        Raises
-        ------
-        ValueError
-            If a part is unknown, does not fit or is missing, naming the first missing one.
+        A ValueError names a part that is unknown, does not fit or is missing.
         """
         row = np.empty(self.size)
         filled = np.zeros(self.size, dtype=bool)

@@ -20,12 +20,8 @@ FIRST_DEPTH = 1e-5
 class NewtonError(Exception):
     """Newton's method failed at the least step, or found no equilibrium.
 
-    Attributes
-    ----------
-    residual : array (equations,)
-        Of the last iteration: forces (N), moments (N m) and modal forces, then the gaps of constraints.
-    singular : bool
-        Whether the equations had no solution.
+    `residual` (equations,) is that of the last iteration: forces (N), moments (N m) and modal forces, then
+    the gaps of constraints; `singular` says whether the equations had no solution.
     """
 
     def __init__(self, residual: NDArray, singular: bool) -> None:
@@ -132,10 +128,4 @@ class TrackSystem(ABC):
 
     @abstractmethod
     def solve(self, settings: "exu.SimulationSettings") -> None:
-        """Integrate between the times of the settings.
-
-        Raises
-        ------
-        NewtonError
-            If Newton's method fails at the least step.
-        """
+        """Integrate between the times of the settings; a `NewtonError` if a step fails at its least size."""

@@ -108,12 +108,7 @@ def add_shoes(
 ) -> Shoes:
     """Rigid bodies and floating frames of the tables on their nodes, with their weights.
 
-    Parameters
-    ----------
-    points : sequence of Point
-        What gets markers.
-    gravity : array (3,)
-        m/s2, global.
+    `points` get markers, `gravity` (3,) is in m/s2, global.
     """
     shoes = Shoes(nodes, [], [], [0] * len(points))
     for b, node in enumerate(nodes):

@@ -32,12 +32,8 @@ def _at_time(function: Callable[[float], NDArray]) -> Callable[[float], float]:
 def add_loads(mbs: "exu.MainSystem", case: Case, markers: list[int], static: bool) -> None:
     """Machine loads along gravity, each in two shares, unequal where it shifts to a side.
 
-    Parameters
-    ----------
-    markers : list of int
-        Two a shoe, at `SIDES` of the load's place.
-    static : bool
-        Keep the loads as they are at t = 0: Exudyn's static solver asks for those at 1 s.
+    There are two `markers` a shoe, at `SIDES` of the load's place. `static` keeps the loads as they are at t
+    = 0: Exudyn's static solver asks for those at 1 s.
     """
     shift, down = case.loads.side_shift, case.terrain.down
     shares = [(case.loads.profile(number), side) for number in case.track.shoes for side in SIDES]

@@ -38,10 +38,7 @@ def matrices_of(e: NDArray) -> NDArray:
 class BodyCoordinates:
     """Coordinates of bodies in both forms; others follow theirs, the same in both.
 
-    Parameters
-    ----------
-    reference : array (bodies, 6)
-        Positions (m) and angles (rad) where the coordinates of a state are zero.
+    `reference` (bodies, 6) are positions (m) and angles (rad) where the coordinates of a state are zero.
     """
 
     def __init__(self, reference: NDArray) -> None:

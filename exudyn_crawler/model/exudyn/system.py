@@ -35,15 +35,10 @@ NO_FRICTION = 1e-12
 def add_spheres(
     mbs: "exu.MainSystem", case: Case, bodies: Sequence[int], unit_nodes: Sequence[int], static: bool
 ) -> "exu.GeneralContact":
-    """Spheres of a case on the bodies of its shoes, and faces of its units.
+    """Spheres of a case on the bodies of its shoes, and faces of its units, two triangles each.
 
-    A face is two triangles. Damping and friction are those of `case.sphere_contact()`, the stiffness is
-    `case.sphere_stiffness`.
-
-    Parameters
-    ----------
-    static : bool
-        Leave friction out: at rest there is none, and on the way to it the track would creep.
+    Damping and friction are those of `case.sphere_contact()`, the stiffness is `case.sphere_stiffness`.
+    `static` leaves friction out: at rest there is none, and on the way to it the track would creep.
     """
     spheres, terrain, centers = case.sphere_contact(), case.unit_terrain(), sphere_centers(case)
     friction = NO_FRICTION if static else max(spheres.friction, NO_FRICTION)
@@ -91,27 +86,11 @@ PIN_ROWS = [0, 1, 2, 3, 5]
 
 
 class ExudynSystem(TrackSystem):
-    """Multibody system of a case of Exudyn's own items; a `formulation.TrackSystem`.
+    """Multibody system of a case of Exudyn's items; a ValueError if it is rolled.
 
-    Parameters
-    ----------
-    static : bool
-        Hold the front shoe in x, y and about z instead of driving it, keep loads as they are at t = 0, and
-        add what helps to find a rest: friction on slopes, dashpots on uneven ground.
-
-    Attributes
-    ----------
-    mbs : exudyn.MainSystem
-        The assembled system.
-    general : exudyn.GeneralContact, optional
-        Exudyn's contact, where it makes the forces.
-    case, contact, floating, point, layout :
-        As of `compiled_system.CompiledSystem`.
-
-    Raises
-    ------
-    ValueError
-        If the case is rolled, which the compiled equations alone carry.
+    `static` holds the front shoe in x, y and about z instead of driving it, keeps loads as they are at t = 0,
+    and adds what helps to find a rest: friction on slopes, dashpots on uneven ground. `general` is Exudyn's
+    contact, where it makes the forces.
     """
 
     def __init__(self, case: Case, static: bool = False) -> None:
@@ -280,13 +259,7 @@ class ExudynSystem(TrackSystem):
             newton.absoluteTolerance = tolerance
 
     def rest(self, settings: "exu.SimulationSettings") -> NDArray:
-        """Coordinates at rest of a system built for statics, from its initial ones.
-
-        Raises
-        ------
-        NewtonError
-            If Newton's method finds none.
-        """
+        """Coordinates at rest of a system built for statics, from its initial ones, or a `NewtonError`."""
         differences = settings.staticSolver.newton.numericalDifferentiation
         differences.doSystemWideDifferentiation = self.general is not None
         try:

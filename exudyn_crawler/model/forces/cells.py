@@ -124,14 +124,8 @@ def place_shoes(bodies: tuple, cells: tuple, state: FloatArray, workspace: tuple
 def bend_before(cells: tuple, frames: FloatArray, bent: FloatArray, workspace: tuple) -> None:
     """Move where the points of flexible shoes were when the last step was accepted by how these were bent.
 
-    Parameters
-    ----------
-    cells, workspace : tuple
-        `CellTable` and `CellWorkspace` as plain tuples.
-    frames : array (shoes, FRAME)
-        Of the shoes then.
-    bent : array (flexible shoes, along, across, 3)
-        Displacement of the grid's nodes then, m.
+    `frames` (shoes, FRAME) and `bent`, the displacement of the grid's nodes (flexible shoes, along, across,
+    3), m, are those of then; `cells` and `workspace` are `CellTable` and `CellWorkspace` as plain tuples.
     """
     table, work = CellTable(*cells), CellWorkspace(*workspace)
     shoes = ShoePoints(*work.shoes)
@@ -153,10 +147,7 @@ def cell_forces(
 ) -> None:
     """Press the shoes on the cells that were covered for the step, and write the elements.
 
-    Parameters
-    ----------
-    cells, workspace : tuple, optional
-        `CellTable` and `CellWorkspace` as plain tuples; None where the ground has no cells.
+    `cells` and `workspace` are as of `bend_before`; None where the ground has no cells.
     """
     if cells is None or workspace is None:
         return
@@ -256,12 +247,8 @@ def _write_nodal(
 class TrackOnCells:
     """Cells under a track from step to step: covered before one, committed after it was accepted.
 
-    Parameters
-    ----------
-    ground : CellGround
-        Cells under the shoes.
-    bodies, table, workspace : tuple
-        `Bodies`, `CellTable` and `CellWorkspace` of the equations as plain tuples.
+    `bodies`, `table` and `workspace` are `Bodies`, `CellTable` and `CellWorkspace` of the equations as plain
+    tuples.
     """
 
     def __init__(self, ground: CellGround, bodies: tuple, table: tuple, workspace: tuple) -> None:

@@ -58,17 +58,8 @@ class Loads(NamedTuple):
 def static_friction(case: Case, masses: NDArray) -> tuple[NDArray, NDArray]:
     """Friction that holds each shoe on a slope at rest, where the laws, which need slip, have none.
 
-    It acts at the underside, half as deep in the ground as the shoe has settled.
-
-    Parameters
-    ----------
-    masses : array (shoes,)
-        kg.
-
-    Returns
-    -------
-    force, moment : array (shoes, 3)
-        N, and N m about the COM.
+    It acts at the underside, half as deep in the ground as the shoe has settled. Gives forces (N) and moments
+    about the COM (N m), arrays (shoes, 3), of shoes of these masses (kg).
     """
     along_ground = case.terrain.down * np.array([1.0, 1.0, 0.0])
     loads = case.first_loads
@@ -89,12 +80,7 @@ def add_loads(
 ) -> None:
     """Take loads off the residual.
 
-    Parameters
-    ----------
-    wrenches : array (k, 6)
-        Forces (N) and moments (N m), global.
-    shift : float
-        m to the left, of those that shift.
+    `wrenches` (k, 6) are forces (N) and moments (N m), global; those that shift act `shift` (m) to the left.
     """
     row = np.empty((2, 6 + markers.displacement.shape[2]))
     for k in range(loads.marker.shape[0]):

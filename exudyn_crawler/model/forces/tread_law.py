@@ -70,16 +70,10 @@ def law_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float, fl
 
 @solving
 def tread_force(law: Impact, rail: Rail, disc: Pair, center: Pair, rates: Pair, bending: Bending) -> Tread:
-    """Force of a rail on a strip.
+    """Force of a rail on a strip whose normal law this is.
 
-    Parameters
-    ----------
-    law : Impact
-        Normal law of the strip.
-    disc : tuple
-        Radius (m), and rolling resistance over normal force with the sign of the travel.
-    center, rates : tuple
-        x and z of the disc's centre in the shoe's frame (m) and their rates (m/s).
+    `disc` is its radius (m), and rolling resistance over normal force with the sign of the travel; `center`
+    and `rates` are x and z of its centre in the shoe's frame (m) and their rates (m/s).
     """
     radius, drag = disc
     x = min(max(center[0], rail.rear), rail.front)

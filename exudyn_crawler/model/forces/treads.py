@@ -181,12 +181,8 @@ def tread_contacts(
 ) -> int:
     """Find the treads that touch at a state and give their number; none where there are no rollers.
 
-    Parameters
-    ----------
-    rollers, work : tuple
-        `Rollers` and `TreadWorkspace` as plain tuples.
-    drag : float
-        Rolling resistance over normal force with the sign of the travel.
+    `rollers` and `work` are `Rollers` and `TreadWorkspace` as plain tuples, `drag` is rolling resistance over
+    normal force with the sign of the travel.
     """
     if rollers is None:
         return 0

@@ -53,13 +53,9 @@ def unit_contacts(
 ) -> int:
     """Find the contacts at a state and give their number.
 
-    Parameters
-    ----------
-    flexible : array (2,)
-        Number of the first modal coordinate, and how many flexible bodies there are.
-    contact : tuple, optional
-        `pair_geometry.ContactGeometry` as plain tuples; its shoes are the first bodies. None where there are
-        no units.
+    `flexible` are the number of the first modal coordinate, and how many flexible bodies there are; `contact`
+    is `pair_geometry.ContactGeometry` as plain tuples, whose shoes are the first bodies, None where there are
+    no units.
     """
     if contact is None:
         return 0

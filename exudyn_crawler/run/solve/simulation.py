@@ -102,13 +102,7 @@ def integrate(
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def integrate_from(case: Case, state: NDArray, duration: float) -> History:
-    """Integrate a case for some time (s) from a state's row, of which the multipliers do not matter.
-
-    Raises
-    ------
-    SimulationStopped
-        If a step fails at its least size.
-    """
+    """Integrate a case for some time (s) from a state's row, of which the multipliers do not matter."""
     system, start = track_system(case), float(state[0])
     recorder = Recorder(system, start + duration)
     recorder.go_on(start)

@@ -87,19 +87,9 @@ class Recorder:
 class RunStages:
     """Stages of a run; what a recorder stored leaves its memory with each.
 
-    The system is brought to the end of the last stage that the checkpoints hold.
-
-    Parameters
-    ----------
-    ends : sequence of float
-        Of the stages, s, from 0 to the run's duration.
-    checkpoints : Checkpoints, optional
-        Take every stage but the last, and the history; without them both are in memory.
-
-    Attributes
-    ----------
-    first : int
-        Number of the first stage that is to be integrated.
+    The system is brought to the end of the last stage that the checkpoints hold; `first` is the number of the
+    first stage that is to be integrated. `ends` of the stages (s) go from 0 to the run's duration.
+    Checkpoints take every stage but the last, and the history; without them both are in memory.
     """
 
     def __init__(
