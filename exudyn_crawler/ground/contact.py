@@ -8,14 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, CellTerrain, PairContact, Shoe, Terrain
+from exudyn_crawler.ground import frames, laws, overlap, pairs, rotations
 from exudyn_crawler.ground.cells.contact import CellGroundContact
-from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.laws import Coulomb, Impact, Law
-from exudyn_crawler.ground.overlap import overlap_workspace
 from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Fingers, Flexible
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
-from exudyn_crawler.ground.pairs import RESULT, Footprint, PairLaw
-from exudyn_crawler.ground.rotations import Weights, moments_on_angles, rotation_matrices
 from exudyn_crawler.ground.sphere_contact import SphereGroundContact
 from exudyn_crawler.ground.terrain import (
     TerrainCoordinates,
@@ -26,16 +22,16 @@ from exudyn_crawler.ground.terrain import (
 )
 from fem.patches import Underside
 
-NO_DERIVATIVES = Weights(0.0, 0.0, 0.0, False, 1.0)
+NO_DERIVATIVES = rotations.Weights(0.0, 0.0, 0.0, False, 1.0)
 """Of forces alone."""
 
 
-def pair_law(law: PairContact, underside_area: float) -> PairLaw:
+def pair_law(law: PairContact, underside_area: float) -> pairs.PairLaw:
     """Law of a pair; `underside_area` (m2) is that of a shoe."""
-    return PairLaw(
-        Law(
-            impact=Impact(law.stiffness, law.exponent, law.damping, law.damping_depth),
-            coulomb=Coulomb(
+    return pairs.PairLaw(
+        laws.Law(
+            impact=laws.Impact(law.stiffness, law.exponent, law.damping, law.damping_depth),
+            coulomb=laws.Coulomb(
                 law.static_friction, law.dynamic_friction, law.stiction_speed, law.friction_speed
             ),
         ),
@@ -91,18 +87,18 @@ class PairGroundContact:
         self._grid = grid_of(terrain)
         geometry = ContactGeometry(
             self._grid,
-            Footprint(*shoe.footprint.tolist()),
+            pairs.Footprint(*shoe.footprint.tolist()),
             Flexible(underside.corner, underside.cell, underside.integral, row),
             pair_law(law, shoe.length * shoe.width),
             Fingers(shoe.finger_length, shoe.fingers),
         )
-        self._geometry = plain(geometry)
+        self._geometry = frames.plain(geometry)
         # units that a shoe's outline can meet at once, at any yaw
         diagonal = float(np.hypot(shoe.length, shoe.width))
         reach = (int(diagonal / terrain.unit_length) + 2) * (int(diagonal / terrain.unit_width) + 2)
         contacts = shoes * min(reach, units) * (1 + len(shoe.fingers))
         self._contacts = UnitContacts.allocate(contacts, modes)
-        self._work = overlap_workspace()
+        self._work = overlap.overlap_workspace()
         self._modal_shape = (len(flexible_shoes), modes)
 
     @property
@@ -153,10 +149,10 @@ class PairGroundContact:
     def wrenches(self, bodies: BodyStates) -> "ContactWrenches":
         """Forces of all contacts on the bodies."""
         rows, modes = self._touching(bodies)
-        shoe, unit = rows[:, RESULT["shoe"]].astype(int), rows[:, RESULT["unit"]].astype(int)
-        point = rows[:, RESULT["point"]]
-        force = rows[:, RESULT["normal_force"]] + rows[:, RESULT["friction_force"]]
-        torque = rows[:, RESULT["friction_torque"]]
+        shoe, unit = rows[:, pairs.RESULT["shoe"]].astype(int), rows[:, pairs.RESULT["unit"]].astype(int)
+        point = rows[:, pairs.RESULT["point"]]
+        force = rows[:, pairs.RESULT["normal_force"]] + rows[:, pairs.RESULT["friction_force"]]
+        torque = rows[:, pairs.RESULT["friction_torque"]]
         found = ContactWrenches(
             np.zeros_like(bodies.shoes), np.zeros((len(bodies.units), 6)), np.zeros(self._modal_shape)
         )
@@ -168,7 +164,7 @@ class PairGroundContact:
             np.add.at(out, index, sign * np.hstack((force, moment)))
         if found.modal.size:
             bent = self._row[shoe] >= 0
-            R = rotation_matrices(bodies.shoes[shoe[bent], 3:])
+            R = rotations.rotation_matrices(bodies.shoes[shoe[bent], 3:])
             local = np.einsum("nji,nj->ni", R, force[bent])
             np.add.at(found.modal, self._row[shoe[bent]], np.einsum("ncm,nc->nm", modes[bent], local))
         return found
@@ -177,7 +173,7 @@ class PairGroundContact:
         """Generalized contact forces: array (size,)."""
         bodies = self.bodies_at(q, q_t)
         found = self.wrenches(bodies)
-        found.shoes[:, 3:] = moments_on_angles(bodies.shoes[:, 3:], found.shoes[:, 3:])
+        found.shoes[:, 3:] = rotations.moments_on_angles(bodies.shoes[:, 3:], found.shoes[:, 3:])
         units = self.coordinates.project(found.units)
         return np.concatenate((found.shoes.ravel(), units, found.modal.ravel()))
 

@@ -196,7 +196,7 @@ def test_states_of_another_layout_are_refused_by_name(copied):
     assert kept.time == pytest.approx(INTERVAL)
     for change, told in (
         ({"terrain": 16}, "terrain is 15, not 16"),
-        ({"version": 7}, f"version is {VERSION}, not 7"),
+        ({"version": VERSION + 1}, f"version is {VERSION}, not {VERSION + 1}"),
     ):
         other = json.dumps(json.loads(kept.layout) | change)
         with pytest.raises(ValueError, match=rf"stage_0000\.npz has states of another layout: {told}"):
