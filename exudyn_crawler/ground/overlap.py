@@ -146,19 +146,13 @@ def _integrated(points: FloatArray, count: int, cut: bool, half_x: float, half_y
 def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
     """Clip the underside to a unit's top face and integrate the depth over what is left.
 
-    Parameters
-    ----------
-    work : array (2, VERTICES, COLUMNS)
-        The first four rows of ``work[0]`` are the corners of the underside in order round the rectangle,
-        clockwise from outside: xi, eta in the unit's axes from its centre, depth below its top face
-        (negative above it) and x in the shoe's frame, m. Overwritten.
-    half_x, half_y : float
-        Half the unit's side lengths, m.
+    The first four rows of ``work[0]``, of work (2, VERTICES, COLUMNS), are the corners of the underside in
+    order round the rectangle, clockwise from outside: xi, eta in the unit's axes from its centre, depth below
+    its top face (negative above it) and x in the shoe's frame, m; overwritten. `half_x` and `half_y` are half
+    the unit's side lengths, m.
 
-    Notes
-    -----
-    With the depth d linear over the polygon its value at the centroid of the volume is
-    ``integral(d**2) / integral(d)``. An underside that looks up overlaps with nothing.
+    With the depth d linear over the polygon its value at the centroid of the volume is ``integral(d**2) /
+    integral(d)``. An underside that looks up overlaps with nothing.
     """
     points, other = work[0], work[1]
     inside = True
@@ -211,18 +205,10 @@ def write_gradient(
 ) -> None:
     """Write how a clipped overlap changes as the shoe moves along the unit's axes, m.
 
-    Parameters
-    ----------
-    points, count :
-        Its polygon, as `overlap` leaves it.
-    slope_xi, slope_eta : float
-        Of the depth over xi and eta.
-    out : array (GRADIENT, at least 3)
-        Changes of area, volume, the volume's moments of xi and eta, integral(d**2), side_x, side_y, width in
-        xi and in eta, and reach.
+    `points` and `count` are its polygon, as `overlap` leaves it, the slopes those of the depth over xi and
+    eta. `out` (GRADIENT, at least 3) has the changes of area, volume, the volume's moments of xi and eta,
+    integral(d**2), side_x, side_y, width in xi and in eta, and reach.
 
-    Notes
-    -----
     Seen from the shoe its underside stays as it is and the unit's outline moves the other way: an integral of
     the depth changes by itself on the edges that lie on the unit's sides, and by the depth's own change as
     the shoe rises. How slanted ends move the widths is left out: these matter for slivers alone.

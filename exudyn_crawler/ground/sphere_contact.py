@@ -106,21 +106,14 @@ class SphereGroundContact:
         return (np.flatnonzero((self.depths(q) >= self._radius).any(axis=1)) + 1).tolist()
 
     def results(self, q: NDArray, q_t: NDArray, wrenches: NDArray) -> NDArray:
-        """Contacts at a state, one a shoe that touches: array (contacts, RESULTS).
+        """Contacts at a state, one a shoe that touches: array (contacts, RESULTS), as of `pairs.RESULT`.
 
-        Parameters
-        ----------
-        wrenches : array (shoes, 6)
-            Exudyn's contact forces on the shoes and moments about their origins, N and N m, global.
-
-        Returns
-        -------
-        array (contacts, RESULTS)
-            Columns as in `pairs.RESULT`. The point is the centre of pressure on the face of the unit below
-            it, which is the contact's unit though the shoe may stand on several; the normal force is along
-            that face's normal and all else friction; the friction torque is what the moment has beside. The
-            penetration is the mean depth of the spheres that touch, the area that of their parts of the
-            underside; its rate and the slip velocity are those of shoe and unit at the point.
+        `wrenches` (shoes, 6) are Exudyn's contact forces on the shoes and moments about their origins, N and
+        N m, global. The point is the centre of pressure on the face of the unit below it, which is the
+        contact's unit though the shoe may stand on several; the normal force is along that face's normal and
+        all else friction; the friction torque is what the moment has beside. The penetration is the mean
+        depth of the spheres that touch, the area that of their parts of the underside; its rate and the slip
+        velocity are those of shoe and unit at the point.
         """
         shoes, rates = self._shoes(q), q_t[: self.shoe_reference.size].reshape(-1, 6)
         touching = np.flatnonzero(wrenches.any(axis=1))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from exudyn_crawler.case import Case, Rails, Undercarriage
+from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.ground import COARSE
@@ -21,7 +21,7 @@ from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.treads import Rollers
 from exudyn_crawler.model.forces.units import TerrainTable
 from exudyn_crawler.model.joints import ROWS, Joints, Markers, Pull
-from exudyn_crawler.model.shoe_mesh import DrivePoint, drive_point, rail_rows, strip_lines
+from exudyn_crawler.model.shoe_mesh import DrivePoint, drive_point, pin_middle, rail_rows, strip_lines
 from exudyn_crawler.model.tables import FrontRows, Tables
 from fem.patches import hat_grid
 
@@ -145,15 +145,8 @@ class _Builder:
 
     def _pin_middle(self, shoe: int, end: str) -> int:
         """Marker in the middle of the rear or the front pins of a shoe."""
-        centers = self.case.track.joint_centers
-        if self.floating is None or not self.flexible[shoe]:
-            return self.markers.add(
-                shoe, np.mean([c for n, c in centers.items() if n.startswith(end)], axis=0)
-            )
-        reduced = self.floating.reduced
-        chosen = [k for k, one in enumerate(reduced.interfaces) if one.name.startswith(end)]
-        place = np.mean([reduced.interfaces[k].center for k in chosen], axis=0)
-        return self.markers.add(shoe, place, reduced.pilots[chosen, :3].mean(axis=0))
+        reduced = self.floating.reduced if self.floating is not None and self.flexible[shoe] else None
+        return self.markers.add(shoe, *pin_middle(self.case.track, reduced, end))
 
     def joints(self) -> tuple[Joints, list[tuple[int, str]]]:
         """Joints, and of each pin the link's number (from 1) and its side."""
@@ -223,29 +216,19 @@ class _Builder:
         frame, rails = self.frame, self.case.shoe.rails
         if frame is None or rails is None:
             return None
-        return _rollers(self.case, frame, rails, self.shoes, self.floating)
-
-
-def _rollers(
-    case: Case, frame: Undercarriage, rails: Rails, shoes: int, floating: FloatingShoe | None
-) -> Rollers:
-    along = rail_rows(None if floating is None else floating.reduced, case)
-    return Rollers(
-        frame=shoes,
-        shoes=shoes,
-        places=np.array([[(x, y, 0.0) for y in strip_lines(frame, rails)] for x in frame.rollers]),
-        radius=frame.radius,
-        law=(
-            frame.stiffness / frame.strips,
-            frame.exponent,
-            frame.damping / frame.strips,
-            frame.damping_depth,
-        ),
-        rail=(rails.rear, rails.front, rails.height),
-        rows=along.rows,
-        spacing=along.spacing,
-        pitch=case.track.pitch,
-    )
+        along = rail_rows(None if self.floating is None else self.floating.reduced, self.case)
+        strips = frame.strips
+        return Rollers(
+            frame=self.shoes,
+            shoes=self.shoes,
+            places=np.array([[(x, y, 0.0) for y in strip_lines(frame, rails)] for x in frame.rollers]),
+            radius=frame.radius,
+            law=(frame.stiffness / strips, frame.exponent, frame.damping / strips, frame.damping_depth),
+            rail=(rails.rear, rails.front, rails.height),
+            rows=along.rows,
+            spacing=along.spacing,
+            pitch=self.case.track.pitch,
+        )
 
 
 def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fronts, FrontRows]:

@@ -102,7 +102,7 @@ class CompiledSystem(TrackSystem):
 
     @property
     def treads(self) -> Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]] | None:
-        """As of `formulation.TrackSystem`."""
+        """As of `TrackSystem`."""
         return None if self.tables.rollers is None else self._treads
 
     def _treads(self, time: float, q: NDArray, q_t: NDArray) -> tuple[NDArray, NDArray, NDArray]:
@@ -175,7 +175,7 @@ class CompiledSystem(TrackSystem):
         cells.put_down(self._state)
 
     def memory(self) -> dict[str, NDArray]:
-        """As of `formulation.TrackSystem`."""
+        """As of `TrackSystem`."""
         return {} if self._cells is None else self._cells.memory()
 
     def set_state(self, row: NDArray, memory: Mapping[str, NDArray] | None = None) -> None:
@@ -204,7 +204,7 @@ class CompiledSystem(TrackSystem):
         return self.layout.pack(parts)
 
     def solve(self, settings: "exu.SimulationSettings") -> None:
-        """Integrate between the times of the settings; errors as of `formulation.TrackSystem.solve`."""
+        """Integrate between the times of the settings; errors as of `TrackSystem.solve`."""
         newton = settings.timeIntegration.newton
         self._limits = (newton.absoluteTolerance, newton.maxIterations)
         if settings.timeIntegration.generalizedAlpha.computeInitialAccelerations:

@@ -43,10 +43,6 @@ class Fronts(NamedTuple):
         """Unknowns of a front in the order of its rows."""
         return self.unknowns[self.first[front] : self.first[front + 1]].tolist()
 
-    def row(self, front: int, unknown: int) -> int:
-        """Row of an unknown in a front's matrix; a ValueError if the front has no such unknown."""
-        return self.rows(front).index(unknown)
-
 
 def fronts_of(groups: Sequence[Sequence[int]], couplings: Sequence[Sequence[int]]) -> Fronts:
     """Fronts of equations whose groups of unknowns are eliminated in the given order.

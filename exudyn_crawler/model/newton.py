@@ -36,24 +36,12 @@ def step(
 ) -> tuple[bool, int, int, float]:
     """Solve the equations of a step from its prediction, in place.
 
-    Parameters
-    ----------
-    tables, inputs, factors, workspace : tuple
-        `Tables`, `Inputs`, `Weights` and `Workspace` as plain tuples.
-    state : array (3, coordinates)
-        Predicted coordinates, rates and accelerations; the latter two follow a change of the coordinates
-        ``weights.velocity`` and ``weights.acceleration`` times.
-    multipliers : array (multipliers,)
-        Of the last step.
-    limits : tuple
-        Residual (N, root mean square) that ends the search, and most iterations.
-    scratch : tuple of array
-        Residual, left as it was last, and values of the fronts.
-
-    Returns
-    -------
-    tuple
-        Whether it converged, iterations, matrices and the last residual, N.
+    Tables, inputs, factors and workspace are `Tables`, `Inputs`, `Weights` and `Workspace` as plain tuples.
+    `state` (3, coordinates) are predicted coordinates, rates and accelerations; the latter two follow a
+    change of the coordinates ``weights.velocity`` and ``weights.acceleration`` times. `multipliers` are those
+    of the last step, `limits` the residual (N, root mean square) that ends the search, and most iterations,
+    and `scratch` the residual, left as it was last, and values of the fronts. Gives whether it converged,
+    iterations, matrices and the last residual, N.
     """
     n = state.shape[1]
     out, values = scratch

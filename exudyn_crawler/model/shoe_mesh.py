@@ -175,22 +175,28 @@ def pulled_node(case: Case, mesh: Mesh) -> int | None:
     return int(np.argmin(np.linalg.norm(mesh.nodes - np.array(flexible.com_node), axis=1)))
 
 
+def pin_middle(track: Track, reduced: ReducedBody | None, end: str) -> tuple[NDArray, NDArray | None]:
+    """Middle of the rear or front pins of a shoe (m), and its displacement by the modes of a flexible one."""
+    if reduced is None:
+        centers = [center for name, center in track.joint_centers.items() if name.startswith(end)]
+        return np.mean(centers, axis=0), None
+    chosen = [k for k, interface in enumerate(reduced.interfaces) if interface.name.startswith(end)]
+    place = np.mean([reduced.interfaces[k].center for k in chosen], axis=0)
+    return place, reduced.pilots[chosen, :3].mean(axis=0)
+
+
 def drive_point(case: Case, reduced: ReducedBody | None) -> DrivePoint:
     """Point at which a case's drive moves its front shoe, of which `reduced` is the body and the modes.
 
     None is for a rigid shoe, whose COM is in place of a node.
     """
-    at = case.drive.point
-    front = [name for name in case.track.joint_centers if name.startswith("front")]
-    if reduced is None:
-        pins = np.mean([case.track.joint_centers[name] for name in front], axis=0)
-        return DrivePoint(pins if at == "front pins" else np.zeros(3), np.zeros((3, 0)))
-    node = pulled_node(case, reduced.mesh)
-    if node is not None:
+    at_pins, node = (
+        case.drive.point == "front pins",
+        None if reduced is None else pulled_node(case, reduced.mesh),
+    )
+    if reduced is not None and node is not None:
         return DrivePoint(reduced.nodes[node], reduced.modes[node])
-    if at == "front pins":
-        chosen = [k for k, interface in enumerate(reduced.interfaces) if interface.name in front]
-        place = np.mean([reduced.interfaces[k].center for k in chosen], axis=0)
-        return DrivePoint(place, reduced.pilots[chosen, :3].mean(axis=0))
     # the frame moves with the body as a whole: its modes are orthogonal to that
-    return DrivePoint(np.zeros(3), np.zeros((3, len(reduced.frequencies))))
+    none = np.zeros((3, 0 if reduced is None else len(reduced.frequencies)))
+    place, rows = pin_middle(case.track, reduced, "front")
+    return DrivePoint(place if at_pins else np.zeros(3), rows if at_pins and rows is not None else none)

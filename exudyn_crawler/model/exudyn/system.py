@@ -246,7 +246,7 @@ class ExudynSystem(TrackSystem):
             self.mbs.SetObjectParameter(item, "activeConnector", is_on)
 
     def solve(self, settings: "exu.SimulationSettings") -> None:
-        """Integrate between the times of the settings; errors as of `formulation.TrackSystem.solve`."""
+        """Integrate between the times of the settings; errors as of `TrackSystem.solve`."""
         newton = settings.timeIntegration.newton
         newton.numericalDifferentiation.doSystemWideDifferentiation = self.general is not None
         tolerance = newton.absoluteTolerance
