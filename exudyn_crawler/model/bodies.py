@@ -270,3 +270,24 @@ def frame_of(bodies: Bodies, b: int, state: FloatArray, at: Attitude) -> Frame:
     place = (q[k] + reference[0], q[k + 1] + reference[1], q[k + 2] + reference[2])
     omega = spin(at, (q_t[k + 3], q_t[k + 4], q_t[k + 5]))
     return Frame(place, at.R, (q_t[k], q_t[k + 1], q_t[k + 2]), omega)
+
+
+@solving_within
+def add_bodies(
+    bodies: Bodies,
+    modes: Modes,
+    state: FloatArray,
+    gravity: Vector,
+    inertias: tuple[FloatArray, FloatArray, FloatArray],
+    residual: FloatArray,
+) -> None:
+    """Add inertia, elastic forces and weights of all bodies; their `Inertia` is kept in arrays (bodies, ...)."""
+    m = inertias[2].shape[2]
+    rows, forces = np.empty((3, 6 + m)), np.empty(6 + m)
+    for b in range(bodies.mass.shape[0]):
+        for rate in range(3):
+            read_body(bodies, b, state[rate], rows[rate])
+        forces.fill(0.0)
+        inertia = Inertia(inertias[0][b], inertias[1][b], inertias[2][b])
+        body_residual(bodies, b, modes, attitude_of(bodies, b, state[0]), rows, gravity, forces, inertia)
+        add_body(bodies, b, forces, 1.0, residual)

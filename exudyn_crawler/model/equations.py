@@ -12,18 +12,8 @@ and not accuracy.
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import Vector
 from exudyn_crawler.ground.rotations import FloatArray, ForceRows, Weights
-from exudyn_crawler.model.bodies import (
-    Bodies,
-    Inertia,
-    Modes,
-    add_body,
-    add_body_matrix,
-    attitude_of,
-    body_residual,
-    read_body,
-)
+from exudyn_crawler.model.bodies import Bodies, Inertia, add_bodies, add_body, add_body_matrix, attitude_of
 from exudyn_crawler.model.elimination import front, solving, solving_within
 from exudyn_crawler.model.forces.cells import CellWorkspace, cell_forces
 from exudyn_crawler.model.forces.loads import add_loads
@@ -35,23 +25,6 @@ from exudyn_crawler.model.tables import Inputs, Tables, Workspace, named_tables
 STIFFNESS = 1e9
 """N/m and N m/rad, what turns a gap of a constraint into a residual beside forces: about what closing it
 within a step of some ms takes of a shoe's mass."""
-
-
-@solving_within
-def _add_bodies(
-    bodies: Bodies, modes: Modes, state: FloatArray, gravity: Vector, work: Workspace, residual: FloatArray
-) -> None:
-    """Add inertia, elastic forces and weights of all bodies."""
-    m = work.turning.shape[2]
-    rows, forces = np.empty((3, 6 + m)), np.empty(6 + m)
-    for b in range(bodies.mass.shape[0]):
-        for rate in range(3):
-            read_body(bodies, b, state[rate], rows[rate])
-        forces.fill(0.0)
-        inertia = Inertia(work.first[b], work.second[b], work.turning[b])
-        at = attitude_of(bodies, b, state[0])
-        body_residual(bodies, b, modes, at, rows, gravity, forces, inertia)
-        add_body(bodies, b, forces, 1.0, residual)
 
 
 @solving_within
@@ -147,7 +120,8 @@ def residual(
     _add_rows(bodies, contacts, work.counts[0], out)
     _add_tread_rows(bodies, work.treads, work.counts[1], out)
     _add_cell_rows(bodies, work.cells, out)
-    _add_bodies(bodies, tables.modes, state, inputs.gravity, work, out)
+    inertias = work.first, work.second, work.turning
+    add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, out)
     add_terrain(tables.terrain, contacts, work.counts[0], state, inputs.gravity[2], units, out)
     add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
     _write_joints(tables, state, inputs, work)

@@ -190,10 +190,8 @@ def drive_point(case: Case, reduced: ReducedBody | None) -> DrivePoint:
 
     None is for a rigid shoe, whose COM is in place of a node.
     """
-    at_pins, node = (
-        case.drive.point == "front pins",
-        None if reduced is None else pulled_node(case, reduced.mesh),
-    )
+    at_pins = case.drive.point == "front pins"
+    node = None if reduced is None else pulled_node(case, reduced.mesh)
     if reduced is not None and node is not None:
         return DrivePoint(reduced.nodes[node], reduced.modes[node])
     # the frame moves with the body as a whole: its modes are orthogonal to that

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler.ground.laws import Impact
-from exudyn_crawler.model.forces.tread_law import Bending, Rail, tread_force
+from exudyn_crawler.model.forces.treads import Bending, Rail, tread_force
 
 LAW = Impact(1e9, 1.2, 3e5, 1e-3)
 RAIL = Rail(-0.3, 0.3, 0.22)

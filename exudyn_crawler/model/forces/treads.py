@@ -3,6 +3,12 @@
 Each strip of a tread may touch the shoe at or behind its axis and the next one. The force acts at the rail's
 nearest point on both bodies, so that action equals reaction in moment too: what resists rolling is taken to
 be the friction of the roller's bearing and seals.
+
+In the shoe's x-z plane the strip is a disc about the roller's axis and the rail a segment, which ends where
+the gap to the next shoe begins; a flexible shoe's rail is bent. Depth is the disc's radius less the distance
+of its centre to the segment, ends included, so that a disc over a gap lies on the edges of both shoes. The
+force is the gradient of the depth times the normal law, and what bends the rail feels the same force: the
+elastic part has a potential. Rolling resistance lies along the rail.
 """
 
 import math
@@ -11,11 +17,122 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.ground.frames import Frame, Vector, along, cross, turned, turned_back
-from exudyn_crawler.ground.laws import Impact
+from exudyn_crawler.ground.laws import Impact, impact_force, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
-from exudyn_crawler.model.elimination import solving_within
-from exudyn_crawler.model.forces.tread_law import Bending, Rail, Tread, tread_force
+from exudyn_crawler.model.elimination import solving, solving_within
+
+Pair = tuple[float, float]
+Triple = tuple[float, float, float]
+
+
+class Rail(NamedTuple):
+    """Rail of an unbent shoe in its frame, m: x of its ends, z of its top."""
+
+    rear: float
+    front: float
+    height: float
+
+
+class Bending(NamedTuple):
+    """How a rail is bent where a tread is: rise (m), slope and rate of the rise (m/s)."""
+
+    rise: float
+    slope: float
+    rate: float
+
+
+class Tread(NamedTuple):
+    """Force of a rail on a strip of a tread in the shoe's frame."""
+
+    force: Pair  # along x and z, N
+    foot: Pair  # x and z of the rail's nearest point, m
+    depth: float  # m
+    inside: float  # 1 where the foot goes along with the roller, 0 at an end of the rail
+    # derivatives of both forces by the centre's x, with which the place of rise and slope goes along, and z,
+    # by the rise and by the slope
+    by_place: tuple[Pair, Pair, Pair, Pair]
+    by_rate: tuple[Pair, Pair, Pair]  # by the rates of the first three
+
+
+class Slopes(NamedTuple):
+    """Normal force (N), its derivatives by depth and by its rate, and rolling resistance over it."""
+
+    force: float
+    by_depth: float
+    by_rate: float
+    drag: float
+
+
+@solving_within
+def law_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float, float]:
+    """Normal force (N) of a law and its derivatives by depth and by its rate."""
+    force = impact_force(law, depth, rate)
+    if force <= 0.0:
+        return 0.0, 0.0, 0.0
+    part = min(depth / law.damping_depth, 1.0)
+    faded = step(depth, 0.0, 0.0, law.damping_depth, 1.0)
+    by_depth = law.exponent * law.stiffness * depth ** (law.exponent - 1.0)
+    by_depth += law.damping * rate * 6.0 * part * (1.0 - part) / law.damping_depth
+    return force, by_depth, law.damping * faded
+
+
+@solving
+def tread_force(law: Impact, rail: Rail, disc: Pair, center: Pair, rates: Pair, bending: Bending) -> Tread:
+    """Force of a rail on a strip whose normal law this is.
+
+    `disc` is its radius (m), and rolling resistance over normal force with the sign of the travel; `center`
+    and `rates` are x and z of its centre in the shoe's frame (m) and their rates (m/s).
+    """
+    radius, drag = disc
+    x = min(max(center[0], rail.rear), rail.front)
+    inside = 1.0 if x == center[0] else 0.0
+    outside = 1.0 - inside
+    dx, dz = center[0] - x, center[1] - rail.height - bending.rise
+    distance = math.sqrt(dx * dx + dz * dz)
+    ex, ez = dx / distance, dz / distance
+    # from the rail to the roller; within the rail along its bent normal
+    nx, nz = ex - inside * bending.slope, ez
+    depth = radius - distance
+    rate = ez * bending.rate - nx * rates[0] - nz * rates[1]
+    force, by_depth, by_rate = law_slopes(law, depth, rate)
+    found = Slopes(force, by_depth, by_rate, drag)
+    speeds = (rates[0], rates[1], outside * bending.rate)
+    turn = outside / distance
+    return Tread(
+        (force * (nx - drag * nz), force * (nz + drag * nx)),
+        (x, rail.height + bending.rise),
+        depth,
+        inside,
+        (
+            _by_place(found, (nx, nz), -nx, (turn * ez * ez, -turn * ex * ez), speeds),
+            _by_place(found, (nx, nz), -nz, (-turn * ex * ez, turn * ex * ex), speeds),
+            _by_place(found, (nx, nz), ez, (turn * ex * ez, -turn * ex * ex), speeds),
+            _by_place(found, (nx, nz), 0.0, (-inside, 0.0), speeds),
+        ),
+        (_by_rate(found, (nx, nz), -nx), _by_rate(found, (nx, nz), -nz), _by_rate(found, (nx, nz), ez)),
+    )
+
+
+@solving_within
+def _by_place(found: Slopes, normal: Pair, deeper: float, turned: Pair, speeds: Triple) -> Pair:
+    """Derivative of both forces by a place that makes the depth grow by `deeper` and turns the normal."""
+    nx, nz = normal
+    faster = speeds[2] * turned[1] - speeds[0] * turned[0] - speeds[1] * turned[1]
+    more = found.by_depth * deeper + found.by_rate * faster
+    return (
+        more * (nx - found.drag * nz) + found.force * (turned[0] - found.drag * turned[1]),
+        more * (nz + found.drag * nx) + found.force * (turned[1] + found.drag * turned[0]),
+    )
+
+
+@solving_within
+def _by_rate(found: Slopes, normal: Pair, faster: float) -> Pair:
+    """Derivative of both forces by a rate that makes the depth's grow by `faster`."""
+    nx, nz = normal
+    more = found.by_rate * faster
+    return more * (nx - found.drag * nz), more * (nz + found.drag * nx)
+
 
 TOUCHED = 2
 """Shoes that a strip may touch at once: the one at or behind its axis and the next."""
