@@ -281,7 +281,7 @@ def add_bodies(
     inertias: tuple[FloatArray, FloatArray, FloatArray],
     residual: FloatArray,
 ) -> None:
-    """Add inertia, elastic forces and weights of all bodies; their `Inertia` is kept in arrays (bodies, ...)."""
+    """Add inertia, elastic forces and weights of all bodies; arrays (bodies, ...) keep their `Inertia`."""
     m = inertias[2].shape[2]
     rows, forces = np.empty((3, 6 + m)), np.empty(6 + m)
     for b in range(bodies.mass.shape[0]):
