@@ -25,8 +25,6 @@ from exudyn_crawler.model.shoe_mesh import DrivePoint, drive_point, pin_middle, 
 from exudyn_crawler.model.tables import FrontRows, Tables
 from fem.patches import hat_grid
 
-ENDS = ("rear", "front")
-"""Pins of a shoe."""
 FRAME_HOLDS = (1, 5)
 """Coordinates of a side frame that stay as they are: y and yaw."""
 

@@ -135,7 +135,7 @@ def rail_rows(reduced: ReducedBody | None, case: Case) -> RailRows:
 def cubic_weights(t: NDArray) -> NDArray:
     """Shares (k, STATIONS + 2) of `extended` rows in those at places (k,), in spacings from the rear end.
 
-    By the cubics of `compiled.rollers.rows_at`.
+    By the cubics of `forces.treads.rows_at`.
     """
     first = np.minimum(t.astype(int), STATIONS - 2)
     u = t - first
