@@ -1,7 +1,7 @@
 """Run of a case from its static equilibrium: time integration, stage by stage, and what ends it early."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -101,12 +101,17 @@ def integrate(
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
-def integrate_from(case: Case, state: NDArray, duration: float) -> History:
-    """Integrate a case for some time (s) from a state's row, of which the multipliers do not matter."""
+def integrate_from(
+    case: Case, state: NDArray, duration: float, memory: Mapping[str, NDArray] | None = None
+) -> History:
+    """Integrate a case for some time (s) from a state's row, of which the multipliers do not matter.
+
+    `memory` is that of ground that remembers (`Checkpoint.end`), which is fresh without one.
+    """
     system, start = track_system(case), float(state[0])
     recorder = Recorder(system, start + duration)
     recorder.go_on(start)
-    system.set_state(state)
+    system.set_state(state, memory)
     system.switch_drive(case.drive.drives_after(start))
     settings = solver_settings(case.solver)
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
