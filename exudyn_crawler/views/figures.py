@@ -13,6 +13,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
 from exudyn_crawler.results.history.history import History, RunPhase, common_phases
@@ -34,6 +35,8 @@ CONTACT_VECTORS = [one.label for one in select(curves="contact", curve_axes=Fals
 CONTACT_SCALARS = [one.label for one in select(curves="contact").values() if one.label not in CONTACT_VECTORS]
 JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values()]
 """Labels of forces and sinkage of shoes, and of forces of links."""
+DEPTH, DEPTH_ON_CELLS = QUANTITIES["penetration"].label, "sinkage"
+"""Label of how deep shoes are in the ground, and what it is called on cells, which have no heave."""
 HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
 ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
 ON_RAILS = f"{ROLLER_FORCE} on the {{}} rails".format
@@ -152,10 +155,13 @@ class Series:
 
 
 def history_series(history: History, stress: xr.Dataset | None = None) -> dict[str, Series]:
-    """Everything over time that a history and its stresses offer to be drawn, by label."""
+    """Everything over time that a history and its stresses offer to be drawn, by the catalogue's label."""
     rows = [one for group in GROUPS for one in select(curves=group).values() if history.has(one.name, stress)]
     values = history.over_time([one.name for one in rows], stress)
-    return {series.label: series for one in rows for series in _series(one, values[one.name])}
+    found = {series.label: series for one in rows for series in _series(one, values[one.name])}
+    if isinstance(history.case.terrain, CellTerrain):
+        found[DEPTH] = replace(found[DEPTH], label=DEPTH_ON_CELLS)
+    return found
 
 
 def overlay(found: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:

@@ -15,6 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from exudyn_crawler import Case, Drive, SphereContact, simulate
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.solve.stages import stage_times
@@ -84,6 +85,7 @@ def flexible():
         pytest.param(Case.turning, id="turning"),
         pytest.param(flexible, id="flexible"),
         pytest.param(lambda: flexible().with_(formulation="engine"), id="engine"),
+        pytest.param(lambda: Case.translation().on_cells(BekkerSoil.lete_sand()), id="cells"),
     ],
 )
 def test_a_run_that_goes_on_from_checkpoints_gives_the_same_numbers(tmp_path, case):

@@ -56,9 +56,10 @@ def _extreme(values: xr.DataArray, which: str = "greatest") -> tuple[dict[str, i
 
 
 def _item(values: xr.DataArray, dim: str, index: int) -> str:
-    """Name of one of the things along a dimension; a contact is named after its shoe and unit."""
+    """Name of one of the things along a dimension; a contact is named after its shoe, and its unit if any."""
     if dim == "contact":
-        return f"shoe {int(values.contact_shoe[index])} on unit {int(values.contact_unit[index])}"
+        unit = int(values.contact_unit[index])
+        return f"shoe {int(values.contact_shoe[index])}" + (f" on unit {unit}" if unit else "")
     number = values[dim].values[index]
     return f"link {number}-{number + 1}" if dim == "joint" else f"{dim.split('_')[-1]} {number}"
 

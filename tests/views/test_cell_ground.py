@@ -1,0 +1,178 @@
+"""Runs on ground of cells: every output; the ground's map as its memory and the shoes' motion have it."""
+
+import meshio
+import numpy as np
+import pytest
+import xarray as xr
+
+from exudyn_crawler import Case, CaseFile, History, run_case, simulate
+from exudyn_crawler.case import Outputs
+from exudyn_crawler.case.parameters.heights import Heights, Ridge
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.results.history.ground_map import ground_map, pressed_depths
+from exudyn_crawler.results.history.summary import extremes, key_results
+from exudyn_crawler.views.figures import history_series, run_figures
+from exudyn_crawler.views.pages.report import write_report
+from exudyn_crawler.views.pages.runs import write_comparison
+from exudyn_crawler.views.scenes import pictures, track
+from exudyn_crawler.views.scenes.films import TrackPicture, ground_scale
+from tests.rolled import small_case
+
+pytestmark = pytest.mark.simulation
+
+DURATION = 0.02
+RIDGE = Ridge(x=19.0, height=0.05, width=0.2, flank=0.3)
+"""Ahead of the track's front shoe, where none stands."""
+
+
+def dragged():
+    """The papers' track, dragged over sand beside a ridge, whose drive starts at once."""
+    case = Case.translation()
+    return case.on_cells(BekkerSoil.lete_sand(), Heights(parts=(RIDGE,))).with_(name="dragged")
+
+
+def flexible():
+    case = Case.stress("coarse")
+    case = case.with_(flexible=case.flexible.with_(shoes=(7, 13), fixed_modes=4))
+    return case.on_cells(BekkerSoil.lete_sand()).with_(name="flexible")
+
+
+CASES = {
+    "dragged": dragged,
+    "rolled": lambda: small_case().on_cells(BekkerSoil.lete_sand()).with_(name="rolled"),
+    "flexible": flexible,
+}
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """What short runs with every output leave, by name."""
+    out = tmp_path_factory.mktemp("cells")
+    for name, case in CASES.items():
+        case_file = CaseFile(case=case(), duration=DURATION, outputs=Outputs(animation=True))
+        run_case(case_file, out / name, progress=False)
+    return {name: out / name for name in CASES}
+
+
+@pytest.fixture(scope="module")
+def histories(folders):
+    return {name: History.load(folder / "history.nc") for name, folder in folders.items()}
+
+
+def test_runs_leave_every_output(folders):
+    always = {"case.toml", "run.json", "history.nc", "ground.nc", "ground.png", "track.mp4", "forces.nc"}
+    always |= {"extremes.csv", "loads.csv", "sinkage_and_friction_torque.png", "slip_velocity.png"}
+    for name, folder in folders.items():
+        assert always <= {path.name for path in folder.iterdir()}, name
+        # no springs are below cells
+        assert not (folder / "terrain_deformation.png").exists()
+    assert {"stress.nc", "track.pvd"} <= {path.name for path in folders["flexible"].iterdir()}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_map_has_what_the_cells_remember(folders, histories, name):
+    history = histories[name]
+    found = xr.load_dataset(folders[name] / "ground.nc", engine="h5netcdf")
+    assert found.equals(ground_map(history))
+    assert {one: found[one].attrs["units"] for one in found.variables} == dict.fromkeys(found.variables, "m")
+    assert all(one.attrs["long_name"] for one in found.variables.values())
+    terrain, soil = history.case.terrain, history.case.contact.law
+    cell = history.dataset.isel(cell=int(history.cell_sinkage.values.argmax()))
+    x, y = ((float(one) + 0.5) * terrain.cell for one in (cell.cell_column, cell.cell_row))
+    deepest = found.sel(x=x, y=y, method="nearest")
+    assert float(deepest.sinkage) == float(found.sinkage.max()) == float(cell.cell_sinkage)
+    # unloading at one modulus; the greatest pressure is Bekker's, of Chrono's LETE sand
+    springs_back = float(cell.cell_pressure) / soil.reload_stiffness
+    assert float(deepest.rut) == pytest.approx(float(deepest.sinkage) - springs_back, rel=1e-9)
+    shorter = history.case.shoe.length
+    assert soil.sinkage(float(cell.cell_pressure), shorter) == pytest.approx(float(deepest.sinkage), rel=0.02)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_undersides_have_been_as_deep_as_cells_remember(histories, name):
+    history = histories[name]
+    found = ground_map(history)
+    rows = np.array([0, history.time.size - 1])
+    depth = pressed_depths(history, rows, found.x.values, found.y.values, found.height.values)
+    assert (depth[1] >= depth[0]).all()
+    below = depth[1] > 0.0
+    # all but cells that a shoe covers less than half of
+    assert below.mean() > 0.85
+    # cells at the edges of tilted shoes are pressed where these cover them, not at their middles
+    error = np.abs(depth[1] - found.sinkage.values)[below]
+    assert np.median(error) < 2e-5
+    assert error.max() < 0.1 * float(found.sinkage.max())
+
+
+def test_rock_keeps_no_rut():
+    case = small_case().on_cells(RockFloor.hard_floor())
+    found = ground_map(simulate(case, 4e-3, False))
+    assert 0.0 < float(found.sinkage.max()) < 2e-3
+    assert float(found.rut.max()) == 0.0
+
+
+def test_scenes_show_the_surface_lowered_where_shoes_stand(histories):
+    history = histories["dragged"]
+    case = history.case
+    both = track.instants(history, [0.0, history.duration])
+    ground = {one.name: one for one in track.track_scene(case, both, 0.0).solids}["ground"]
+    (colouring,) = ground.colourings
+    assert colouring.title == "height of the ground in mm"
+    heights = ground.points[:, 2] + ground.bend[:, 0, :, 2]
+    assert colouring.values[:, 0] == pytest.approx(1e3 * heights)
+    assert (heights[1] <= heights[0]).all()
+    # the ridge stands ahead of the track, and the middle of a shoe is on the ground that it has pressed in
+    assert ground.points[:, 2].max() == pytest.approx(0.05, abs=1e-3)
+    middle = history.position.isel(time=-1).sel(shoe=7).values
+    nearest = np.abs(ground.points[:, :2] - middle[:2]).sum(axis=1).argmin()
+    sinkage = float(history.contacts_by_shoe().penetration.isel(time=-1).sel(shoe=7))
+    assert heights[1, nearest] == pytest.approx(-sinkage, rel=0.05)
+    now = both.isel(time=[1])
+    section, rest = (pictures.ground_section(case, now, at_rest) for at_rest in (False, True))
+    assert (section.points[:, 2] <= rest.points[:, 2]).all()
+    assert rest.points[:, 2].max() == pytest.approx(0.05, abs=1e-3)
+
+
+def test_films_and_figures_are_of_cells(histories):
+    for history in histories.values():
+        picture = TrackPicture(history, ground_scale(history))
+        assert picture.image(history.duration).std() > 0.0
+        assert "height of the ground in mm" in [ax.get_ylabel() for ax in picture.figure.axes]
+        assert "sinkage in m" in [
+            ax.get_ylabel().replace("\n", " ")
+            for ax in run_figures(history, [1])["sinkage and friction torque"].axes
+        ]
+        assert "total terrain deformation from equilibrium" not in history_series(history)
+        drawn = pictures.map_figure(history)
+        texts = {one.get_text() for one in drawn.axes[0].texts}
+        assert texts == {str(shoe) for shoe in history.shoe.values}
+        assert drawn.axes[1].get_ylabel() == "greatest sinkage in mm"
+
+
+def test_reports_and_comparisons_are_of_cells(folders, histories, tmp_path):
+    for name, folder in folders.items():
+        page = write_report(folder, tmp_path / f"{name}.html").read_text(encoding="utf-8")
+        assert f'alt="greatest sinkage, {name}"' in page
+        assert "height of the ground in mm" in page
+    two = {name: histories[name] for name in ("dragged", "flexible")}
+    assert "<td>penetration</td>" in write_comparison(two, tmp_path / "both.html").read_text(encoding="utf-8")
+
+
+def test_tables_name_contacts_after_their_shoes(histories):
+    for history in histories.values():
+        named = extremes(history).set_index("variable").loc["penetration", "greatest_of"]
+        assert named.removeprefix("shoe ").isdigit()
+        assert "deepest penetration" in key_results(history).result.values
+
+
+def test_paraview_has_the_ground_as_a_surface(folders, histories):
+    history = histories["flexible"]
+    (*_, last) = sorted((folders["flexible"] / "track_parts").glob("terrain_*.vtu"))
+    surface = meshio.read(last)
+    assert {one.type for one in surface.cells} == {"quad"}
+    sinkage, height = surface.point_data["sinkage"], surface.point_data["height"]
+    assert height == pytest.approx(surface.points[:, 2])
+    assert height == pytest.approx(-sinkage, abs=1e-12)
+    greatest = float(history.cell_sinkage.max())
+    assert sinkage.max() == pytest.approx(greatest, rel=0.02)
