@@ -13,13 +13,7 @@ from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.pair_geometry import BodyStates, ContactGeometry, Fingers, Flexible
 from exudyn_crawler.ground.pair_stiffness import UnitContacts, touching_pairs
 from exudyn_crawler.ground.sphere_contact import SphereGroundContact
-from exudyn_crawler.ground.terrain import (
-    TerrainCoordinates,
-    UnitCoordinates,
-    grid_of,
-    terrain_coordinates,
-    units_below,
-)
+from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of, terrain_coordinates
 from fem.patches import Underside
 
 NO_DERIVATIVES = rotations.Weights(0.0, 0.0, 0.0, False, 1.0)
@@ -200,7 +194,7 @@ class PairGroundContact:
     def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
         """Height (m) of the ground below each shoe's COM, of the units' heights: array (shoes,)."""
         shoes = self.shoe_reference[:, :2] + q[: self.shoe_reference.size].reshape(-1, 6)[:, :2]
-        return heights[units_below(self._grid, shoes)]
+        return heights[self._grid.units_below(shoes)]
 
     def sunken(self, q: NDArray) -> list[int]:
         """None: the law pushes a shoe up from any depth."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case import Case, Terrain
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import angular_velocity, rotation_matrices
-from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of, units_below
+from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of
 
 
 def sphere_centers(case: Case) -> NDArray:
@@ -79,7 +79,7 @@ class SphereGroundContact:
 
     def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
         """Mean height (m) of the units below each shoe's spheres, of the units' heights: array (shoes,)."""
-        return heights[units_below(self._grid, self._places(q)[..., :2])].mean(axis=1)
+        return heights[self._grid.units_below(self._places(q)[..., :2])].mean(axis=1)
 
     def _places(self, q: NDArray) -> NDArray:
         """Centres of the spheres (shoes, spheres, 3), m, global."""
@@ -99,7 +99,7 @@ class SphereGroundContact:
     def depths(self, q: NDArray) -> NDArray:
         """Depth of the spheres in the faces of the units below them: (shoes, spheres), m; negative above."""
         places = self._places(q)
-        return self._radius - self._above(q, places, units_below(self._grid, places[..., :2]))[0]
+        return self._radius - self._above(q, places, self._grid.units_below(places[..., :2]))[0]
 
     def sunken(self, q: NDArray) -> list[int]:
         """Numbers of the shoes with a sphere whose centre is below its unit's face: nothing holds that up."""
@@ -123,7 +123,7 @@ class SphereGroundContact:
         depth = depths.sum(axis=1) / np.maximum(count, 1)
         force, moment = wrenches[:, :3], wrenches[:, 3:]
         point = self._pressed(shoes, depth, force, moment)
-        unit = units_below(self._grid, point[:, :2])
+        unit = self._grid.units_below(point[:, :2])
         above, normal = self._above(q, point, unit)
         point = point - above[:, None] * normal
         arm, of_unit = point - shoes[:, :3], self.unit_motion(q_t)[unit]

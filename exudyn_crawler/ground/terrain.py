@@ -34,6 +34,12 @@ class Grid(NamedTuple):
     y: float
     tilt_axis: int
 
+    def units_below(self, places: NDArray) -> NDArray:
+        """Index of the unit below each place, or the one nearest to it: array of int, for (..., 2) m."""
+        cells = np.floor((places - [self.x, self.y]) / [self.length, self.width]).astype(int)
+        cells = np.clip(cells, 0, [self.columns - 1, self.rows - 1])
+        return cells[..., 0] * self.rows + cells[..., 1]
+
 
 class Cells(NamedTuple):
     """Rectangle of units: the first, and how many there are along x and along y."""
@@ -45,22 +51,8 @@ class Cells(NamedTuple):
 
 def grid_of(terrain: Terrain) -> Grid:
     """Grid of a terrain."""
-    return Grid(
-        terrain.columns,
-        terrain.rows,
-        terrain.unit_length,
-        terrain.unit_width,
-        terrain.unit_height,
-        *terrain.origin,
-        terrain.tilt_axis,
-    )
-
-
-def units_below(grid: Grid, places: NDArray) -> NDArray:
-    """Index of the unit below each place, or the one nearest to it: array of int, for (..., 2) m."""
-    cells = np.floor((places - [grid.x, grid.y]) / [grid.length, grid.width]).astype(int)
-    cells = np.clip(cells, 0, [grid.columns - 1, grid.rows - 1])
-    return cells[..., 0] * grid.rows + cells[..., 1]
+    sides = (terrain.unit_length, terrain.unit_width, terrain.unit_height)
+    return Grid(terrain.columns, terrain.rows, *sides, *terrain.origin, terrain.tilt_axis)
 
 
 @compiled
