@@ -29,7 +29,7 @@ CREEPING_LIMITS = (1.0, MANY)
 """Residual (N, root mean square) that ends a step's search, and most iterations."""
 
 RESIDUAL, ITERATIONS = 1e-3, 50
-"""The same of a rest; N, 1e-9 of a shoe's load."""
+"""Residual of a rest (N, root mean square: 1e-9 of a shoe's load), and most iterations."""
 
 PORTIONS = 8
 """Steps in which a profile rises where Newton's method finds no rest on all of it at once."""
