@@ -73,6 +73,7 @@ def hinged(masses, inertias, pins, held=()):
         ),
         rollers=None,
         pull=None,
+        cells=None,
     )
 
 
