@@ -97,11 +97,10 @@ class Case(Parameters):
                 "contact.model must be 'cells' on terrain.model 'cells' and on no other, got "
                 f"{contact.model!r} on {terrain.model!r}"
             )
-        elif contact.model == "cells" and not self.is_compiled:
-            yield (
-                "formulation 'engine' and terrain_formulation 'constrained' do not go with a terrain of "
-                "cells, which the compiled equations alone carry"
-            )
+        elif contact.model == "cells" and not reduced:
+            yield "terrain_formulation must be 'reduced' on a terrain of cells, which has no joints"
+        elif contact.model == "cells" and self.flexible is not None and not self.is_compiled:
+            yield "formulation must be 'compiled' for flexible shoes on a terrain of cells"
         if self.undercarriage is not None and not self.is_compiled:
             yield (
                 "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "

@@ -174,6 +174,10 @@ class CompiledSystem(TrackSystem):
         self._state[0], self._state[1:] = self._first, 0.0
         cells.put_down(self._state)
 
+    def initial(self) -> NDArray:
+        """Coordinates that the state has, in which `set_initial` leaves shoes on cells settled."""
+        return self._state[0].copy()
+
     def memory(self) -> dict[str, NDArray]:
         """As of `TrackSystem`."""
         return {} if self._cells is None else self._cells.memory()

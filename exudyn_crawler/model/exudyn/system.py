@@ -8,21 +8,24 @@ without rollers; the compiled equations are checked against it.
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from exudyn_crawler.case import Case, StepProfile
+from exudyn_crawler.case import Case, StepProfile, Terrain
+from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
+from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.sphere_contact import face_inset, sphere_centers
 from exudyn_crawler.ground.terrain import UnitCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
-from exudyn_crawler.model.compiled_system import layout_of
+from exudyn_crawler.model.compiled_system import compiled_system, layout_of
 from exudyn_crawler.model.engine import exu, items
 from exudyn_crawler.model.exudyn import bodies, drive
 from exudyn_crawler.model.exudyn.euler_parameters import SIZE, BodyCoordinates
+from exudyn_crawler.model.forces.cells import CellWorkspace, TrackOnCells
 from exudyn_crawler.model.state import RATES, StateLayout, pin_name
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 
@@ -102,6 +105,7 @@ class ExudynSystem(TrackSystem):
         self.container = exu.SystemContainer()
         self.mbs = self.container.AddSystem()
         self.general: exu.GeneralContact | None = None
+        self._cells: TrackOnCells | None = None
         joints = self._assemble(parts, static)
         self.layout, self._rows = self._layout_of(parts, joints)
         if not static:
@@ -116,7 +120,8 @@ class ExudynSystem(TrackSystem):
         if isinstance(parts.contact.coordinates, UnitCoordinates):
             ground = bodies.add_units(mbs, case, fixed)
         else:
-            ground = bodies.add_terrain_modes(mbs, tables.terrain, gravity)
+            has_units = len(tables.terrain.reference) > 0
+            ground = bodies.add_terrain_modes(mbs, tables.terrain, gravity) if has_units else []
         shoes = bodies.add_shoes(mbs, tables, nodes, bodies.points_of(tables), gravity)
         joints = []
         for p, (link, side) in enumerate(parts.pins):
@@ -129,6 +134,11 @@ class ExudynSystem(TrackSystem):
         drive.add_loads(mbs, case, shoes.markers[2 * len(joints) :], static)
         if isinstance(parts.contact, PairGroundContact):
             self._add_contact(parts.contact, [*shoes.nodes, *ground, *shoes.modal_nodes])
+        elif isinstance(parts.contact, CellGroundContact) and tables.cells is not None:
+            workspace = plain(CellWorkspace.allocate(tables.cells, parts.contact.ground.shoes))
+            tables_of_cells = plain(tables.bodies), plain(tables.cells)
+            self._cells = TrackOnCells(parts.contact.ground, *tables_of_cells, workspace)
+            self._add_cells(self._cells, list(shoes.nodes))
         else:
             self.general = add_spheres(mbs, case, shoes.bodies, ground, static)
         front = drive.FrontShoe(mbs, tables, shoes)
@@ -136,7 +146,7 @@ class ExudynSystem(TrackSystem):
             joints += front.holds(fixed)
             if case.terrain.down[2] > -1.0:
                 drive.add_slope_friction(mbs, case, shoes.nodes, tables.bodies.mass)
-            if case.unit_terrain().heights is not None:
+            if isinstance(case.terrain, Terrain) and case.terrain.heights is not None:
                 drive.add_dashpots(mbs, case, shoes.nodes, fixed)
         else:
             turn = case.drive.turn_rate or StepProfile.constant(0.0)
@@ -157,6 +167,9 @@ class ExudynSystem(TrackSystem):
             on_shoes = self._coordinates.generalized(own, found.shoes)
             return np.concatenate((on_shoes, contact.coordinates.project(found.units), found.modal.ravel()))
 
+        self._add_force(nodes, force)
+
+    def _add_force(self, nodes: list[int], force: Callable[..., NDArray]) -> None:
         self.mbs.AddObject(
             items.ObjectGenericODE2(
                 name="contact",
@@ -165,6 +178,44 @@ class ExudynSystem(TrackSystem):
                 forceUserFunction=force,
             )
         )
+
+    def _add_cells(self, cells: TrackOnCells, nodes: list[int]) -> None:
+        """Ground of cells as one user force over the shoes' nodes, covered and committed about each step."""
+
+        def force(_mbs, _t, _item, q, q_t):
+            own = np.array(q)
+            return self._coordinates.generalized(own, cells.press(self._motion(own, np.array(q_t))))
+
+        def cover(_mbs, _time):
+            cells.cover(self._motion(*self._current()))
+            return True
+
+        self._add_force(nodes, force)
+        self.mbs.SetPreStepUserFunction(cover)
+
+    def _current(self) -> tuple[NDArray, NDArray]:
+        data = self.mbs.systemData
+        return np.array(data.GetODE2Coordinates()), np.array(data.GetODE2Coordinates_t())
+
+    def _motion(self, own: NDArray, own_t: NDArray) -> NDArray:
+        """Coordinates of the shoes and their rates as the compiled equations have them (2, coordinates)."""
+        shoes, rates = self._coordinates.motion(own, own_t)
+        return np.stack(((shoes - self.contact.shoe_reference).ravel(), rates.ravel()))
+
+    def after_step(self, report: Callable[[float], bool]) -> None:
+        """As of `TrackSystem`; cells remember each step first."""
+
+        def stepped(_mbs: "exu.MainSystem", time: float) -> bool:
+            if self._cells is not None:
+                self._cells.press(self._motion(*self._current()))
+                self._cells.commit()
+            return report(time)
+
+        self.mbs.SetPostStepUserFunction(stepped)
+
+    def memory(self) -> dict[str, NDArray]:
+        """As of `TrackSystem`."""
+        return {} if self._cells is None else self._cells.memory()
 
     def _layout_of(self, parts: Parts, joints: list[int]) -> tuple[StateLayout, NDArray]:
         """Layout of the states, and where Exudyn has their multipliers.
@@ -187,7 +238,7 @@ class ExudynSystem(TrackSystem):
             terrain=parts.contact.coordinates.size,
             terrain_bodies=isinstance(parts.contact.coordinates, UnitCoordinates),
             multipliers=tuple((name, len(rows)) for name, rows in zip(names, kept.values(), strict=True)),
-            contact=0 if self.general is None else 6,
+            contact=layout.contact if self.general is None else 6,
         )
         return layout, np.concatenate(list(kept.values())).astype(int)
 
@@ -202,12 +253,28 @@ class ExudynSystem(TrackSystem):
         return self._coordinates.to_state(*map(np.array, rates))
 
     def set_initial(self, q: NDArray) -> None:
-        """Start from rest at the coordinates `q`."""
+        """Start from rest at the coordinates `q`, on cells at that to which these settle there."""
+        if self._cells is not None:
+            twin = compiled_system(self.case)
+            twin.set_initial(q)
+            self._cells.remember(twin.memory())
+            q = twin.initial()
         self._set(q, np.zeros_like(q), np.zeros_like(q))
+        self._stand(q, np.zeros_like(q))
 
     def set_state(self, row: NDArray, memory: Mapping[str, NDArray] | None = None) -> None:
         """Start from a row as of `state`; its time goes into the solver's settings."""
-        self._set(*(self.layout.part(row, f"coordinates{rate}") for rate in RATES))
+        q, q_t, q_tt = (self.layout.part(row, f"coordinates{rate}") for rate in RATES)
+        self._set(q, q_t, q_tt)
+        if self._cells is not None and memory is not None:
+            self._cells.remember(memory)
+        self._stand(q, q_t)
+
+    def _stand(self, q: NDArray, q_t: NDArray) -> None:
+        """Let slip on cells count from here."""
+        if self._cells is not None:
+            self._cells.put_down(np.stack((q, q_t)))
+            self._cells.cover(np.stack((q, q_t)))
 
     def _set(self, q: NDArray, q_t: NDArray, q_tt: NDArray) -> None:
         data, initial = self.mbs.systemData, exu.ConfigurationType.Initial
@@ -228,6 +295,8 @@ class ExudynSystem(TrackSystem):
             f"coordinates{rate}": values for rate, values in zip(RATES, self.coordinates(), strict=True)
         }
         parts |= {"time": data.GetTime(), "multipliers": np.array(data.GetAECoordinates())[self._rows]}
+        if self._cells is not None:
+            parts["contact"] = self._cells.contacts(self.layout.contact)
         if self.general is not None:
             parts["contact"] = self.contact_wrenches()
         return self.layout.pack(parts)

@@ -267,6 +267,11 @@ class TrackOnCells:
         self._ground.cover(self._work.frames, self._before[0])
         bend_before(self._table, *self._before, self._workspace)
 
+    def press(self, state: NDArray) -> NDArray:
+        """Wrenches (shoes, 6) of the covered cells on rigid shoes at a state, N and N m about the COMs."""
+        place_shoes(self._bodies, self._table, state, self._workspace)
+        return self._ground.press(self._work.frames)
+
     def commit(self) -> None:
         """Let the cells remember the state whose residual was computed last."""
         self._ground.commit()
