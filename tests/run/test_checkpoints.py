@@ -205,6 +205,22 @@ def test_states_of_another_layout_are_refused_by_name(copied):
             Checkpoints(copied).load(staged(), other)
 
 
+def test_a_longer_run_on_cells_goes_on_behind_one_of_two_stages(tmp_path):
+    case = staged(INTERVAL / 5).on_cells(BekkerSoil.lete_sand())
+    checkpoints, end, history = (
+        Checkpoints(tmp_path / "stages"),
+        tmp_path / "end.npz",
+        tmp_path / "history.nc",
+    )
+    simulate(case, 1.5 * INTERVAL / 5, checkpoints=checkpoints).save(history)
+    checkpoints.settle(case, end)
+    checkpoints.begin_from(end, history)
+    longer = simulate(case, 2.5 * INTERVAL / 5, checkpoints=checkpoints)
+    # cells and what they remember among all else
+    assert longer.cell_sinkage.size > 0
+    assert longer.dataset.identical(simulate(case, 2.5 * INTERVAL / 5).dataset)
+
+
 def test_a_longer_run_goes_on_behind_one_that_has_ended(three_stages, copied, tmp_path):
     whole = simulate(staged(), 4.5 * INTERVAL).dataset
     history = Checkpoints(copied).history.replace(tmp_path / "history.nc")

@@ -116,7 +116,7 @@ class Checkpoints:
         """
         writable_folder(self.folder)
         chunks = [*(stage.chunk for stage in stages), *more]
-        if stages and stages[0].number:
+        if stages and self._earlier.is_file():
             chunks.insert(0, Chunk.of_file(self._earlier, stages[0].time))
         return save_joined(case, chunks, self.history, overwrite=True, end=end)
 
