@@ -602,7 +602,7 @@ def test_a_dry_run_of_a_sweep_shows_its_runs_and_leaves_nothing(call, soils, tmp
     code, told, _ = call("sweep", soils.name, "--dry-run", "--workers", 2)
     assert code == 0
     assert "3 runs; spring_stiffness in N/m" in told
-    assert "3 runs: 0 are there, 3 to run\n3 runs of about " in told
+    assert "3 runs: 0 done, 3 to run\n3 runs of about " in told
     assert {path.name for path in tmp_path.iterdir()} == {"soils.toml"}
 
 

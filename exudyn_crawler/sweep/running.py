@@ -151,7 +151,7 @@ def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], l
     count, there = len(sweep.planned), len(different) - len(missing)
     same = f", {count - len(different)} of them the same as others" if len(different) < count else ""
     more = f" ({len(failed)} failed)" if failed else ""
-    return stored, missing, f"{count} runs{same}: {there} are there{more}, {len(missing)} to run"
+    return stored, missing, f"{count} runs{same}: {there} done{more}, {len(missing)} to run"
 
 
 def tasks_of(

@@ -264,7 +264,7 @@ def test_a_scheduler_elsewhere_runs_a_sweep_by_its_address_and_by_its_file(tmp_p
             done = subprocess.run(
                 [*command, "--scheduler", where], cwd=tmp_path, check=True, capture_output=True, text=True
             )
-            assert "6 runs: 0 are there, 6 to run" in done.stdout
+            assert "6 runs: 0 done, 6 to run" in done.stdout
             assert len(list((tmp_path / out / "runs").glob("*/history.nc"))) == 6
     finally:
         for process in (worker, scheduler):

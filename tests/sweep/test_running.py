@@ -36,7 +36,7 @@ def times_of(run):
 
 def test_a_sweep_is_a_folder_of_ordinary_runs_with_their_answers(ran):
     run, told = ran
-    assert told[0] == "2 runs: 0 are there, 2 to run"
+    assert told[0] == "2 runs: 0 done, 2 to run"
     assert run.table["status"].tolist() == ["done", "done"]
     for name in run.table["folder"]:
         folder = run.folder / "runs" / name
@@ -64,11 +64,11 @@ def test_finished_runs_are_taken_as_they_are_and_more_of_them_added(ran, schedul
     run, _ = ran
     before, told = times_of(run), []
     again = run_sweep(small_sweep(), run.folder, say=told.append)
-    assert told[0] == "2 runs: 2 are there, 0 to run"
+    assert told[0] == "2 runs: 2 done, 0 to run"
     assert again.table.equals(run.table)
     more = small_sweep(vary=(Vary(key=STIFFNESS, values=(1e7, 2e7, 3e7)),))
     assert folder_state(more, run.folder, storage=None, workers=1, retry=False).startswith(
-        "3 runs: 2 are there, 1 to run\n1 runs of about"
+        "3 runs: 2 done, 1 to run\n1 runs of about"
     )
     wider = run_sweep(more, run.folder, scheduler=scheduler, progress=False)
     assert wider.table["status"].tolist() == ["done"] * 3

@@ -96,7 +96,7 @@ def _ascii(path: Path, _spacing: float | None) -> HeightGrid:
         raise ValueError(f"its head has no {' and no '.join(missing)}")
     columns, rows, side = int(head["ncols"]), int(head["nrows"]), head["cellsize"]
     if len(words) != columns * rows:
-        raise ValueError(f"{columns} x {rows} heights are announced, {len(words)} are there")
+        raise ValueError(f"{columns} x {rows} heights are announced, got {len(words)}")
     z = np.array(words, dtype=float).reshape(rows, columns)[::-1].T
     z[z == head.get("nodata_value", -9999.0)] = np.nan
     x, y = (

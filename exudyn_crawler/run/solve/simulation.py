@@ -173,7 +173,10 @@ def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watc
     return reason
 
 
-COMPILING = "compiling the equations of motion, once on a machine: half a minute or more (a stop waits)"
+COMPILING = (
+    "compiling the equations of motion, once on a machine: half a minute or more "
+    "(Ctrl-C takes effect afterwards)"
+)
 
 
 def simulate(

@@ -86,7 +86,7 @@ def test_grids_of_all_formats_hold_the_same_heights(tmp_path):
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("a.asc", ASCII + "1 " * 19, "5 x 4 heights are announced, 19 are there"),
+        ("a.asc", ASCII + "1 " * 19, "5 x 4 heights are announced, got 19"),
         ("a.asc", "ncols 5\n" + "1 " * 20, "its head has no nrows and no cellsize"),
         (
             "a.asc",
