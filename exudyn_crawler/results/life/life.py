@@ -214,9 +214,9 @@ def shortest_lives(
 
     A row a node: region, node and its place in the shoe (m); life (h, 1e9 for all beyond) at each survival,
     the range of the last given the uncertainty of the stress, and the verdict; the place in the track that
-    wears it most and the life of a shoe that stays there; run and phase, and load, with the greatest part of the
-    damage, and the parts of all loads; life by each criterion, those signed without what goes from run to
-    run; and whether a joint's rigid spider is near.
+    wears it most and the life of a shoe that stays there; run and phase, and load, with the greatest part of
+    the damage, and the parts of all loads; life by each criterion, those signed without what goes from run
+    to run; and whether a joint's rigid spider is near.
     """
     rows = []
     for node, life in nodes.items():
