@@ -26,6 +26,7 @@ COMMANDS = (
     "stress",
     "uneven",
     "rollers",
+    "grounds",
     "shovel-life",
     "verify",
     "init",

@@ -30,7 +30,7 @@ def folder(tmp_path_factory):
     done = study("kinematics", "--case", "translation", "--duration", 0.05, "--out", out)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""  # the progress bar is for terminals
-    assert "Kinematics: paper against computed" in done.stdout
+    assert "Kinematics, translation: paper against computed" in done.stdout
     assert str(out) in done.stdout
     return out
 

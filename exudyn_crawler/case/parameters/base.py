@@ -212,7 +212,8 @@ def _spot(loc: fields.KeyPath, model: type[BaseModel], in_file: bool) -> _Spot:
             continue
         table = spot.held[0] if spot.held else spot.table
         field = table.model_fields.get(part)
-        place = spot.place if in_file and part == fields.beside(table) else (*spot.place, part)
+        is_beside = in_file and part and part == fields.beside(table)
+        place = spot.place if is_beside else (*spot.place, part)
         spot = _Spot(place, table, instead, fields.models_of(field.annotation) if field else ())
         instead = ()
     return spot
