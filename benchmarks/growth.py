@@ -130,7 +130,7 @@ def figure(table: pd.DataFrame) -> Figure:
         axes.set(xlabel=name, yscale="log")
         axes.grid(alpha=0.3, which="both")
     drawn.axes[0].set_ylabel("processor ms a step")
-    drawn.axes[-1].legend(loc="center right")
+    drawn.axes[0].legend(loc="center right")
     return drawn
 
 
