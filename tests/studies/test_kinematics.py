@@ -144,9 +144,9 @@ def test_the_full_study_comes_as_close_as_its_classes_ask(full):
     assert by_class["statics"].all()
     assert table.loc[table["class"] == "lateral", "within"].eq("").all()
     fluctuation = table[table["class"] == "fluctuation"].set_index(["case", "quantity"])
-    # the turning track of the paper bounces 4 to 10 times as much (docs/validation.md)
+    # the turning track of the paper bounces 3 to 10 times as much (docs/validation.md)
     bounces = [("turning", f"any shoe {what}") for what in BOUNCES]
-    assert fluctuation.loc[bounces, "ratio"].between(0.08, 0.3).all()
+    assert fluctuation.loc[bounces, "ratio"].between(0.08, 0.35).all()
     assert fluctuation.drop(bounces)["within"].eq("yes").mean() >= 0.7
 
 
