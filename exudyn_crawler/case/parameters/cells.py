@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
-from exudyn_crawler.case.parameters.fields import tag_of
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.terrain import Sloping
 
@@ -36,10 +35,7 @@ def _law(values: Any) -> Any:
     """Law of a table by its model; anything else as it is."""
     if not isinstance(values, dict):
         return values
-    laws = {tag_of(law): law for law in SoilLaw.plugged_in()}
-    if (model := values.get("model")) not in laws:
-        raise ValueError(f"model must be one of {', '.join(laws)}, got {model!r}")
-    return laws[model](**values)
+    return importlib.import_module(LAWS).law_class(values.get("model"))(**values)
 
 
 class CellContact(Parameters):
