@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -78,7 +77,7 @@ class OneOfEach:
         Name of the part that each node of the mesh belongs to.
     """
 
-    parts: NDArray
+    parts: np.ndarray
 
     def choose(self, mesh: Mesh, peaks: Peaks, count: int) -> list[int]:
         """Positions in the peaks of `count` hot spots at most, the most severe first."""

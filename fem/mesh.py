@@ -69,7 +69,7 @@ def jacobian_determinants(nodes: Floats, elements: Integers, points: Floats | No
     return np.linalg.det(frames)
 
 
-def _first(ids: NDArray, count: int = 5) -> str:
+def _first(ids: np.ndarray, count: int = 5) -> str:
     listed = ", ".join(str(i) for i in ids[:count])
     return listed + (", ..." if len(ids) > count else "")
 

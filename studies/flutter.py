@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 import scipy.linalg
-from numpy.typing import NDArray
 
 from exudyn_crawler import Case, Shoe
 from exudyn_crawler.model.compiled_system import compiled_system
@@ -23,7 +22,7 @@ STEP = 1e-7
 """m, rad and their rates: of central differences, far below the 0.1 mm of the contact's damping law."""
 
 
-def swings(case: Case) -> NDArray:
+def swings(case: Case) -> np.ndarray:
     """Complex eigenvalues (1/s) of a rigid track at rest without friction, its front shoe held along x."""
     contact = case.pair_contact().with_(static_friction=0.0, dynamic_friction=0.0)
     case = case.with_(contact=contact)
@@ -33,7 +32,7 @@ def swings(case: Case) -> NDArray:
     state[0] = static_equilibrium(case)
     inputs = system.inputs(0.0)._replace(active=np.array([1.0, 0.0]), speeds=np.zeros(2))
 
-    def residual(change: NDArray, row: int, multipliers: NDArray) -> NDArray:
+    def residual(change: np.ndarray, row: int, multipliers: np.ndarray) -> np.ndarray:
         moved = state.copy()
         moved[row] += change
         return system.residual(moved, inputs, multipliers)[:n]

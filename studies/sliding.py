@@ -11,7 +11,6 @@ from typing import cast
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
 from exudyn_crawler import Case
 from exudyn_crawler.case.parameters.track import SIDES
@@ -62,11 +61,11 @@ class SteadySliding:
 
     system: CompiledSystem
     speed: float
-    q: NDArray
-    q_t: NDArray
-    multipliers: NDArray
-    tension: NDArray
-    normal_force: NDArray
+    q: np.ndarray
+    q_t: np.ndarray
+    multipliers: np.ndarray
+    tension: np.ndarray
+    normal_force: np.ndarray
 
 
 class Balance:
@@ -76,14 +75,14 @@ class Balance:
         self._system = system
         self.size, self.rows = system.layout.coordinate_count, len(system.multipliers)
 
-    def __call__(self, q: NDArray, q_t: NDArray, multipliers: NDArray) -> NDArray:
+    def __call__(self, q: np.ndarray, q_t: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """Forces out of balance (n,), then the gaps of links and drive."""
         inputs = self._system.inputs(0.0)
         out = self._system.residual(np.stack((q, q_t, np.zeros_like(q))), inputs, multipliers)
         out[self.size :] /= STIFFNESS
         return out
 
-    def mass(self, q: NDArray) -> NDArray:
+    def mass(self, q: np.ndarray) -> np.ndarray:
         """Mass matrix (n, n)."""
         still, none, inputs = np.zeros_like(q), np.zeros(self.rows), self._system.inputs(0.0)
         base = self(q, still, none)
@@ -92,7 +91,7 @@ class Balance:
         ]
         return np.column_stack(columns)[: self.size]
 
-    def directions(self, q: NDArray) -> NDArray:
+    def directions(self, q: np.ndarray) -> np.ndarray:
         """Generalized forces (n, rows) of unit multipliers; zero for equations that constrain nothing."""
         still = np.zeros_like(q)
         base = self(q, still, np.zeros(self.rows))[: self.size]
@@ -100,7 +99,7 @@ class Balance:
         return np.column_stack(pushed) / FORCE_SCALE
 
 
-def derivative(function: Callable[[NDArray], NDArray], at: NDArray, step: float) -> NDArray:
+def derivative(function: Callable[[np.ndarray], np.ndarray], at: np.ndarray, step: float) -> np.ndarray:
     """Central differences of a function, a column for each of its arguments."""
     changes = step * np.eye(len(at))
     return np.column_stack([(function(at + e) - function(at - e)) / (2.0 * step) for e in changes])
@@ -173,14 +172,18 @@ def steady_sliding(case: Case, speed: float, travel: float = 0.0) -> SteadySlidi
 
 
 def _newton(
-    system: CompiledSystem, forces: Balance, start: tuple[NDArray, NDArray], portion: float, travel: float
-) -> tuple[NDArray, NDArray] | None:
+    system: CompiledSystem,
+    forces: Balance,
+    start: tuple[np.ndarray, np.ndarray],
+    portion: float,
+    travel: float,
+) -> tuple[np.ndarray, np.ndarray] | None:
     """Coordinates and multipliers in balance under a portion of what the speed adds; None without success."""
     n, driven = forces.size, 6 * system.case.track.shoe_count - 6
     q, q_t = start
     drive = n + system.layout.first_multiplier("drive")
 
-    def balance(q: NDArray, multipliers: NDArray) -> NDArray:
+    def balance(q: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         moving, resting = (forces(q, rates, multipliers) for rates in (q_t, 0.0 * q_t))
         both = portion * moving + (1.0 - portion) * resting
         # the drive prescribes a speed, which any place has
@@ -211,7 +214,7 @@ def _newton(
 
 
 def _state(
-    system: CompiledSystem, q: NDArray, q_t: NDArray, multipliers: NDArray, speed: float
+    system: CompiledSystem, q: np.ndarray, q_t: np.ndarray, multipliers: np.ndarray, speed: float
 ) -> SteadySliding:
     shoes, layout = system.case.track.shoe_count, system.layout
     forces = cast(PairGroundContact, system.contact).forces(q, q_t)[: 6 * shoes].reshape(-1, 6)
@@ -230,10 +233,10 @@ class LinearTrack:
     drive. Without friction all three matrices are symmetric.
     """
 
-    mass: NDArray
-    damping: NDArray
-    stiffness: NDArray
-    basis: NDArray
+    mass: np.ndarray
+    damping: np.ndarray
+    stiffness: np.ndarray
+    basis: np.ndarray
 
 
 def linearized(state: SteadySliding) -> LinearTrack:
@@ -252,7 +255,7 @@ def linearized(state: SteadySliding) -> LinearTrack:
     return LinearTrack(mass, damping, stiffness, basis)
 
 
-def eigenmodes(linear: LinearTrack) -> tuple[NDArray, NDArray]:
+def eigenmodes(linear: LinearTrack) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues (1/s) by falling growth rate, of pairs the one above the real axis; and their shapes.
 
     Returns

@@ -12,7 +12,6 @@ import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from exudyn_crawler import Case, LoadCycle, PairContact, simulate
 from exudyn_crawler.errors import EquilibriumError
@@ -63,7 +62,7 @@ def sliding_modes(case: Case, speed: float, travel: float = 0.0) -> xr.Dataset:
     return _dataset(state, *eigenmodes(linearized(state)))
 
 
-def _dataset(state: SteadySliding, values: NDArray, shapes: NDArray) -> xr.Dataset:
+def _dataset(state: SteadySliding, values: np.ndarray, shapes: np.ndarray) -> xr.Dataset:
     case, contact = state.system.case, state.system.contact
     shoes = case.track.shoe_count
     arms = np.array([1.0, 1.0, 1.0, 0.5 * case.shoe.width, 0.5 * case.shoe.length, 0.5 * case.shoe.width])
@@ -147,7 +146,7 @@ def draw_mode(ax: Axes, modes: xr.Dataset, case: Case, mode: int = 1) -> Axes:
     return ax
 
 
-def _seen(coms: NDArray, pitch: NDArray, points: NDArray) -> NDArray:
+def _seen(coms: np.ndarray, pitch: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Positions (shoes, points, 2), x and z, of points (points, 3) in the shoes' frames."""
     c, s = np.cos(pitch)[:, None], np.sin(pitch)[:, None]
     x, z = points[:, 0], points[:, 2]

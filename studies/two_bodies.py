@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import PairContact, Shoe, Terrain
 from exudyn_crawler.ground.contact import PairGroundContact
@@ -171,10 +170,10 @@ def engine_solution(law: PairContact) -> TwoBodySolution:
 
 def _add_body(
     mbs: "exu.MainSystem",
-    position: NDArray,
+    position: np.ndarray,
     body: tuple[float, tuple[float, float, float]],
-    displacement: NDArray,
-    velocity: NDArray,
+    displacement: np.ndarray,
+    velocity: np.ndarray,
 ) -> int:
     """Add a body of some mass and principal moments of inertia, with its weight; gives its node."""
     mass, inertia = body
@@ -203,7 +202,7 @@ def _add_contact(mbs: "exu.MainSystem", contact: PairGroundContact, nodes: list[
     mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=massless, forceUserFunction=force))
 
 
-def _add_fixing(mbs: "exu.MainSystem", node: int, place: NDArray) -> int:
+def _add_fixing(mbs: "exu.MainSystem", node: int, place: np.ndarray) -> int:
     """Fix a body to the ground at its centre; gives the joint."""
     ground = mbs.AddObject(items.ObjectGround())
     at_ground = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=list(place)))
@@ -230,7 +229,7 @@ def _add_holds(mbs: "exu.MainSystem", node: int) -> list[int]:
     return holds
 
 
-def _initial_state(mbs: "exu.MainSystem") -> tuple[NDArray, NDArray]:
+def _initial_state(mbs: "exu.MainSystem") -> tuple[np.ndarray, np.ndarray]:
     """Accelerations and multipliers of the assembled system in its initial state."""
     mbs.Assemble()
     settings = exu.SimulationSettings()

@@ -3,7 +3,7 @@
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Discriminator, Field, Tag
 
 from exudyn_crawler.case import ph4100c
@@ -163,7 +163,7 @@ class Case(Parameters):
             yield f"contact.radius must not exceed a quarter of a unit's side, {side:g} m, got {radius}"
 
     @property
-    def frame_start(self) -> NDArray:
+    def frame_start(self) -> np.ndarray:
         """Origin of the side frame at t = 0, on rails that have not settled: array (3,), m."""
         frame, rails = self.undercarriage, self.shoe.rails
         if frame is None or rails is None:
@@ -218,16 +218,16 @@ class Case(Parameters):
             return self.contact
         raise ValueError(f"contact.model must be 'spheres', got {self.contact.model!r}")
 
-    def gravity_vector(self) -> NDArray:
+    def gravity_vector(self) -> np.ndarray:
         """Acceleration of gravity: array (3,), m/s2, x along the travel at t = 0, z normal to the ground."""
         return self.gravity * self.terrain.down
 
-    def pressed(self, load: ArrayLike) -> NDArray:
+    def pressed(self, load: ArrayLike) -> np.ndarray:
         """Force normal to the ground (N) of a shoe's weight and of each load (N) on it."""
         return (np.asarray(load) + self.shoe.mass * self.gravity) * -self.terrain.down[2]
 
     @property
-    def first_loads(self) -> NDArray:
+    def first_loads(self) -> np.ndarray:
         """Loads on the shoes at t = 0: array (shoes,), N; a side frame weighs evenly on those below it."""
         loads, frame = self.loads.loads(0.0)[0], self.undercarriage
         if frame is None:
@@ -237,7 +237,7 @@ class Case(Parameters):
         under = (coms >= rear - half) & (coms <= front + half)
         return loads + under * frame.mass * self.gravity / max(1, under.sum())
 
-    def machine_wrench(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
+    def machine_wrench(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Force (N) and moment (N m) on a side frame's origin beside its weight, global: (times, 3) each."""
         nothing = np.zeros((np.size(time), 3))
         return (nothing, nothing.copy()) if self.machine is None else self.machine.wrench(time)
@@ -361,7 +361,7 @@ class Case(Parameters):
         )
         return self.with_(terrain=terrain, contact=CellContact(law=law))
 
-    def outline(self, time: float) -> NDArray:
+    def outline(self, time: float) -> np.ndarray:
         """Corners of the track on the ground at a time: array (4, 2), m, global x and y.
 
         The track is rigid seen from above, since its hinges only pitch: the drive carries its outline
@@ -396,7 +396,7 @@ class Case(Parameters):
         if isinstance(self.contact, SphereContact) and self.unit_terrain().heights is not None:
             yield from self._step_errors(time, corners, self.contact.radius)
 
-    def _step_errors(self, time: float, corners: NDArray, radius: float) -> Errors:
+    def _step_errors(self, time: float, corners: np.ndarray, radius: float) -> Errors:
         """Steps between neighbouring units under the track that its spheres cannot stand on.
 
         A settled sphere has its centre at its radius less its depth above its unit. Under the face of a

@@ -5,7 +5,6 @@ from math import prod
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, CellTerrain, PairContact, Shoe, Terrain
 from exudyn_crawler.ground import frames, laws, overlap, pairs, rotations
@@ -39,9 +38,9 @@ def pair_law(law: PairContact, underside_area: float) -> pairs.PairLaw:
 class ContactWrenches(NamedTuple):
     """Forces (N) and moments about the origins (N m) on shoes and units, global; modal forces."""
 
-    shoes: NDArray  # (shoes, 6)
-    units: NDArray  # (units, 6)
-    modal: NDArray  # (flexible shoes, modes)
+    shoes: np.ndarray  # (shoes, 6)
+    units: np.ndarray  # (units, 6)
+    modal: np.ndarray  # (flexible shoes, modes)
 
 
 class PairGroundContact:
@@ -54,7 +53,7 @@ class PairGroundContact:
 
     def __init__(
         self,
-        com_positions: NDArray,
+        com_positions: np.ndarray,
         shoe: Shoe,
         terrain: Terrain,
         law: PairContact,
@@ -110,7 +109,7 @@ class PairGroundContact:
         """Number of generalized coordinates: six a shoe, the terrain's, the flexible shoes' modes."""
         return self.shoe_reference.size + self.coordinates.size + prod(self._modal_shape)
 
-    def bodies(self, shoes: NDArray, shoe_rates: NDArray, q: NDArray, q_t: NDArray) -> BodyStates:
+    def bodies(self, shoes: np.ndarray, shoe_rates: np.ndarray, q: np.ndarray, q_t: np.ndarray) -> BodyStates:
         """Places of all bodies, as the contact takes them.
 
         Of positions (m) and angles (rad) of the shoes (shoes, 6), and of the coordinates `q` of the terrain
@@ -127,13 +126,13 @@ class PairGroundContact:
             q_t[modal].reshape(self._modal_shape),
         )
 
-    def bodies_at(self, q: NDArray, q_t: NDArray) -> BodyStates:
+    def bodies_at(self, q: np.ndarray, q_t: np.ndarray) -> BodyStates:
         """Places of all bodies at generalized coordinates and their rates."""
         shoes, rates = (values[: self.shoe_reference.size].reshape(-1, 6) for values in (q, q_t))
         rest = slice(self.shoe_reference.size, None)
         return self.bodies(self.shoe_reference + shoes, rates, q[rest], q_t[rest])
 
-    def _touching(self, bodies: BodyStates) -> tuple[NDArray, NDArray]:
+    def _touching(self, bodies: BodyStates) -> tuple[np.ndarray, np.ndarray]:
         """Contacts (contacts, RESULTS), and how modes move their patches (contacts, 3, modes)."""
         count = touching_pairs(
             tuple(bodies), self._geometry, tuple(NO_DERIVATIVES), tuple(self._contacts), self._work
@@ -163,7 +162,7 @@ class PairGroundContact:
             np.add.at(found.modal, self._row[shoe[bent]], np.einsum("ncm,nc->nm", modes[bent], local))
         return found
 
-    def forces(self, q: NDArray, q_t: NDArray) -> NDArray:
+    def forces(self, q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
         """Generalized contact forces: array (size,)."""
         bodies = self.bodies_at(q, q_t)
         found = self.wrenches(bodies)
@@ -171,32 +170,32 @@ class PairGroundContact:
         units = self.coordinates.project(found.units)
         return np.concatenate((found.shoes.ravel(), units, found.modal.ravel()))
 
-    def results(self, q: NDArray, q_t: NDArray, wrenches: NDArray | None = None) -> NDArray:
+    def results(self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray | None = None) -> np.ndarray:
         """Contacts at a state: array (contacts, RESULTS), columns as in `pairs.RESULT`.
 
         `wrenches` are not needed: the forces in motion are these.
         """
         return self._touching(self.bodies_at(q, q_t))[0].copy()
 
-    def unit_motion(self, q: NDArray) -> NDArray:
+    def unit_motion(self, q: np.ndarray) -> np.ndarray:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
         first = self.shoe_reference.size
         return self.coordinates.motion(q[first : first + self.coordinates.size])
 
-    def settled_depth(self, loads: NDArray) -> NDArray:
+    def settled_depth(self, loads: np.ndarray) -> np.ndarray:
         """Penetration (m) of shoes that each stand on one unit under these loads (N)."""
         return (np.maximum(loads, 0.0) / self._law.stiffness) ** (1.0 / self._law.exponent)
 
-    def surface(self, x: NDArray) -> NDArray:
+    def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the ground along the track's middle at places x (m), with the springs free."""
         return self._terrain.profile_along(x)
 
-    def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
+    def ground_below(self, q: np.ndarray, heights: np.ndarray) -> np.ndarray:
         """Height (m) of the ground below each shoe's COM, of the units' heights: array (shoes,)."""
         shoes = self.shoe_reference[:, :2] + q[: self.shoe_reference.size].reshape(-1, 6)[:, :2]
         return heights[self._grid.units_below(shoes)]
 
-    def sunken(self, q: NDArray) -> list[int]:
+    def sunken(self, q: np.ndarray) -> list[int]:
         """None: the law pushes a shoe up from any depth."""
         return []
 
@@ -209,8 +208,8 @@ class GroundContact(Protocol):
     """
 
     coordinates: TerrainCoordinates  # how the terrain's coordinates carry the units
-    shoe_reference: NDArray  # (shoes, 6): COM positions (m, global) and angles at coordinates of zero
-    unit_reference: NDArray  # (units, 4): centres (m, global) and tilt of the units with the springs free
+    shoe_reference: np.ndarray  # (shoes, 6): COM positions (m, global) and angles at coordinates of zero
+    unit_reference: np.ndarray  # (units, 4): centres (m, global) and tilt of the units with the springs free
 
     @property
     def size(self) -> int:
@@ -218,30 +217,30 @@ class GroundContact(Protocol):
         ...
 
     @property
-    def results(self) -> Callable[..., NDArray]:
+    def results(self) -> Callable[..., np.ndarray]:
         """Contacts (contacts, RESULTS), columns as in `pairs.RESULT`, at coordinates and their rates.
 
         A third argument is what a state has of them, of contact that does not follow from these.
         """
         ...
 
-    def unit_motion(self, q: NDArray) -> NDArray:
+    def unit_motion(self, q: np.ndarray) -> np.ndarray:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
         ...
 
-    def settled_depth(self, loads: NDArray) -> NDArray:
+    def settled_depth(self, loads: np.ndarray) -> np.ndarray:
         """Penetration (m) of shoes that each stand on one unit under these loads (N)."""
         ...
 
-    def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
+    def ground_below(self, q: np.ndarray, heights: np.ndarray) -> np.ndarray:
         """Height (m) of the ground below each shoe, of the units' heights (units,): array (shoes,)."""
         ...
 
-    def surface(self, x: NDArray) -> NDArray:
+    def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the ground along the track's middle at places x (m), before a track stands on it."""
         ...
 
-    def sunken(self, q: NDArray) -> list[int]:
+    def sunken(self, q: np.ndarray) -> list[int]:
         """Numbers of the shoes that have sunk through the ground, where nothing holds them up."""
         ...
 

@@ -6,14 +6,19 @@ alone do, each of them is one with a whole law of its own.
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from exudyn_crawler.ground import pairs
 from exudyn_crawler.ground.frames import Frame, Vector, compiled, inlined, turned_back, within
 from exudyn_crawler.ground.laws import named_law, step
 from exudyn_crawler.ground.overlap import Overlap
-from exudyn_crawler.ground.rotations import Attitude, FloatArray, attitude, shoe_frame, tilted, unit_frame
+from exudyn_crawler.ground.rotations import (
+    Attitude,
+    FloatArray,
+    IntArray,
+    attitude,
+    shoe_frame,
+    tilted,
+    unit_frame,
+)
 from exudyn_crawler.ground.terrain import Cells, Grid, cell, cells_about
 from fem.patches import mean_rows
 
@@ -27,7 +32,7 @@ class Flexible(NamedTuple):
     corner: FloatArray
     cell: FloatArray
     integral: FloatArray
-    row: NDArray[np.int64]
+    row: IntArray
 
 
 class Fingers(NamedTuple):

@@ -7,7 +7,6 @@ where the force on a shoe acts, how much of it is normal to the ground, and how 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, Terrain
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
@@ -15,7 +14,7 @@ from exudyn_crawler.ground.rotations import angular_velocity, rotation_matrices
 from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of
 
 
-def sphere_centers(case: Case) -> NDArray:
+def sphere_centers(case: Case) -> np.ndarray:
     """Centres in the shoe's frame (spheres, 3), m: at the middle of equal parts of the underside.
 
     The spheres touch it from within.
@@ -62,32 +61,32 @@ class SphereGroundContact:
         """Number of generalized coordinates: six a shoe, then the units'."""
         return self.shoe_reference.size + self.coordinates.size
 
-    def _shoes(self, q: NDArray) -> NDArray:
+    def _shoes(self, q: np.ndarray) -> np.ndarray:
         return self.shoe_reference + q[: self.shoe_reference.size].reshape(-1, 6)
 
-    def unit_motion(self, q: NDArray) -> NDArray:
+    def unit_motion(self, q: np.ndarray) -> np.ndarray:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
         return self.coordinates.motion(q[self.shoe_reference.size :])
 
-    def settled_depth(self, loads: NDArray) -> NDArray:
+    def settled_depth(self, loads: np.ndarray) -> np.ndarray:
         """Depth (m) of the spheres of shoes that each carry such a load (N) evenly."""
         return np.maximum(loads, 0.0) * self._case.settled_penetration / self._case.mean_load
 
-    def surface(self, x: NDArray) -> NDArray:
+    def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the ground at places x (m) without the units' heights."""
         return np.zeros_like(x)
 
-    def ground_below(self, q: NDArray, heights: NDArray) -> NDArray:
+    def ground_below(self, q: np.ndarray, heights: np.ndarray) -> np.ndarray:
         """Mean height (m) of the units below each shoe's spheres, of the units' heights: array (shoes,)."""
         return heights[self._grid.units_below(self._places(q)[..., :2])].mean(axis=1)
 
-    def _places(self, q: NDArray) -> NDArray:
+    def _places(self, q: np.ndarray) -> np.ndarray:
         """Centres of the spheres (shoes, spheres, 3), m, global."""
         shoes = self._shoes(q)
         turned = self._centers @ rotation_matrices(shoes[:, 3:]).transpose(0, 2, 1)
         return np.asarray(shoes[:, None, :3] + turned)
 
-    def _above(self, q: NDArray, places: NDArray, units: NDArray) -> tuple[NDArray, NDArray]:
+    def _above(self, q: np.ndarray, places: np.ndarray, units: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Height (m) of places (..., 3) over the faces of units (...,), and the faces' normals (..., 3)."""
         at = (self.unit_reference + self.unit_motion(q))[units]
         sine, cosine = np.sin(at[..., 3]), np.cos(at[..., 3])
@@ -96,16 +95,16 @@ class SphereGroundContact:
         normal = np.stack(parts, axis=-1)
         return np.sum(normal * (places - at[..., :3]), axis=-1) - self._tops[units], normal
 
-    def depths(self, q: NDArray) -> NDArray:
+    def depths(self, q: np.ndarray) -> np.ndarray:
         """Depth of the spheres in the faces of the units below them: (shoes, spheres), m; negative above."""
         places = self._places(q)
         return self._radius - self._above(q, places, self._grid.units_below(places[..., :2]))[0]
 
-    def sunken(self, q: NDArray) -> list[int]:
+    def sunken(self, q: np.ndarray) -> list[int]:
         """Numbers of the shoes with a sphere whose centre is below its unit's face: nothing holds that up."""
         return (np.flatnonzero((self.depths(q) >= self._radius).any(axis=1)) + 1).tolist()
 
-    def results(self, q: NDArray, q_t: NDArray, wrenches: NDArray) -> NDArray:
+    def results(self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
         """Contacts at a state, one a shoe that touches: array (contacts, RESULTS), as of `pairs.RESULT`.
 
         `wrenches` (shoes, 6) are Exudyn's contact forces on the shoes and moments about their origins, N and
@@ -147,7 +146,9 @@ class SphereGroundContact:
         out[:, RESULT["friction_torque"]] = moment - np.cross(arm, force)
         return out
 
-    def _pressed(self, shoes: NDArray, depth: NDArray, force: NDArray, moment: NDArray) -> NDArray:
+    def _pressed(
+        self, shoes: np.ndarray, depth: np.ndarray, force: np.ndarray, moment: np.ndarray
+    ) -> np.ndarray:
         """Where forces press on shoes, so deep (shoes,) below the ground: array (shoes, 3), m, global."""
         R = rotation_matrices(shoes[:, 3:])
         f, m = (np.einsum("nji,nj->ni", R, values) for values in (force, moment))

@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, Terrain
 from exudyn_crawler.ground.frames import compiled
@@ -34,7 +33,7 @@ class Grid(NamedTuple):
     y: float
     tilt_axis: int
 
-    def units_below(self, places: NDArray) -> NDArray:
+    def units_below(self, places: np.ndarray) -> np.ndarray:
         """Index of the unit below each place, or the one nearest to it: array of int, for (..., 2) m."""
         cells = np.floor((places - [self.x, self.y]) / [self.length, self.width]).astype(int)
         cells = np.clip(cells, 0, [self.columns - 1, self.rows - 1])
@@ -102,11 +101,11 @@ def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
 class TerrainModes:
     """Independent coordinates of the terrain, with the identity for their mass matrix."""
 
-    heave: NDArray  # (units, coordinates): heave of each unit (m) per unit of a coordinate
-    tilt: NDArray  # (units, coordinates): tilt of each unit (rad)
-    stiffness: NDArray  # (coordinates, coordinates): of the supports, 1/s2
-    damping: NDArray  # (coordinates, coordinates): of the supports, 1/s
-    weight: NDArray  # (coordinates,): load of a unit acceleration of gravity along -z
+    heave: np.ndarray  # (units, coordinates): heave of each unit (m) per unit of a coordinate
+    tilt: np.ndarray  # (units, coordinates): tilt of each unit (rad)
+    stiffness: np.ndarray  # (coordinates, coordinates): of the supports, 1/s2
+    damping: np.ndarray  # (coordinates, coordinates): of the supports, 1/s
+    weight: np.ndarray  # (coordinates,): load of a unit acceleration of gravity along -z
 
     @property
     def size(self) -> int:
@@ -114,7 +113,7 @@ class TerrainModes:
         return self.heave.shape[1]
 
     @property
-    def frequencies(self) -> NDArray:
+    def frequencies(self) -> np.ndarray:
         """Undamped natural frequencies of the unloaded terrain: array (coordinates,), Hz."""
         squares = np.linalg.eigvalsh(self.stiffness)
         return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi)
@@ -152,7 +151,7 @@ def terrain_modes(terrain: Terrain) -> TerrainModes:
     )
 
 
-def localized(modes: TerrainModes, units: NDArray) -> TerrainModes:
+def localized(modes: TerrainModes, units: np.ndarray) -> TerrainModes:
     """Same terrain in coordinates of which only the first few move these units (indices from 0).
 
     The units are those that the track can touch. An orthogonal change of coordinates, so the mass matrix
@@ -175,7 +174,7 @@ def localized(modes: TerrainModes, units: NDArray) -> TerrainModes:
     )
 
 
-def _settled(rows: NDArray) -> NDArray:
+def _settled(rows: np.ndarray) -> np.ndarray:
     """Directions (k, k), orthonormal, that rows (n, k) name one after the other, whatever axes these are in.
 
     Each is the first row whose rest beside the directions before it is large: of equally large ones rounding
@@ -197,13 +196,13 @@ def _length_scale(modes: TerrainModes) -> float:
     return float(heaves / tilts)
 
 
-def _clean(shapes: NDArray) -> NDArray:
+def _clean(shapes: np.ndarray) -> np.ndarray:
     """Shapes with what is only rounding set to zero, in the memory order that compiled code takes."""
     small = np.abs(shapes) < 1e-12 * np.abs(shapes).max()
     return np.ascontiguousarray(np.where(small, 0.0, shapes))
 
 
-def units_near(terrain: Terrain, corners: NDArray, margin: float) -> NDArray:
+def units_near(terrain: Terrain, corners: np.ndarray, margin: float) -> np.ndarray:
     """Indices (from 0) of the units within `margin` (m) of the bounding rectangle of `corners`."""
     low, high = corners.min(axis=0) - margin, corners.max(axis=0) + margin
     centers = terrain.centers[:, :2]
@@ -240,18 +239,18 @@ class ReducedCoordinates:
         """Number of coordinates."""
         return self.modes.size
 
-    def motion(self, q: NDArray) -> NDArray:
+    def motion(self, q: np.ndarray) -> np.ndarray:
         """Displacement (x, y, z) and tilt of the units, or their rates: array (units, 4), m and rad."""
         units = np.zeros((len(self.modes.heave), 4))
         _modal_motion(self.modes.heave, self.modes.tilt, q, units)
         return units
 
-    def project(self, wrenches: NDArray) -> NDArray:
+    def project(self, wrenches: np.ndarray) -> np.ndarray:
         """Generalized forces (size,) of forces and moments on the units (units, 6)."""
         heave, tilt = wrenches[:, 2], wrenches[:, 3 + self.tilt_axis]
         return np.asarray(heave @ self.modes.heave + tilt @ self.modes.tilt)
 
-    def sunk_evenly(self, heave: float) -> NDArray:
+    def sunk_evenly(self, heave: float) -> np.ndarray:
         """Coordinates (size,) at which all units heave by the same (m) and none tilts.
 
         A combination of the modes, since the units meet at one height everywhere.
@@ -272,16 +271,16 @@ class UnitCoordinates:
         """Six coordinates a unit."""
         return UNIT_COORDINATES * self.unit_count
 
-    def motion(self, q: NDArray) -> NDArray:
+    def motion(self, q: np.ndarray) -> np.ndarray:
         """As of `ReducedCoordinates`."""
         bodies = q.reshape(self.unit_count, UNIT_COORDINATES)
         return np.column_stack((bodies[:, :3], bodies[:, 3 + self.tilt_axis]))
 
-    def project(self, wrenches: NDArray) -> NDArray:
+    def project(self, wrenches: np.ndarray) -> np.ndarray:
         """As of `ReducedCoordinates`; moments beside the tilt's only load what holds the units."""
         return wrenches.ravel()
 
-    def sunk_evenly(self, heave: float) -> NDArray:
+    def sunk_evenly(self, heave: float) -> np.ndarray:
         """As of `ReducedCoordinates`."""
         bodies = np.zeros((self.unit_count, UNIT_COORDINATES))
         bodies[:, 2] = heave

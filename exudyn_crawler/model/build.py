@@ -5,7 +5,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters.track import SIDES
@@ -29,7 +29,7 @@ FRAME_HOLDS = (1, 5)
 """Coordinates of a side frame that stay as they are: y and yaw."""
 
 
-def _flexible_modes(case: Case, floating: FloatingShoe) -> tuple[Modes, NDArray, NDArray]:
+def _flexible_modes(case: Case, floating: FloatingShoe) -> tuple[Modes, np.ndarray, np.ndarray]:
     """Modes, and first and second moments of the body, by the mass matrix of the finite elements."""
     body, _ = shoe_model(case.flexible_shoes(), case.track)
     # the mass of a node is the same along x, y and z
@@ -56,14 +56,14 @@ class _MarkerList:
 
     def __init__(self, modes: int) -> None:
         self._modes = modes
-        self._rows: list[tuple[int, NDArray, NDArray, NDArray]] = []
+        self._rows: list[tuple[int, np.ndarray, np.ndarray, np.ndarray]] = []
 
     def add(
         self,
         body: int,
         position: ArrayLike,
-        displacement: NDArray | None = None,
-        rotation: NDArray | None = None,
+        displacement: np.ndarray | None = None,
+        rotation: np.ndarray | None = None,
     ) -> int:
         """Number of a marker on a body at a position (3,), m, which modes move by rows (3, modes)."""
         none = np.zeros((3, self._modes))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.cells.contact import CellGroundContact
@@ -84,7 +84,7 @@ class CompiledSystem(TrackSystem):
         self._driven = True
         self._state = np.zeros((3, size))
         self._multipliers = np.zeros(multipliers)
-        self._first: NDArray | None = None
+        self._first: np.ndarray | None = None
         self._scratch = (np.zeros(size + multipliers), np.zeros(self.tables.fronts.size))
         self._cells: TrackOnCells | None = None
         if isinstance(contact, CellGroundContact):
@@ -101,11 +101,15 @@ class CompiledSystem(TrackSystem):
         self._singular = False
 
     @property
-    def treads(self) -> Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]] | None:
+    def treads(
+        self,
+    ) -> Callable[[float, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]] | None:
         """As of `TrackSystem`."""
         return None if self.tables.rollers is None else self._treads
 
-    def _treads(self, time: float, q: NDArray, q_t: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    def _treads(
+        self, time: float, q: np.ndarray, q_t: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         self.residual(np.stack((q, q_t, np.zeros_like(q))), self.inputs(time))
         treads = TreadWorkspace(*(Workspace(*self._workspace).treads or ()))
         shape = (len(treads.rear), -1, TOUCHED, 3)
@@ -117,7 +121,7 @@ class CompiledSystem(TrackSystem):
         """Move the front shoe from now on, or leave it free; a side frame is always moved."""
         self._driven = on or self.tables.pull is not None
 
-    def set_initial(self, q: NDArray) -> None:
+    def set_initial(self, q: np.ndarray) -> None:
         """Start from rest at the coordinates `q`; a side frame has its speed."""
         if self._cells is not None:
             q = self._settled(self._cells, q)
@@ -128,7 +132,7 @@ class CompiledSystem(TrackSystem):
         self._multipliers[:] = 0.0
         self._hand_over(exu.ConfigurationType.Initial)
 
-    def _settled(self, cells: TrackOnCells, q: NDArray) -> NDArray:
+    def _settled(self, cells: TrackOnCells, q: np.ndarray) -> np.ndarray:
         """Rest near to one on fresh ground, after the ground has remembered that shoes were put down there.
 
         Cells that two shoes share remember the deeper one.
@@ -174,15 +178,15 @@ class CompiledSystem(TrackSystem):
         self._state[0], self._state[1:] = self._first, 0.0
         cells.put_down(self._state)
 
-    def initial(self) -> NDArray:
+    def initial(self) -> np.ndarray:
         """Coordinates that the state has, in which `set_initial` leaves shoes on cells settled."""
         return self._state[0].copy()
 
-    def memory(self) -> dict[str, NDArray]:
+    def memory(self) -> dict[str, np.ndarray]:
         """As of `TrackSystem`."""
         return {} if self._cells is None else self._cells.memory()
 
-    def set_state(self, row: NDArray, memory: Mapping[str, NDArray] | None = None) -> None:
+    def set_state(self, row: np.ndarray, memory: Mapping[str, np.ndarray] | None = None) -> None:
         """Start from a row as of `state`; its time goes into the solver's settings."""
         for rate, name in enumerate(RATES):
             self._state[rate] = self.layout.part(row, f"coordinates{name}")
@@ -193,7 +197,7 @@ class CompiledSystem(TrackSystem):
             self._cells.put_down(self._state)
         self._hand_over(exu.ConfigurationType.Initial)
 
-    def state(self) -> NDArray:
+    def state(self) -> np.ndarray:
         """Current state in one row, laid out as `layout` says."""
         data = self.mbs.systemData
         parts: dict[str, ArrayLike] = {
@@ -225,7 +229,7 @@ class CompiledSystem(TrackSystem):
         return NewtonError(self.in_units(self._scratch[0]), self._singular)
 
     @property
-    def multipliers(self) -> NDArray:
+    def multipliers(self) -> np.ndarray:
         """Of pins, drive, turn and holds: N and N m."""
         return self._multipliers
 
@@ -235,21 +239,25 @@ class CompiledSystem(TrackSystem):
         return ROWS * len(self.tables.joints.pins)
 
     def residual(
-        self, state: NDArray, inputs: Inputs, multipliers: NDArray | None = None, weights: Weights = AT_REST
-    ) -> NDArray:
+        self,
+        state: np.ndarray,
+        inputs: Inputs,
+        multipliers: np.ndarray | None = None,
+        weights: Weights = AT_REST,
+    ) -> np.ndarray:
         """Residual of all equations at coordinates, rates and accelerations (3, coordinates)."""
         out = np.empty_like(self._scratch[0])
         applied = np.zeros_like(self._multipliers) if multipliers is None else multipliers
         residual(self._plain, state, applied, tuple(inputs), tuple(weights), self._workspace, out)
         return out
 
-    def pulled_place(self, q: NDArray) -> float:
+    def pulled_place(self, q: np.ndarray) -> float:
         """Displacement along x of the point that the drive moves, m, with that of its place in the shoe."""
         front = q[6 * self.layout.shoes - 6 : 6 * self.layout.shoes]
         modal = q[len(q) - self.point.rows.shape[1] :]
         return float(front[0] + self.point.arm(front[3:], modal)[0])
 
-    def at_rest(self, q: NDArray, multipliers: NDArray) -> tuple[NDArray, NDArray]:
+    def at_rest(self, q: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residual at rest at t = 0 without the drive, and the drive's direction, as generalized force.
 
         Of coordinates and the pins' multipliers (pin_rows,), N and N m. Gives arrays (coordinates +
@@ -276,8 +284,8 @@ class CompiledSystem(TrackSystem):
         return out[:-2], direction
 
     def creep(
-        self, q: NDArray, multipliers: NDArray, step: float, limits: tuple[float, int]
-    ) -> tuple[NDArray, NDArray, int] | None:
+        self, q: np.ndarray, multipliers: np.ndarray, step: float, limits: tuple[float, int]
+    ) -> tuple[np.ndarray, np.ndarray, int] | None:
         """One step (s) without inertia from coordinates and multipliers, under the loads of t = 0.
 
         `limits` are the residual (N, root mean square) that ends the search, and most iterations. Gives
@@ -314,7 +322,7 @@ class CompiledSystem(TrackSystem):
             ],
         }
 
-    def in_units(self, out: NDArray) -> NDArray:
+    def in_units(self, out: np.ndarray) -> np.ndarray:
         """Residual with gaps in m and rad, of as many equations as it has, the others zero."""
         equations = np.zeros(self.layout.equation_count)
         equations[: len(out)] = out

@@ -9,7 +9,6 @@ from typing import Any
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
-from numpy.typing import NDArray
 
 exu.config.printToConsole = False
 
@@ -20,7 +19,7 @@ def predict(
     solver: Any,
     mbs: "exu.MainSystem",
     settings: "exu.SimulationSettings",
-    state: NDArray,
+    state: np.ndarray,
 ) -> None:
     """Write coordinates, rates and accelerations (3, n) with which a step's search starts.
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, FlexibleShoes, Track
 from exudyn_crawler.case.case_file import check_modes
@@ -26,10 +25,10 @@ class FloatingShoe:
 
     reduced: ReducedBody  # modes, stress modes and surfaces
     joints: tuple[str, ...]  # names of the joint centres, in the order of `reduced.interfaces`
-    load_point: NDArray  # (3,): middle of the loaded surface, m
-    load_rows: NDArray  # (3, m): its mean displacement by the modes
-    beside: NDArray  # (3,): change of the load's point per metre that a load shifts to the left
-    beside_rows: NDArray  # (3, m): change of its rows
+    load_point: np.ndarray  # (3,): middle of the loaded surface, m
+    load_rows: np.ndarray  # (3, m): its mean displacement by the modes
+    beside: np.ndarray  # (3,): change of the load's point per metre that a load shifts to the left
+    beside_rows: np.ndarray  # (3, m): change of its rows
     underside: Underside  # integrated modes of the underside
 
     @property
@@ -166,7 +165,7 @@ def _floating_shoe(
     )
 
 
-def side_weights(weights: NDArray, nodes: NDArray) -> tuple[NDArray, NDArray]:
+def side_weights(weights: np.ndarray, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Weights (n,) of a surface that grow evenly from nothing at one side to the right and to the left.
 
     `weights` are even ones, shares of the surface's area, at `nodes` (n, 3), m; both results together are
@@ -178,7 +177,7 @@ def side_weights(weights: NDArray, nodes: NDArray) -> tuple[NDArray, NDArray]:
     return weights * (1.0 - part), weights * (1.0 + part)
 
 
-def weights_a_metre(weights: NDArray, nodes: NDArray) -> NDArray:
+def weights_a_metre(weights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """Weights (n,) that a load over a surface has more for each metre of shift to the left.
 
     Parameters are those of `side_weights`.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from platformdirs import user_cache_path
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    import numpy as np
 
     from fem import CachedFields, CachedReduction, ElasticBody, Interface, UnitLoads
 
@@ -55,7 +55,7 @@ def cached_reduction(
     body: "ElasticBody",
     interfaces: "Sequence[Interface]",
     fixed_modes: int,
-    loads: "Mapping[str, NDArray]",
+    loads: "Mapping[str, np.ndarray]",
 ) -> "CachedReduction":
     """Reduction of a body as of `fem.cached_craig_bampton`; its warnings go to the log."""
     # `reductions_line` must not wait for finite elements

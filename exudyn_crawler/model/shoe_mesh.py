@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, Rails, Shoe, Track, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
@@ -72,7 +71,7 @@ def check_rails(mesh: Mesh, name: str, rails: Rails) -> None:
         )
 
 
-def _rectangle(footprint: NDArray) -> str:
+def _rectangle(footprint: np.ndarray) -> str:
     """Footprint for reading."""
     x0, x1, y0, y1, z = footprint
     return f"x {x0:.4g}..{x1:.4g}, y {y0:.4g}..{y1:.4g}, z {z:.4g} m"
@@ -88,10 +87,10 @@ class RailRows(NamedTuple):
     rear: float  # x of the first station, m, the shoe's frame
     spacing: float  # distance of neighbours, m
     # (lines, STATIONS + 2, 2, m): along x and z, at the stations and extrapolated evenly by one on each side
-    rows: NDArray
+    rows: np.ndarray
 
 
-def strip_lines(frame: Undercarriage, rails: Rails) -> NDArray:
+def strip_lines(frame: Undercarriage, rails: Rails) -> np.ndarray:
     """Y of the strips of a roller, those of the right tread first: array (2 strips,), m."""
     return np.concatenate([middle + frame.strip_places for middle in rails.middles])
 
@@ -101,7 +100,7 @@ def station_spacing(rails: Rails) -> float:
     return (rails.front - rails.rear) / (STATIONS - 1)
 
 
-def strip_weights(mesh: Mesh, frame: Undercarriage, rails: Rails) -> tuple[NDArray, NDArray]:
+def strip_weights(mesh: Mesh, frame: Undercarriage, rails: Rails) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (k,) of the rails, and their shares (lines, STATIONS, k) in a force at a station of a strip."""
     lines, along = strip_lines(frame, rails), np.linspace(rails.rear, rails.front, STATIONS)
     weights = station_weights(mesh, [(x, y) for y in lines for x in along])
@@ -109,7 +108,7 @@ def strip_weights(mesh: Mesh, frame: Undercarriage, rails: Rails) -> tuple[NDArr
     return nodes, weights[:, nodes].reshape(len(lines), STATIONS, -1)
 
 
-def extended(rows: NDArray) -> NDArray:
+def extended(rows: np.ndarray) -> np.ndarray:
     """Rows (lines, STATIONS, ...) at the stations, extrapolated evenly by one on either side."""
     before, behind = 2.0 * rows[:, :1] - rows[:, 1:2], 2.0 * rows[:, -1:] - rows[:, -2:-1]
     return np.ascontiguousarray(np.concatenate((before, rows, behind), axis=1))
@@ -132,7 +131,7 @@ def rail_rows(reduced: ReducedBody | None, case: Case) -> RailRows:
     return RailRows(rails.rear, station_spacing(rails), extended(rows))
 
 
-def cubic_weights(t: NDArray) -> NDArray:
+def cubic_weights(t: np.ndarray) -> np.ndarray:
     """Shares (k, STATIONS + 2) of `extended` rows in those at places (k,), in spacings from the rear end.
 
     By the cubics of `forces.treads.rows_at`.
@@ -155,10 +154,10 @@ def cubic_weights(t: NDArray) -> NDArray:
 class DrivePoint:
     """Point of a shoe, with a body of m modes; none for a rigid shoe."""
 
-    place: NDArray  # (3,): where it is in the undeformed shoe, m, the shoe's frame
-    rows: NDArray  # (3, m): its displacement by each mode; transposed, they make modal loads of a force
+    place: np.ndarray  # (3,): where it is in the undeformed shoe, m, the shoe's frame
+    rows: np.ndarray  # (3, m): its displacement by each mode; transposed, they make modal loads of a force
 
-    def arm(self, angles: NDArray, modal: NDArray) -> NDArray:
+    def arm(self, angles: np.ndarray, modal: np.ndarray) -> np.ndarray:
         """From the frame's origin to the point, global: array (..., 3), m.
 
         `angles` (..., 3) are successive rotations about x, y, z, rad, `modal` (..., m) modal coordinates.
@@ -175,7 +174,7 @@ def pulled_node(case: Case, mesh: Mesh) -> int | None:
     return int(np.argmin(np.linalg.norm(mesh.nodes - np.array(flexible.com_node), axis=1)))
 
 
-def pin_middle(track: Track, reduced: ReducedBody | None, end: str) -> tuple[NDArray, NDArray | None]:
+def pin_middle(track: Track, reduced: ReducedBody | None, end: str) -> tuple[np.ndarray, np.ndarray | None]:
     """Middle of the rear or front pins of a shoe (m), and its displacement by the modes of a flexible one."""
     if reduced is None:
         centers = [center for name, center in track.joint_centers.items() if name.startswith(end)]

@@ -14,7 +14,7 @@ from math import prod
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 VERSION = 7
 """Of the layout's text; another version is an error."""
@@ -98,7 +98,7 @@ class StateLayout:
         first, shape = self._parts["contact"]
         return first + prod(shape)
 
-    def part(self, rows: NDArray, name: str) -> NDArray:
+    def part(self, rows: np.ndarray, name: str) -> np.ndarray:
         """View of a part of rows (..., size): array (..., shape of the part).
 
         A ValueError says if there is no such part or the rows have another length.
@@ -122,7 +122,7 @@ class StateLayout:
         """Whether there is a part of this name."""
         return name in self._parts
 
-    def pack(self, parts: Mapping[str, ArrayLike]) -> NDArray:
+    def pack(self, parts: Mapping[str, ArrayLike]) -> np.ndarray:
         """Row of a state from its parts: array (size,).
 
         A ValueError names a part that is unknown, does not fit or is missing.

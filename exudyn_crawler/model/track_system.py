@@ -4,7 +4,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, CellTerrain, Terrain
 from exudyn_crawler.ground.contact import GroundContact
@@ -24,7 +23,7 @@ class NewtonError(Exception):
     the gaps of constraints; `singular` says whether the equations had no solution.
     """
 
-    def __init__(self, residual: NDArray, singular: bool) -> None:
+    def __init__(self, residual: np.ndarray, singular: bool) -> None:
         super().__init__("Newton's method failed")
         self.residual = residual
         self.singular = singular
@@ -54,12 +53,14 @@ class TrackSystem(ABC):
     mbs: "exu.MainSystem"  # the assembled system
 
     @property
-    def frequencies(self) -> NDArray | None:
+    def frequencies(self) -> np.ndarray | None:
         """Of the flexible shoes' modes, Hz: array (modes,); None without flexible shoes."""
         return None if self.floating is None else self.floating.reduced.frequencies
 
     @property
-    def treads(self) -> Callable[[float, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]] | None:
+    def treads(
+        self,
+    ) -> Callable[[float, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]] | None:
         """Reads the treads of rollers at a time (s), coordinates and rates; None without rollers.
 
         Gives forces on the shoes and their places, both (rollers, strips of both rails, 2, 3), global, N and
@@ -72,7 +73,7 @@ class TrackSystem(ABC):
         """Whether the ground holds shoes at rest by its shear, without slip."""
         return isinstance(self.case.terrain, CellTerrain)
 
-    def first_guess(self) -> NDArray:
+    def first_guess(self) -> np.ndarray:
         """Coordinates from which a rest is sought: units sunk by their weight, shoes by their loads.
 
         On ground that sticks shoes have been put down there, and shear from there.
@@ -103,23 +104,23 @@ class TrackSystem(ABC):
         """Call a function with the time after each step; the run ends where it gives False."""
         self.mbs.SetPostStepUserFunction(lambda _mbs, time: report(time))
 
-    def memory(self) -> dict[str, NDArray]:
+    def memory(self) -> dict[str, np.ndarray]:
         """Memory of the ground, as of the last step, as arrays by name; of ground without any none."""
         return {}
 
     @abstractmethod
-    def set_initial(self, q: NDArray) -> None:
+    def set_initial(self, q: np.ndarray) -> None:
         """Start from rest at the coordinates `q`."""
 
     @abstractmethod
-    def set_state(self, row: NDArray, memory: Mapping[str, NDArray] | None = None) -> None:
+    def set_state(self, row: np.ndarray, memory: Mapping[str, np.ndarray] | None = None) -> None:
         """Start from a row as of `state`, whose time goes into the solver's settings, and a memory.
 
         Without one, as of `memory`, the ground keeps what it has.
         """
 
     @abstractmethod
-    def state(self) -> NDArray:
+    def state(self) -> np.ndarray:
         """Current state in one row, laid out as `layout` says."""
 
     @abstractmethod

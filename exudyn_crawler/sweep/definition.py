@@ -11,8 +11,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from exudyn_crawler.case import CaseFile, Outputs
@@ -197,7 +197,7 @@ def design_rows(design: Design, varied: Sequence[Vary], runs: int | None, seed: 
     return list(zip(*levels, strict=True))
 
 
-def _points(design: Design, dimensions: int, runs: int, seed: int) -> NDArray:
+def _points(design: Design, dimensions: int, runs: int, seed: int) -> np.ndarray:
     """Points in the unit cube: array (points, dimensions)."""
     if design == "latin_hypercube":
         return qmc.LatinHypercube(dimensions, rng=seed).random(runs)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.fields import value_text
 from exudyn_crawler.files import note_written, whole_file
@@ -148,7 +147,7 @@ def sobol_indices(sweep: Sweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]
     return pd.concat(frames, ignore_index=True).reindex(columns=list(INDICES)), method
 
 
-def _of_grid(sweep: Sweep, _done: pd.DataFrame, answer: NDArray) -> dict[str, Any]:
+def _of_grid(sweep: Sweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
     values = answer.reshape([len(one.levels()) for one in sweep.vary])
     axes = range(values.ndim)
     alone = [values.mean(axis=tuple(one for one in axes if one != axis)).var() for axis in axes]
@@ -156,14 +155,14 @@ def _of_grid(sweep: Sweep, _done: pd.DataFrame, answer: NDArray) -> dict[str, An
     return {"first": alone / values.var(), "total": 1.0 - others / values.var()}
 
 
-def _of_saltelli(sweep: Sweep, _done: pd.DataFrame, answer: NDArray) -> dict[str, Any]:
+def _of_saltelli(sweep: Sweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
     from SALib.analyze.sobol import analyze
 
     found = analyze(salib_problem(len(sweep.vary)), answer, calc_second_order=False, seed=sweep.seed)
     return dict(zip(INDICES[2:], (found[name] for name in ("S1", "S1_conf", "ST", "ST_conf")), strict=True))
 
 
-def _of_sample(sweep: Sweep, done: pd.DataFrame, answer: NDArray) -> dict[str, Any]:
+def _of_sample(sweep: Sweep, done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
     from SALib.analyze.rbd_fast import analyze
 
     points = np.column_stack([numbers_of(done, name)[0] for name in sweep.columns])

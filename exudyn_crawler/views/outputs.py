@@ -7,7 +7,6 @@ from xml.etree import ElementTree
 import meshio
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, CellTerrain, Outputs, Terrain
 from exudyn_crawler.files import (
@@ -186,7 +185,7 @@ def _ground(case: Case, moment: xr.Dataset) -> meshio.Mesh:
     )
 
 
-def _cells(solid: Solid, **fields: NDArray) -> meshio.Mesh:
+def _cells(solid: Solid, **fields: np.ndarray) -> meshio.Mesh:
     """Copies of a solid, boxes as hexahedra and others as triangles, with values of each field a copy."""
     surface, is_box = solid.at(), len(solid.points) == 8
     cells = np.arange(len(surface.points)).reshape(-1, 8) if is_box else surface.triangles
@@ -194,7 +193,7 @@ def _cells(solid: Solid, **fields: NDArray) -> meshio.Mesh:
     return meshio.Mesh(surface.points, [("hexahedron" if is_box else "triangle", cells)], cell_data=data)
 
 
-def _forces(name: str, points: NDArray, forces: NDArray) -> Iterator[tuple[str, meshio.Mesh]]:
+def _forces(name: str, points: np.ndarray, forces: np.ndarray) -> Iterator[tuple[str, meshio.Mesh]]:
     """Forces as vertices, if there are any."""
     if len(points):
         vertices = [("vertex", np.arange(len(points))[:, None])]

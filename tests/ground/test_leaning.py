@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from exudyn_crawler import PairContact, Shoe, Terrain
 from exudyn_crawler.ground.contact import pair_law
@@ -38,7 +37,7 @@ def clipped(corners):
     return part, work[0]
 
 
-def values(part) -> NDArray:
+def values(part) -> np.ndarray:
     """What `write_gradient` gives the changes of."""
     first = [part.area, part.volume, part.xi * part.volume, part.eta * part.volume, part.depth * part.volume]
     return np.array(
@@ -92,7 +91,7 @@ class Pair(NamedTuple):
 
     track: tuple
     contacts: UnitContacts
-    work: NDArray
+    work: np.ndarray
     pitch: float
 
     def touch(self, places, rates, derive=(1.0, 0.0)):

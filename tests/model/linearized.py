@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import exudyn as exu
 import numpy as np
-from numpy.typing import NDArray
 
 
 @dataclass
@@ -15,12 +14,12 @@ class Matrices:
     rates; `dummy` tells the equations that only say that a multiplier is zero.
     """
 
-    mass: NDArray
-    stiffness: NDArray
-    damping: NDArray
-    position: NDArray
-    velocity: NDArray
-    dummy: NDArray
+    mass: np.ndarray
+    stiffness: np.ndarray
+    damping: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    dummy: np.ndarray
 
 
 def linearized(mbs: "exu.MainSystem") -> Matrices:

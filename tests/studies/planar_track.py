@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler import Case
 
 STEP = 1e-6
 
 
-def by_difference(function: Callable[[NDArray], NDArray], at: NDArray) -> NDArray:
+def by_difference(function: Callable[[np.ndarray], np.ndarray], at: np.ndarray) -> np.ndarray:
     """Central differences by every argument, a column each."""
     changes = STEP * np.eye(len(at))
     return np.column_stack([(function(at + e) - function(at - e)) / (2.0 * STEP) for e in changes])
@@ -39,7 +38,7 @@ class PlanarTrack:
         """Machine load on every shoe at t = 0, N."""
         return float(self.case.loads.loads(0.0)[0, 0])
 
-    def places(self, y: NDArray) -> NDArray:
+    def places(self, y: np.ndarray) -> np.ndarray:
         """x, z and pitch of the shoes (shoes, 3), the front shoe's x being zero."""
         track, pitch = self.case.track, y[1:]
         ahead, behind, up = track.pin_ahead, track.pitch - track.pin_ahead, track.pin_height
@@ -52,7 +51,7 @@ class PlanarTrack:
             out[k, 1] = pin_z + ahead * s[k] - up * c[k]
         return out
 
-    def directions(self, y: NDArray) -> NDArray:
+    def directions(self, y: np.ndarray) -> np.ndarray:
         """Derivative of the places, flat, by the coordinates."""
         track, pitch = self.case.track, y[1:]
         ahead, behind, up = track.pin_ahead, track.pitch - track.pin_ahead, track.pin_height
@@ -69,18 +68,18 @@ class PlanarTrack:
         out[:, :2, -1] -= front
         return out.reshape(-1, len(y))
 
-    def forces(self, y: NDArray, y_t: NDArray) -> NDArray:
+    def forces(self, y: np.ndarray, y_t: np.ndarray) -> np.ndarray:
         """Generalized forces of ground, weight and load."""
         directions = self.directions(y)
         rates = (directions @ y_t).reshape(-1, 3)
         wrenches = [self.wrench(place, rate) for place, rate in zip(self.places(y), rates, strict=True)]
         return directions.T @ np.ravel(wrenches)
 
-    def balance(self, y: NDArray) -> NDArray:
+    def balance(self, y: np.ndarray) -> np.ndarray:
         """Generalized forces while all shoes only slide."""
         return self.forces(y, np.zeros_like(y))
 
-    def wrench(self, place: NDArray, rate: NDArray) -> NDArray:
+    def wrench(self, place: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Force along x and z and pitching moment about the COM of one shoe."""
         shoe, law = self.case.shoe, self.case.contact
         s, c = np.sin(place[2]), np.cos(place[2])
@@ -105,7 +104,7 @@ class PlanarTrack:
             ]
         )
 
-    def steady(self) -> NDArray:
+    def steady(self) -> np.ndarray:
         """Coordinates of steady sliding, by Newton's method as friction grows to its value."""
         y = np.zeros(1 + self.count)
         y[0] = self.case.shoe.com_height - self.case.settled_penetration
@@ -116,7 +115,7 @@ class PlanarTrack:
         assert np.abs(self.balance(y)).max() < 1e-3
         return y
 
-    def eigenvalues(self) -> NDArray:
+    def eigenvalues(self) -> np.ndarray:
         """About steady sliding, those with a positive imaginary part, 1/s."""
         y, shoe = self.steady(), self.case.shoe
         still, n = np.zeros_like(y), len(y)

@@ -6,7 +6,6 @@ from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
-from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails, PydanticUndefined
 
@@ -71,7 +70,7 @@ Inertia = Annotated[Six, AfterValidator(_of_a_body)]
 """Ixx, Iyy, Izz, Iyz, Ixz, Ixy (tensor components), kg m2."""
 
 
-def inertia_tensor(inertia: Six) -> NDArray:
+def inertia_tensor(inertia: Six) -> np.ndarray:
     """Tensor of its components: array (3, 3)."""
     xx, yy, zz, yz, xz, xy = inertia
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

@@ -4,7 +4,6 @@ import importlib
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
@@ -64,10 +63,10 @@ class CellTerrain(Sloping):
         return (x, x + self.length), (y, y + self.width)
 
     @property
-    def units(self) -> NDArray:
+    def units(self) -> np.ndarray:
         """Numbers of units, of which there are none."""
         return np.zeros(0, dtype=int)
 
-    def surface(self, x: NDArray, y: NDArray) -> NDArray:
+    def surface(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height of the ground at places (m): array of their shape, m."""
         return np.asarray(self.relief.sample(x, y)[..., 0])

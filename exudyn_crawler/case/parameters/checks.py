@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from exudyn_crawler.case.case import Case
@@ -51,7 +50,7 @@ def _loads(case: Case) -> Iterator[str]:
             )
 
 
-def _in_kilonewtons(loads: NDArray, at: str, end: str) -> Iterator[str]:
+def _in_kilonewtons(loads: np.ndarray, at: str, end: str) -> Iterator[str]:
     """Loads on some shoes that would be like those on the others if they were in kN."""
     small = (loads > 0.0) & (loads * CLEARLY_LESS < loads.max())
     if not small.any():
@@ -65,7 +64,7 @@ def _in_kilonewtons(loads: NDArray, at: str, end: str) -> Iterator[str]:
         )
 
 
-def _shoes(numbers: NDArray) -> str:
+def _shoes(numbers: np.ndarray) -> str:
     """Numbers of shoes for reading: "shoe 3", "shoes 1..13", "shoes 1, 2, 5"."""
     if len(numbers) > 2 and numbers[-1] - numbers[0] + 1 == len(numbers):
         return f"shoes {numbers[0]}..{numbers[-1]}"

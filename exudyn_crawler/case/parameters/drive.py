@@ -4,7 +4,7 @@ from functools import lru_cache
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
@@ -45,26 +45,26 @@ class StepProfile(Parameters):
         """Same value at all times."""
         return cls(times=(0.0,), values=(value,))
 
-    def _at(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
+    def _at(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Number of the STEP that each time lies in, and the share of it that is over; 0 before the first."""
         times, _, lengths, _ = _steps(self.times, self.values)
         inside = np.minimum(np.maximum(time, times[0]), times[-1])
         step = times.searchsorted(inside, side="right") - 1
         return step, (inside - times[step]) / lengths[step]
 
-    def value(self, time: ArrayLike) -> NDArray:
+    def value(self, time: ArrayLike) -> np.ndarray:
         """Value at each time."""
         _, values, _, rises = _steps(self.times, self.values)
         step, s = self._at(time)
         return values[step] + rises[step] * s**2 * (3.0 - 2.0 * s)
 
-    def rate(self, time: ArrayLike) -> NDArray:
+    def rate(self, time: ArrayLike) -> np.ndarray:
         """Time derivative at each time."""
         _, _, lengths, rises = _steps(self.times, self.values)
         step, s = self._at(time)
         return 6.0 * rises[step] / lengths[step] * s * (1.0 - s)
 
-    def integral(self, time: ArrayLike) -> NDArray:
+    def integral(self, time: ArrayLike) -> np.ndarray:
         """Integral from the first given time to each time (negative before it)."""
         times, values, lengths, rises = _steps(self.times, self.values)
         step, s = self._at(time)
@@ -75,7 +75,9 @@ class StepProfile(Parameters):
 
 
 @lru_cache(maxsize=256)
-def _steps(times: tuple[float, ...], values: tuple[float, ...]) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+def _steps(
+    times: tuple[float, ...], values: tuple[float, ...]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Start (s), first value, length (s) and rise of every STEP, a flat one last."""
     starts, firsts = np.array(times), np.array(values)
     return starts, firsts, np.append(np.diff(starts), 1.0), np.append(np.diff(firsts), 0.0)

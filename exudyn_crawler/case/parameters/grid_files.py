@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import RectBivariateSpline
 from scipy.ndimage import gaussian_filter
 
@@ -19,9 +18,9 @@ STEEPEST = 1.0
 class HeightGrid(NamedTuple):
     """Heights (nx, ny) at places (nx,) and (ny,) that rise evenly; m."""
 
-    x: NDArray
-    y: NDArray
-    z: NDArray
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
 
 
 class MeasuredGrid(Parameters):
@@ -69,7 +68,7 @@ class MeasuredGrid(Parameters):
         return HeightGrid(x, y, gaussian_filter(grid.z, widths, mode="nearest"))
 
     @property
-    def _slopes(self) -> tuple[NDArray, NDArray]:
+    def _slopes(self) -> tuple[np.ndarray, np.ndarray]:
         x, y, z = self._grid
         return np.diff(z, axis=0) / (x[1] - x[0]), np.diff(z, axis=1) / (y[1] - y[0])
 
@@ -77,7 +76,7 @@ class MeasuredGrid(Parameters):
     def _spline(self) -> RectBivariateSpline:
         return RectBivariateSpline(*self._grid)
 
-    def sample(self, x: NDArray, y: NDArray) -> NDArray:
+    def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height and slopes as of `Heights.sample`."""
         grid, ev = self._grid, self._spline.ev
         out = np.stack([ev(x, y), ev(x, y, dx=1), ev(x, y, dy=1)], axis=-1)

@@ -8,7 +8,6 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, Place, quantity
@@ -36,7 +35,7 @@ class Ridge(Parameters):
     flank: float = quantity("m", "length of each flank, seen from above", gt=0, le=1e3)
     length: float = quantity("m", "of the top along the ridge", gt=0, le=1e6, default=1e6)
 
-    def sample(self, x: NDArray, y: NDArray) -> NDArray:
+    def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height and slopes as of `Heights.sample`."""
         c, s = math.cos(math.radians(self.heading)), math.sin(math.radians(self.heading))
         x, y = x - self.x, y - self.y
@@ -57,7 +56,7 @@ class Stone(Parameters):
     width: float = quantity("m", "diameter of the top", ge=0, le=1e3, default=0.0)
     flank: float = quantity("m", "length of the flank, seen from above", gt=0, le=1e3)
 
-    def sample(self, x: NDArray, y: NDArray) -> NDArray:
+    def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height and slopes as of `Heights.sample`."""
         x, y = x - self.x, y - self.y
         radius = np.hypot(x, y)
@@ -84,7 +83,7 @@ class Roughness(Parameters):
         if self.shortest >= self.longest:
             yield f"shortest must be below longest = {self.longest}, got {self.shortest}"
 
-    def sample(self, x: NDArray, y: NDArray) -> NDArray:
+    def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height and slopes as of `Heights.sample`."""
         random, w = np.random.default_rng(self.seed), self.exponent
         ends = np.geomspace(1.0 / self.longest, 1.0 / self.shortest, BANDS + 1)
@@ -118,7 +117,7 @@ class Heights(Parameters):
     roughness: Roughness | None = Field(default=None, description="random roughness; None: smooth")
     measured: MeasuredGrid | None = Field(default=None, description="measured heights; None: none")
 
-    def sample(self, x: NDArray, y: NDArray) -> NDArray:
+    def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height (m) and slopes along x and y at places (m): array (..., 3); NaN beyond measured heights."""
         z = self.level + self.slope_x * x + self.slope_y * y
         out = np.stack((z, np.full_like(z, self.slope_x), np.full_like(z, self.slope_y)), axis=-1)
@@ -150,7 +149,7 @@ class Heights(Parameters):
             raise ParameterError("\n".join(lines))
 
 
-def _hump(distance: NDArray, width: float, flank: float) -> tuple[NDArray, NDArray]:
+def _hump(distance: np.ndarray, width: float, flank: float) -> tuple[np.ndarray, np.ndarray]:
     """One within half a width of zero, falling to zero over a flank by a cubic STEP; and its derivative."""
     s = np.clip((np.abs(distance) - 0.5 * width) / flank, 0.0, 1.0)
     return 1.0 - s * s * (3.0 - 2.0 * s), -6.0 * s * (1.0 - s) / flank * np.sign(distance)

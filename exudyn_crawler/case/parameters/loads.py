@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
@@ -38,7 +38,7 @@ class Cycle(Parameters):
         """Quantity over time of its values at the ends of the phases."""
         return StepProfile(times=tuple(phase.end for phase in self.phases), values=tuple(values))
 
-    def columns(self, time: ArrayLike, rows: Iterable[Iterable[float]]) -> NDArray:
+    def columns(self, time: ArrayLike, rows: Iterable[Iterable[float]]) -> np.ndarray:
         """Quantities at each time of their values at the ends of the phases, a row each: (times, columns)."""
         t = np.atleast_1d(np.asarray(time, dtype=float))
         return np.column_stack([self.over_time(values).value(t) for values in zip(*rows, strict=True)])
@@ -159,7 +159,7 @@ class LoadCycle(Cycle):
         """How far beside the load points the loads act over time, m, positive to the left."""
         return self.over_time(phase.side_shift for phase in self.phases)
 
-    def loads(self, time: ArrayLike) -> NDArray:
+    def loads(self, time: ArrayLike) -> np.ndarray:
         """Loads at each time: array (times, shoes), N downward."""
         return self.columns(time, [phase.loads for phase in self.phases])
 
@@ -190,7 +190,7 @@ def with_equal_loads(content: Any, shoe_count: int) -> Any:
     return content
 
 
-def _falling(greatest: float, total: float, distance: NDArray) -> NDArray:
+def _falling(greatest: float, total: float, distance: np.ndarray) -> np.ndarray:
     """Loads that fall evenly with the distance from `greatest` to nothing, with a given sum."""
     reach = np.cumsum(np.sort(distance))
     count = np.arange(1, len(reach) + 1)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters.base import (
@@ -30,7 +30,7 @@ class Sloping(Parameters):
     side_slope: Slope = quantity("1", "the same along y; + rises to the left", (-0.3, 0.3), default=0.0)
 
     @property
-    def down(self) -> NDArray:
+    def down(self) -> np.ndarray:
         """Direction of gravity: unit vector (3,) in the ground's axes.
 
         An axis whose ground rises by s over a horizontal run of 1 points up by the sine s / sqrt(1 + s**2).
@@ -144,7 +144,7 @@ class Terrain(Sloping):
             raise ValueError(f"standard_deviation must be finite and not negative, got {standard_deviation}")
         return self._raised(np.random.default_rng(seed).normal(0.0, standard_deviation, self.unit_count))
 
-    def with_profile(self, height: Callable[[NDArray], ArrayLike]) -> Self:
+    def with_profile(self, height: Callable[[np.ndarray], ArrayLike]) -> Self:
         """Copy with a smooth ground whose height (m) is a function of x (m, array), straight along each unit.
 
         Its units pitch.
@@ -157,11 +157,11 @@ class Terrain(Sloping):
         heights = np.broadcast_to(np.asarray(height(self.edges), dtype=float), self.edges.shape)
         return self.with_(profile=tuple(heights.tolist()), tilt="pitch")
 
-    def _raised(self, change: NDArray) -> Self:
+    def _raised(self, change: np.ndarray) -> Self:
         return self.with_(heights=tuple((self.top_heights + change).tolist()))
 
     @property
-    def top_heights(self) -> NDArray:
+    def top_heights(self) -> np.ndarray:
         """Height of the middle of every unit's top face, with the springs free: array (units,), m."""
         if self.profile is not None:
             edges = np.array(self.profile)
@@ -169,23 +169,23 @@ class Terrain(Sloping):
         return np.zeros(self.unit_count) if self.heights is None else np.array(self.heights)
 
     @property
-    def edges(self) -> NDArray:
+    def edges(self) -> np.ndarray:
         """Places of the edges of the columns: array (columns + 1,), m, global x."""
         return self.origin[0] + self.unit_length * np.arange(self.columns + 1)
 
     @property
-    def slopes(self) -> NDArray:
+    def slopes(self) -> np.ndarray:
         """Rise over run along x of every unit's top face, with the springs free: array (units,)."""
         if self.profile is None:
             return np.zeros(self.unit_count)
         return np.repeat(np.diff(self.profile) / self.unit_length, self.rows)
 
     @property
-    def tilts(self) -> NDArray:
+    def tilts(self) -> np.ndarray:
         """Tilt of every unit with the springs free: array (units,), rad; positive lowers the front."""
         return -np.arctan(self.slopes)
 
-    def profile_along(self, x: NDArray) -> NDArray:
+    def profile_along(self, x: np.ndarray) -> np.ndarray:
         """Height of the profile at places x (m): array of their shape, m; zero without a profile."""
         return np.zeros_like(x) if self.profile is None else np.interp(x, self.edges, self.profile)
 
@@ -195,7 +195,7 @@ class Terrain(Sloping):
         return self.columns * self.rows
 
     @property
-    def units(self) -> NDArray:
+    def units(self) -> np.ndarray:
         """Unit numbers 1..n."""
         return np.arange(1, self.unit_count + 1)
 
@@ -206,14 +206,14 @@ class Terrain(Sloping):
         return (x, x + self.columns * self.unit_length), (y, y + self.rows * self.unit_width)
 
     @property
-    def middles(self) -> NDArray:
+    def middles(self) -> np.ndarray:
         """Middles of the units' top faces with the springs free: array (units, 2), m, global x and y."""
         column, row = np.divmod(np.arange(self.unit_count), self.rows)
         sides = np.array([self.unit_length, self.unit_width])
         return np.array(self.origin) + (np.column_stack((column, row)) + 0.5) * sides
 
     @property
-    def centers(self) -> NDArray:
+    def centers(self) -> np.ndarray:
         """Unit centres with the springs free: array (units, 3), m, global."""
         places = np.column_stack((self.middles, np.full(self.unit_count, -0.5 * self.unit_height)))
         if self.profile is not None:
@@ -237,7 +237,7 @@ class Terrain(Sloping):
         return self.density * self.unit_length * self.unit_width * self.unit_height
 
     @property
-    def unit_inertia(self) -> NDArray:
+    def unit_inertia(self) -> np.ndarray:
         """Principal moments of inertia of a unit (a solid box): array (3,), kg m2."""
         x, y, z = self.unit_length, self.unit_width, self.unit_height
         return self.unit_mass / 12.0 * np.array([y**2 + z**2, x**2 + z**2, x**2 + y**2])

@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
@@ -174,17 +173,17 @@ class Shoe(Parameters):
         return self.with_(mass=mass, inertia=tuple(ratio * value for value in self.inertia))
 
     @property
-    def inertia_tensor(self) -> NDArray:
+    def inertia_tensor(self) -> np.ndarray:
         """Inertia tensor about the COM, array (3, 3), kg m2."""
         return base.inertia_tensor(self.inertia)
 
     @property
-    def fingers(self) -> NDArray:
+    def fingers(self) -> np.ndarray:
         """Right and left side of every finger: array (fingers, 2), m, y in the shoe's frame."""
         return np.array(self.finger_sides, dtype=float).reshape(-1, 2)
 
     @property
-    def footprint(self) -> NDArray:
+    def footprint(self) -> np.ndarray:
         """Underside in the shoe's frame: least and greatest x, least and greatest y, z; m."""
         cx, cy = self.underside_center
         x, y = 0.5 * self.length, 0.5 * self.width
@@ -221,32 +220,32 @@ class Track(Parameters):
             raise ValueError(f"shoe must be in 1..{self.shoe_count}, got {shoe}")
 
     @property
-    def shoes(self) -> NDArray:
+    def shoes(self) -> np.ndarray:
         """Shoe numbers 1..n, rear to front."""
         return np.arange(1, self.shoe_count + 1)
 
     @property
-    def joints(self) -> NDArray:
+    def joints(self) -> np.ndarray:
         """Link numbers 1..n-1; link i joins shoes i and i+1."""
         return np.arange(1, self.shoe_count)
 
-    def com_positions(self, com_height: float) -> NDArray:
+    def com_positions(self, com_height: float) -> np.ndarray:
         """COMs at t = 0 with the undersides at z = 0: array (shoes, 3), m, global."""
         along = self.first_com[0] + self.pitch * np.arange(self.shoe_count)
         return np.column_stack(np.broadcast_arrays(along, self.first_com[1], com_height))
 
     @property
-    def front_pin(self) -> NDArray:
+    def front_pin(self) -> np.ndarray:
         """Spherical joint at the front of a shoe, in its frame: array (3,), m."""
         return np.array([self.pin_ahead, self.spherical_y - self.first_com[1], self.pin_height])
 
     @property
-    def rear_pin(self) -> NDArray:
+    def rear_pin(self) -> np.ndarray:
         """Spherical joint at the rear of a shoe, in its frame: array (3,), m."""
         return self.front_pin - np.array([self.pitch, 0.0, 0.0])
 
     @property
-    def joint_centers(self) -> dict[str, NDArray]:
+    def joint_centers(self) -> dict[str, np.ndarray]:
         """Joint centres of a shoe in its frame, m: "front right", "front left", "rear right", "rear left"."""
         across = np.array([0.0, self.parallel_y - self.spherical_y, 0.0])
         return {

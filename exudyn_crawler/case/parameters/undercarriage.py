@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
@@ -69,18 +69,18 @@ class Undercarriage(Parameters):
         return cls(**ph4100c.UNDERCARRIAGE)
 
     @property
-    def inertia_tensor(self) -> NDArray:
+    def inertia_tensor(self) -> np.ndarray:
         """Inertia tensor about the COM: array (3, 3), kg m2."""
         return base.inertia_tensor(self.inertia)
 
     @property
-    def strip_places(self) -> NDArray:
+    def strip_places(self) -> np.ndarray:
         """Y of the strips' middles beside that of their tread: array (strips,), m."""
         # two resist tilting at the Gauss points as an evenly spread contact does
         points, _ = np.polynomial.legendre.leggauss(self.strips)
         return 0.5 * self.tread_width * points
 
-    def shares_of_links(self, ahead: ArrayLike, links: int, pitch: float) -> NDArray:
+    def shares_of_links(self, ahead: ArrayLike, links: int, pitch: float) -> np.ndarray:
         """Shares of the links in a tumbler's pull `ahead` (m) of link 1's pins: array (times, links)."""
         place = np.asarray(ahead, dtype=float)[..., None] / pitch
         return np.clip(1.0 - np.abs(place - np.arange(links)), 0.0, None)
@@ -220,12 +220,12 @@ class MachineCycle(Cycle):
             phases.append(MachinePhase(name=pose.name, end=pose.end, force=force, moment=(0.0, turn, 0.0)))
         return cls(phases=tuple(phases))
 
-    def wrench(self, time: ArrayLike) -> tuple[NDArray, NDArray]:
+    def wrench(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Force (N) and moment (N m) at each time (s): array (times, 3) each."""
         both = self.columns(time, [(*phase.force, *phase.moment) for phase in self.phases])
         return both[:, :3], both[:, 3:]
 
-    def balance_errors(self, frame: Undercarriage, gravity: NDArray) -> Errors:
+    def balance_errors(self, frame: Undercarriage, gravity: np.ndarray) -> Errors:
         """Phases at whose ends, and so ever, a roller would have to pull; gravity: (3,), m/s2."""
         weight, rear, front = frame.mass * gravity, frame.rollers[0], frame.rollers[-1]
         for phase in self.phases:
@@ -243,7 +243,7 @@ class MachineCycle(Cycle):
                 yield f"{at}s weight acts {aside}: the side frame tips"
 
 
-def _loads(shovel: Shovel, pose: Pose, down: NDArray) -> tuple[NDArray, NDArray]:
+def _loads(shovel: Shovel, pose: Pose, down: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Forces on the machine (N) and their places from the swing axis at the rollers (m): (k, 3) each."""
     ahead = np.array([math.cos(pose.swing), math.sin(pose.swing), 0.0])
     up = np.array([0.0, 0.0, 1.0])

@@ -3,7 +3,6 @@
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.cells.ground import CellGround
@@ -49,21 +48,21 @@ class CellGroundContact:
         """Number of generalized coordinates without modes: six a shoe."""
         return self.shoe_reference.size
 
-    def results(self, _q: NDArray, _q_t: NDArray, stored: NDArray | None = None) -> NDArray:
+    def results(self, _q: np.ndarray, _q_t: np.ndarray, stored: np.ndarray | None = None) -> np.ndarray:
         """Contacts that a state has stored: one a shoe, of no area where it hangs in the air."""
         return np.zeros((0, RESULTS)) if stored is None else stored[:, :RESULTS]
 
-    def unit_motion(self, _q: NDArray) -> NDArray:
+    def unit_motion(self, _q: np.ndarray) -> np.ndarray:
         """Of no units."""
         return np.zeros((0, 4))
 
-    def settled_depth(self, loads: NDArray) -> NDArray:
+    def settled_depth(self, loads: np.ndarray) -> np.ndarray:
         """Sinkage (m) of shoes under these loads (N) that lie flat on fresh ground."""
         shoe, law = self._case.shoe, self._case.cell_contact().law
         pressures = np.maximum(loads, 0.0) / (shoe.length * shoe.width)
         return np.array([law.sinkage(float(p), min(shoe.length, shoe.width)) for p in pressures])
 
-    def surface(self, x: NDArray) -> NDArray:
+    def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) at places x (m) of the straight line on which a chain lies that is put on the ground."""
         shoe, (x0, *_), (x1, *_) = self._case.shoe, self.shoe_reference[0], self.shoe_reference[-1]
         along = np.arange(x0 - shoe.length, x1 + shoe.length, self.ground.tiles.cell)
@@ -72,11 +71,11 @@ class CellGroundContact:
         slope = np.polyfit(along, heights, 1)[0]
         return np.asarray(slope * x + (heights - slope * along).max())
 
-    def ground_below(self, _q: NDArray, heights: NDArray) -> NDArray:
+    def ground_below(self, _q: np.ndarray, heights: np.ndarray) -> np.ndarray:
         """Of no units."""
         return heights
 
-    def sunken(self, _q: NDArray) -> list[int]:
+    def sunken(self, _q: np.ndarray) -> list[int]:
         """None: the law pushes a shoe up from any depth."""
         return []
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import CrawlerError
@@ -83,7 +83,7 @@ class CellGround:
             np.zeros(0),
         )
 
-    def cover(self, frames: NDArray, before: NDArray) -> None:
+    def cover(self, frames: np.ndarray, before: np.ndarray) -> None:
         """Freeze which cells lie under the shoes, with their memory, for one step.
 
         Parameters
@@ -110,7 +110,7 @@ class CellGround:
         gather(tuple(self.tiles), self.arrays)
         prepare_shoes(self.arrays)
 
-    def press(self, frames: NDArray, weights: tuple[float, float] = (0.0, 0.0)) -> NDArray:
+    def press(self, frames: np.ndarray, weights: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
         """Wrenches (shoes, 6) on the shoes at their frames, N and N m about the frames' origins, global.
 
         `weights` as of `kernel.press`, which compiled equations call; the tangents are in ``shoes.tangent``.
@@ -122,13 +122,13 @@ class CellGround:
         """Let the cells remember the last `press`: once, where a step is accepted."""
         self._held = commit(tuple(self.tiles), self.arrays, self._held)
 
-    def coarse_forces(self, frames: NDArray) -> NDArray:
+    def coarse_forces(self, frames: np.ndarray) -> np.ndarray:
         """Forces of the last `press` on a grid of each underside: (shoes, *COARSE, 3), N, shoes' axes."""
         out = np.zeros((len(self.shoes.counts), *COARSE, 3))
         coarse_forces(self.arrays, frames, out)
         return out
 
-    def state(self) -> dict[str, NDArray]:
+    def state(self) -> dict[str, np.ndarray]:
         """Committed memory, from which `restore` goes on bit for bit.
 
         Returns
@@ -146,7 +146,7 @@ class CellGround:
         cells = SIDE * self._names[tile] + np.column_stack(np.divmod(within, SIDE))
         return {"cells": cells, "memory": self.tiles.memory[rows], "held": np.searchsorted(rows, self._held)}
 
-    def restore(self, state: Mapping[str, NDArray]) -> None:
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Take a state as of `state`, on ground that is fresh otherwise."""
         self.tiles.memory[:] = 0.0
         self.tiles.memory[:, 4] = self.tiles.fresh
@@ -158,7 +158,7 @@ class CellGround:
         self.tiles.memory[rows] = state["memory"]
         self._held = rows[state["held"]]
 
-    def _add_tiles(self, frames: NDArray) -> None:
+    def _add_tiles(self, frames: np.ndarray) -> None:
         """Make the tiles below the bounds of the shoes that are not there yet."""
         rotations = frames[:, 3:12].reshape(-1, 3, 3)
         corners = frames[:, None, :2] + np.einsum("sik,ck->sci", rotations, self.shoes.corners)[..., :2]
@@ -173,7 +173,7 @@ class CellGround:
         }
         self._make_tiles(np.array(sorted(wanted)))
 
-    def _make_tiles(self, names: NDArray) -> None:
+    def _make_tiles(self, names: np.ndarray) -> None:
         """Make tiles (n, 2), of which some may be there, with fresh memory."""
         names = np.array([one for one in names.tolist() if not self._has(*one)], dtype=np.int64).reshape(
             -1, 2

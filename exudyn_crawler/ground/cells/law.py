@@ -17,7 +17,6 @@ from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from exudyn_crawler.case.parameters.base import quantity
@@ -156,7 +155,9 @@ class CellLaw(SoilLaw):
             deep *= 2.0
         return float(brentq(excess, 0.0, deep)) if pressure > 0.0 else 0.0
 
-    def drive(self, depths: NDArray, slips: NDArray, width: float = 0.65) -> tuple[NDArray, NDArray]:
+    def drive(
+        self, depths: np.ndarray, slips: np.ndarray, width: float = 0.65
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Pressure and shear stress (Pa) of a cell along a path of accepted steps without rates.
 
         Parameters

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground.terrain import terrain_joints
@@ -28,9 +27,9 @@ class Point(NamedTuple):
     """A point of a body that joints or loads attach to, as of `joints.Markers`."""
 
     body: int
-    position: NDArray
-    displacement: NDArray
-    rotation: NDArray
+    position: np.ndarray
+    displacement: np.ndarray
+    rotation: np.ndarray
 
 
 class Shoes(NamedTuple):
@@ -87,7 +86,7 @@ def _generic_node(mbs: "exu.MainSystem", name: str, size: int) -> int:
     )
 
 
-def _sparse(values: NDArray) -> "exu.MatrixContainer":
+def _sparse(values: np.ndarray) -> "exu.MatrixContainer":
     rows, columns = np.nonzero(values)
     container = exu.MatrixContainer()
     triplets = np.column_stack((rows, columns, values[rows, columns]))
@@ -104,7 +103,7 @@ def add_shoe_nodes(mbs: "exu.MainSystem", tables: Tables) -> list[int]:
 
 
 def add_shoes(
-    mbs: "exu.MainSystem", tables: Tables, nodes: list[int], points: Sequence[Point], gravity: NDArray
+    mbs: "exu.MainSystem", tables: Tables, nodes: list[int], points: Sequence[Point], gravity: np.ndarray
 ) -> Shoes:
     """Rigid bodies and floating frames of the tables on their nodes, with their weights.
 
@@ -127,7 +126,7 @@ def add_shoes(
     return shoes
 
 
-def _inertia(tables: Tables, b: int) -> tuple[NDArray, NDArray]:
+def _inertia(tables: Tables, b: int) -> tuple[np.ndarray, np.ndarray]:
     """Inertia (3, 3) of a body about its frame's origin, kg m2, and its COM (3,), m."""
     second = tables.bodies.second[b]
     return np.trace(second) * np.eye(3) - second, tables.bodies.first[b] / tables.bodies.mass[b]
@@ -159,7 +158,7 @@ def _floating_body(
     """Floating frame of reference, with massless nodes that move as its points do by the modes."""
     inertia, com = _inertia(tables, b)
     modes = tables.modes
-    positions: list[NDArray] = []
+    positions: list[np.ndarray] = []
     rows, massless = [], []
     for point in points:
         offsets = CORNERS if point.rotation.any() else np.zeros((1, 3))
@@ -192,7 +191,7 @@ def _floating_body(
     return body, markers
 
 
-def floating_integrals(tables: Tables) -> dict[str, NDArray]:
+def floating_integrals(tables: Tables) -> dict[str, np.ndarray]:
     """Integrals over a flexible body as `ObjectFFRFreducedOrder` names them, of those of the tables.
 
     They are those of the nodal-based floating frame of reference formulation with modal reduction (Zwölfer
@@ -205,7 +204,7 @@ def floating_integrals(tables: Tables) -> dict[str, NDArray]:
     cross = np.zeros((3, 3, 3))
     cross[[0, 1, 2], [1, 2, 0], [2, 0, 1]], cross[[0, 1, 2], [2, 0, 1], [1, 2, 0]] = 1.0, -1.0
 
-    def both_skew(pairs: NDArray) -> NDArray:
+    def both_skew(pairs: np.ndarray) -> np.ndarray:
         return np.einsum("...aka,rs->...rks", pairs, np.eye(3)) - np.einsum("...skr->...rks", pairs)
 
     return {
@@ -218,7 +217,7 @@ def floating_integrals(tables: Tables) -> dict[str, NDArray]:
     }
 
 
-def add_terrain_modes(mbs: "exu.MainSystem", terrain: TerrainTable, gravity: NDArray) -> list[int]:
+def add_terrain_modes(mbs: "exu.MainSystem", terrain: TerrainTable, gravity: np.ndarray) -> list[int]:
     """Terrain in its independent coordinates; gives their node."""
     size = len(terrain.stiffness)
     node = _generic_node(mbs, "terrain", size)
@@ -275,7 +274,7 @@ def add_units(mbs: "exu.MainSystem", case: Case, fixed: int) -> list[int]:
     return nodes
 
 
-def _add_springs(mbs: "exu.MainSystem", case: Case, bodies: tuple[int, int], center: NDArray) -> None:
+def _add_springs(mbs: "exu.MainSystem", case: Case, bodies: tuple[int, int], center: np.ndarray) -> None:
     """Springs between the ground and a unit, one or two across it."""
     terrain = case.unit_terrain()
     across = np.eye(3)[0 if terrain.tilt == "pitch" else 1]

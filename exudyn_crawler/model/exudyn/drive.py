@@ -4,7 +4,6 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.model.engine import exu, items
@@ -15,11 +14,11 @@ from exudyn_crawler.model.tables import Tables
 
 X = np.array([1.0, 0.0, 0.0])
 
-Direction = Callable[[NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
+Direction = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
 """Of a rotation matrix and modal coordinates: force, moment about the frame's origin and modal forces."""
 
 
-def _at_time(function: Callable[[float], NDArray]) -> Callable[[float], float]:
+def _at_time(function: Callable[[float], np.ndarray]) -> Callable[[float], float]:
     """Function of time as a number, cached: a step asks for the same time again and again."""
 
     @lru_cache(maxsize=4)
@@ -45,11 +44,11 @@ def add_loads(mbs: "exu.MainSystem", case: Case, markers: list[int], static: boo
         mbs.AddLoad(load)
 
 
-def _share(profile: StepProfile, shift: StepProfile, side: float) -> Callable[[float], NDArray]:
+def _share(profile: StepProfile, shift: StepProfile, side: float) -> Callable[[float], np.ndarray]:
     return lambda time: 0.5 * profile.value(time) * (1.0 + side * shift.value(time))
 
 
-def _along(size: Callable[[float], float], down: NDArray) -> Callable[..., list[float]]:
+def _along(size: Callable[[float], float], down: np.ndarray) -> Callable[..., list[float]]:
     """Exudyn's user function of a load over time in a direction."""
     x, y, z = down.tolist()
 
@@ -60,7 +59,7 @@ def _along(size: Callable[[float], float], down: NDArray) -> Callable[..., list[
     return force
 
 
-def add_slope_friction(mbs: "exu.MainSystem", case: Case, nodes: list[int], masses: NDArray) -> None:
+def add_slope_friction(mbs: "exu.MainSystem", case: Case, nodes: list[int], masses: np.ndarray) -> None:
     """`static_friction` on the shoes, for a rest on a slope."""
     for node, force, moment in zip(nodes, *static_friction(case, masses), strict=True):
         frame = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
@@ -122,7 +121,7 @@ class FrontShoe:
         def turned(_mbs, _t, _item, q, _q_t, _velocity_level):
             return [float(matrices_of(np.array(q[3:SIZE]))[0, 1])]
 
-        def turning(R: NDArray, z: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        def turning(R: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             return np.zeros(3), np.cross(R[:, 1], X), 0.0 * z
 
         return [
@@ -131,13 +130,13 @@ class FrontShoe:
             self._constrain(f"{name} (rotation about z)", turning, turned, velocity_level=False),
         ]
 
-    def _point(self, z: NDArray) -> NDArray:
+    def _point(self, z: np.ndarray) -> np.ndarray:
         return self._place + self._rows @ z
 
-    def _along_x(self, R: NDArray, z: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    def _along_x(self, R: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return X, np.cross(R @ self._point(z), X), self._rows.T @ R[0]
 
-    def _row(self, direction: Direction, q: list[float]) -> NDArray:
+    def _row(self, direction: Direction, q: list[float]) -> np.ndarray:
         """Row of the Jacobian of a constraint, at coordinates that come with those of reference."""
         values = np.array(q)
         e = values[3:SIZE]

@@ -6,7 +6,6 @@ singular. With ``omega = G(e) e'`` and ``G G^T = 4`` go ``e' = G^T omega / 4`` a
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from exudyn_crawler.ground import rotations
@@ -18,14 +17,14 @@ SIZE = 7
 """Coordinates of a body: displacement and Euler parameters."""
 
 
-def rate_matrix(e: NDArray) -> NDArray:
+def rate_matrix(e: np.ndarray) -> np.ndarray:
     """G of Euler parameters (..., 4), which makes global angular velocities of their rates: (..., 3, 4)."""
     e0, e1, e2, e3 = np.moveaxis(e, -1, 0)
     rows = ((-e1, e0, -e3, e2), (-e2, e3, e0, -e1), (-e3, -e2, e1, e0))
     return 2.0 * np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def matrices_of(e: NDArray) -> NDArray:
+def matrices_of(e: np.ndarray) -> np.ndarray:
     """Rotation matrices of Euler parameters (..., 4) of any norm: array (..., 3, 3).
 
     ``R = G Gb^T / 4`` with Gb, which makes angular velocities in body components (Nikravesh, ch. 6).
@@ -41,19 +40,19 @@ class BodyCoordinates:
     `reference` (bodies, 6) are positions (m) and angles (rad) where the coordinates of a state are zero.
     """
 
-    def __init__(self, reference: NDArray) -> None:
+    def __init__(self, reference: np.ndarray) -> None:
         self._reference = reference
         self._turned = reference[:, 3:].copy()
 
-    def _split(self, values: NDArray, size: int) -> tuple[NDArray, NDArray]:
+    def _split(self, values: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates of bodies (bodies, size), and the rest."""
         count = size * len(self._reference)
         return values[:count].reshape(-1, size), values[count:]
 
-    def _parameters(self, q: NDArray) -> NDArray:
+    def _parameters(self, q: np.ndarray) -> np.ndarray:
         return self._split(q, SIZE)[0][:, 3:] + UNTURNED
 
-    def motion(self, q: NDArray, q_t: NDArray) -> tuple[NDArray, NDArray]:
+    def motion(self, q: np.ndarray, q_t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions and angles (bodies, 6) of Exudyn's coordinates, and their rates."""
         bodies, rates = self._split(q, SIZE)[0], self._split(q_t, SIZE)[0]
         e = bodies[:, 3:] + UNTURNED
@@ -62,7 +61,7 @@ class BodyCoordinates:
         places = np.hstack((self._reference[:, :3] + bodies[:, :3], angles))
         return places, np.hstack((rates[:, :3], rotations.angle_rates(angles, omega)))
 
-    def of_state(self, q: NDArray, q_t: NDArray, q_tt: NDArray) -> list[NDArray]:
+    def of_state(self, q: np.ndarray, q_t: np.ndarray, q_tt: np.ndarray) -> list[np.ndarray]:
         """Exudyn's coordinates, rates and accelerations of a state's."""
         bodies, rates, accelerations = (self._split(values, 6)[0] for values in (q, q_t, q_tt))
         angles = self._reference[:, 3:] + bodies[:, 3:]
@@ -81,7 +80,7 @@ class BodyCoordinates:
             )
         ]
 
-    def to_state(self, q: NDArray, q_t: NDArray, q_tt: NDArray) -> list[NDArray]:
+    def to_state(self, q: np.ndarray, q_t: np.ndarray, q_tt: np.ndarray) -> list[np.ndarray]:
         """A state's coordinates, rates and accelerations of Exudyn's.
 
         Whole turns are those next to the state that was read or set last.
@@ -103,18 +102,18 @@ class BodyCoordinates:
             )
         ]
 
-    def generalized(self, q: NDArray, wrenches: NDArray) -> NDArray:
+    def generalized(self, q: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
         """Forces on Exudyn's coordinates of the bodies of wrenches (bodies, 6) about their origins."""
         turning = np.einsum("nij,ni->nj", rate_matrix(self._parameters(q)), wrenches[:, 3:])
         return np.hstack((wrenches[:, :3], turning)).ravel()
 
-    def wrenches(self, q: NDArray, forces: NDArray) -> NDArray:
+    def wrenches(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Forces (N) and moments about the origins (N m) of forces on Exudyn's coordinates: (bodies, 6)."""
         own = self._split(forces, SIZE)[0]
         moments = 0.25 * np.einsum("nij,nj->ni", rate_matrix(self._parameters(q)), own[:, 3:])
         return np.hstack((own[:, :3], moments))
 
-    def forces_to_state(self, q: NDArray, forces: NDArray) -> NDArray:
+    def forces_to_state(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Generalized forces on a state's coordinates of those on Exudyn's."""
         wrenches = self.wrenches(q, forces)
         angles = rotations.angles_of(matrices_of(self._parameters(q)))

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Case, StepProfile, Terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
@@ -169,7 +169,7 @@ class ExudynSystem(TrackSystem):
 
         self._add_force(nodes, force)
 
-    def _add_force(self, nodes: list[int], force: Callable[..., NDArray]) -> None:
+    def _add_force(self, nodes: list[int], force: Callable[..., np.ndarray]) -> None:
         self.mbs.AddObject(
             items.ObjectGenericODE2(
                 name="contact",
@@ -193,11 +193,11 @@ class ExudynSystem(TrackSystem):
         self._add_force(nodes, force)
         self.mbs.SetPreStepUserFunction(cover)
 
-    def _current(self) -> tuple[NDArray, NDArray]:
+    def _current(self) -> tuple[np.ndarray, np.ndarray]:
         data = self.mbs.systemData
         return np.array(data.GetODE2Coordinates()), np.array(data.GetODE2Coordinates_t())
 
-    def _motion(self, own: NDArray, own_t: NDArray) -> NDArray:
+    def _motion(self, own: np.ndarray, own_t: np.ndarray) -> np.ndarray:
         """Coordinates of the shoes and their rates as the compiled equations have them (2, coordinates)."""
         shoes, rates = self._coordinates.motion(own, own_t)
         return np.stack(((shoes - self.contact.shoe_reference).ravel(), rates.ravel()))
@@ -213,11 +213,11 @@ class ExudynSystem(TrackSystem):
 
         self.mbs.SetPostStepUserFunction(stepped)
 
-    def memory(self) -> dict[str, NDArray]:
+    def memory(self) -> dict[str, np.ndarray]:
         """As of `TrackSystem`."""
         return {} if self._cells is None else self._cells.memory()
 
-    def _layout_of(self, parts: Parts, joints: list[int]) -> tuple[StateLayout, NDArray]:
+    def _layout_of(self, parts: Parts, joints: list[int]) -> tuple[StateLayout, np.ndarray]:
         """Layout of the states, and where Exudyn has their multipliers.
 
         Behind the joints of the compiled equations come Exudyn's other items; the norm of Euler parameters
@@ -246,13 +246,13 @@ class ExudynSystem(TrackSystem):
         """Numbers of the shoes that have sunk through the ground in the current state."""
         return [] if self.general is None else self.contact.sunken(self.coordinates()[0])
 
-    def coordinates(self) -> list[NDArray]:
+    def coordinates(self) -> list[np.ndarray]:
         """Current coordinates, rates and accelerations, in the layout's order."""
         data = self.mbs.systemData
         rates = (data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt())
         return self._coordinates.to_state(*map(np.array, rates))
 
-    def set_initial(self, q: NDArray) -> None:
+    def set_initial(self, q: np.ndarray) -> None:
         """Start from rest at the coordinates `q`, on cells at that to which these settle there."""
         if self._cells is not None:
             twin = compiled_system(self.case)
@@ -262,7 +262,7 @@ class ExudynSystem(TrackSystem):
         self._set(q, np.zeros_like(q), np.zeros_like(q))
         self._stand(q, np.zeros_like(q))
 
-    def set_state(self, row: NDArray, memory: Mapping[str, NDArray] | None = None) -> None:
+    def set_state(self, row: np.ndarray, memory: Mapping[str, np.ndarray] | None = None) -> None:
         """Start from a row as of `state`; its time goes into the solver's settings."""
         q, q_t, q_tt = (self.layout.part(row, f"coordinates{rate}") for rate in RATES)
         self._set(q, q_t, q_tt)
@@ -270,13 +270,13 @@ class ExudynSystem(TrackSystem):
             self._cells.remember(memory)
         self._stand(q, q_t)
 
-    def _stand(self, q: NDArray, q_t: NDArray) -> None:
+    def _stand(self, q: np.ndarray, q_t: np.ndarray) -> None:
         """Let slip on cells count from here."""
         if self._cells is not None:
             self._cells.put_down(np.stack((q, q_t)))
             self._cells.cover(np.stack((q, q_t)))
 
-    def _set(self, q: NDArray, q_t: NDArray, q_tt: NDArray) -> None:
+    def _set(self, q: np.ndarray, q_t: np.ndarray, q_tt: np.ndarray) -> None:
         data, initial = self.mbs.systemData, exu.ConfigurationType.Initial
         own, own_t, own_tt = (values.tolist() for values in self._coordinates.of_state(q, q_t, q_tt))
         data.SetODE2Coordinates(own, initial)
@@ -288,7 +288,7 @@ class ExudynSystem(TrackSystem):
             data.SetODE2Coordinates(own)
             self.general.UpdateContacts(self.mbs)
 
-    def state(self) -> NDArray:
+    def state(self) -> np.ndarray:
         """Current state in one row, laid out as `layout` says."""
         data = self.mbs.systemData
         parts: dict[str, ArrayLike] = {
@@ -301,7 +301,7 @@ class ExudynSystem(TrackSystem):
             parts["contact"] = self.contact_wrenches()
         return self.layout.pack(parts)
 
-    def contact_wrenches(self) -> NDArray:
+    def contact_wrenches(self) -> np.ndarray:
         """Exudyn's contact forces on the shoes and moments about their origins: (shoes, 6), N and N m."""
         if self.general is None:
             raise ValueError("contact.model must be 'spheres' for Exudyn's contact forces")
@@ -327,7 +327,7 @@ class ExudynSystem(TrackSystem):
         finally:
             newton.absoluteTolerance = tolerance
 
-    def rest(self, settings: "exu.SimulationSettings") -> NDArray:
+    def rest(self, settings: "exu.SimulationSettings") -> np.ndarray:
         """Coordinates at rest of a system built for statics, from its initial ones, or a `NewtonError`."""
         differences = settings.staticSolver.newton.numericalDifferentiation
         differences.doSystemWideDifferentiation = self.general is not None

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.ground.cells.contact import write_contacts
 from exudyn_crawler.ground.cells.ground import CellGround
@@ -256,18 +255,18 @@ class TrackOnCells:
         self._work = CellWorkspace(*workspace)
         self._before = self._work.frames.copy(), self._work.bent[:, 0].copy()
 
-    def put_down(self, state: NDArray) -> None:
+    def put_down(self, state: np.ndarray) -> None:
         """Let slip count from a state (3, coordinates)."""
         place_shoes(self._bodies, self._table, state, self._workspace)
         self._before = self._work.frames.copy(), self._work.bent[:, 0].copy()
 
-    def cover(self, state: NDArray) -> None:
+    def cover(self, state: np.ndarray) -> None:
         """Freeze which cells lie under the shoes, by the state (3, coordinates) that is predicted."""
         place_shoes(self._bodies, self._table, state, self._workspace)
         self._ground.cover(self._work.frames, self._before[0])
         bend_before(self._table, *self._before, self._workspace)
 
-    def press(self, state: NDArray) -> NDArray:
+    def press(self, state: np.ndarray) -> np.ndarray:
         """Wrenches (shoes, 6) of the covered cells on rigid shoes at a state, N and N m about the COMs."""
         place_shoes(self._bodies, self._table, state, self._workspace)
         return self._ground.press(self._work.frames)
@@ -277,7 +276,7 @@ class TrackOnCells:
         self._ground.commit()
         self._before = self._work.frames.copy(), self._work.bent[:, 0].copy()
 
-    def contacts(self, numbers: int) -> NDArray:
+    def contacts(self, numbers: int) -> np.ndarray:
         """Contacts at the last residual (shoes, numbers): `ground.pairs.RESULTS`, then forces on the grid.
 
         The forces (N, the shoe's axes) are those at the nodes of a grid of the underside, for flexible shoes.
@@ -288,10 +287,10 @@ class TrackOnCells:
             out[:, RESULTS:] = self._ground.coarse_forces(self._work.frames).reshape(len(out), -1)
         return out
 
-    def memory(self) -> dict[str, NDArray]:
+    def memory(self) -> dict[str, np.ndarray]:
         """Committed memory of the cells, as of `CellGround.state`."""
         return self._ground.state()
 
-    def remember(self, memory: Mapping[str, NDArray]) -> None:
+    def remember(self, memory: Mapping[str, np.ndarray]) -> None:
         """Take a memory as of `memory`."""
         self._ground.restore(memory)

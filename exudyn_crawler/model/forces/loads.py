@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.frames import compiled
@@ -55,7 +54,7 @@ class Loads(NamedTuple):
     beside: IntArray
 
 
-def static_friction(case: Case, masses: NDArray) -> tuple[NDArray, NDArray]:
+def static_friction(case: Case, masses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Friction that holds each shoe on a slope at rest, where the laws, which need slip, have none.
 
     It acts at the underside, half as deep in the ground as the shoe has settled. Gives forces (N) and moments

@@ -13,12 +13,11 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.files import blocks
 
-Variable = tuple[tuple[str, ...], NDArray, dict[str, str]]
+Variable = tuple[tuple[str, ...], np.ndarray, dict[str, str]]
 """Dimensions, values and attributes, as xarray takes a variable."""
 
 CONTACT_KEYS = ("contact_shoe", "contact_unit", "contact_finger")
@@ -112,7 +111,7 @@ def select(**columns: str | bool | tuple[str, ...]) -> dict[str, Quantity]:
     }
 
 
-def variable(name: str, values: NDArray, without: tuple[str, ...] = ()) -> Variable:
+def variable(name: str, values: np.ndarray, without: tuple[str, ...] = ()) -> Variable:
     """Variable of a dataset with its quantity's dimensions, but for those it goes `without`."""
     quantity = QUANTITIES[name]
     return tuple(dim for dim in quantity.dimensions if dim not in without), values, quantity.attributes

@@ -17,7 +17,6 @@ from typing import Self
 import h5py
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
@@ -77,7 +76,7 @@ def case_in_file(path: Path) -> Case:
         return saved_case(file.attrs[CASE])
 
 
-def unit_motion(shape: NDArray, coordinates: NDArray) -> NDArray:
+def unit_motion(shape: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
     """Motion (times, units) by a shape (units, modes) and coordinates (times, modes).
 
     Each number is the same whatever else is asked for, which a product of matrices does not promise.
@@ -85,7 +84,9 @@ def unit_motion(shape: NDArray, coordinates: NDArray) -> NDArray:
     return np.einsum("uk,tk->tu", shape, coordinates)
 
 
-def terrain_motion(heave: NDArray, tilt: NDArray, coordinates: dict[str, NDArray]) -> dict[str, NDArray]:
+def terrain_motion(
+    heave: np.ndarray, tilt: np.ndarray, coordinates: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
     """Motion of the units of a terrain in independent coordinates, by names of variables.
 
     `heave` and `tilt` (units, modes) are m and rad for a unit of each coordinate; `coordinates` has them
@@ -133,17 +134,17 @@ def _single(dataset: xr.Dataset) -> list[str]:
     return [name for name in select(numbers="single") if name in dataset.data_vars]
 
 
-def _part_of_motion(shapes: NDArray, motion: xr.Variable, key: tuple) -> NDArray:
+def _part_of_motion(shapes: np.ndarray, motion: xr.Variable, key: tuple) -> np.ndarray:
     modes, rows = shapes[key[1]], motion[key[0]].values
     part = unit_motion(np.atleast_2d(modes), np.atleast_2d(rows))
     return part.reshape(rows.shape[:-1] + modes.shape[:-1])
 
 
-def _doubled(stored: xr.Variable, key: tuple) -> NDArray:
+def _doubled(stored: xr.Variable, key: tuple) -> np.ndarray:
     return np.asarray(stored[key].values, dtype=float)
 
 
-def _lazy(name: str, shape: tuple[int, ...], part: Callable[[tuple], NDArray]) -> xr.Variable:
+def _lazy(name: str, shape: tuple[int, ...], part: Callable[[tuple], np.ndarray]) -> xr.Variable:
     array = indexing.LazilyIndexedArray(_Computed(shape, part))
     return xr.Variable(QUANTITIES[name].dimensions, array, QUANTITIES[name].attributes)
 
@@ -151,10 +152,10 @@ def _lazy(name: str, shape: tuple[int, ...], part: Callable[[tuple], NDArray]) -
 class _Computed(BackendArray):
     """Array whose parts are computed: `part` takes a number, a slice or numbers (n,) for each dimension."""
 
-    def __init__(self, shape: tuple[int, ...], part: Callable[[tuple], NDArray]) -> None:
+    def __init__(self, shape: tuple[int, ...], part: Callable[[tuple], np.ndarray]) -> None:
         self.shape, self.dtype, self._part = shape, np.dtype(float), part
 
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> NDArray:
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
         outer = indexing.IndexingSupport.OUTER
         return indexing.explicit_indexing_adapter(key, self.shape, outer, self._part)
 
@@ -164,7 +165,7 @@ class Chunk:
     """Part of a history along time, read when it is needed."""
 
     times: int  # number of its stored times
-    pairs: NDArray  # (contacts, 3), shoe, unit and finger of each of its contacts
+    pairs: np.ndarray  # (contacts, 3), shoe, unit and finger of each of its contacts
     parts: Callable[[], Iterable[xr.Dataset]]  # its datasets, one after the other
 
     @classmethod
@@ -186,12 +187,12 @@ class Chunk:
         return cls(times, pairs, parts)
 
 
-def contact_coordinates(pairs: NDArray) -> dict[str, tuple[str, NDArray]]:
+def contact_coordinates(pairs: np.ndarray) -> dict[str, tuple[str, np.ndarray]]:
     """Coordinates of contacts of which shoe, unit and finger are given (contacts, 3)."""
     return {name: ("contact", column) for name, column in zip(CONTACT_KEYS, pairs.T, strict=True)}
 
 
-def _pairs(dataset: xr.Dataset) -> NDArray:
+def _pairs(dataset: xr.Dataset) -> np.ndarray:
     return np.column_stack([dataset[name].values for name in CONTACT_KEYS])
 
 
@@ -229,7 +230,7 @@ def _parts(chunks: Sequence[Chunk]) -> Iterator[xr.Dataset]:
             yield _with_contacts(part, pairs)
 
 
-def _with_contacts(dataset: xr.Dataset, pairs: NDArray) -> xr.Dataset:
+def _with_contacts(dataset: xr.Dataset, pairs: np.ndarray) -> xr.Dataset:
     """Dataset with a contact for each of the sorted pairs (contacts, 3), among them those that it has."""
     met = _pairs(dataset)
     if np.array_equal(met, pairs):

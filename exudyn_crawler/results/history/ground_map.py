@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.frames import compiled
@@ -76,7 +75,9 @@ def ground_map(history: History) -> xr.Dataset:
     )
 
 
-def pressed_depths(history: History, rows: NDArray, x: NDArray, y: NDArray, height: NDArray) -> NDArray:
+def pressed_depths(
+    history: History, rows: np.ndarray, x: np.ndarray, y: np.ndarray, height: np.ndarray
+) -> np.ndarray:
     """How deep undersides have been below the ground at some stored times: array (rows, x, y), m, vertical.
 
     Parameters

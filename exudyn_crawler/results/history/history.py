@@ -10,7 +10,6 @@ from typing import NamedTuple, Self
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, LoadCycle, MachineCycle
 from exudyn_crawler.results.history import catalogue, files
@@ -181,7 +180,7 @@ class RunPhase(NamedTuple):
     begin: float  # s
     end: float
 
-    def rows(self, time: NDArray) -> NDArray:
+    def rows(self, time: np.ndarray) -> np.ndarray:
         """Whether each time (s) belongs to it: array of bool (times,); its begin is the one before's."""
         after = time >= 0.0 if self.begin == 0.0 else time > self.begin * (1.0 + 1e-9)
         return after & (time <= self.end * (1.0 + 1e-9))

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.cells.ground import COARSE
@@ -32,13 +31,13 @@ class _States(NamedTuple):
     """Stored states (times, layout.size) of a system."""
 
     system: "TrackSystem"
-    rows: NDArray
+    rows: np.ndarray
 
-    def part(self, name: str) -> NDArray:
+    def part(self, name: str) -> np.ndarray:
         return self.system.layout.part(self.rows, name)
 
 
-def system_history(system: "TrackSystem", rows: NDArray) -> History:
+def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     """History of states (times, layout.size) of a system."""
     case, states = system.case, _States(system, rows)
     time = states.part("time")
@@ -72,7 +71,7 @@ def system_history(system: "TrackSystem", rows: NDArray) -> History:
     return History(case=case, dataset=dataset)
 
 
-def _motion(states: _States, bodies: str, start: NDArray, prefix: str = "") -> dict[str, NDArray]:
+def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -> dict[str, np.ndarray]:
     """Motion of the bodies of a part of the states, whose coordinates count from where they start (m)."""
     u, v, a = (states.part(f"{bodies}{rate}") for rate in RATES)
     angles, rates, accelerations = u[..., 3:], v[..., 3:], a[..., 3:]
@@ -86,7 +85,7 @@ def _motion(states: _States, bodies: str, start: NDArray, prefix: str = "") -> d
     }
 
 
-def _pins(states: _States) -> tuple[NDArray, NDArray]:
+def _pins(states: _States) -> tuple[np.ndarray, np.ndarray]:
     """Force and torque of every joint on its rear shoe: arrays (times, links, sides, 3), NaN for no joint.
 
     A joint's equations are ``p_front - p_rear = 0`` and, with the axes of the rear shoe marked 0 and of
@@ -108,7 +107,7 @@ def _pins(states: _States) -> tuple[NDArray, NDArray]:
     return force, torque
 
 
-def _reactions(states: _States) -> dict[str, NDArray]:
+def _reactions(states: _States) -> dict[str, np.ndarray]:
     """Forces and torques of links and drive; of a track with flexible shoes those of each pin, too."""
     layout, (force, torque) = states.system.layout, _pins(states)
     named = {
@@ -130,7 +129,7 @@ def _reactions(states: _States) -> dict[str, NDArray]:
     return named
 
 
-def _drive_point(states: _States) -> NDArray:
+def _drive_point(states: _States) -> np.ndarray:
     """Where the drive acts: array (times, 3)."""
     case, point, front = states.system.case, states.system.point, states.part("shoes")[:, -1]
     # the front shoe is the last of the flexible ones, if it is one of them
@@ -139,7 +138,7 @@ def _drive_point(states: _States) -> NDArray:
     return front[:, :3] + start + point.arm(front[:, 3:], modal)
 
 
-def _terrain(states: _States) -> dict[str, NDArray]:
+def _terrain(states: _States) -> dict[str, np.ndarray]:
     contact = states.system.contact
     if not len(states.system.case.terrain.units):
         return {}
@@ -155,7 +154,7 @@ def _terrain(states: _States) -> dict[str, NDArray]:
     return named
 
 
-def _contacts(states: _States) -> tuple[dict[str, NDArray], NDArray]:
+def _contacts(states: _States) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Contacts over time, a column for each volume of a pair that ever met; zero while there is none."""
     parts = [states.part("coordinates"), states.part("coordinates rate")]
     if states.system.layout.contact:
@@ -181,7 +180,9 @@ def _contacts(states: _States) -> tuple[dict[str, NDArray], NDArray]:
     return tables, pairs
 
 
-def _rolled(states: _States, treads: Callable[..., tuple[NDArray, NDArray, NDArray]]) -> dict[str, NDArray]:
+def _rolled(
+    states: _States, treads: Callable[..., tuple[np.ndarray, np.ndarray, np.ndarray]]
+) -> dict[str, np.ndarray]:
     """Motion of the side frame, forces of its rollers and pull of its drive."""
     parts = (states.part(name) for name in ("time", "coordinates", "coordinates rate"))
     results = [treads(*state) for state in zip(*parts, strict=True)]

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import shoe_model
@@ -30,7 +29,7 @@ class UsedRun:
     basis: StressBasis
     times_an_hour: float
     phases: tuple[str, ...]  # names of those that it reaches
-    phase: NDArray  # (times,), place of each time's phase among them
+    phase: np.ndarray  # (times,), place of each time's phase among them
 
     def counting(self, curve: SNCurve, survivals: tuple[float, ...], negligible: float = 0.0) -> Counting:
         """How its cycles are counted; what is left out does a negligible damage an hour at most."""
@@ -72,7 +71,7 @@ def _part(run: DutyRun, history: History) -> History:
     return History(history.case, history.dataset.isel(time=slice(rows[0], rows[-1] + 1)))
 
 
-def _phases(whole: History, part: History) -> tuple[tuple[str, ...], NDArray]:
+def _phases(whole: History, part: History) -> tuple[tuple[str, ...], np.ndarray]:
     """Names of the phases that a part of a history reaches, and the place of each time's among them."""
     reached = phases(whole.case.loads, whole.duration)
     number = np.zeros(part.time.size, dtype=np.int64)
@@ -177,8 +176,8 @@ def _cycles(
     one: UsedRun,
     shoe: int,
     often: float,
-    stress: NDArray,
-    by_load: Mapping[str, NDArray],
+    stress: np.ndarray,
+    by_load: Mapping[str, np.ndarray],
 ) -> pd.DataFrame:
     """Cycles of a node's stress (t, 6) over a run, that of single loads beside it."""
     found = one.counting(curve, duty.survivals[-1:]).cycles(signed_signals(duty.criterion, stress.T[None])[0])

@@ -12,7 +12,6 @@ from functools import reduce
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History
@@ -105,7 +104,7 @@ def life_of(
 
 def _at_place(
     duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, shoe: int
-) -> tuple[NDArray, NDArray, NDArray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Damage an hour (survivals, nodes), also (parts, nodes), and amplitude (nodes,), Pa, of a shoe."""
     whole = runs[0].basis.shapes
     surface = whole.mesh.surface_nodes
@@ -131,7 +130,7 @@ def _at_place(
     return at_all, in_parts, amplitude
 
 
-def _spread(values: NDArray, nodes: NDArray, count: int) -> NDArray:
+def _spread(values: np.ndarray, nodes: np.ndarray, count: int) -> np.ndarray:
     """Values (..., k) at some nodes as those (..., count) of all, not a number elsewhere."""
     spread = np.full((*values.shape[:-1], count), np.nan)
     spread[..., nodes] = values
@@ -139,13 +138,13 @@ def _spread(values: NDArray, nodes: NDArray, count: int) -> NDArray:
 
 
 def _on_critical_planes(
-    duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, nodes: NDArray
-) -> tuple[NDArray, NDArray]:
+    duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, nodes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Damage an hour (survivals, nodes) on the critical planes of some nodes, and normals (nodes, 3)."""
     mesh = runs[0].basis.shapes.mesh
     normals = critical_plane.surface_normals(mesh)
 
-    def damage_on(nodes: NDArray, angles: NDArray) -> NDArray:
+    def damage_on(nodes: np.ndarray, angles: np.ndarray) -> np.ndarray:
         found = np.zeros((*angles.shape, len(duty.survivals)))
         for one in runs:
             counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
@@ -170,10 +169,10 @@ def relative_spread(dataset: xr.Dataset) -> xr.DataArray:
 def _life_trust(
     runs: Sequence[UsedRun],
     curve: SNCurve,
-    damage: NDArray,
-    amplitude: NDArray,
+    damage: np.ndarray,
+    amplitude: np.ndarray,
     spreads: Sequence[xr.DataArray | None],
-) -> dict[str, NDArray]:
+) -> dict[str, np.ndarray]:
     """What is open of the lives by damage (1/h) and amplitude (Pa), both (places, nodes): named quantities.
 
     What the mesh leaves open is that of the stress less its mean over each run and place, in the mean square
@@ -198,7 +197,7 @@ def _life_trust(
     }
 
 
-def life_hours(damage: NDArray | float) -> NDArray:
+def life_hours(damage: np.ndarray | float) -> np.ndarray:
     """Hours that damages an hour leave; `BEYOND` stands for all beyond."""
     return np.where(damage * BEYOND <= 1.0, BEYOND, 1.0 / np.maximum(damage, 1.0 / BEYOND))
 
@@ -207,7 +206,7 @@ def shortest_lives(
     dataset: xr.Dataset,
     nodes: Mapping[int, NodeLife],
     whole: Shapes,
-    regions: NDArray,
+    regions: np.ndarray,
     truncation_known: bool,
 ) -> pd.DataFrame:
     """Table of lives and what makes them, of some nodes such as the worst of every region.

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, Undercarriage
 from exudyn_crawler.case.parameters.track import SIDES
@@ -30,7 +29,7 @@ class OverSurface:
     """Enters a flexible shoe spread over one of its named surfaces."""
 
     name: str
-    shift: NDArray | None = (
+    shift: np.ndarray | None = (
         None  # (times,), m to the left of the surface's middle; None if its pressure is even
     )
 
@@ -39,9 +38,9 @@ class OverSurface:
 class OverRectangle:
     """Enters a flexible shoe spread evenly over a rectangle of its underside."""
 
-    low: NDArray  # (times, 2), least x and y in the shoe's frame, m
-    high: NDArray
-    pressed: NDArray  # (times,), whether there is one at all
+    low: np.ndarray  # (times, 2), least x and y in the shoe's frame, m
+    high: np.ndarray
+    pressed: np.ndarray  # (times,), whether there is one at all
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class OnRail:
     """Enters a flexible shoe at x (times,) in its frame, m, along one of its rails."""
 
     line: int  # strip of the treads, counted from 0 over both rails
-    x: NDArray
+    x: np.ndarray
     roller: int = 0  # number from 0
 
 
@@ -79,12 +78,12 @@ class Action:
     kind: str
     shoe: int  # its number; 0 is the side frame
     where: str  # place in words, such as "front right" (a pin) or "unit 12" (what the shoe stands on)
-    point: NDArray  # (times, 3), m, where the force acts; on a flexible shoe a point of the unbent one
-    force: NDArray  # (times, 3), N, on the body
-    moment: NDArray  # (times, 3), N m, beside that of the force
+    point: np.ndarray  # (times, 3), m, where the force acts; on a flexible shoe a point of the unbent one
+    force: np.ndarray  # (times, 3), N, on the body
+    moment: np.ndarray  # (times, 3), N m, beside that of the force
     entry: Entry | None = None  # into a flexible shoe; None by its frame or as its mass: no mode is loaded
 
-    def moment_about(self, place: NDArray) -> NDArray:
+    def moment_about(self, place: np.ndarray) -> np.ndarray:
         """Moment about a place (times, 3) or (3,), m: array (times, 3), N m."""
         return np.cross(self.point - place, self.force) + self.moment
 
@@ -93,9 +92,9 @@ class ShoeMass(NamedTuple):
     """Mass of a shoe and points of its frame (3,), m."""
 
     mass: float  # kg
-    center: NDArray
-    load_point: NDArray  # under the machine's load
-    beside: NDArray  # how far that moves for each metre of a load's shift to the left
+    center: np.ndarray
+    load_point: np.ndarray  # under the machine's load
+    beside: np.ndarray  # how far that moves for each metre of a load's shift to the left
 
 
 def shoe_mass(case: Case, shoe: int) -> ShoeMass:
@@ -111,7 +110,7 @@ def shoe_mass(case: Case, shoe: int) -> ShoeMass:
     return ShoeMass(body.mass, body.center_of_mass, weights @ body.nodes, beside)
 
 
-def shoe_frames(history: History, shoe: int) -> tuple[NDArray, NDArray]:
+def shoe_frames(history: History, shoe: int) -> tuple[np.ndarray, np.ndarray]:
     """Positions (times, 3), m, of a shoe's frame, and its axes (times, 3, 3), a column each."""
     position, angles = (history.dataset[name].sel(shoe=shoe).values for name in ("position", "angles"))
     return position, rotation_matrices(angles)
@@ -138,7 +137,7 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
         yield from _chain(history, history.case.undercarriage, shoe, position, frames)
 
 
-def _joints(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Joints of both links; a link of two rigid shoes has one, at its right pin."""
     track = history.case.track
     # the link ahead acts on its rear shoe as stored, the link behind with the opposite
@@ -156,7 +155,9 @@ def _joints(history: History, shoe: int, position: NDArray, frames: NDArray) -> 
             yield Action("joint", shoe, where, point, force[:, side], torque[:, side], AtInterface(where))
 
 
-def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+def _weight_and_load(
+    history: History, shoe: int, position: np.ndarray, frames: np.ndarray
+) -> Iterator[Action]:
     own = shoe_mass(history.case, shoe)
     zero = np.zeros_like(position)
     weight = zero + own.mass * history.case.gravity_vector()
@@ -171,7 +172,7 @@ def _weight_and_load(history: History, shoe: int, position: NDArray, frames: NDA
     yield Action("load", shoe, "top", point, load, zero, entry)
 
 
-def _grid(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+def _grid(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Forces of the cells at the nodes of a flexible shoe's grid."""
     forces = history.node_force.sel(flexible_shoe=shoe).values
     x0, x1, y0, y1, z = history.case.shoe.footprint
@@ -202,7 +203,7 @@ def _contacts(history: History, shoe: int) -> Iterator[Action]:
         yield Action("contact", shoe, where, point[:, column], force, torque[:, column], entry)
 
 
-def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+def _drive(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Drive along x at its point, and the turn about the shoe's own z axis, on its frame."""
     zero, force = np.zeros_like(position), np.zeros_like(position)
     force[:, 0] = history.drive_force.values
@@ -212,7 +213,7 @@ def _drive(history: History, shoe: int, position: NDArray, frames: NDArray) -> I
     yield Action("drive", shoe, "frame", position, zero, moment)
 
 
-def _rollers(history: History, shoe: int, position: NDArray, frames: NDArray) -> Iterator[Action]:
+def _rollers(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Every strip of a roller that was ever on the shoe."""
     behind, zero = history.roller_shoe.values, np.zeros_like(position)
     # read once: a history larger than memory reads a variable from its file whenever it is asked for
@@ -234,7 +235,7 @@ def _rollers(history: History, shoe: int, position: NDArray, frames: NDArray) ->
 
 
 def _chain(
-    history: History, frame: Undercarriage, shoe: int, position: NDArray, frames: NDArray
+    history: History, frame: Undercarriage, shoe: int, position: np.ndarray, frames: np.ndarray
 ) -> Iterator[Action]:
     """Pull of the drive at the shoe's front pins, and the tension of the chain at the outermost ones."""
     track, zero = history.case.track, np.zeros_like(position)
@@ -250,7 +251,7 @@ def _chain(
             yield Action("chain", shoe, where, position + frames @ center, force, zero, AtInterface(where))
 
 
-def drive_pulls(history: History, frame: Undercarriage) -> NDArray:
+def drive_pulls(history: History, frame: Undercarriage) -> np.ndarray:
     """Pull of the drive at each shoe's front pins, backward, N: array (times, shoes)."""
     track = history.case.track
     first = history.position.sel(shoe=1, axis="x").values + track.pin_ahead
@@ -259,7 +260,7 @@ def drive_pulls(history: History, frame: Undercarriage) -> NDArray:
     return history.drive_pull.values[:, None] * np.column_stack((shares, np.zeros(len(shares))))
 
 
-def middle_pins(history: History, end: str) -> NDArray:
+def middle_pins(history: History, end: str) -> np.ndarray:
     """Middle between the pins at an end, "front" or "rear", of every shoe: array (times, shoes, 3), m."""
     centers = history.case.track.joint_centers
     place = np.mean([center for name, center in centers.items() if name.startswith(end)], axis=0)

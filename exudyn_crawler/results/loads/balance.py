@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Undercarriage
 from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
@@ -28,7 +28,7 @@ class _Motion:
     """
 
     def __init__(
-        self, history: History, prefix: str, mass: ArrayLike, center: ArrayLike, inertia: NDArray
+        self, history: History, prefix: str, mass: ArrayLike, center: ArrayLike, inertia: np.ndarray
     ) -> None:
         names = ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration")
         motion = (history.dataset[f"{prefix}{name}"].values for name in names)
@@ -37,7 +37,7 @@ class _Motion:
         self.center = _times(self.axes, np.asarray(center))
         self.mass, self.inertia = np.asarray(mass), inertia
 
-    def momentum_rates(self) -> tuple[NDArray, NDArray]:
+    def momentum_rates(self) -> tuple[np.ndarray, np.ndarray]:
         """Rates of momentum (N) and of angular momentum about the origin (N m): arrays (..., 3)."""
         inertia = self.axes @ self.inertia @ np.swapaxes(self.axes, -1, -2)
         turning = np.cross(self.omega, np.cross(self.omega, self.center))
@@ -45,21 +45,21 @@ class _Motion:
         spin = _times(inertia, self.alpha) + np.cross(self.omega, _times(inertia, self.omega))
         return rate, spin + np.cross(self.center, rate)
 
-    def energies(self, gravity: NDArray) -> tuple[NDArray, NDArray]:
+    def energies(self, gravity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Kinetic energy of each body and that of gravity from z = 0 on: arrays (...), J."""
         omega = _times(np.swapaxes(self.axes, -1, -2), self.omega)
         velocity = self.velocity + np.cross(self.omega, self.center)
         twice = self.mass * np.sum(velocity**2, axis=-1) + np.sum(omega * (omega @ self.inertia), axis=-1)
         return 0.5 * twice, -self.mass * ((self.origin + self.center) @ gravity)
 
-    def velocity_at(self, points: NDArray, shoe: int = 0) -> NDArray:
+    def velocity_at(self, points: np.ndarray, shoe: int = 0) -> np.ndarray:
         """Velocity (times, 3) of a shoe, or of the side frame, at points (times, 3), m/s."""
         at = (slice(None), shoe - 1) if shoe else slice(None)
         return self.velocity[at] + np.cross(self.omega[at], points - self.origin[at])
 
-    def powers(self, loads: Iterable[acting.Action]) -> Mapping[str, NDArray]:
+    def powers(self, loads: Iterable[acting.Action]) -> Mapping[str, np.ndarray]:
         """Power (times,) of actions by their kind, W; zero of others."""
-        summed: dict[str, NDArray] = defaultdict(lambda: np.zeros(len(self.omega)))
+        summed: dict[str, np.ndarray] = defaultdict(lambda: np.zeros(len(self.omega)))
         for one in loads:
             omega = self.omega[:, one.shoe - 1] if one.shoe else self.omega
             moved = one.force * self.velocity_at(one.point, one.shoe)
@@ -104,7 +104,7 @@ def shoe_momentum_rates(history: History) -> xr.Dataset:
     return _of_shoes(history, rate, spin)
 
 
-def _of_shoes(history: History, force: NDArray, moment: NDArray, **coords: object) -> xr.Dataset:
+def _of_shoes(history: History, force: np.ndarray, moment: np.ndarray, **coords: object) -> xr.Dataset:
     dims = (*coords, "time", "shoe", "axis")
     return xr.Dataset(
         {"force": (dims, force, {"units": "N"}), "moment": (dims, moment, {"units": "N m"})},
@@ -217,8 +217,8 @@ def powers(history: History) -> xr.Dataset:
 
 
 def _rolled_powers(
-    history: History, frame: Undercarriage, shoes: _Motion, chain: NDArray
-) -> dict[str, NDArray]:
+    history: History, frame: Undercarriage, shoes: _Motion, chain: np.ndarray
+) -> dict[str, np.ndarray]:
     """Powers about a side frame over rigid shoes, on whose pins the chain has a power (times,)."""
     motion = _side_frame(history, frame)
     on_frame = motion.powers(acting.frame_actions(history))
@@ -232,7 +232,7 @@ def _rolled_powers(
 
 def _treads(
     history: History, frame: Undercarriage, motion: _Motion, shoes: _Motion
-) -> tuple[NDArray, NDArray, NDArray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Energy in the treads, J, and the power that their resistance and damping take, W: arrays (times,)."""
     energy, resisted, damped = np.zeros((3, history.time.size))
     rails = history.case.shoe.rails
@@ -276,12 +276,12 @@ def _only_rigid(history: History) -> None:
         raise ValueError("the energy balance needs a history of rigid shoes: it leaves out elastic energy")
 
 
-def _times(matrices: NDArray, vectors: NDArray) -> NDArray:
+def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Matrices (..., 3, 3) times vectors (..., 3)."""
     return (matrices @ vectors[..., None])[..., 0]
 
 
-def _over_time(history: History, unit: str, **values: NDArray) -> xr.Dataset:
+def _over_time(history: History, unit: str, **values: np.ndarray) -> xr.Dataset:
     return xr.Dataset(
         {name: ("time", one, {"units": unit}) for name, one in values.items()}, coords={"time": history.time}
     )

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.files import whole_file
@@ -26,8 +25,8 @@ class ShoeLoads:
     shoe: int
     body: ElasticBody  # mesh and material
     interfaces: list[Interface]  # joints, whose centres hold the nodes of their bores rigidly
-    nodal: NDArray  # (n, 3), N: machine load, contacts, drive, weight and inertia
-    centers: NDArray  # (i, 6), forces (N) and moments (N m) on the joint centres
+    nodal: np.ndarray  # (n, 3), N: machine load, contacts, drive, weight and inertia
+    centers: np.ndarray  # (i, 6), forces (N) and moments (N m) on the joint centres
     table: pd.DataFrame  # of `action_table`
 
     def write(self, path: str | Path, program: Program = "calculix", overwrite: bool = False) -> Path:
@@ -49,7 +48,7 @@ class ShoeLoads:
         return f"<p>Shoe {self.shoe} at t = {self.time:g} s</p>" + self.table.to_html(index=False)
 
     @property
-    def residual(self) -> NDArray:
+    def residual(self) -> np.ndarray:
         """Sum of all forces (N) and of their moments about the centre of mass (N m): array (6,), zero."""
         at_centers = rigid_motion_of_centers(self.interfaces, self.body.center_of_mass)
         return self.body.rigid_modes.T @ self.nodal.ravel() + at_centers.T @ self.centers.ravel()
@@ -90,7 +89,7 @@ def action_table(history: History, shoe: int, time: float) -> pd.DataFrame:
     return pd.DataFrame(words, columns=["kind", "where"]).join(pd.DataFrame(vectors, columns=names))
 
 
-def _sums(rows: NDArray) -> tuple[NDArray, NDArray]:
+def _sums(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Force and moment about the origin of rows (k, 9) of places, forces and moments."""
     place, force, moment = rows[:, :3], rows[:, 3:6], rows[:, 6:]
     return force.sum(axis=0), (np.cross(place, force) + moment).sum(axis=0)

@@ -28,7 +28,6 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, hstack
 
 from exudyn_crawler.case import Case, FlexibleShoes, Shoe, Track, Undercarriage
@@ -49,12 +48,12 @@ STRIP_STATIONS = THIRDS * (shoe_mesh.STATIONS - 1) + 1  # stations along the lin
 class NodalShares(NamedTuple):
     """Family of p unit loads along x, y and z each that k nodes share: weights (p, k), nodes (k,)."""
 
-    nodes: NDArray
-    weights: NDArray
+    nodes: np.ndarray
+    weights: np.ndarray
 
-    def work(self, modes: NDArray) -> NDArray:
+    def work(self, modes: np.ndarray) -> np.ndarray:
         """Work (3 p, m) on modes (n, 3, m)."""
-        rows: NDArray = np.tensordot(self.weights, modes[self.nodes], axes=1)
+        rows: np.ndarray = np.tensordot(self.weights, modes[self.nodes], axes=1)
         return rows.reshape(-1, modes.shape[2])
 
 
@@ -66,11 +65,11 @@ class StripStations(NamedTuple):
     lines: int  # on a rail
 
     @property
-    def positions(self) -> NDArray:
+    def positions(self) -> np.ndarray:
         """X in m."""
         return self.rear + self.spacing * np.arange(STRIP_STATIONS)
 
-    def shares(self, line: int, x: NDArray) -> tuple[NDArray, NDArray]:
+    def shares(self, line: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Numbers (times, 4) of stations and their shares in a force at x (times,) on a strip's line."""
         t = np.clip((x - self.rear) / self.spacing, 0.0, STRIP_STATIONS - 1.0)
         first = THIRDS * np.minimum((t / THIRDS).astype(int), shoe_mesh.STATIONS - 2)
@@ -110,18 +109,18 @@ class ShoeUnitLoads:
         return self.families[INERTIA].stop
 
     @cached_property
-    def work(self) -> NDArray:
+    def work(self) -> np.ndarray:
         """Work (k, M) of the unit loads on all modes: their modal loads."""
         modes = len(self.whole.frequencies)
         spread = [family.work(self.whole.modes) for family in self.spread.values()]
         return np.concatenate([self.whole.pilots.reshape(-1, modes), *spread, self.integrated.inside.T])
 
     @cached_property
-    def answers(self) -> NDArray:
+    def answers(self) -> np.ndarray:
         """Static coordinates (k, M) of all modes under the unit loads."""
         return self.work / (2.0 * np.pi * self.whole.frequencies) ** 2
 
-    def forces(self, loads: NDArray) -> tuple[NDArray, NDArray]:
+    def forces(self, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces on nodes (n, 3), N, and forces and moments on joint centres (i, 6) of coordinates (k,)."""
         nodal = np.zeros_like(self.body.mesh.nodes)
         for name, family in self.spread.items():
@@ -176,7 +175,7 @@ def _unit_loads(
     return ShoeUnitLoads(body, whole, integrated_in(flexible, whole), rectangles, strips, spread)
 
 
-def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, NDArray, NDArray] | None:
+def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, np.ndarray, np.ndarray] | None:
     """Family, numbers and shares (times or 1, j) of the unit loads of an action; None if nothing bends."""
     joints = [interface.name for interface in units.whole.interfaces]
     match action.entry:
@@ -202,7 +201,7 @@ def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, NDArra
     raise TypeError(f"no unit loads for an action that enters by {action.entry}")
 
 
-def coordinates(units: ShoeUnitLoads, action: actions.Action, frames: NDArray) -> csr_array:
+def coordinates(units: ShoeUnitLoads, action: actions.Action, frames: np.ndarray) -> csr_array:
     """Coordinates (times, k) of the unit loads that make an action on a shoe of axes (times, 3, 3)."""
     shared = shares_of(units, action)
     if shared is None:

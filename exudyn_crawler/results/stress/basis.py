@@ -14,7 +14,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import block_diag, csr_array, eye_array, hstack, kron, vstack
 
 import fem
@@ -91,7 +90,7 @@ def _static_loads(units: load_map.ShoeUnitLoads, whole: fem.CachedReduction) -> 
     return StaticLoads(cached_fields(units.body, whole, families).fields, csr_array(block_diag(blocks)))
 
 
-def _ground_shares(underside: Underside, grid: fem.PressureGrid) -> NDArray:
+def _ground_shares(underside: Underside, grid: fem.PressureGrid) -> np.ndarray:
     """Tractions (p, points of a grid) nearest to a unit over each rectangle from the underside's corner."""
     numbers = np.indices(underside.integral.shape[:2]).reshape(2, -1)
     sides = numbers.T * underside.cell
@@ -116,18 +115,18 @@ class StressBasis:
 
     shapes: fem.Shapes  # modes, and static fields beside them
     loads: Mapping[int, Mapping[str, csr_array]]  # (times, loads) by shoe, as of `loads_by_kind`
-    answers: NDArray  # (loads, columns), coordinates of the columns that a unit of each load makes
-    coordinates: Mapping[int, NDArray]  # (times, columns), their products by shoe, all kinds together
+    answers: np.ndarray  # (loads, columns), coordinates of the columns that a unit of each load makes
+    coordinates: Mapping[int, np.ndarray]  # (times, columns), their products by shoe, all kinds together
     bound: float | None
     """Pa by which left-out fields change the stress of any node at most; None without fields: not known."""
 
-    def by_load(self, shoe: int, rows: NDArray | slice = slice(None)) -> dict[str, NDArray]:
+    def by_load(self, shoe: int, rows: np.ndarray | slice = slice(None)) -> dict[str, np.ndarray]:
         """Coordinates of a shoe at stored times by what makes them: arrays (times, columns).
 
         They add up to those of all; loads that make nothing are left out. By words of `LOADS` for kinds of
         actions, or those kinds; "inertia" is that of the integrated modes.
         """
-        found: dict[str, NDArray] = {}
+        found: dict[str, np.ndarray] = {}
         for kind, loads in self.loads[shoe].items():
             load, own = LOADS.get(kind, kind), np.asarray(loads[rows] @ self.answers)
             if own.any():
@@ -155,7 +154,7 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
     return StressBasis(columns.beside(units.whole), by_kind, answers, coordinates, columns.bound)
 
 
-def unit_stress(case: Case, node: int) -> NDArray:
+def unit_stress(case: Case, node: int) -> np.ndarray:
     """Stress (loads, 6) in Pa at a node by a unit of each load of `unit_loads`, with all static fields."""
     units, static = load_map.unit_loads(case), static_loads(case)
     if static is None:

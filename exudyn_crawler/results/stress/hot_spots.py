@@ -6,7 +6,6 @@ from typing import Literal, get_args
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.case.parameters.track import Track
 from exudyn_crawler.model.shoe_mesh import pulled_node
@@ -30,7 +29,7 @@ MEGA = 1e6
 SHARE = "share of "  # what the columns of loads begin with
 
 
-def shoe_regions(whole: Shapes, track: Track) -> NDArray:
+def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
     """Region of every node of a shoe: array (n,) of str, of `REGIONS`.
 
     Bores are what joints hold, lugs what else is about the pins, with the lugs' roots. The roller path is
@@ -54,7 +53,7 @@ def shoe_regions(whole: Shapes, track: Track) -> NDArray:
     return regions
 
 
-def near_pull(history: History, whole: Shapes, shoe: int) -> NDArray:
+def near_pull(history: History, whole: Shapes, shoe: int) -> np.ndarray:
     """Whether each node belongs to an element about the node that the drive pulls: array (nodes,)."""
     marked, elements = np.zeros(len(whole.nodes), dtype=bool), whole.mesh.elements
     node = pulled_node(history.case, whole.mesh)
@@ -74,13 +73,13 @@ def mesh_dataset(whole: Shapes) -> xr.Dataset:
     return xr.Dataset(variables, {"node": np.arange(len(whole.nodes)), "axis": ["x", "y", "z"]})
 
 
-def flat_triangles(faces: NDArray) -> NDArray:
+def flat_triangles(faces: np.ndarray) -> np.ndarray:
     """Flat triangles (4 k, 3) through all nodes of faces (k, 6): corners first, then middles of sides."""
     quarters = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
     return np.stack([faces[:, list(quarter)] for quarter in quarters], axis=1).reshape(-1, 3)
 
 
-def stress_directions(criterion: SignedCriterion, stress: NDArray) -> NDArray:
+def stress_directions(criterion: SignedCriterion, stress: np.ndarray) -> np.ndarray:
     """Rows (t, 6) whose products with stresses (t, 6) are a criterion's signal: its derivatives by them.
 
     A criterion is of first order in the stress: the products with the stresses of loads add up to it (Euler).
@@ -95,7 +94,7 @@ def stress_directions(criterion: SignedCriterion, stress: NDArray) -> NDArray:
     return np.divide(rows, length[:, None], out=np.zeros_like(rows), where=length[:, None] != 0.0)
 
 
-def load_shares(basis: StressBasis, shoe: int, nodes: NDArray, rows: NDArray) -> pd.DataFrame:
+def load_shares(basis: StressBasis, shoe: int, nodes: np.ndarray, rows: np.ndarray) -> pd.DataFrame:
     """Share of each load in the von Mises stress of nodes (k,), each at a stored time (k,) of its own.
 
     A load's share is the projection of its stress, the static answer with the inertia of the free shoe, on
@@ -107,7 +106,7 @@ def load_shares(basis: StressBasis, shoe: int, nodes: NDArray, rows: NDArray) ->
     return pd.DataFrame({SHARE + load: own for load, own in shares(parts).items()})
 
 
-def shares(parts: Mapping[str, NDArray]) -> dict[str, NDArray]:
+def shares(parts: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Shares (k,) as of `load_shares` of the stresses (k, 6) of loads in their sum."""
     stress = np.sum(list(parts.values()), axis=0)
     directions = stress_directions("signed von mises", stress)
@@ -124,8 +123,8 @@ def highest_nodes(
     basis: StressBasis,
     shoe: int,
     peaks: Peaks,
-    regions: NDArray,
-    nodes: NDArray,
+    regions: np.ndarray,
+    nodes: np.ndarray,
     separation: OneOfEach | None = None,
 ) -> pd.DataFrame:
     """Hot spots among some nodes with verdicts, regions and shares of loads; positions those at t = 0."""
@@ -158,7 +157,7 @@ def highest_by_phase(history: History, stress: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def in_the_shoe(place: xr.DataArray) -> dict[str, NDArray]:
+def in_the_shoe(place: xr.DataArray) -> dict[str, np.ndarray]:
     """Columns of a position in the shoe's frame, m, or of several."""
     return {f"{axis} in the shoe in m": place.sel(axis=axis).values[()] for axis in "xyz"}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.flexible_shoes import whole_reduction
@@ -112,7 +112,7 @@ def _named_times(history: History, times: Sequence[float] | None) -> list[tuple[
     return [(time, known.get(round(time, 9), "")) for time in within]
 
 
-def _frames(history: History, named: Sequence[tuple[float, str]]) -> tuple[NDArray, list[str]]:
+def _frames(history: History, named: Sequence[tuple[float, str]]) -> tuple[np.ndarray, list[str]]:
     """Indices of the stored instants nearest to named times, rising, and the names of each."""
     stored = history.time.values
     names: dict[int, list[str]] = {}
@@ -123,7 +123,7 @@ def _frames(history: History, named: Sequence[tuple[float, str]]) -> tuple[NDArr
 
 
 def _of_shoe(
-    history: History, whole: Shapes, q: NDArray, found: Extremes, frames: NDArray, at_load: NDArray
+    history: History, whole: Shapes, q: np.ndarray, found: Extremes, frames: np.ndarray, at_load: np.ndarray
 ) -> xr.Dataset:
     """Stress of one shoe with coordinates q (times, columns)."""
     time, displacements = history.time.values, whole.displacement(q[frames])

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.case_file import differences
@@ -39,7 +38,7 @@ class Checkpoint:
     path: Path
     chunk: Chunk  # what the stage stored, read from the file when it is needed
 
-    def end(self) -> tuple[NDArray, dict[str, NDArray]]:
+    def end(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """State (size of the layout,) and memory of the ground to go on from; ValueError if altered."""
         content = _read(self.path)
         return content.state, content.memory
@@ -62,8 +61,8 @@ class Checkpoints:
         number: int,
         time: float,
         layout: str,
-        state: NDArray,
-        memory: dict[str, NDArray],
+        state: np.ndarray,
+        memory: dict[str, np.ndarray],
         history: xr.Dataset,
     ) -> Checkpoint:
         """Keep the end of a stage of a case; OSError if it cannot be written."""
@@ -163,8 +162,8 @@ class _Content(NamedTuple):
     number: int
     time: float
     layout: str
-    state: NDArray
-    memory: dict[str, NDArray]
+    state: np.ndarray
+    memory: dict[str, np.ndarray]
     history: xr.Dataset
 
 

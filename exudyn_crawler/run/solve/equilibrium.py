@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, SphereContact
 from exudyn_crawler.errors import EquilibriumError
@@ -46,7 +45,7 @@ SLOW = 1e-6
 """m/s and rad/s, greatest speed at rest: its dashpots take less than 1e-4 m/s2 of a shoe's mass."""
 
 
-def crept(system: CompiledSystem, guess: NDArray) -> NDArray:
+def crept(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
     """Coordinates that a track under rollers has crept to from a guess, or a `NewtonError`.
 
     Frictionless it may have no rest at all: the rollers fold the chain up, and only friction holds the shoes
@@ -67,7 +66,7 @@ def crept(system: CompiledSystem, guess: NDArray) -> NDArray:
     return q
 
 
-def rest(system: CompiledSystem, guess: NDArray) -> NDArray:
+def rest(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
     """Coordinates at which a track with its front shoe held rests, near to a guess, or a `NewtonError`.
 
     Along x the shoe is held where the drive will pull: its force, which the drive takes over, bends the shoe,
@@ -77,7 +76,7 @@ def rest(system: CompiledSystem, guess: NDArray) -> NDArray:
     held = [] if system.sticks else [front + k for k in HELD]
     start, holds = system.pulled_place(np.zeros(n)), 1 + len(held)
 
-    def balance(x: NDArray) -> NDArray:
+    def balance(x: np.ndarray) -> np.ndarray:
         q, multipliers, forces_held = x[:n], x[n:-holds], x[-holds:]
         residual, pulled = system.at_rest(q, multipliers)
         residual[:n] += forces_held[0] * pulled
@@ -100,7 +99,9 @@ def rest(system: CompiledSystem, guess: NDArray) -> NDArray:
     return x[:n]
 
 
-def _derivative(function: Callable[[NDArray], NDArray], at: NDArray, steps: NDArray) -> NDArray:
+def _derivative(
+    function: Callable[[np.ndarray], np.ndarray], at: np.ndarray, steps: np.ndarray
+) -> np.ndarray:
     """Central differences of a function, a column for each of its arguments."""
     moved = at.copy()
     columns = np.empty((len(at), len(at)))
@@ -113,7 +114,7 @@ def _derivative(function: Callable[[NDArray], NDArray], at: NDArray, steps: NDAr
     return columns.T
 
 
-def static_equilibrium(case: Case) -> NDArray:
+def static_equilibrium(case: Case) -> np.ndarray:
     """Coordinates of track and terrain at rest under their weights and the loads at t = 0.
 
     Returns
@@ -157,7 +158,7 @@ def static_equilibrium(case: Case) -> NDArray:
     return q
 
 
-def _compiled_rest(case: Case) -> NDArray:
+def _compiled_rest(case: Case) -> np.ndarray:
     system = compiled_system(case)
     guess = system.first_guess()
     try:
@@ -175,7 +176,7 @@ def _compiled_rest(case: Case) -> NDArray:
     return _rest_from(case, _compiled_rest(case.with_(contact=case.pair_contact().with_(normal="face"))))
 
 
-def _rest_from(case: Case, start: NDArray) -> NDArray:
+def _rest_from(case: Case, start: np.ndarray) -> np.ndarray:
     """Rest by Newton's method from coordinates near to it."""
     system = compiled_system(case)
     try:
@@ -184,7 +185,7 @@ def _rest_from(case: Case, start: NDArray) -> NDArray:
         raise _no_rest(system, failed) from failed
 
 
-def _on_rising_ground(case: Case) -> NDArray:
+def _on_rising_ground(case: Case) -> np.ndarray:
     """Rest on a profile that rises from even ground in steps, each from the rest on the one before."""
     profile = np.array(case.unit_terrain().profile)
     found = guess = np.zeros(0)
@@ -197,7 +198,7 @@ def _on_rising_ground(case: Case) -> NDArray:
     return found
 
 
-def _crept(case: Case, guess: NDArray) -> NDArray:
+def _crept(case: Case, guess: np.ndarray) -> np.ndarray:
     """Where a track under rollers creeps to, with as little oil as lets it."""
     if case.contact.model == "cells":
         return crept(compiled_system(case), guess)
@@ -223,7 +224,7 @@ def _no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
     )
 
 
-def _rest(system: ExudynSystem, guess: NDArray, iterations: int = ITERATIONS) -> NDArray:
+def _rest(system: ExudynSystem, guess: np.ndarray, iterations: int = ITERATIONS) -> np.ndarray:
     """Rest of a system built for statics, by Newton's method from a guess."""
     system.set_initial(guess)
     settings = _settings()
@@ -244,7 +245,7 @@ def _rest(system: ExudynSystem, guess: NDArray, iterations: int = ITERATIONS) ->
         raise _no_rest(system, failed) from failed
 
 
-def _on_uneven_ground(system: ExudynSystem) -> NDArray:
+def _on_uneven_ground(system: ExudynSystem) -> np.ndarray:
     """Rest on uneven ground, onto which the track sinks from its rest on even ground.
 
     Damped motion finds it where Newton's method alone goes astray: Exudyn's derivatives leave out how the

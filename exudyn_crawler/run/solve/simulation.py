@@ -6,7 +6,7 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from numpy.typing import NDArray
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler.case import Case, Solver
@@ -102,7 +102,7 @@ def integrate(
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def integrate_from(
-    case: Case, state: NDArray, duration: float, memory: Mapping[str, NDArray] | None = None
+    case: Case, state: np.ndarray, duration: float, memory: Mapping[str, np.ndarray] | None = None
 ) -> History:
     """Integrate a case for some time (s) from a state's row, of which the multipliers do not matter.
 

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.track_system import TrackSystem
@@ -51,7 +50,7 @@ class Recorder:
         self._interval = system.case.solver.output_interval
         self._duration = duration
         self._next = 0.0
-        self._states: list[NDArray] = []
+        self._states: list[np.ndarray] = []
         self.time = 0.0
 
     def go_on(self, time: float) -> None:
@@ -72,7 +71,7 @@ class Recorder:
         if not self._states:
             self._states.append(self._system.state())
 
-    def taken(self) -> NDArray:
+    def taken(self) -> np.ndarray:
         """States stored since the last call, one a row; they are not kept any longer."""
         rows = np.array(self._states)
         self._states.clear()

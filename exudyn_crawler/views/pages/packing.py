@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.colors import to_hex
-from numpy.typing import NDArray
 
 from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.views import figures
@@ -27,7 +26,7 @@ LEAST_POINTS, MOST_POINTS, FEW = 200, 4000, 5
 """Points that a series keeps at least and at most; items of many that are drawn at first."""
 
 
-def packed(array: NDArray, kind: str) -> str:
+def packed(array: np.ndarray, kind: str) -> str:
     """Base64 of an array as little-endian numbers of a kind such as "f4" or "u2"."""
     return base64.b64encode(np.ascontiguousarray(array, dtype=f"<{kind}").tobytes()).decode("ascii")
 
@@ -37,9 +36,9 @@ class SceneArrays:
 
     def __init__(self) -> None:
         self.packed: list[dict[str, Any]] = []
-        self._numbers: dict[int, tuple[int, NDArray]] = {}
+        self._numbers: dict[int, tuple[int, np.ndarray]] = {}
 
-    def add(self, array: NDArray | None, kind: str = "f4", rows: int = 1) -> int | None:
+    def add(self, array: np.ndarray | None, kind: str = "f4", rows: int = 1) -> int | None:
         """Number of an array, None of none; `rows` are the times that it holds."""
         if array is None:
             return None
@@ -49,7 +48,7 @@ class SceneArrays:
             self.packed.append({"kind": kind, "data": packed(array, kind), "rows": rows})
         return self._numbers[id(array)][0]
 
-    def add_over_time(self, array: NDArray | None, stepped: bool = False) -> int | None:
+    def add_over_time(self, array: np.ndarray | None, stepped: bool = False) -> int | None:
         """Same of an array (times, ...), in steps if it is finite."""
         if array is None or not stepped or not np.isfinite(array).all():
             return self.add(array, rows=0 if array is None else len(array))
@@ -126,7 +125,7 @@ def packed_curves(
     points = int(np.clip(SERIES_BYTES / BYTES_A_POINT / max(count, 1), LEAST_POINTS, MOST_POINTS))
     cases = {}
     for name, own in found.items():
-        times: list[NDArray] = []
+        times: list[np.ndarray] = []
         quantities = [_packed_series(series, points, times) for series in own]
         phases = common_phases(histories[name])
         cases[name] = {
@@ -150,7 +149,7 @@ def packed_curves(
     return curves, said if most > points else "Every stored time is drawn."
 
 
-def thinned(values: NDArray, points: int) -> NDArray:
+def thinned(values: np.ndarray, points: int) -> np.ndarray:
     """Indices to keep of a series (n,): ends, and the least and greatest of bins; at most about `points`."""
     n = len(values)
     if n <= points:
@@ -163,7 +162,7 @@ def thinned(values: NDArray, points: int) -> NDArray:
     return np.unique(np.minimum(kept, n - 1))
 
 
-def _packed_series(series: figures.Series, points: int, times: list[NDArray]) -> dict[str, Any]:
+def _packed_series(series: figures.Series, points: int, times: list[np.ndarray]) -> dict[str, Any]:
     """Quantity for the page: names, and for every item and axis packed indices of time and values.
 
     Its stored times are those of the same number in `times`, to which they are added where they are new.

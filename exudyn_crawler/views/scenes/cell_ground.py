@@ -5,7 +5,6 @@ from functools import lru_cache
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.results.history.ground_map import pressed_depths
@@ -19,7 +18,7 @@ HEIGHT = "height of the ground in mm"
 
 
 @lru_cache(maxsize=4)
-def _heights(terrain: CellTerrain, bounds: tuple[float, float, float, float]) -> tuple[NDArray, ...]:
+def _heights(terrain: CellTerrain, bounds: tuple[float, float, float, float]) -> tuple[np.ndarray, ...]:
     """Evenly spaced x and y (m) between bounds, and heights (x, y), m; those not measured are the least."""
     x0, x1, y0, y1 = bounds
     spacing = max(SPACING, math.sqrt((x1 - x0) * (y1 - y0) / MOST_POINTS))
@@ -28,14 +27,14 @@ def _heights(terrain: CellTerrain, bounds: tuple[float, float, float, float]) ->
     return x, y, np.nan_to_num(height, nan=np.nanmin(height))
 
 
-def grid_of(terrain: CellTerrain, x: tuple[float, float], y: tuple[float, float]) -> tuple[NDArray, ...]:
+def grid_of(terrain: CellTerrain, x: tuple[float, float], y: tuple[float, float]) -> tuple[np.ndarray, ...]:
     """Same within the field, for the least and greatest x and y (m) of what is shown."""
     (left, right), (low, high) = terrain.bounds
     return _heights(terrain, (max(x[0], left), min(x[1], right), max(y[0], low), min(y[1], high)))
 
 
 def with_ground(
-    history: History, dataset: xr.Dataset, rows: NDArray, grid: tuple[NDArray, ...]
+    history: History, dataset: xr.Dataset, rows: np.ndarray, grid: tuple[np.ndarray, ...]
 ) -> xr.Dataset:
     """Instants of a history, its stored times of numbers `rows`, with the ground's height and depth, m.
 

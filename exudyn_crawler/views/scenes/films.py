@@ -13,7 +13,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.files import refuse_existing, whole_file
@@ -67,7 +66,7 @@ class Picture(ABC):
         self.title.set_text(f"{self.name}: t = {at:.2f} s")
         return self.figure
 
-    def image(self, time: float) -> NDArray:
+    def image(self, time: float) -> np.ndarray:
         """Picture at a time as red, green and blue: array (height, width, 3), uint8."""
         canvas = FigureCanvasAgg(self.show(time))
         # ticks are chosen when drawn, by the style's size of writing
@@ -128,7 +127,7 @@ class TrackPicture(Picture):
         return plan + pictures.draw_side(self._side, case, now, self._scale, self._force_scale)
 
 
-def ground_range(history: History) -> tuple[NDArray, str]:
+def ground_range(history: History) -> tuple[np.ndarray, str]:
     """What colours the ground over a run, mm, of cells as it begins and ends, and what it is."""
     if isinstance(history.case.terrain, CellTerrain):
         (ground,) = track.ground_faces(history.case, _ends(history)).colourings
@@ -167,7 +166,7 @@ class ShoePicture(Picture):
     stored instants nearest to `times` (n,), s, can be shown. A ValueError if the shoe is no flexible one.
     """
 
-    def __init__(self, history: History, shoe: int, times: NDArray) -> None:
+    def __init__(self, history: History, shoe: int, times: np.ndarray) -> None:
         rows = np.unique(history.dataset.get_index("time").get_indexer(times, method="nearest"))
         surface = surface_stress(history, shoe, rows).rename(time="frame")
         fields = {f"frame_{name}": surface[name] for name in ("von_mises", "displacement")}
@@ -236,7 +235,7 @@ class ShoePicture(Picture):
 
 def film_times(
     duration: float, rate: int = RATE, speed: float = 1.0, start: float = 0.0, end: float | None = None
-) -> NDArray:
+) -> np.ndarray:
     """Times of a run that the pictures of an animation show, s: arguments and errors of `write_animation`."""
     end = duration if end is None else end
     if not 0.0 <= start < end <= duration + 1e-9:

@@ -18,7 +18,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from exudyn_crawler.case import Case, CellTerrain
 from exudyn_crawler.results.history.ground_map import ground_map
@@ -48,7 +47,7 @@ def paint(ax: Axes, solids: Iterable[Solid], view: View, window: Window | None =
     """
     if window is not None:
         ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
-    faces: list[NDArray] = []
+    faces: list[np.ndarray] = []
     fills, lines, depths = [], [], []
     for solid in solids:
         points = np.column_stack((view.project(solid.points), solid.values))
@@ -75,7 +74,7 @@ def paint(ax: Axes, solids: Iterable[Solid], view: View, window: Window | None =
     return drawn
 
 
-def _fills(solid: Solid, values: NDArray, normals: NDArray) -> NDArray:
+def _fills(solid: Solid, values: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Colours (m, 4) of faces by their values (m,), shaded by their normals (m, 3) without edges."""
     colours = np.tile(mpl.colors.to_rgba(solid.colour), (len(values), 1))
     for one in solid.colourings:
@@ -99,9 +98,9 @@ def draw_arrows(ax: Axes, kinds: Iterable[Arrows], view: View) -> list[Artist]:
     return drawn
 
 
-def _fine(corners: NDArray) -> NDArray:
+def _fine(corners: np.ndarray) -> np.ndarray:
     """Corners (m, 3, 4) of triangles, place and value; large ones are split in four until they are small."""
-    done: list[NDArray] = []
+    done: list[np.ndarray] = []
     while len(corners):
         edges = np.linalg.norm((corners - np.roll(corners, -1, axis=1))[..., :3], axis=2)
         small = edges.max(axis=1) <= FINEST

@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 FLAT = "none"  # edges of faces that are drawn without shade and without lines between them
 HIDDEN, SIDES = 0.002, 32
@@ -24,9 +23,9 @@ BOX_FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2
 class View:
     """Parallel projection: unit vectors (3,) rightward and upward in the picture, and its zero (3,), m."""
 
-    right: NDArray
-    up: NDArray
-    origin: NDArray = field(default_factory=lambda: np.zeros(3))
+    right: np.ndarray
+    up: np.ndarray
+    origin: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
     @classmethod
     def seen_from(cls, azimuth: float, elevation: float) -> Self:
@@ -41,11 +40,11 @@ class View:
         return replace(self, right=body.turn @ self.right, up=body.turn @ self.up, origin=body.origin)
 
     @property
-    def toward(self) -> NDArray:
+    def toward(self) -> np.ndarray:
         """Unit vector from the scene to the viewer."""
         return np.cross(self.right, self.up)
 
-    def project(self, points: NDArray) -> NDArray:
+    def project(self, points: np.ndarray) -> np.ndarray:
         """Points (..., 3) as right, up and toward the viewer: array of their shape, m."""
         return (points - self.origin) @ np.column_stack((self.right, self.up, self.toward))
 
@@ -53,10 +52,10 @@ class View:
 class Placement(NamedTuple):
     """Pose of a body: `origin` (3,), m, and `turn` (3, 3), whose columns are its axes, both global."""
 
-    origin: NDArray
-    turn: NDArray
+    origin: np.ndarray
+    turn: np.ndarray
 
-    def place(self, points: NDArray) -> NDArray:
+    def place(self, points: np.ndarray) -> np.ndarray:
         """Points (..., 3) of the body's axes in the global ones."""
         return points @ self.turn.T + self.origin
 
@@ -72,7 +71,7 @@ class Colouring:
     """
 
     title: str
-    values: NDArray
+    values: np.ndarray
     low: float
     high: float
     colours: str | tuple[str, ...]
@@ -106,32 +105,32 @@ class Solid:
     """
 
     name: str
-    points: NDArray
-    faces: tuple[NDArray, ...]
+    points: np.ndarray
+    faces: tuple[np.ndarray, ...]
     colour: str
-    origin: NDArray = field(default_factory=lambda: np.zeros((1, 1, 3)))
-    turn: NDArray = field(default_factory=lambda: np.eye(3)[None, None])
+    origin: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 3)))
+    turn: np.ndarray = field(default_factory=lambda: np.eye(3)[None, None])
     opacity: float = 1.0
     edges: str = ""
     labels: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    lift: NDArray | None = None
-    bend: NDArray | None = None
+    lift: np.ndarray | None = None
+    bend: np.ndarray | None = None
     larger: float = 1.0
     colourings: tuple[Colouring, ...] = ()
-    nodes: NDArray | None = None
+    nodes: np.ndarray | None = None
 
     @cached_property
-    def triangles(self) -> NDArray:
+    def triangles(self) -> np.ndarray:
         """Faces cut into triangles: int array (m, 3)."""
         return triangulated(self.faces)
 
     @property
-    def values(self) -> NDArray:
+    def values(self) -> np.ndarray:
         """Values (n,) of the drawn colouring at the only time; zeros if there is none."""
         return self.colourings[0].values.ravel() if self.colourings else np.zeros(len(self.points))
 
-    def placed(self) -> tuple[NDArray, NDArray]:
+    def placed(self) -> tuple[np.ndarray, np.ndarray]:
         """Places of the copies at the first time: origins (copies, 3), m, and turns (copies, 3, 3)."""
         return self.origin[0] if self.lift is None else self.origin[0] + upward(self.lift[0]), self.turn[0]
 
@@ -179,13 +178,13 @@ class Arrows:
 
     name: str
     colour: str
-    heads: NDArray
-    forces: NDArray
+    heads: np.ndarray
+    forces: np.ndarray
     scale: float
     solid: str = ""
     through: float = 0.0
 
-    def at(self) -> NDArray:
+    def at(self) -> np.ndarray:
         """Tail and head of each arrow that is there at the first time: array (arrows, 2, 3), m."""
         heads, forces = self.heads[0], self.scale * self.forces[0]
         there = np.isfinite(heads).all(axis=1) & forces.any(axis=1)
@@ -200,19 +199,19 @@ class Scene(NamedTuple):
     arrows: tuple[Arrows, ...] = ()
 
 
-def triangulated(faces: Sequence[NDArray]) -> NDArray:
+def triangulated(faces: Sequence[np.ndarray]) -> np.ndarray:
     """Triangles (m, 3) of convex faces, arrays (m, k) of their corners; the array itself if it has them."""
     if len(faces) == 1 and faces[0].shape[1] == 3:
         return faces[0]
     return np.concatenate([one[:, [0, k, k + 1]] for one in faces for k in range(1, one.shape[1] - 1)])
 
 
-def box(low: NDArray, high: NDArray) -> tuple[NDArray, tuple[NDArray, ...]]:
+def box(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """Corners (8, 3) of a box between two places, m, and its faces."""
     return 0.5 * (low + high) + 0.5 * (high - low) * BOX, (BOX_FACES,)
 
 
-def disc(radius: float, width: float, sides: int = SIDES) -> tuple[NDArray, tuple[NDArray, ...]]:
+def disc(radius: float, width: float, sides: int = SIDES) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """Points (2 sides, 3) of a disc about the y axis, m, and its faces: rim and both flat sides."""
     around = 2.0 * np.pi * np.arange(sides) / sides
     rim = radius * np.column_stack((np.sin(around), np.zeros(sides), np.cos(around)))
@@ -222,6 +221,6 @@ def disc(radius: float, width: float, sides: int = SIDES) -> tuple[NDArray, tupl
     return np.concatenate((rim - half, rim + half)), (faces, np.stack((right[::-1], right + sides)))
 
 
-def upward(heights: NDArray) -> NDArray:
+def upward(heights: np.ndarray) -> np.ndarray:
     """Vectors (..., 3) of heights (...)."""
     return heights[..., None] * np.array([0.0, 0.0, 1.0])

@@ -15,7 +15,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
@@ -119,7 +118,7 @@ def stress_scene(stress: xr.Dataset, history: History, scales: Scales) -> Scene:
     return Scene(tuple(frame_titles(stress)), tuple(solids), tuple(arrows))
 
 
-def _trust(stress: xr.Dataset, shoe: int, used: NDArray) -> list[Colouring]:
+def _trust(stress: xr.Dataset, shoe: int, used: np.ndarray) -> list[Colouring]:
     """Verdicts on the greatest stress of each node of a shoe's surface, as far as the run has them."""
     if "peak_verdict" not in stress:
         return []
@@ -129,7 +128,7 @@ def _trust(stress: xr.Dataset, shoe: int, used: NDArray) -> list[Colouring]:
     return [verdict_colouring(numbers, low, f"low: below {100 * LOW:g} % of the highest", TRUST)]
 
 
-def verdict_colouring(numbers: NDArray, low: NDArray, low_words: str, name: str) -> Colouring:
+def verdict_colouring(numbers: np.ndarray, low: np.ndarray, low_words: str, name: str) -> Colouring:
     """Colours of verdicts (n,), numbers of `fem.trust.VERDICTS`; those that are `low` (n,) are not judged."""
     judged = np.where(numbers < 0, np.nan, np.where(low, len(VERDICTS), numbers))
     words = (*VERDICTS, low_words)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Case, CellTerrain, Rails, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
@@ -42,7 +42,7 @@ def instants(history: History, times: ArrayLike) -> xr.Dataset:
     )
 
 
-def shoe_poses(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
+def shoe_poses(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Origins (times, shoes, 3), m, and turns (times, shoes, 3, 3) of all shoes."""
     names = ("position", "angles")
     origin, angles = (dataset[name].transpose("time", "shoe", "axis").values for name in names)
@@ -55,7 +55,7 @@ def shoe_pose(now: xr.Dataset, shoe: int) -> Placement:
     return Placement(chosen.position.values, rotation_matrices(chosen.angles.values))
 
 
-def frame_poses(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
+def frame_poses(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Origins (times, 3), m, and turns (times, 3, 3) of the side frame."""
     return dataset.side_frame_position.values, rotation_matrices(dataset.side_frame_angles.values)
 
@@ -65,7 +65,7 @@ def rolls(dataset: xr.Dataset) -> bool:
     return "roller_force" in dataset
 
 
-def touching(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray]:
+def touching(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Places (contacts, 3), m, where the ground touches one shoe or all, and its forces on the shoe there, N.
 
     Both are global; pairs that are apart are left out.
@@ -77,7 +77,7 @@ def touching(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray
     return now.point.transpose(*CONTACTS).values[meets], forces[meets]
 
 
-def pressing(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray]:
+def pressing(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Strips of treads that press on one shoe, or on all, as of `touching`."""
     forces, points = (now[name].transpose(*STRIPS).values for name in ("tread_force", "tread_foot"))
     meets = forces.any(axis=-1)
@@ -87,7 +87,7 @@ def pressing(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray
     return points[meets], forces[meets]
 
 
-def acting(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray]:
+def acting(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Contacts with the ground of one shoe or of all, and the treads that press there, as of `touching`."""
     if not rolls(now):
         return touching(now, shoe)
@@ -95,7 +95,7 @@ def acting(now: xr.Dataset, shoe: int | None = None) -> tuple[NDArray, NDArray]:
     return np.concatenate(points), np.concatenate(forces)
 
 
-def shoe_forces(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
+def shoe_forces(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Centres of pressure (times, shoes, 3), m, not a number without contact, and forces on the shoes, N."""
     meets = dataset.area.transpose("time", "contact").values[..., None] > 0.0
     total = (dataset.normal_force + dataset.friction_force, dataset.point)
@@ -106,7 +106,7 @@ def shoe_forces(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
     return _centers(moments, pressed), np.einsum("sc,tca->tsa", own, forces)
 
 
-def roller_forces(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
+def roller_forces(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Same of the rollers (times, rollers, 3): centres of what each presses on, and its force there."""
     names = ("tread_force", "tread_foot")
     forces, points = (dataset[name].transpose("time", *STRIPS).values for name in names)
@@ -115,7 +115,7 @@ def roller_forces(dataset: xr.Dataset) -> tuple[NDArray, NDArray]:
     return _centers(moments, size.sum(axis=(2, 3, 4))), forces.sum(axis=(2, 3, 4))
 
 
-def _centers(moments: NDArray, weights: NDArray) -> NDArray:
+def _centers(moments: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Moments (..., 3) over weights (...), not a number where there is no weight."""
     centers = np.full(moments.shape, np.nan)
     return np.divide(moments, weights[..., None], out=centers, where=weights[..., None] > 0.0)
@@ -134,7 +134,9 @@ def unloaded_level(case: Case) -> float:
     return case.unit_terrain().unit_mass * case.gravity_vector()[2] / case.unit_terrain().heave_stiffness
 
 
-def track_scene(case: Case, dataset: xr.Dataset, force_scale: float, units: NDArray | None = None) -> Scene:
+def track_scene(
+    case: Case, dataset: xr.Dataset, force_scale: float, units: np.ndarray | None = None
+) -> Scene:
     """Shoes, faces of the ground, side frame and rollers, and forces, drawn `force_scale` m long for 1 N.
 
     `units` are the indices of the units that are shown; all if not given.
@@ -188,7 +190,7 @@ def ground_units(case: Case, dataset: xr.Dataset) -> Solid:
     return Solid("ground", *box(-half, half), style.GROUND, *placed, lift=lift, bend=bend)
 
 
-def ground_faces(case: Case, dataset: xr.Dataset, units: NDArray | None = None) -> Solid:
+def ground_faces(case: Case, dataset: xr.Dataset, units: np.ndarray | None = None) -> Solid:
     """Top faces of units, coloured by their heave in mm, without what they tilt in a run; or of cells."""
     if isinstance(case.terrain, CellTerrain):
         return cell_ground.surface(dataset)
@@ -205,7 +207,7 @@ def ground_faces(case: Case, dataset: xr.Dataset, units: NDArray | None = None) 
     return Solid("ground", points, faces, style.GROUND, *placed, *how, lift=lift, colourings=(colouring,))
 
 
-def unit_turns(case: Case, dataset: xr.Dataset | None = None) -> NDArray:
+def unit_turns(case: Case, dataset: xr.Dataset | None = None) -> np.ndarray:
     """Turns of the units, (times, units, 3, 3), in some instants or with free springs."""
     tilt = case.unit_terrain().tilts[None]
     if dataset is not None:
