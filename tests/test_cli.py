@@ -486,7 +486,7 @@ def test_a_bad_case_file_is_a_line_a_fault(call, tmp_path):
     code, _, err = call("run", "case.toml")
     assert code == 2
     assert err.splitlines() == [
-        "error: case.toml: shoe.width: Input should be a valid number, got 'wide'",
+        "error: case.toml: shoe.width: must be a number in m, or such as '8 mm', got 'wide'",
         "error: case.toml: shoe.mas: unknown key; did you mean shoe.mass?",
     ]
     assert not (tmp_path / "results").exists()
@@ -578,7 +578,7 @@ def test_a_value_can_be_set_on_the_command_line(call, short):
     code, out, err = call("info", short, "--set", "terrain.spring_stiffness=1e7", "--set", "sharing=area")
     assert (code, err) == (0, "")
     told = " ".join(out.split())
-    assert "terrain.spring_stiffness │ 10e6" in told
+    assert "terrain.spring_stiffness │ 10 MN/m" in told
     assert "contact.sharing │ area" in told
     code, _, err = call("run", short, "--set", "terrain.spring_stifness=1e7")
     assert code == 2

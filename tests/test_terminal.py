@@ -134,7 +134,7 @@ NUMBERS = {
     "stress --mesh coarse": ["133.9", "33.53", "386.4"],
     "sweep sweep.toml --dry-run": ["10 000 000", "30 000 000"],
     "sweep sweep.toml": ["700 000", "1a2b"],
-    "info": ["100e6"],
+    "info": ["100"],
 }
 """Of them, as they are written, that have to be seen at any width."""
 

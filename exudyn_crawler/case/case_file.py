@@ -24,6 +24,8 @@ MOST_STAGES = 1_000_000  # stages of a run, which begin at its checkpoints
 COPIES_OF_MODES = 6  # arrays as large as a basis that a reduction and its modes' stresses hold at a time
 A_UNIT = 20e3  # bytes of a unit that is a body of the multibody system with its joints
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
+IN_WORDS = 'Numbers are in the units of their comments, or texts with units: "20 MN/m", "9 km/h", "5 min".'
+DIGITS = 10  # of a number in a file to be changed by hand: those behind are rounding alone
 ABSENT = "-"  # in place of a value that a case does not have
 
 
@@ -152,15 +154,17 @@ class CaseFile(Parameters):
             yield f"outputs.picture_times must lie in 0..{self.duration:g} s, got {list(times)}"
 
 
-def case_text(case_file: CaseFile) -> str:
-    """Case file as TOML with a comment for every value."""
-    lines = [f"# {line}" for line in (HEAD, *_bases(Case))] + [""]
+def case_text(case_file: CaseFile, by_hand: bool = False) -> str:
+    """Case file as TOML with a comment for every value; `by_hand` with units in words, without rounding."""
+    heads = (HEAD, *([IN_WORDS] if by_hand else ()), *_bases(Case))
+    lines = [f"# {line}" for line in heads] + [""]
     for entry in fields.walk(case_file):
         if fields.is_table(entry.value):
             lines += _head(entry)
         else:
             words = ", ".join(part for part in (entry.unit, entry.meaning) if part)
-            lines.append(f"{entry.place[-1]} = {_plain(entry.value)}" + (f" # {words}" if words else ""))
+            value = _in_words(entry.value, entry.unit) if by_hand else _plain(entry.value)
+            lines.append(f"{entry.place[-1]} = {value}" + (f" # {words}" if words else ""))
     return "\n".join(lines) + "\n"
 
 
@@ -176,6 +180,24 @@ def _head(entry: fields.Entry) -> list[str]:
 def _bases(*kinds: type[BaseModel]) -> list[str]:
     names = dict.fromkeys(f'"{name}"' for kind in kinds for name in fields.named_values(kind))
     return [f"{fields.BASE} = {' or '.join(names)} gives all that is left out"] if names else []
+
+
+def _in_words(value: object, unit: str) -> str:
+    """Value as TOML for a reader: kN, MPa and MN/m, and no digits that are rounding."""
+    if isinstance(value, tuple):
+        return f"[{', '.join(_in_words(one, unit) for one in value)}]"
+    if isinstance(value, StepProfile):
+        rounded = {name: tuple(map(_rounded, one)) for name, one in value}
+        return _plain(value.model_copy(update=rounded))
+    if not isinstance(value, float):
+        return _plain(value)
+    prefix = fields.prefix_of(value, unit)
+    scaled = _rounded(value / fields.PREFIXES[prefix])
+    return f'"{scaled:.{DIGITS}g} {prefix}{unit}"' if prefix and "exponent" not in unit else _plain(_rounded(value))
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
 
 
 def _plain(value: object) -> str:
@@ -209,9 +231,8 @@ class Difference(NamedTuple):
     """A value in which two cases differ."""
 
     key: str
-    first: str
+    first: str  # with its unit
     second: str
-    unit: str
 
     def __str__(self) -> str:
         return f"{self.key} is {self.first}, not {self.second}"
@@ -221,7 +242,7 @@ def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
     """Values in which two cases or case files differ."""
     a, b = ({entry.path: entry for entry in fields.values_of(one)} for one in (first, second))
     return [
-        Difference(key, *_texts(a.get(key), b.get(key)), (a.get(key) or b[key]).unit)
+        Difference(key, *_texts(a.get(key), b.get(key)))
         for key in dict.fromkeys([*a, *b])
         if key not in a or key not in b or a[key].value != b[key].value
     ]
@@ -229,17 +250,24 @@ def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
 
 def _texts(*entries: fields.Entry | None) -> tuple[str, str]:
     """Two values that differ for reading, with all digits where fewer would hide it."""
-    one, other = (ABSENT if entry is None else fields.value_text(entry.value) for entry in entries)
+    one, other = (ABSENT if entry is None else fields.value_text(entry.value, entry.unit) for entry in entries)
     if one == other:
-        one, other = (ABSENT if entry is None else repr(entry.value) for entry in entries)
+        one, other = (ABSENT if entry is None else f"{entry.value!r} {entry.unit}".rstrip() for entry in entries)
     return one, other
 
 
 def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
     """Named case from which the fewest values of a case differ, but for its name, and its values of these."""
-    from_bases = {
-        name: {one.key: one.first for one in differences(make(), case) if one.key != "name"}
-        for name, make in fields.named_values(Case).items()
-    }
+    own, from_bases = _read_values(case), {}
+    for name, make in fields.named_values(Case).items():
+        of_base = _read_values(make())
+        keys = [key for key in {**of_base, **own} if of_base.get(key) != own.get(key)]
+        from_bases[name] = {key: of_base.get(key, ABSENT) for key in keys}
     base = min(from_bases, key=lambda name: len(from_bases[name]))
     return base, from_bases[base]
+
+
+def _read_values(case: Case) -> dict[str, str]:
+    """Values of a case but for its name, by their paths, as they are read."""
+    entries = fields.values_of(case)
+    return {one.path: fields.value_text(one.value, one.unit) for one in entries if one.path != "name"}

@@ -62,8 +62,12 @@ def case_of(entry: Any, path: Path) -> CaseFile:
         return reading.from_content(CaseFile, _resolved(entry, path.parent))
 
 
-def write_case(case_file: CaseFile, path: str | Path, overwrite: bool = False) -> Path:
+def write_case(
+    case_file: CaseFile, path: str | Path, overwrite: bool = False, by_hand: bool = False
+) -> Path:
     """Write all values with units and meanings; read back, the file gives an equal object.
+
+    One to be changed `by_hand` has units in words and numbers of ten digits.
 
     Raises
     ------
@@ -72,7 +76,7 @@ def write_case(case_file: CaseFile, path: str | Path, overwrite: bool = False) -
     """
     path = Path(path)
     with whole_file(path, overwrite) as temporary:
-        temporary.write_text(case_text(case_file), encoding="utf-8")
+        temporary.write_text(case_text(case_file, by_hand), encoding="utf-8")
     return path
 
 

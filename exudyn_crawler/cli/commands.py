@@ -71,7 +71,7 @@ def init(
     """
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     case_file = application.study_case(study)
-    written = crawler.write_case(case_file.with_({"name": path.stem}), path, overwrite)
+    written = crawler.write_case(case_file.with_({"name": path.stem}), path, overwrite, by_hand=True)
     typer.echo(f"{written}: change it, then: exudyn-crawler run {written}")
 
 
@@ -101,9 +101,9 @@ def info(
     base, of_base = nearest_base(case_file.case)
     rows = [(*row[:2], of_base.get(row.key, ""), *row[2:]) for row in fields.case_rows(case_file)]
     differing = sum(row[2] != "" for row in rows)
-    columns = ("key", "value", "in the base", "unit", "meaning")
+    columns = ("key", "value", "in the base", "meaning")
     title = f"{case}: {differing} of {len(rows)} values differ from the case {base!r}"
-    print_rows(columns, rows, title, keys=columns[:4], whole="in the file that init writes")
+    print_rows(columns, rows, title, keys=columns[:3], whole="in the file that init writes")
     if weights := shoe_weights(case_file.case):
         typer.echo(weights)
     checks.warn_implausible(case_file.case, case_file.duration)

@@ -39,7 +39,7 @@ def test_each_model_is_had_where_it_is_the_case_s():
 
 def test_unknown_model_is_refused():
     with pytest.raises(
-        ParameterError, match=r"^contact\.model: Input should be 'pair' or 'spheres' or 'cells', got 'hertz'$"
+        ParameterError, match=r"^contact\.model: must be 'pair' or 'spheres' or 'cells', got 'hertz'$"
     ):
         CASE.with_(contact=SPHERES.model_dump() | {"model": "hertz"})
 

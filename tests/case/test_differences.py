@@ -15,7 +15,7 @@ def test_a_papers_case_is_its_own_base(name):
 def test_changed_values_stand_beside_those_of_the_base():
     case = Case.turning()
     case = case.with_(terrain=case.terrain.with_(spring_stiffness=1e7), gravity=1.62)
-    assert nearest_base(case) == ("turning", {"gravity": "9.81", "terrain.spring_stiffness": "20e6"})
+    assert nearest_base(case) == ("turning", {"gravity": "9.81 m/s2", "terrain.spring_stiffness": "20 MN/m"})
 
 
 def test_what_the_base_has_not_is_marked_too():
@@ -28,7 +28,7 @@ def test_two_cases_differ_in_what_was_changed_and_not_in_their_names():
     case = Case.translation()
     other = case.with_(name="other", gravity=1.62, terrain=case.terrain.with_(spring_damping=0.0))
     rows = {row.key: row for row in differences(case, other.with_(name=case.name))}
-    assert rows["gravity"] == ("gravity", "9.81", "1.62", "m/s2")
+    assert rows["gravity"] == ("gravity", "9.81 m/s2", "1.62 m/s2")
     assert set(rows) == {"gravity", "terrain.spring_damping"}
     assert differences(case, case) == []
     lost = differences(Case.stress("coarse"), Case.stress("coarse").with_(flexible=None))
@@ -38,6 +38,6 @@ def test_two_cases_differ_in_what_was_changed_and_not_in_their_names():
 def test_values_that_differ_in_their_last_digits_alone_are_shown_in_full():
     case = Case.translation()
     (one,) = differences(case, case.with_(gravity=9.81 + 1e-12))
-    assert str(one) == "gravity is 9.81, not 9.810000000001"
+    assert str(one) == "gravity is 9.81 m/s2, not 9.810000000001 m/s2"
     (name,) = differences(case, case.with_(name="other"))
     assert str(name) == "name is translation, not other"

@@ -84,7 +84,7 @@ def test_a_case_file_is_changed_by_the_paths_that_it_writes():
     ("path", "told"),
     [
         ("terrain.spring_stifness", r"terrain\.spring_stifness: unknown key; did you mean terrain\.spring_s"),
-        ("terrain.spring_stiffness", r"terrain\.spring_stiffness: Input should be greater than"),
+        ("terrain.spring_stiffness", r"terrain\.spring_stiffness: must be greater than"),
         ("loads.phases[1].end", r"loads\.phases\[1\]\.end: loads\.phases has 1 items"),
         ("loads phases", r"loads phases: a path must be like"),
     ],

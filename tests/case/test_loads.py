@@ -40,7 +40,7 @@ def test_a_cycle_is_read_from_toml(tmp_path):
     cycle = LoadCycle.from_toml(path)
     assert cycle.loads(3.0)[0] == pytest.approx([2e5, 1.5e5])
     path.write_text("phases = 1")
-    with pytest.raises(ValueError, match=r"^\S*cycle\.toml: phases: Input should be .*, got 1$"):
+    with pytest.raises(ValueError, match=r"^\S*cycle\.toml: phases: must be .*, got 1$"):
         LoadCycle.from_toml(path)
     path.write_text("[[phases")
     with pytest.raises(ValueError, match="is not TOML"):
@@ -99,7 +99,7 @@ def test_a_case_file_names_a_cycle_beside_it(tmp_path):
         ('file = "lacking.toml"', r"lacking\.toml: phases\[0\]\.loads: missing$"),
         (
             'file = "short.toml"',
-            r"^\S*short\.toml: phases\[0\]\.loads: Input should be a valid array, got True",
+            r"^\S*short\.toml: phases\[0\]\.loads: must be a list, got True",
         ),
     ],
 )

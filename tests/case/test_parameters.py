@@ -131,7 +131,7 @@ def refused_both_ways(read, text, values):
         ("[terrain]\ndensity = -1.0", {"terrain": {"density": -1.0}}),
         ("[terrain]\ndensty = 1.0\nrow = 3", {"terrain": {"densty": 1.0, "row": 3}}),
         ("[contact]\nstiffness = nan\nradius = 1", {"contact": {"stiffness": math.nan, "radius": 1}}),
-        ('[solver]\nstep = "soon"', {"solver": {"step": "soon"}}),
+        ("[solver]\nstep = [1.0]", {"solver": {"step": [1.0]}}),
         ('gravty = 1\nformulation = "exudyn"', {"gravty": 1, "formulation": "exudyn"}),
         ("[solver]\nstep = 1.0\nminimum_step = 2.0", {"solver": {"step": 1.0, "minimum_step": 2.0}}),
     ],
@@ -168,8 +168,8 @@ def test_a_part_of_another_class_is_refused():
     with pytest.raises(ParameterError) as refused:
         Case.translation().with_(terrain=Track.ph4100c(), contact=5)
     assert [one[: one.index(", got")] for one in refused.value.errors] == [
-        "terrain: Input should be Terrain",
-        "contact: Input should be PairContact or SphereContact or CellContact",
+        "terrain: must be Terrain",
+        "contact: must be PairContact or SphereContact or CellContact",
     ]
 
 

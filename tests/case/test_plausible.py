@@ -130,7 +130,7 @@ def test_what_cannot_be_meant_is_refused_with_its_likely_cause():
     with pytest.raises(ParameterError) as caught:
         changed("contact", static_friction=40.0)
     assert caught.value.errors == [
-        "static_friction: Input should be less than or equal to 10, got 40.0; is it in per cent? "
+        "static_friction: must be less than or equal to 10, got 40.0; is it in per cent? "
         "It has to be a fraction of 1"
     ]
 
@@ -153,13 +153,13 @@ def test_what_cannot_be_meant_is_refused_with_its_likely_cause():
     ],
 )
 def test_what_numbers_cannot_hold_is_refused_by_its_bound(part, values):
-    with pytest.raises(ParameterError, match=r"Input should be (less|greater) than or equal to"):
+    with pytest.raises(ParameterError, match=r"must be (less|greater) than or equal to"):
         changed(part, Case.stress(), **values)
 
 
 @pytest.mark.parametrize("name", ["", "n" * 100_000])
 def test_names_are_neither_empty_nor_endless(name):
-    with pytest.raises(ParameterError, match=r"String should have at (least|most)"):
+    with pytest.raises(ParameterError, match=r"must have at (least|most)"):
         STRAIGHT.with_(name=name)
 
 

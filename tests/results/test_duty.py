@@ -55,7 +55,7 @@ def test_a_duty_is_read_with_folders_from_where_it_lies(file):
         ('name = "dig"', 'name = "propel"', "the runs' names must differ"),
         ("an_hour = 75", "share = 0.95", "more than all machine hours, got 1.02 of them: propel 0.07"),
         ('"cast_manganese"', '"cast_magnesium"', "did you mean 'cast_manganese'"),
-        ('miner = "haibach"', 'miner = "palmgren"', "miner: Input should be 'elementary', 'haibach'"),
+        ('miner = "haibach"', 'miner = "palmgren"', "miner: must be 'elementary', 'haibach'"),
         ("[material]", "[material", "not TOML"),
         ('miner = "haibach"', "survivals = [0.9, 0.5]", "survivals must be different and rise"),
     ],

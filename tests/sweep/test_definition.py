@@ -318,14 +318,14 @@ def test_meshes_are_found_from_the_files_folder(tmp_path):
         ("case = ", "not TOML"),
         (f"{VARIED}{ANSWERED}", "case must be a case file, the name of a case, or a table of one"),
         (f'case = "translation"\n{VARIED}', "answers: missing"),
-        (f'case = "translation"\nruns = "many"\n{VARIED}{ANSWERED}', "runs: Input should be a valid"),
+        (f'case = "translation"\nruns = "many"\n{VARIED}{ANSWERED}', "runs: must be a "),
         (
             f'case = "translation"\ndesing = "grid"\n{VARIED}{ANSWERED}',
             "desing: unknown key; did you mean",
         ),
         (
             f'case = "translation"\n{VARIED}[[answers]]\nmodel = "lives"\n',
-            "answers[0].model: Input should be",
+            "answers[0].model: must be",
         ),
         (
             f'case = "translation"\n{VARIED}[[answers]]\nquantity = "pin_force"\n',

@@ -1,6 +1,7 @@
 """What all parameter classes are: checked, frozen, with units; and the words for what is wrong with one."""
 
 import difflib
+import re
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, NamedTuple, Self
 
@@ -9,13 +10,20 @@ from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails, PydanticUndefined
 
-from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters import fields, units
 from exudyn_crawler.errors import ParameterError
 
 FAR = 1e6  # m, beyond which places are no longer exact to a tenth of a micrometre
 FORMULA = ("=", "+", "-", "@")  # what a cell of a table begins with that spreadsheets take for a formula
 SHOWN = 60  # characters of a refused value that an error shows
 MOST_UNKNOWN = 10  # unknown keys that errors name
+WORDS = {
+    **{"a valid number": "a number", "a valid integer": "a whole number", "a valid string": "a text"},
+    **{"a valid boolean": "true or false", "a valid array": "a list", "a valid tuple": "a list"},
+    **{"a valid list": "a list", " after validation": "", "be an object": "be a table"},
+}
+"""Those of pydantic, and what an engineer says."""
+PROFILE = "values over time, such as {times = [0, 5], values = [0, 0.1]} (numbers in s and {unit})"
 
 Errors = Iterator[str]  # a line each
 # bounds beyond which no machine could be meant, or numbers fail
@@ -233,13 +241,19 @@ def _message(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bo
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         tag = given.get(fields.TAG) if isinstance(given, dict) else given
         allowed = " or ".join(repr(fields.tag_of(held)) for held in spot.held)
-        return f"{path}.{fields.TAG}: Input should be {allowed}, got {shown(tag)}"
-    if in_file:
-        message = message.replace("be an object", "be a table")
-    elif kind in ("model_type", "model_attributes_type"):
-        message = f"Input should be {' or '.join(held.__name__ for held in spot.held)}"
+        return f"{path}.{fields.TAG}: must be {allowed}, got {shown(tag)}"
     name = next((part for part in reversed(spot.place) if isinstance(part, str)), "")
     field, cause = spot.table.model_fields.get(name), ""
+    if kind in ("model_type", "model_attributes_type"):
+        is_profile = in_file and any(getattr(held, "is_value", False) for held in spot.held)
+        profile = PROFILE.replace("{unit}", fields.unit_of(field) if field else "")
+        message = f"must be {' or '.join(held.__name__ for held in spot.held)}"
+        message = f"must be {profile if is_profile else 'a table'}" if in_file else message
+    elif kind == "float_type" and in_file and isinstance(given, str) and field:
+        message = units.wanted(fields.unit_of(field))
+    for word, plain in WORDS.items():
+        message = message.replace(word, plain)
+    message = re.sub("^[A-Z][a-z]+ should", "must", message)
     if kind.startswith(("less_than", "greater_than")) and field and isinstance(given, int | float):
         cause = fields.likely_cause(float(given), field)
     return f"{head}{message}, got {shown(given)}{cause}"
@@ -251,7 +265,8 @@ def _remedy(one: ErrorDetails, spot: _Spot, in_file: bool) -> str:
         return f", got {shown(one['input'])}"
     if in_file:
         in_list = any(isinstance(part, int) for part in spot.place)
-        return "" if in_list else "; give it, or a base for what is left out"
+        bases = " or ".join(f'"{name}"' for name in fields.named_values(spot.table))
+        return f"; give it, or base = {bases} for what is left out" if bases and not in_list else ""
     named = " or ".join(f"{spot.table.__name__}.{name}()" for name in fields.named_values(spot.table))
     return f"; give it, or change a copy of {named}" if named else ""
 
@@ -264,6 +279,8 @@ def _unknown(spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
             this, that = fields.tag_of(spot.table), fields.tag_of(other)
             return f"unknown key with {fields.TAG} = {this!r}; {fields.TAG} = {that!r} has it"
     names = [*(fields.file_fields(model) if in_file and not start else spot.table.model_fields)]
+    if in_file and (wrong, start) == ("loads", ("loads",)):
+        return "unknown key; a load on every shoe stands above all tables, loads = 450e3, or in a phase's table"
     near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.7)
     if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
         return f"unknown key; did you mean {fields.path_text((*start, near[0]))}?"

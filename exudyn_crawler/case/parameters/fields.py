@@ -229,17 +229,38 @@ def first_line(kind: type[BaseModel]) -> str:
     return (inspect.getdoc(kind) or "").split("\n\n")[0].replace("\n", " ")
 
 
-def value_text(value: object) -> str:
-    """Value for reading; equal numbers once."""
-    if isinstance(value, tuple | list):
+ENGINEERING = (("N( m)?$", "k", 1e3), ("Pa", "G", 1e10), ("Pa", "M", 1e4), ("N/|N s", "M", 1e6), ("N/|N s", "k", 1e3))
+"""Units for reading, kN, MPa, MN/m: begin of a unit, its prefix, and the least number that has it."""
+PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
+
+
+def prefix_of(value: object, unit: str) -> str:
+    """Prefix of a unit in which a number, or the greatest of some, is read; empty for none."""
+    numbers = value if isinstance(value, tuple | list) else [value]
+    greatest = max((abs(one) for one in numbers if is_number(one)), default=0.0)
+    return next((one for start, one, least in ENGINEERING if re.match(start, unit) and greatest >= least), "")
+
+
+def value_text(value: object, unit: str = "") -> str:
+    """Value for reading, with its unit if that is said; equal numbers once."""
+    if not unit or value is None or value == () or isinstance(value, str | bool):
+        return _scaled_text(value)
+    prefix = prefix_of(value, unit)
+    return f"{_scaled_text(value, PREFIXES[prefix])} {prefix}{unit}"
+
+
+def _scaled_text(value: object, size: float = 1.0) -> str:
+    """Value, or values, over a size."""
+    if isinstance(value, tuple | list) and value:
         if len(value) > 3 and all(one == value[0] for one in value):
-            return f"{len(value)} x {value_text(value[0])}"
-        return ", ".join(value_text(one) for one in value)
+            return f"{len(value)} x {_scaled_text(value[0], size)}"
+        return ", ".join(_scaled_text(one, size) for one in value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):
-        return number_text(value) if abs(value) >= 1e6 else f"{value:.8g}"
-    return NONE if value is None else str(value)
+        value /= size
+        return number_text(float(f"{value:.10g}")) if abs(value) >= 1e6 else f"{value:.8g}"
+    return NONE if value is None or value == () else str(value)
 
 
 def number_text(value: float) -> str:
@@ -261,8 +282,7 @@ class Row(NamedTuple):
     """A value of a case for reading."""
 
     key: str
-    value: str
-    unit: str
+    value: str  # with its unit
     meaning: str
 
 
@@ -273,7 +293,7 @@ def values_of(case: BaseModel) -> Iterator[Entry]:
 
 def case_rows(case: BaseModel) -> list[Row]:
     """The same for reading."""
-    return [Row(one.path, value_text(one.value), one.unit, one.meaning) for one in values_of(case)]
+    return [Row(one.path, value_text(one.value, one.unit), one.meaning) for one in values_of(case)]
 
 
 MISTAKEN: dict[str, dict[str, float]] = {

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.parameters import fields, reading
+from exudyn_crawler.case.parameters import fields, reading, units
 from exudyn_crawler.case.parameters.base import Errors, Load, Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.drive import StepProfile
 
@@ -132,7 +132,7 @@ class LoadCycle(Cycle):
         """
         content = with_equal_loads(cycle_content(path), shoe_count)
         with reading.errors_named(Path(path), cls):
-            return cls.model_validate(content)
+            return cls.model_validate(units.in_si(content, cls))
 
     def table(self) -> "pd.DataFrame":
         """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""
@@ -180,9 +180,10 @@ def with_equal_loads(content: Any, shoe_count: int) -> Any:
 
     def spread(phase: Any) -> Any:
         load = phase.get("loads") if isinstance(phase, dict) else None
-        return phase | {"loads": [load] * shoe_count} if fields.is_number(load) else phase
+        is_one = fields.is_number(load) or units.is_measured(load)
+        return phase | {"loads": [load] * shoe_count} if is_one else phase
 
-    if fields.is_number(content):
+    if fields.is_number(content) or units.is_measured(content):
         content = {"phases": [{"name": "constant", "end": 0.0, "loads": content}]}
     match content:
         case {"phases": [*phases]}:

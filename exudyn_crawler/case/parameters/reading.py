@@ -10,12 +10,18 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters import fields, units
 from exudyn_crawler.case.parameters.base import error_lines
 from exudyn_crawler.errors import CaseFileError
 
 Model = TypeVar("Model", bound=BaseModel)
 Content = dict[str, Any]
+KINDS: dict[str, tuple[str, Callable[[Content], bool]]] = {
+    "sweep file": ("sweep", lambda content: "vary" in content),
+    "duty file": ("life", lambda content: isinstance(content.get("runs"), list)),
+    "case file": ("run", lambda content: not {"drive", "terrain", "duration", "track"}.isdisjoint(content)),
+}
+"""Files of the program: the command that takes one, and whether a content is one's."""
 
 
 def read_parameters(
@@ -27,16 +33,25 @@ def read_parameters(
     """
     path = Path(path)
     with errors_named(path, kind):
-        return from_content(kind, values(toml_content(path, name)))
+        content = toml_content(path, name)
+        others = {} if name in KINDS and KINDS[name][1](content) else KINDS
+        for other, (command, is_one) in others.items():
+            if other != name and is_one(content):
+                raise ValueError(f"it is a {other}, not a {name}: exudyn-crawler {command} {path}")
+        return from_content(kind, values(content))
 
 
 def toml_content(path: Path, name: str) -> Content:
     """Content of a TOML file; raises `FileNotFoundError` or, without the path, `ValueError` if it is none."""
     if not path.is_file():
-        raise FileNotFoundError(f"no {name} {path}")
+        is_run = name == "case file" and (path / "case.toml").is_file()
+        there = f"; the run in that folder has {path / 'case.toml'}" if is_run else ""
+        raise FileNotFoundError(f"no {name} {path}{there}")
     try:
         # some editors put a mark before the text
         return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise ValueError("not TOML: it is no text") from error
     except (ValueError, RecursionError) as error:
         raise ValueError(f"not TOML: {error}") from error
 
@@ -58,7 +73,7 @@ def from_content(kind: type[Model], content: Content) -> Model:
     """Parameter object of the values of a file; `ValidationError` for what is not allowed."""
     # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers; it has no type
     # for TOML's dates and times, which no field takes
-    text = json.dumps(content, default=lambda value: {"date or time": str(value)})
+    text = json.dumps(units.in_si(content, kind), default=lambda value: {"date or time": str(value)})
     return kind.model_validate_json(text, strict=True)
 
 

@@ -246,5 +246,7 @@ def loads_by_kind(history: History, shoe: int) -> dict[str, csr_array]:
 def check_flexible(case: Case, shoe: int) -> None:
     """Refuse a shoe that is not a flexible one of a history's case, by a ValueError."""
     there = [] if case.flexible is None else list(case.flexible.shoes)
+    if not there:
+        raise ValueError(f"the run has rigid shoes alone, which have no stress; got shoe {shoe}")
     if shoe not in there:
         raise ValueError(f"shoe must be a flexible one of the history, of {there}, got {shoe}")

@@ -121,7 +121,7 @@ def comparison_tables(
     first, second = histories.values()
     results = difference_table(*(compared(one, stresses.get(name)) for name, one in histories.items()))
     parameters = differences(first.case, second.case.with_(name=first.case.name))
-    return pd.DataFrame(parameters, columns=["key", "A", "B", "unit"]), results
+    return pd.DataFrame(parameters, columns=["key", "A", "B"]), results
 
 
 def write_comparison(
