@@ -391,8 +391,8 @@ class Case(Parameters):
             if low < least or high > greatest:
                 yield (
                     f"terrain must carry the track over the whole drive: at t = {time:.3g} s the track "
-                    f"reaches {name} = {low:.3f}..{high:.3f} m, the terrain {least:g}..{greatest:g} m; a larger "
-                    "terrain, another terrain.origin or a shorter duration mends it"
+                    f"reaches {name} = {low:.3f}..{high:.3f} m, the terrain {least:g}..{greatest:g} m; a "
+                    "larger terrain, another terrain.origin or a shorter duration mends it"
                 )
         if isinstance(self.contact, SphereContact) and self.unit_terrain().heights is not None:
             yield from self._step_errors(time, corners, self.contact.radius)

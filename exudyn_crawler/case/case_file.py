@@ -193,7 +193,8 @@ def _in_words(value: object, unit: str) -> str:
         return _plain(value)
     prefix = fields.prefix_of(value, unit)
     scaled = _rounded(value / fields.PREFIXES[prefix])
-    return f'"{scaled:.{DIGITS}g} {prefix}{unit}"' if prefix and "exponent" not in unit else _plain(_rounded(value))
+    has_words = prefix and "exponent" not in unit
+    return f'"{scaled:.{DIGITS}g} {prefix}{unit}"' if has_words else _plain(_rounded(value))
 
 
 def _rounded(value: float) -> float:
@@ -250,9 +251,9 @@ def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
 
 def _texts(*entries: fields.Entry | None) -> tuple[str, str]:
     """Two values that differ for reading, with all digits where fewer would hide it."""
-    one, other = (ABSENT if entry is None else fields.value_text(entry.value, entry.unit) for entry in entries)
+    one, other = (ABSENT if has is None else fields.value_text(has.value, has.unit) for has in entries)
     if one == other:
-        one, other = (ABSENT if entry is None else f"{entry.value!r} {entry.unit}".rstrip() for entry in entries)
+        one, other = (ABSENT if has is None else f"{has.value!r} {has.unit}".rstrip() for has in entries)
     return one, other
 
 
@@ -267,7 +268,7 @@ def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
     return base, from_bases[base]
 
 
-def _read_values(case: Case) -> dict[str, str]:
+def _read_values(case: BaseModel) -> dict[str, str]:
     """Values of a case but for its name, by their paths, as they are read."""
     entries = fields.values_of(case)
     return {one.path: fields.value_text(one.value, one.unit) for one in entries if one.path != "name"}

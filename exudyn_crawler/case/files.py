@@ -63,7 +63,7 @@ def case_of(entry: Any, path: Path) -> CaseFile:
 
 
 def write_case(
-    case_file: CaseFile, path: str | Path, overwrite: bool = False, by_hand: bool = False
+    case_file: CaseFile, path: str | Path, overwrite: bool = False, *, by_hand: bool = False
 ) -> Path:
     """Write all values with units and meanings; read back, the file gives an equal object.
 

@@ -17,11 +17,11 @@ FAR = 1e6  # m, beyond which places are no longer exact to a tenth of a micromet
 FORMULA = ("=", "+", "-", "@")  # what a cell of a table begins with that spreadsheets take for a formula
 SHOWN = 60  # characters of a refused value that an error shows
 MOST_UNKNOWN = 10  # unknown keys that errors name
-WORDS = {
-    **{"a valid number": "a number", "a valid integer": "a whole number", "a valid string": "a text"},
-    **{"a valid boolean": "true or false", "a valid array": "a list", "a valid tuple": "a list"},
-    **{"a valid list": "a list", " after validation": "", "be an object": "be a table"},
-}
+WORDS = (
+    *(("a valid number", "a number"), ("a valid integer", "a whole number"), ("a valid string", "a text")),
+    *(("a valid boolean", "true or false"), ("a valid array", "a list"), ("a valid tuple", "a list")),
+    *(("a valid list", "a list"), (" after validation", ""), ("be an object", "be a table")),
+)
 """Those of pydantic, and what an engineer says."""
 PROFILE = "values over time, such as {times = [0, 5], values = [0, 0.1]} (numbers in s and {unit})"
 
@@ -251,7 +251,7 @@ def _message(one: ErrorDetails, spot: _Spot, model: type[BaseModel], in_file: bo
         message = f"must be {profile if is_profile else 'a table'}" if in_file else message
     elif kind == "float_type" and in_file and isinstance(given, str) and field:
         message = units.wanted(fields.unit_of(field))
-    for word, plain in WORDS.items():
+    for word, plain in WORDS:
         message = message.replace(word, plain)
     message = re.sub("^[A-Z][a-z]+ should", "must", message)
     if kind.startswith(("less_than", "greater_than")) and field and isinstance(given, int | float):
@@ -280,7 +280,7 @@ def _unknown(spot: _Spot, model: type[BaseModel], in_file: bool) -> str:
             return f"unknown key with {fields.TAG} = {this!r}; {fields.TAG} = {that!r} has it"
     names = [*(fields.file_fields(model) if in_file and not start else spot.table.model_fields)]
     if in_file and (wrong, start) == ("loads", ("loads",)):
-        return "unknown key; a load on every shoe stands above all tables, loads = 450e3, or in a phase's table"
+        return "unknown key; a load on every shoe stands above all tables, loads = 450e3, or in a phase"
     near = difflib.get_close_matches(wrong, names, n=1, cutoff=0.7)
     if near := near or [name for name in names if name.startswith(f"{wrong}_")]:
         return f"unknown key; did you mean {fields.path_text((*start, near[0]))}?"

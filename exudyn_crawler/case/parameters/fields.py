@@ -229,7 +229,10 @@ def first_line(kind: type[BaseModel]) -> str:
     return (inspect.getdoc(kind) or "").split("\n\n")[0].replace("\n", " ")
 
 
-ENGINEERING = (("N( m)?$", "k", 1e3), ("Pa", "G", 1e10), ("Pa", "M", 1e4), ("N/|N s", "M", 1e6), ("N/|N s", "k", 1e3))
+ENGINEERING = (
+    *(("N( m)?$", "k", 1e3), ("Pa", "G", 1e10), ("Pa", "M", 1e4)),
+    *(("N/|N s", "M", 1e6), ("N/|N s", "k", 1e3)),
+)
 """Units for reading, kN, MPa, MN/m: begin of a unit, its prefix, and the least number that has it."""
 PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 

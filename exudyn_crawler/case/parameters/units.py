@@ -15,7 +15,8 @@ from pydantic import BaseModel
 from exudyn_crawler.case.parameters import fields
 
 NUMBER, NAME = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?", r"[a-zµ°%_]+(?:\^?-?\d(?:\.\d+)?)?"
-TEXT = re.compile(rf"\s*({NUMBER})(?:\s*(?=[a-zµ°%])|\s+(?=1/))((?:1/)?{NAME}(?:\s*[*/ ]\s*{NAME})*)\s*", re.I)
+UNIT = rf"(?:1/)?{NAME}(?:\s*[*/ ]\s*{NAME})*"
+TEXT = re.compile(rf"\s*({NUMBER})(?:\s*(?=[a-zµ°%])|\s+(?=1/))({UNIT})\s*", re.IGNORECASE)
 POWER = re.compile(r"(?<=[A-Za-zµ°])\^?(-?\d)")  # m3 and s2, as units are written here, too
 OPEN_POWER = re.compile(r"\^\(?(?:exponent|n)(?:\+(\d)\))?")  # of a law's modulus, by its exponent
 DEFINITIONS = """
@@ -49,10 +50,16 @@ pound = 453.59237 * gram = lb
 pound_force = 4.4482216152605 * newton = lbf
 psi = pound_force / inch ** 2
 """
-EXAMPLES = {
-    **{"N": "450 kN", "N m": "30 kN m", "N/m": "20 MN/m", "N s/m": "120 kN s/m", "Pa": "800 MPa", "m": "8 mm"},
-    **{"m/s": "9 km/h", "rad/s": "1 deg/s", "kg": "4.7 t", "kg/m3": "1.6 t/m3", "s": "5 min", "": "3 %"},
+EXAMPLES = {"N": "450 kN", "N m": "30 kN m", "N/m": "20 MN/m", "N s/m": "120 kN s/m", "Pa": "800 MPa"}
+EXAMPLES |= {
+    "m": "8 mm",
+    "m/s": "9 km/h",
+    "rad/s": "1 deg/s",
+    "kg": "4.7 t",
+    "kg/m3": "1.6 t/m3",
+    "s": "5 min",
 }
+EXAMPLES |= {"s": "5 min", "": "3 %"}
 
 
 @cache
@@ -60,7 +67,7 @@ def _registry() -> Any:
     # half a second, for files alone that have units
     import pint
 
-    registry = pint.UnitRegistry(None, non_int_type=Fraction)
+    registry: Any = pint.UnitRegistry(None, non_int_type=Fraction)
     registry.load_definitions(DEFINITIONS.strip().splitlines())
     return registry
 
