@@ -32,8 +32,8 @@ def test_a_text_with_a_unit_is_the_number_in_the_fields_own(text, unit, value):
 def test_every_kind_of_number_in_a_file_may_have_a_unit(tmp_path):
     (tmp_path / "case.toml").write_text(
         'base = "translation"\nduration = "500 ms"\nloads = "450 kN"\n'
-        '[terrain]\nspring_stiffness = "18 MN/m"\norigin = ["5044 mm", 3.2901]\n[contact]\nstiffness = "80 N/mm2"\n'
-        ""
+        '[terrain]\nspring_stiffness = "18 MN/m"\norigin = ["5044 mm", 3.2901]\n'
+        '[contact]\nstiffness = "80 N/mm2"\n'
         '[drive]\nspeed = {times = [0, "5 s"], values = [0, "0.36 km/h"]}\n'
     )
     changes = ["drive.speed.times[1]=6000 ms", "terrain.grade=1 %", "terrain.origin[1]=329.01 cm"]
