@@ -1,19 +1,21 @@
 """Grounds and cases of the study of uneven ground; this does not load the runs."""
 
-from collections.abc import Callable
-
 from exudyn_crawler import Case, PairContact, Shoe, SphereContact, Terrain
+from exudyn_crawler.case import Heights
+from exudyn_crawler.case.parameters.heights import Ramp, Roughness
 
 STEP_PLACE, STEP_HEIGHT = 14.0, 0.1
 """m: below the middle of the track at t = 0; height."""
 RAMP_START, RAMP_END, RAMP_HEIGHT = 8.0, 20.0, 0.6
 """m: 5 % over the whole track."""
-ROUGHNESS, SEED = 0.02, 1
-"""m, standard deviation of the units' heights; seed of the generator."""
+STEP_LENGTH = 1.0
+"""m, of the unit that climbs the step."""
+ROUGHNESS = Roughness(spectrum=1.4e-3, shortest=4.0, seed=1)
+"""About 20 mm of standard deviation, in waves that units of 1 m follow."""
 
 
-def strip() -> Terrain:
-    """One row of 13 units below the track, 1 m long and 5 m wide, for ground that changes along it.
+def strip(relief: Heights) -> Terrain:
+    """One row of 13 units below the track, 1 m long and 5 m wide, for a relief that changes along it.
 
     Density, height, stiffness per area and tilt stiffness are those of the S-paper's units of 1 x 1 m.
     """
@@ -26,15 +28,16 @@ def strip() -> Terrain:
         spring_stiffness=width * square.spring_stiffness,
         spring_damping=width * square.spring_damping,
         origin=(8.0, 6.8),
+        relief=relief,
     )
 
 
-GROUNDS: dict[str, Callable[[], Terrain]] = {
-    "step": lambda: strip().with_step(STEP_PLACE, STEP_HEIGHT),
-    "ramp": lambda: strip().with_ramp(RAMP_START, RAMP_END, RAMP_HEIGHT),
-    "rough": lambda: strip().with_roughness(ROUGHNESS, SEED),
+GROUNDS: dict[str, Heights] = {
+    "step": Heights(parts=(Ramp(x=STEP_PLACE, height=STEP_HEIGHT, flank=STEP_LENGTH),)),
+    "ramp": Heights(parts=(Ramp(x=RAMP_START, height=RAMP_HEIGHT, flank=RAMP_END - RAMP_START),)),
+    "rough": Heights(roughness=ROUGHNESS),
 }
-"""Terrains of the study by name."""
+"""Reliefs of the study by name."""
 
 
 def pitching(case: Case) -> Case:
@@ -70,5 +73,5 @@ def uneven_case(ground: str) -> Case:
     spheres = SphereContact.oil_sand().with_(faces="drawn_back")
     # spheres know no fingers
     return Case.translation().with_(
-        name=ground, shoe=Shoe.ph4100c(), terrain=GROUNDS[ground](), contact=spheres
+        name=ground, shoe=Shoe.ph4100c(), terrain=strip(GROUNDS[ground]), contact=spheres
     )

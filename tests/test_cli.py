@@ -390,7 +390,7 @@ def test_every_study_has_a_case_to_start_from(call, tmp_path, study, duration):
     found = read_case(tmp_path / "own.toml")
     assert (found.case.name, found.duration) == ("own", duration)
     assert (found.case.flexible is not None) == (study == "stress")
-    assert (found.case.terrain.heights is not None) == (study == "uneven")
+    assert found.case.terrain.is_even == (study != "uneven")
     assert call("info", study)[0] == 0
     code, _, err = call("init", "own", "--study", study)
     assert code == 2

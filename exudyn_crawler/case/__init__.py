@@ -11,7 +11,7 @@ from exudyn_crawler.case.parameters.cells import CellContact, CellTerrain
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver, StepProfile
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
-from exudyn_crawler.case.parameters.heights import Heights
+from exudyn_crawler.case.parameters.heights import Heights, Ramp, Ridge, Roughness, Stone, Waves
 from exudyn_crawler.case.parameters.loads import LoadCycle, Phase
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import Rails, Shoe, Track

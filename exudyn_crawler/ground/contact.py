@@ -188,16 +188,7 @@ class PairGroundContact:
 
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the ground along the track's middle at places x (m), with the springs free."""
-        return self._terrain.profile_along(x)
-
-    def ground_below(self, q: np.ndarray, heights: np.ndarray) -> np.ndarray:
-        """Height (m) of the ground below each shoe's COM, of the units' heights: array (shoes,)."""
-        shoes = self.shoe_reference[:, :2] + q[: self.shoe_reference.size].reshape(-1, 6)[:, :2]
-        return heights[self._grid.units_below(shoes)]
-
-    def sunken(self, q: np.ndarray) -> list[int]:
-        """None: the law pushes a shoe up from any depth."""
-        return []
+        return self._terrain.surface(x)
 
 
 class GroundContact(Protocol):
@@ -232,16 +223,8 @@ class GroundContact(Protocol):
         """Penetration (m) of shoes that each stand on one unit under these loads (N)."""
         ...
 
-    def ground_below(self, q: np.ndarray, heights: np.ndarray) -> np.ndarray:
-        """Height (m) of the ground below each shoe, of the units' heights (units,): array (shoes,)."""
-        ...
-
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the ground along the track's middle at places x (m), before a track stands on it."""
-        ...
-
-    def sunken(self, q: np.ndarray) -> list[int]:
-        """Numbers of the shoes that have sunk through the ground, where nothing holds them up."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""Spheres under rigid shoes on units of different heights, and what their forces say of contacts.
+"""Spheres under rigid shoes on units, Exudyn's own contact, and what its forces say of contacts.
 
 Exudyn makes the forces (`model.exudyn.system`). Here is what follows from a state: where the spheres are,
 where the force on a shoe acts, how much of it is normal to the ground, and how the shoe slips there.
@@ -51,8 +51,8 @@ class SphereGroundContact:
         coms = case.track.com_positions(case.shoe.com_height)
         terrain: Terrain = case.unit_terrain()
         self.shoe_reference = np.hstack((coms, np.zeros((len(coms), 3))))
-        self.unit_reference = np.hstack((terrain.centers, np.zeros((terrain.unit_count, 1))))
-        self._case, self._grid = case, grid_of(terrain)
+        self.unit_reference = np.hstack((terrain.even_centers, np.zeros((terrain.unit_count, 1))))
+        self._case, self._terrain, self._grid = case, terrain, grid_of(terrain)
         self._tops = 0.5 * terrain.unit_height + terrain.top_heights
         self._centers, self._radius = sphere_centers(case), case.sphere_contact().radius
 
@@ -73,12 +73,8 @@ class SphereGroundContact:
         return np.maximum(loads, 0.0) * self._case.settled_penetration / self._case.mean_load
 
     def surface(self, x: np.ndarray) -> np.ndarray:
-        """Height (m) of the ground at places x (m) without the units' heights."""
-        return np.zeros_like(x)
-
-    def ground_below(self, q: np.ndarray, heights: np.ndarray) -> np.ndarray:
-        """Mean height (m) of the units below each shoe's spheres, of the units' heights: array (shoes,)."""
-        return heights[self._grid.units_below(self._places(q)[..., :2])].mean(axis=1)
+        """Height (m) of the units' faces at places x (m), with the springs free."""
+        return self._terrain.surface(x)
 
     def _places(self, q: np.ndarray) -> np.ndarray:
         """Centres of the spheres (shoes, spheres, 3), m, global."""
@@ -89,11 +85,16 @@ class SphereGroundContact:
     def _above(self, q: np.ndarray, places: np.ndarray, units: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Height (m) of places (..., 3) over the faces of units (...,), and the faces' normals (..., 3)."""
         at = (self.unit_reference + self.unit_motion(q))[units]
-        sine, cosine = np.sin(at[..., 3]), np.cos(at[..., 3])
-        none = np.zeros_like(sine)
-        parts = (none, -sine, cosine) if self._grid.tilt_axis == 0 else (sine, none, cosine)
-        normal = np.stack(parts, axis=-1)
-        return np.sum(normal * (places - at[..., :3]), axis=-1) - self._tops[units], normal
+        up = self._leaning(at[..., 3])
+        # units roll or follow a relief, never both
+        normal = self._leaning(at[..., 3] + self._terrain.tilts[units])
+        above = places - at[..., :3] - self._tops[units][..., None] * up
+        return np.sum(normal * above, axis=-1), normal
+
+    def _leaning(self, tilts: np.ndarray) -> np.ndarray:
+        """Normals (..., 3) of faces that tilt, rad."""
+        sine, cosine, none = np.sin(tilts), np.cos(tilts), np.zeros_like(tilts)
+        return np.stack((none, -sine, cosine) if self._grid.tilt_axis == 0 else (sine, none, cosine), axis=-1)
 
     def depths(self, q: np.ndarray) -> np.ndarray:
         """Depth of the spheres in the faces of the units below them: (shoes, spheres), m; negative above."""

@@ -8,7 +8,7 @@ import meshio
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import Case, CellTerrain, Outputs, Terrain
+from exudyn_crawler.case import Case, CellTerrain, Outputs
 from exudyn_crawler.files import (
     blocks,
     refuse_existing,
@@ -72,11 +72,11 @@ def write_figures(history: History, stresses: StressResults | None, folder: Path
     terrain, drawn = history.case.terrain, {}
     if isinstance(terrain, CellTerrain):
         drawn["ground"] = pictures.map_figure(history)
+    elif not terrain.is_even:
+        drawn["ground"] = pictures.ground_figure(history, history.duration)
     if stresses is not None:
         found = figures.stress_figures(history, stresses)
         drawn |= {f"flexible {name}": one for name, one in found.items()}
-    if isinstance(terrain, Terrain) and not (terrain.heights is None and terrain.profile is None):
-        drawn["ground"] = pictures.ground_figure(history, history.duration)
     # curves of a long run would not fit into memory, and no figure shows them at every step
     thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
     drawn |= figures.run_figures(thinned, outputs.drawn_shoes(history.case.track.shoe_count))

@@ -67,7 +67,7 @@ def test_items_of_a_list_of_the_file_are_changed(tmp_path):
         ("loads.phases[0].loads[13]=1", "loads.phases[0].loads[13]: loads.phases[0].loads has 13 items"),
         ("loads.phases[-1].end=1", "a change must be like terrain.spring_stiffness=1e7 or loads.phases[0]"),
         ("loads.phases[1].end=1", "loads.phases[1].end: loads.phases has 1 items, counted from 0, no [1]"),
-        ("terrain.heights[1]=1", "terrain.heights[1]: there is no list terrain.heights to change an item of"),
+        ("terrain.columns[1]=1", "terrain.columns[1]: there is no list terrain.columns to change an item of"),
         ("terrain[1]=1", "terrain[1]: there is no list terrain to change an item of"),
         ("loads.phases[0][1]=1", "loads.phases[0][1]: there is no list loads.phases[0] to change an item of"),
         (

@@ -146,4 +146,3 @@ def test_key_paths_are_those_of_every_class_that_a_field_may_hold():
         paths
     )
     assert models_of(Case.model_fields["contact"].annotation) == (PairContact, SphereContact, CellContact)
-    assert models_of(Terrain.model_fields["heights"].annotation) == ()

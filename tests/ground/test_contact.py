@@ -104,17 +104,6 @@ def test_shoes_at_the_settled_depth_carry_their_loads(contact):
     assert carried[9] == pytest.approx(4.3e5, rel=1e-9)
 
 
-def test_ground_below_is_that_of_the_units_there(contact):
-    heights = contact.unit_reference[:, 0]
-    below = contact.ground_below(np.zeros(contact.size), heights)
-    half = 0.5 * (heights[-1] - heights[0]) / (len(np.unique(heights)) - 1)
-    assert np.abs(below - contact.shoe_reference[:, 0]).max() < half + 0.33
-
-
-def test_nothing_sinks_through_even_ground(contact):
-    assert contact.sunken(np.zeros(contact.size)) == []
-
-
 def test_flexible_shoes_need_independent_coordinates():
     case = CASES["pair"].with_(terrain_formulation="constrained")
     with pytest.raises(ValueError, match="coordinates must be the terrain's independent ones"):

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, SphereContact
+from exudyn_crawler.case import Heights
+from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.sphere_contact import face_inset, sphere_centers
 from tests.model.both import sphere_wrenches
 
@@ -23,6 +25,17 @@ def test_spheres_stand_evenly_inside_the_underside():
     assert places[:, 0].min() - low_x == pytest.approx(CASE.shoe.length / 8.0, rel=1e-12)
     assert places[:, 1].max() - high_y == pytest.approx(-3.505 / 10.0, rel=1e-12)
     assert places[:, 2] == pytest.approx(z + SPHERES.radius)
+
+
+def test_spheres_are_as_deep_as_the_faces_of_a_relief_let_them():
+    hills = Heights(slope_x=0.1, level=-1.4)
+    case = CASE.with_(terrain=CASE.terrain.with_(relief=hills, tilt="pitch"))
+    contact = ground_contact(case)
+    places = contact.shoe_reference[:, None, :3] + sphere_centers(case)
+    above = (places[..., 2] - 0.1 * places[..., 0] + 1.4) / np.hypot(1.0, 0.1)
+    q = np.zeros(contact.size)
+    assert contact.depths(q) == pytest.approx(SPHERES.radius - above, abs=1e-12)
+    assert contact.sunken(q) == (np.flatnonzero((above < 0.0).any(axis=1)) + 1).tolist()
 
 
 def lift_over_seam(case: Case, beside: float) -> float:

@@ -99,7 +99,7 @@ def test_bounds_that_make_no_sense_are_refused(given, told):
         ({"key": "contact.model", "values": ("spheres",)}, "cannot vary: each has values of its own"),
         ({"key": "terrain", "values": (1.0,)}, "terrain is a table"),
         (
-            {"key": "terrain.heights", "values": (2.0,), "factor": True},
+            {"key": "terrain.tilt", "values": (2.0,), "factor": True},
             "a factor needs numbers, got 2.0 times",
         ),
         ({"key": "terrain.grade", "values": (2.0, 3.0), "factor": True}, "a factor of zero changes nothing"),

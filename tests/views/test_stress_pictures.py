@@ -9,6 +9,7 @@ from matplotlib.colorbar import Colorbar
 from PIL import Image
 
 from exudyn_crawler import Case
+from exudyn_crawler.case import Heights, Waves
 from exudyn_crawler.views.outputs import write_paraview
 from exudyn_crawler.views.scenes.shoes import (
     Scales,
@@ -126,8 +127,9 @@ def test_paraview_reads_the_track_back_in_place(run, tmp_path):
 
 def test_units_of_uneven_ground_are_as_high_as_their_faces(run, tmp_path):
     history, stress = run
-    terrain = history.case.terrain.with_roughness(0.05, seed=1)
-    # only drawn: the contact of this run does not take uneven ground
+    hills = Heights(parts=(Waves(height=0.1, length=16.0),))
+    terrain = history.case.terrain.with_(relief=hills)
+    # only drawn: this run was on even ground
     uneven = type(history)(history.case.model_copy(update={"terrain": terrain}), history.dataset)
     write_paraview(stress.isel(frame=[0]), uneven, tmp_path)
     written = meshio.read(tmp_path / "track_parts" / "terrain_000.vtu")
@@ -135,7 +137,8 @@ def test_units_of_uneven_ground_are_as_high_as_their_faces(run, tmp_path):
     now = history.dataset.sel(time=0.0, method="nearest")
     bottom, top = corners[:, :4, 2].mean(axis=1), corners[:, 4:, 2].mean(axis=1)
     assert top == pytest.approx(terrain.top_heights + now.unit_heave.values, abs=1e-4)
-    assert bottom == pytest.approx(now.unit_heave.values - terrain.unit_height, abs=1e-4)
+    # boxes pitch with their faces
+    assert top - bottom == pytest.approx(terrain.unit_height * np.cos(terrain.tilts), abs=1e-4)
 
 
 def test_stresses_of_another_mesh_are_refused(run, tmp_path):

@@ -7,8 +7,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
-from exudyn_crawler.case.parameters.heights import Heights
-from exudyn_crawler.case.parameters.terrain import Sloping
+from exudyn_crawler.case.parameters.terrain import Ground
 
 LAWS = "exudyn_crawler.ground.cells.laws"
 """Where the laws are, a file each: a room above this one, found by name."""
@@ -46,7 +45,7 @@ class CellContact(Parameters):
     )
 
 
-class CellTerrain(Sloping):
+class CellTerrain(Ground):
     """Field of square cells, each with a height, the sinkage that it has had and the shear that it bears."""
 
     model: Literal["cells"] = Field(default="cells", description="cells: ground that remembers")
@@ -54,7 +53,6 @@ class CellTerrain(Sloping):
     length: float = quantity("m", "of the field along x", gt=0, le=1e5)
     width: float = quantity("m", "of the field along y", gt=0, le=1e5)
     cell: float = quantity("m", "side of a cell", plausible=(0.02, 0.2), ge=1e-3, le=10, default=0.1)
-    relief: Heights = Field(default=Heights(), description="heights of the ground before any shoe came")
 
     @property
     def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:

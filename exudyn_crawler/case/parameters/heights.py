@@ -1,7 +1,7 @@
-"""Heights of the ground before any shoe came: level or sloping, ridges, ruts and stones, rough, measured.
+"""Heights of the ground before any shoe came: a plane, ridges, ruts, ramps, waves, stones, rough, measured.
 
-All parts add up. Cells know no walls: whatever rises does so over a flank of some cells, and has slopes of
-its own.
+All parts add up. Units follow them along x; cells know no walls: whatever rises does so over a flank of some
+cells, and has slopes of its own.
 """
 
 import math
@@ -37,12 +37,51 @@ class Ridge(Parameters):
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height and slopes as of `Heights.sample`."""
-        c, s = math.cos(math.radians(self.heading)), math.sin(math.radians(self.heading))
+        c, s = _direction(self.heading)
         x, y = x - self.x, y - self.y
         along, along_slope = _hump(x * c + y * s, self.length, self.flank)
         across, across_slope = _hump(y * c - x * s, self.width, self.flank)
         u, v = along_slope * across, along * across_slope
         return self.height * np.stack((along * across, u * c - v * s, u * s + v * c), axis=-1)
+
+
+class Ramp(Parameters):
+    """Straight ramp from one level to another, or a step where it is short."""
+
+    model: Literal["ramp"] = "ramp"
+    name: Name = "ramp"
+    x: Place = quantity("m", "of a point of its foot, global")
+    y: Place = quantity("m", "the same", default=0.0)
+    heading: float = quantity("deg", "uphill, from x to y", ge=-360, le=360, default=0.0)
+    height: float = quantity("m", "of its top above its foot; negative: downhill", ge=-100, le=100)
+    flank: float = quantity("m", "length, seen from above", gt=0, le=1e4)
+
+    def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Height and slopes as of `Heights.sample`."""
+        c, s = _direction(self.heading)
+        share = ((x - self.x) * c + (y - self.y) * s) / self.flank
+        slope = ((share > 0.0) & (share < 1.0)) / self.flank
+        return self.height * np.stack((np.clip(share, 0.0, 1.0), slope * c, slope * s), axis=-1)
+
+
+class Waves(Parameters):
+    """Hills one after another: a cosine with its troughs on the ground about it."""
+
+    model: Literal["waves"] = "waves"
+    name: Name = "waves"
+    x: Place = quantity("m", "of a point of a trough, global", default=0.0)
+    y: Place = quantity("m", "the same", default=0.0)
+    heading: float = quantity("deg", "across the hills, from x to y", ge=-360, le=360, default=0.0)
+    height: float = quantity("m", "of crests above troughs", ge=-100, le=100)
+    length: float = quantity("m", "from crest to crest", gt=0, le=1e6)
+
+    def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Height and slopes as of `Heights.sample`."""
+        c, s = _direction(self.heading)
+        number = 2.0 * math.pi / self.length
+        phase = number * ((x - self.x) * c + (y - self.y) * s)
+        slope = number * np.sin(phase)
+        return 0.5 * self.height * np.stack((1.0 - np.cos(phase), slope * c, slope * s), axis=-1)
 
 
 class Stone(Parameters):
@@ -104,7 +143,7 @@ class Roughness(Parameters):
         return out
 
 
-Part = Annotated[Ridge | Stone, Field(discriminator="model")]
+Part = Annotated[Ridge | Ramp | Waves | Stone, Field(discriminator="model")]
 
 
 class Heights(Parameters):
@@ -113,9 +152,10 @@ class Heights(Parameters):
     level: Place = quantity("m", "height of the plane at the origin", default=0.0)
     slope_x: float = quantity("1", "rise of the plane along x", ge=-1, le=1, default=0.0)
     slope_y: float = quantity("1", "the same along y", ge=-1, le=1, default=0.0)
-    parts: tuple[Part, ...] = Field(default=(), description="ridges, ruts and stones")
+    parts: tuple[Part, ...] = Field(default=(), description="ridges, ruts, ramps, waves and stones")
     roughness: Roughness | None = Field(default=None, description="random roughness; None: smooth")
     measured: MeasuredGrid | None = Field(default=None, description="measured heights; None: none")
+    scale: float = quantity("1", "factor of all of these", ge=-1e3, le=1e3, default=1.0)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height (m) and slopes along x and y at places (m): array (..., 3); NaN beyond measured heights."""
@@ -124,7 +164,7 @@ class Heights(Parameters):
         for part in (*self.parts, self.roughness, self.measured):
             if part is not None:
                 out += part.sample(x, y)
-        return out
+        return self.scale * out
 
     def check_cells(self, cell: float) -> None:
         """Refuse what cells of a side (m) are too large for.
@@ -134,19 +174,26 @@ class Heights(Parameters):
         ParameterError
             With a line for each part that is too fine.
         """
-        lines = [
-            f"parts[{k}].flank ({part.name}): must be at least {FLANK:g} cells of {cell:g} m, "
-            f"got {part.flank:g} m"
+        sizes = [
+            (f"parts[{k}].length ({part.name})", part.length, WAVE)
+            if isinstance(part, Waves)
+            else (f"parts[{k}].flank ({part.name})", part.flank, FLANK)
             for k, part in enumerate(self.parts)
-            if part.flank < FLANK * cell
         ]
-        rough = self.roughness
-        if rough is not None and rough.shortest < WAVE * cell:
-            lines.append(
-                f"roughness.shortest: must be at least {WAVE:g} cells of {cell:g} m, got {rough.shortest:g} m"
-            )
+        if self.roughness is not None:
+            sizes.append(("roughness.shortest", self.roughness.shortest, WAVE))
+        lines = [
+            f"{name}: must be at least {least:g} cells of {cell:g} m, got {size:g} m"
+            for name, size, least in sizes
+            if size < least * cell
+        ]
         if lines:
             raise ParameterError("\n".join(lines))
+
+
+def _direction(heading: float) -> tuple[float, float]:
+    """Unit vector along x and y of a heading, degrees."""
+    return math.cos(math.radians(heading)), math.sin(math.radians(heading))
 
 
 def _hump(distance: np.ndarray, width: float, flank: float) -> tuple[np.ndarray, np.ndarray]:

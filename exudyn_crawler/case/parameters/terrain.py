@@ -1,33 +1,44 @@
 """Oil-sand terrain as a grid of units on spring-dampers."""
 
 import math
-from collections.abc import Callable
+from functools import cached_property
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters.base import (
     Density,
     Errors,
     Parameters,
-    Place,
     Slope,
     Two,
     option,
     quantity,
 )
+from exudyn_crawler.case.parameters.heights import Heights
 
 STEEPEST = 0.2
-"""Greatest slope of a profile: gaps between the units' faces are half its square of their length, 2 %."""
+"""Greatest slope along units: gaps between their faces are half its square of their length, 2 %."""
+ACROSS = 1e-6
+"""m, by which heights across y may differ."""
 
 
-class Sloping(Parameters):
-    """Ground that leans as a whole: its axes lean with it, and gravity leans in them."""
+class Ground(Parameters):
+    """What every ground has: heights before any shoe came, in axes that lean with it as a whole.
+
+    Gravity leans in these axes.
+    """
 
     grade: Slope = quantity("1", "rise over horizontal run along x; + is uphill", (-0.3, 0.3), default=0.0)
     side_slope: Slope = quantity("1", "the same along y; + rises to the left", (-0.3, 0.3), default=0.0)
+    relief: Heights = Field(default=Heights(), description="heights of the ground before any shoe came")
+
+    @property
+    def is_even(self) -> bool:
+        """Whether the ground has no relief."""
+        return self.relief == Heights()
 
     @property
     def down(self) -> np.ndarray:
@@ -40,11 +51,12 @@ class Sloping(Parameters):
         return np.array([-x, -y, -math.sqrt(1.0 - x**2 - y**2)]) + 0.0
 
 
-class Terrain(Sloping):
+class Terrain(Ground):
     """Grid of rigid units, each with heave and one tilt on spring-dampers normal to the ground.
 
-    Units count along y first, from 1. Their top faces lie at z = 0 while the springs are free. All places and
-    directions are in the ground's own axes: on a slope gravity leans, and z stays normal to the ground.
+    Units count along y first, from 1. Their top faces lie at z = 0 while the springs are free, or follow a
+    relief along x, straight over each unit: units are moved and pitched so that their faces meet. All places
+    and directions are in the ground's own axes: on a slope gravity leans, and z stays normal to the ground.
     """
 
     model: Literal["units"] = option("units: blocks on springs, as the papers'", "units")
@@ -61,37 +73,27 @@ class Terrain(Sloping):
     spring_offset: float = quantity("m", "of each of two springs from the unit's centre", ge=0, le=1e4)
     column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
     tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
-    heights: tuple[Place, ...] | None = quantity(
-        "m",
-        "height of every unit's top face above even ground, units counting along y first; None: all even. "
-        "The units' centres, masses and springs stay as they are",
-        (-20.0, 20.0),
-        default=None,
-    )
-    profile: tuple[Place, ...] | None = quantity(
-        "m",
-        "height of the ground at the edges of the columns along x, the same across y, for a smooth ground: "
-        "units are moved and pitched so that their faces meet; None: even",
-        (-20.0, 20.0),
-        default=None,
-    )
 
     def _errors(self) -> Errors:
-        if self.heights is not None and len(self.heights) != self.unit_count:
-            yield f"heights must name every unit ({self.unit_count}), got {len(self.heights)}"
-        if self.profile is None:
+        if self.is_even:
             return
-        if len(self.profile) != self.columns + 1:
-            yield f"profile must name every edge of columns ({self.columns + 1}), got {len(self.profile)}"
-        if self.heights is not None:
-            yield "heights must be None where a profile is given, got both"
-        if self.tilt != "pitch":
-            yield f"tilt must be 'pitch' where a profile is given, got {self.tilt!r}"
+        tops = self._tops
+        if not np.isfinite(tops).all():
+            yield "relief must have heights over the whole terrain, got measured ones that end before"
+            return
+        if np.ptp(tops, axis=1).max() > ACROSS:
+            yield (
+                f"relief must be the same across y where units lie in rows, got heights that differ by "
+                f"{np.ptp(tops, axis=1).max():.3g} m; terrain.model 'cells' takes any relief"
+            )
+        if self.tilt != "pitch" and np.ptp(tops) > ACROSS:
+            yield f"tilt must be 'pitch' on a relief, along which units pitch, got {self.tilt!r}"
         steepest = float(self.slopes[np.abs(self.slopes).argmax()])
         if abs(steepest) > STEEPEST:
             yield (
-                f"profile must not rise or fall by more than {STEEPEST:g} m a metre, got {steepest:g}, "
-                "which the model's small gaps and tilts would not hold for; terrain.grade leans all of it"
+                f"relief must not rise or fall by more than {STEEPEST:g} m a metre along units, got "
+                f"{steepest:.3g}, which the model's small gaps and tilts would not hold for; terrain.grade "
+                "leans all of it, terrain.model 'cells' takes steeper reliefs"
             )
 
     @classmethod
@@ -114,59 +116,16 @@ class Terrain(Sloping):
         terrain = cls(**ph4100c.FINE_TERRAIN)
         return terrain if seams == "margin" else terrain.with_({"origin[0]": ph4100c.FITTED_SEAMS_X})
 
-    def with_step(self, x: float, height: float) -> Self:
-        """Copy with all units whose centres lie beyond `x` (m) higher by `height` (m)."""
-        return self._raised(np.where(self.centers[:, 0] > x, height, 0.0))
-
-    def with_ramp(self, x0: float, x1: float, height: float) -> Self:
-        """Copy that rises from `x0` to `x1` (m) by `height` (m), unit by unit, and stays up beyond.
-
-        Each unit is raised by the ramp's height at its centre and stays level: a ramp of many small steps.
-
-        Raises
-        ------
-        ValueError
-            If `x1` is not beyond `x0`.
-        """
-        if not x1 > x0:
-            raise ValueError(f"x1 must be greater than x0 = {x0}, got {x1}")
-        return self._raised(height * np.clip((self.centers[:, 0] - x0) / (x1 - x0), 0.0, 1.0))
-
-    def with_roughness(self, standard_deviation: float, seed: int) -> Self:
-        """Copy with normally distributed random heights (m) of the units added; same seed, same heights.
-
-        Raises
-        ------
-        ValueError
-            If `standard_deviation` is negative or not finite.
-        """
-        if not 0.0 <= standard_deviation < math.inf:
-            raise ValueError(f"standard_deviation must be finite and not negative, got {standard_deviation}")
-        return self._raised(np.random.default_rng(seed).normal(0.0, standard_deviation, self.unit_count))
-
-    def with_profile(self, height: Callable[[np.ndarray], ArrayLike]) -> Self:
-        """Copy with a smooth ground whose height (m) is a function of x (m, array), straight along each unit.
-
-        Its units pitch.
-
-        Raises
-        ------
-        ValueError
-            If it is too steep, or the units already have heights.
-        """
-        heights = np.broadcast_to(np.asarray(height(self.edges), dtype=float), self.edges.shape)
-        return self.with_(profile=tuple(heights.tolist()), tilt="pitch")
-
-    def _raised(self, change: np.ndarray) -> Self:
-        return self.with_(heights=tuple((self.top_heights + change).tolist()))
+    @cached_property
+    def _tops(self) -> np.ndarray:
+        """Heights of the relief at edges of columns, in the middle of every row: (columns + 1, rows), m."""
+        y = self.origin[1] + self.unit_width * (np.arange(self.rows) + 0.5)
+        return self.relief.sample(*np.meshgrid(self.edges, y, indexing="ij"))[..., 0]
 
     @property
     def top_heights(self) -> np.ndarray:
         """Height of the middle of every unit's top face, with the springs free: array (units,), m."""
-        if self.profile is not None:
-            edges = np.array(self.profile)
-            return np.repeat(0.5 * (edges[:-1] + edges[1:]), self.rows)
-        return np.zeros(self.unit_count) if self.heights is None else np.array(self.heights)
+        return np.ravel(0.5 * (self._tops[:-1] + self._tops[1:]))
 
     @property
     def edges(self) -> np.ndarray:
@@ -176,18 +135,16 @@ class Terrain(Sloping):
     @property
     def slopes(self) -> np.ndarray:
         """Rise over run along x of every unit's top face, with the springs free: array (units,)."""
-        if self.profile is None:
-            return np.zeros(self.unit_count)
-        return np.repeat(np.diff(self.profile) / self.unit_length, self.rows)
+        return np.ravel(np.diff(self._tops, axis=0) / self.unit_length)
 
     @property
     def tilts(self) -> np.ndarray:
         """Tilt of every unit with the springs free: array (units,), rad; positive lowers the front."""
         return -np.arctan(self.slopes)
 
-    def profile_along(self, x: np.ndarray) -> np.ndarray:
-        """Height of the profile at places x (m): array of their shape, m; zero without a profile."""
-        return np.zeros_like(x) if self.profile is None else np.interp(x, self.edges, self.profile)
+    def surface(self, x: np.ndarray) -> np.ndarray:
+        """Height of the units' faces at places x (m) with the springs free: array of their shape, m."""
+        return np.interp(x, self.edges, self._tops[:, 0])
 
     @property
     def unit_count(self) -> int:
@@ -215,11 +172,14 @@ class Terrain(Sloping):
     @property
     def centers(self) -> np.ndarray:
         """Unit centres with the springs free: array (units, 3), m, global."""
-        places = np.column_stack((self.middles, np.full(self.unit_count, -0.5 * self.unit_height)))
-        if self.profile is not None:
-            places[:, 0] -= 0.5 * self.unit_height * np.sin(self.tilts)
-            places[:, 2] = self.top_heights - 0.5 * self.unit_height * np.cos(self.tilts)
-        return places
+        half, (x, y) = 0.5 * self.unit_height, self.middles.T
+        x = x - half * np.sin(self.tilts)
+        return np.column_stack((x, y, self.top_heights - half * np.cos(self.tilts)))
+
+    @property
+    def even_centers(self) -> np.ndarray:
+        """Same on even ground, where units stay of which the faces alone follow a relief."""
+        return np.column_stack((self.middles, np.full(self.unit_count, -0.5 * self.unit_height)))
 
     @property
     def tilt_axis(self) -> int:

@@ -71,14 +71,6 @@ class CellGroundContact:
         slope = np.polyfit(along, heights, 1)[0]
         return np.asarray(slope * x + (heights - slope * along).max())
 
-    def ground_below(self, _q: np.ndarray, heights: np.ndarray) -> np.ndarray:
-        """Of no units."""
-        return heights
-
-    def sunken(self, _q: np.ndarray) -> list[int]:
-        """None: the law pushes a shoe up from any depth."""
-        return []
-
 
 @compiled
 def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> None:

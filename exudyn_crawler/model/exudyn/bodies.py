@@ -245,7 +245,7 @@ def add_units(mbs: "exu.MainSystem", case: Case, fixed: int) -> list[int]:
     # held, would hand the whole grid's share from unit to unit
     weight = [0.0, 0.0, terrain.unit_mass * case.gravity_vector()[2]]
     nodes, bodies = [], []
-    for number, center in enumerate(terrain.centers, start=1):
+    for number, center in enumerate(terrain.even_centers, start=1):
         name = f"unit {number}"
         node = mbs.AddNode(items.NodeRigidBodyRxyz(name=name, referenceCoordinates=[*center, 0.0, 0.0, 0.0]))
         inertia = [*terrain.unit_inertia, 0.0, 0.0, 0.0]

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Case, StepProfile, Terrain
+from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.sphere_contact import face_inset, sphere_centers
+from exudyn_crawler.ground.sphere_contact import SphereGroundContact, face_inset, sphere_centers
 from exudyn_crawler.ground.terrain import UnitCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.compiled_system import compiled_system, layout_of
@@ -66,10 +66,11 @@ def add_spheres(
     }
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width]) - face_inset(case)
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
-    for node, top in zip(unit_nodes, tops, strict=True):
+    for node, top, slope in zip(unit_nodes, tops, terrain.slopes, strict=True):
+        z = 0.5 * terrain.unit_height + top + slope * corners[:, 0]
         contact.AddTrianglesRigidBodyBased(
             rigidBodyMarkerIndex=mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node)),
-            pointList=np.column_stack((corners, np.full(4, 0.5 * terrain.unit_height + top))).tolist(),
+            pointList=np.column_stack((corners, z)).tolist(),
             triangleList=[[0, 1, 2], [0, 2, 3]],
             **law,
         )
@@ -146,7 +147,7 @@ class ExudynSystem(TrackSystem):
             joints += front.holds(fixed)
             if case.terrain.down[2] > -1.0:
                 drive.add_slope_friction(mbs, case, shoes.nodes, tables.bodies.mass)
-            if isinstance(case.terrain, Terrain) and case.terrain.heights is not None:
+            if self.general is not None and not case.terrain.is_even:
                 drive.add_dashpots(mbs, case, shoes.nodes, fixed)
         else:
             turn = case.drive.turn_rate or StepProfile.constant(0.0)
@@ -244,7 +245,8 @@ class ExudynSystem(TrackSystem):
 
     def sunken(self) -> list[int]:
         """Numbers of the shoes that have sunk through the ground in the current state."""
-        return [] if self.general is None else self.contact.sunken(self.coordinates()[0])
+        contact = self.contact
+        return contact.sunken(self.coordinates()[0]) if isinstance(contact, SphereGroundContact) else []
 
     def coordinates(self) -> list[np.ndarray]:
         """Current coordinates, rates and accelerations, in the layout's order."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case, SphereContact
 from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.ground.sphere_contact import SphereGroundContact
 from exudyn_crawler.ground.terrain import ReducedCoordinates, terrain_coordinates
 from exudyn_crawler.model.compiled_system import MANY, CompiledSystem, compiled_system
 from exudyn_crawler.model.engine import exu
@@ -31,7 +32,7 @@ RESIDUAL, ITERATIONS = 1e-3, 50
 """Residual of a rest (N, root mean square: 1e-9 of a shoe's load), and most iterations."""
 
 PORTIONS = 8
-"""Steps in which a profile rises where Newton's method finds no rest on all of it at once."""
+"""Steps in which a relief rises where Newton's method finds no rest on all of it at once."""
 OIL_SPEEDS = (0.02, 0.1, 0.5)
 """m/s, tried in this order: up to which friction holds creeping shoes in proportion to their slip. With more
 oil shoes creep further and Newton's method fails less."""
@@ -138,19 +139,17 @@ def static_equilibrium(case: Case) -> np.ndarray:
         return _rest(ExudynSystem(case, static=True), q)
     system = ExudynSystem(case, static=True)
     radius = case.contact.radius if isinstance(case.contact, SphereContact) else None
-    if case.unit_terrain().heights is not None:
-        q = _on_uneven_ground(system)
-    else:
-        try:
-            q = _rest(system, system.first_guess())
-        except EquilibriumError as error:
-            if radius is None:
-                raise
-            raise EquilibriumError(
-                f"{error}. The spheres' radius of {radius} m may "
-                f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
-            ) from error
-    if sunken := system.contact.sunken(q):
+    try:
+        q = _rest(system, system.first_guess()) if case.terrain.is_even else _on_uneven_ground(system)
+    except EquilibriumError as error:
+        if radius is None or not case.terrain.is_even:
+            raise
+        raise EquilibriumError(
+            f"{error}. The spheres' radius of {radius} m may "
+            f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
+        ) from error
+    contact = system.contact
+    if isinstance(contact, SphereGroundContact) and (sunken := contact.sunken(q)):
         raise EquilibriumError(
             f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
             f"the ground; they need a greater contact.radius than {radius} m, or flatter ground"
@@ -168,7 +167,7 @@ def _compiled_rest(case: Case) -> np.ndarray:
     except NewtonError as failed:
         if case.is_rolled or system.sticks:
             raise _no_rest(system, failed) from failed
-        if case.unit_terrain().profile is not None:
+        if not case.terrain.is_even:
             return _on_rising_ground(case)
         if case.pair_contact().normal == "face":
             raise _no_rest(system, failed) from failed
@@ -186,12 +185,10 @@ def _rest_from(case: Case, start: np.ndarray) -> np.ndarray:
 
 
 def _on_rising_ground(case: Case) -> np.ndarray:
-    """Rest on a profile that rises from even ground in steps, each from the rest on the one before."""
-    profile = np.array(case.unit_terrain().profile)
+    """Rest on a relief that rises from even ground in steps, each from the rest on the one before."""
     found = guess = np.zeros(0)
     for share in np.linspace(0.0, 1.0, PORTIONS + 1):
-        terrain = case.unit_terrain().with_(profile=tuple((share * profile).tolist()))
-        raised = case.with_(terrain=terrain)
+        raised = case.with_({"terrain.relief.scale": share * case.terrain.relief.scale})
         before, guess = guess, compiled_system(raised).first_guess()
         start = found + guess - before if found.size else guess
         found = _rest_from(raised, start)
@@ -246,17 +243,12 @@ def _rest(system: ExudynSystem, guess: np.ndarray, iterations: int = ITERATIONS)
 
 
 def _on_uneven_ground(system: ExudynSystem) -> np.ndarray:
-    """Rest on uneven ground, onto which the track sinks from its rest on even ground.
+    """Rest on uneven ground, onto which the track sinks from above.
 
     Damped motion finds it where Newton's method alone goes astray: Exudyn's derivatives leave out how the
     links' forces turn with the shoes, and spheres come onto edges and leave them.
     """
-    case = system.case
-    even = ExudynSystem(case.with_(terrain=case.unit_terrain().with_(heights=None)), static=True)
-    q = _rest(even, even.first_guess())
-    ground = system.contact.ground_below(q, case.unit_terrain().top_heights)
-    q[2 : 6 * len(ground) : 6] += ground.max()
-    settings = _relaxation_settings()
+    case, q, settings = system.case, system.first_guess(), _relaxation_settings()
     for _ in range(RELAXATIONS):
         system.set_initial(q)
         try:
@@ -293,6 +285,7 @@ def _relaxation_settings() -> "exu.SimulationSettings":
     time.verboseMode = 0
     time.endTime = RELAXATION
     time.numberOfSteps = round(RELAXATION / RELAXATION_STEP)
+    time.minimumStepSize = 0.1 * RELAXATION_STEP
     time.generalizedAlpha.spectralRadius = 0.0
     time.newton.absoluteTolerance = 1.0
     time.newton.relativeTolerance = 1e-16

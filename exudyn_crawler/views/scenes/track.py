@@ -178,16 +178,12 @@ def link_pins(case: Case, dataset: xr.Dataset) -> Solid:
 
 
 def ground_units(case: Case, dataset: xr.Dataset) -> Solid:
-    """Units of the ground as boxes, as high as their faces."""
+    """Units of the ground as boxes."""
     terrain = case.unit_terrain()
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, terrain.unit_height])
-    # with heights of their own, faces alone are raised
-    bend = np.zeros((1, terrain.unit_count, 8, 3))
-    if terrain.heights is not None:
-        bend[0, :, 4:, 2] = terrain.top_heights[:, None]
     lift = dataset.unit_heave.transpose("time", "unit").values
     placed = terrain.centers[None], unit_turns(case, dataset)
-    return Solid("ground", *box(-half, half), style.GROUND, *placed, lift=lift, bend=bend)
+    return Solid("ground", *box(-half, half), style.GROUND, *placed, lift=lift)
 
 
 def ground_faces(case: Case, dataset: xr.Dataset, units: np.ndarray | None = None) -> Solid:

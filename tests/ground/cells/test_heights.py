@@ -6,7 +6,7 @@ import xarray
 from numpy.testing import assert_allclose, assert_array_equal
 
 from exudyn_crawler.case.parameters.grid_files import MeasuredGrid
-from exudyn_crawler.case.parameters.heights import Heights, Ridge, Roughness, Stone
+from exudyn_crawler.case.parameters.heights import Heights, Ramp, Ridge, Roughness, Stone, Waves
 from exudyn_crawler.errors import CrawlerError, ParameterError
 from tests.ground.cells.driving import LOAD, ROCK, Driven, Shoe, ground, turn
 
@@ -21,6 +21,8 @@ ASCII = "ncols 5\nnrows 4\nxllcorner 10\nyllcorner 20\ncellsize 0.5\nNODATA_valu
         Heights(parts=(Ridge(x=0.2, y=0.1, heading=30.0, height=0.1, width=0.5, flank=0.4, length=2.0),)),
         Heights(parts=(Ridge(height=-0.2, width=0.6, flank=0.5), Stone(x=1, y=-1, height=0.06, flank=0.7))),
         Heights(roughness=Roughness(spectrum=16e-6, seed=5)),
+        Heights(parts=(Ramp(x=-1.0, heading=20.0, height=0.2, flank=4.0),)),
+        Heights(parts=(Waves(x=0.5, heading=-50.0, height=0.1, length=3.0),), scale=-2.0),
     ],
 )
 def test_slopes_are_the_derivatives_of_heights(heights):
@@ -36,9 +38,13 @@ def test_parts_stand_where_they_are_named():
     parts = (
         Ridge(x=1.0, height=0.2, width=0.4, flank=0.3),
         Stone(x=-1.0, y=1.0, height=-0.1, width=0.2, flank=0.3),
+        Ramp(x=10.0, height=0.4, flank=2.0),
+        Waves(x=20.0, heading=90.0, height=0.0, length=4.0),
     )
-    x, y = np.array([1.19, 1.51, 1.0, -1.0, -1.0]), np.array([5.0, 0.0, -40.0, 1.05, 1.41])
-    assert_allclose(Heights(parts=parts).sample(x, y)[:, 0], [0.2, 0.0, 0.2, -0.1, 0.0], atol=1e-15)
+    x, y = np.array([1.19, 1.51, 1.0, -1.0, -1.0, 10.5, 13.0]), np.array([5.0, 0.0, -40.0, 1.05, 1.41, 0, 9])
+    assert_allclose(Heights(parts=parts).sample(x, y)[:, 0], [0.2, 0.0, 0.2, -0.1, 0.0, 0.1, 0.4], atol=1e-15)
+    waves = Heights(parts=(Waves(x=1.0, height=0.3, length=4.0),))
+    assert_allclose(waves.sample(np.array([1.0, 3.0, 4.0]), np.zeros(3))[:, 0], [0.0, 0.3, 0.15], atol=1e-15)
 
 
 def test_same_seed_is_the_same_rock_on_any_map():
