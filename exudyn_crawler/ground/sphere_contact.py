@@ -53,7 +53,7 @@ class SphereGroundContact:
         self.shoe_reference = np.hstack((coms, np.zeros((len(coms), 3))))
         self.unit_reference = np.hstack((terrain.even_centers, np.zeros((terrain.unit_count, 1))))
         self._case, self._terrain, self._grid = case, terrain, grid_of(terrain)
-        self._tops = 0.5 * terrain.unit_height + terrain.top_heights
+        self._tops, self._tilts = 0.5 * terrain.unit_height + terrain.top_heights, terrain.tilts
         self._centers, self._radius = sphere_centers(case), case.sphere_contact().radius
 
     @property
@@ -87,7 +87,7 @@ class SphereGroundContact:
         at = (self.unit_reference + self.unit_motion(q))[units]
         up = self._leaning(at[..., 3])
         # units roll or follow a relief, never both
-        normal = self._leaning(at[..., 3] + self._terrain.tilts[units])
+        normal = self._leaning(at[..., 3] + self._tilts[units])
         above = places - at[..., :3] - self._tops[units][..., None] * up
         return np.sum(normal * above, axis=-1), normal
 

@@ -146,6 +146,7 @@ def test_measured_heights_must_cover_the_units(tmp_path):
         Terrain.stress().with_(relief=Heights(measured=measured))
     wide = Heights(measured=measured.with_(spacing=1.0))
     assert not Terrain.stress().with_(relief=wide).top_heights.any()
+    assert wide == Heights(measured=measured.with_(spacing=1.0))
 
 
 def test_what_takes_no_relief_says_so():

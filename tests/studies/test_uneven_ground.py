@@ -102,6 +102,7 @@ def test_unknown_ground_is_refused():
         uneven_case("moon")
 
 
+@pytest.mark.slow
 def test_ground_without_rest_is_named():
     """Down a steep ramp the track slides onto its held front shoe: at rest there is no friction."""
     case = uneven_case("ramp").with_({"name": "steep", "terrain.relief.scale": -1.7})

@@ -142,7 +142,9 @@ def test_faces_of_uneven_ground_lie_at_their_heights(step):
         raised = ground[:, 3, 0] >= STEP_PLACE - 1e-3
         level = unloaded_level(step.case)
         heave = level + scale * (now.unit_heave.values[0] - level)
-        assert ground[:, 2:, 1].mean(axis=1) == pytest.approx(heave + STEP_HEIGHT * raised)
+        # one unit climbs the step
+        climbed = STEP_HEIGHT * np.clip(np.cumsum(raised) - 0.5, 0.0, 1.0)
+        assert ground[:, 2:, 1].mean(axis=1) == pytest.approx(heave + climbed)
         surface = ground[:, [3, 2]]
         shoes = outlines(surfaces)
         for shoe in (0, 1, 2, 10, 11, 12):

@@ -1,7 +1,7 @@
 """Measured heights from files: ESRI ASCII grids, NPY, NetCDF, and GeoTIFF where rasterio is installed."""
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -49,39 +49,49 @@ class MeasuredGrid(Parameters):
                 f"cells know no walls, got {steepest:.3g} with smoothing = {self.smoothing:g} m"
             )
 
-    @cached_property
-    def _grid(self) -> HeightGrid:
-        """Smoothed heights."""
-        if self.file.suffix.lower() not in READERS:
-            raise ValueError(f"its name must end with one of {', '.join(READERS)}")
-        grid = READERS[self.file.suffix.lower()](self.file, self.spacing)
-        if min(grid.z.shape) < 4:
-            raise ValueError(f"at least 4 x 4 heights are needed, got {grid.z.shape[0]} x {grid.z.shape[1]}")
-        holes = np.argwhere(~np.isfinite(grid.z))
-        if len(holes):
-            x, y = grid.x[holes[0, 0]], grid.y[holes[0, 1]]
-            raise ValueError(
-                f"heights are missing at {len(holes)} places, the first at x = {x:g} m, y = {y:g} m"
-            )
-        x, y = grid.x + self.origin[0], grid.y + self.origin[1]
-        widths = [self.smoothing / (one[1] - one[0]) for one in (x, y)]
-        return HeightGrid(x, y, gaussian_filter(grid.z, widths, mode="nearest"))
+    @property
+    def _heights(self) -> "_Heights":
+        """Smoothed heights; a file that changes is read again."""
+        stamp = self.file.stat().st_mtime_ns
+        return _smoothed(self.file, stamp, self.spacing, self.origin, self.smoothing)
 
     @property
     def _slopes(self) -> tuple[np.ndarray, np.ndarray]:
-        x, y, z = self._grid
+        x, y, z = self._heights.grid
         return np.diff(z, axis=0) / (x[1] - x[0]), np.diff(z, axis=1) / (y[1] - y[0])
-
-    @cached_property
-    def _spline(self) -> RectBivariateSpline:
-        return RectBivariateSpline(*self._grid)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height and slopes as of `Heights.sample`."""
-        grid, ev = self._grid, self._spline.ev
+        grid, ev = self._heights.grid, self._heights.spline.ev
         out = np.stack([ev(x, y), ev(x, y, dx=1), ev(x, y, dy=1)], axis=-1)
         out[(x < grid.x[0]) | (x > grid.x[-1]) | (y < grid.y[0]) | (y > grid.y[-1])] = np.nan
         return out
+
+
+class _Heights(NamedTuple):
+    """Smoothed heights, and what goes through them."""
+
+    grid: HeightGrid
+    spline: RectBivariateSpline
+
+
+@lru_cache(maxsize=4)
+def _smoothed(
+    file: Path, _stamp: int, spacing: float | None, origin: tuple[float, float], smoothing: float
+) -> _Heights:
+    """Heights of a file as of `MeasuredGrid`."""
+    if file.suffix.lower() not in READERS:
+        raise ValueError(f"its name must end with one of {', '.join(READERS)}")
+    grid = READERS[file.suffix.lower()](file, spacing)
+    if min(grid.z.shape) < 4:
+        raise ValueError(f"at least 4 x 4 heights are needed, got {grid.z.shape[0]} x {grid.z.shape[1]}")
+    holes = np.argwhere(~np.isfinite(grid.z))
+    if len(holes):
+        x, y = grid.x[holes[0, 0]], grid.y[holes[0, 1]]
+        raise ValueError(f"heights are missing at {len(holes)} places, the first at x = {x:g} m, y = {y:g} m")
+    x, y = grid.x + origin[0], grid.y + origin[1]
+    z = gaussian_filter(grid.z, [smoothing / (one[1] - one[0]) for one in (x, y)], mode="nearest")
+    return _Heights(HeightGrid(x, y, z), RectBivariateSpline(x, y, z))
 
 
 def _ascii(path: Path, _spacing: float | None) -> HeightGrid:

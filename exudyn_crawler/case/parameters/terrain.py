@@ -1,7 +1,6 @@
 """Oil-sand terrain as a grid of units on spring-dampers."""
 
 import math
-from functools import cached_property
 from typing import Literal, Self
 
 import numpy as np
@@ -116,7 +115,7 @@ class Terrain(Ground):
         terrain = cls(**ph4100c.FINE_TERRAIN)
         return terrain if seams == "margin" else terrain.with_({"origin[0]": ph4100c.FITTED_SEAMS_X})
 
-    @cached_property
+    @property
     def _tops(self) -> np.ndarray:
         """Heights of the relief at edges of columns, in the middle of every row: (columns + 1, rows), m."""
         y = self.origin[1] + self.unit_width * (np.arange(self.rows) + 0.5)
