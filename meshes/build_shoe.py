@@ -64,7 +64,7 @@ def _name_faces(body: Any, shoe: ShoeDimensions) -> None:
         if high.z - low.z > LEVEL:
             continue
         height = low.z + COM_HEIGHT
-        for name, at in (("underside", 0.0), ("roller path", shoe.rail_height), (FLANGE, shoe.beam_height)):
+        for name, at in (("underside", 0.0), ("roller path", shoe.path_height), (FLANGE, shoe.beam_height)):
             if abs(height - at) < LEVEL:
                 face.name = name
                 break
@@ -77,11 +77,13 @@ def _name_faces(body: Any, shoe: ShoeDimensions) -> None:
 
 
 def _set_sizes(body: Any, size: Resolution, shoe: ShoeDimensions) -> None:
-    """Small elements on bores and on the fillets at the roots of the rear lugs."""
+    """Small elements on bores, on the fillets at the roots of the rear lugs, and on rails that overhang."""
     for face in body.faces:
         low, high = face.bounding_box
         is_root = low.x > shoe.rear_face - 0.05 and high.x < 0.0
         if face.name is not None and face.name.startswith("bore"):
+            face.maxh = size.at_bores
+        elif face.name == "roller path" and shoe.rail_overhang > 0.0:
             face.maxh = size.at_bores
         elif is_root and LEVEL < high.x - low.x < 1.5 * shoe.rear_root_fillet:
             face.maxh = size.at_rear_roots

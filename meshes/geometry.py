@@ -47,16 +47,24 @@ JOINT_CENTERS: dict[str, tuple[float, float, float]] = {
 GREATEST_LENGTH = 10.0
 """m, beyond which no dimension of a shoe lies."""
 
+MAY_BE_ZERO = ("rail_overhang", "core_wall", "wear")
+"""Dimensions that are zero where a shoe has no such thing."""
+
 
 @dataclass(frozen=True)
 class ShoeDimensions:
     """Dimensions of the shoe in m; heights are above the underside unless said otherwise.
 
+    A rail stands on a solid block that ends `rail_overhang` before either of its ends; beyond it the rail is
+    `rail_depth` thick, from its unworn top down. With a `core_wall` the beam has closed pockets: walls of
+    this thickness around and between them, and `core_roof` of steel from the unworn top of the rails down.
+    `wear` is what the rails have lost. Which of these a real 4100C has is open: no drawing shows them.
+
     Raises
     ------
     ValueError
-        Naming a dimension that is not positive, but for `beam_center_x`, or larger than any shoe, or plates
-        that fill the shoe's height.
+        Naming a dimension that is not positive where it must be, or larger than any shoe; plates that fill
+        the shoe's height; an overhang, a core or wear that leave no rail or no beam.
     """
 
     width: float = 3.505
@@ -77,6 +85,11 @@ class ShoeDimensions:
     rail_center_y: float = 0.24
     rail_width: float = 0.22
     rail_height: float = 0.426
+    rail_overhang: float = 0.0
+    rail_depth: float = 0.072
+    core_wall: float = 0.0
+    core_roof: float = 0.1
+    wear: float = 0.0
     bore_radius: float = 0.065
     rear_lug_width: float = 0.165
     rear_lug_radius: float = 0.12
@@ -91,8 +104,10 @@ class ShoeDimensions:
 
     def __post_init__(self) -> None:
         for name, value in asdict(self).items():
-            if not math.isfinite(value) or (value <= 0.0 and name != "beam_center_x"):
-                raise ValueError(f"{name} must be a positive length in m, got {value}")
+            least = "positive or zero" if name in MAY_BE_ZERO else "a positive length in m"
+            wrong = value < 0.0 or (value == 0.0 and name not in MAY_BE_ZERO)
+            if not math.isfinite(value) or (wrong and name != "beam_center_x"):
+                raise ValueError(f"{name} must be {least}, got {value}")
             if abs(value) > GREATEST_LENGTH:
                 raise ValueError(f"{name} must be at most {GREATEST_LENGTH:g} m, got {value}")
         lowest = min(self.beam_height, self.wing_tip_height_right, self.wing_tip_height_left)
@@ -102,6 +117,23 @@ class ShoeDimensions:
                 f"plate_thickness = {self.plate_thickness} up to the top's lowest edge, "
                 f"got {self.top_thickness}"
             )
+        limits = {
+            "rail_overhang": 0.5 * (self.top_length - self.beam_length),
+            "wear": self.rail_height - self.beam_height,
+            "core_wall": 0.25 * self.beam_length,
+            "core_roof": self.rail_height - self.plate_thickness - self.core_wall,
+            "rail_depth": self.rail_height - self.plate_thickness,
+        }
+        for name, most in limits.items():
+            rest = 1e-9 if name == "rail_overhang" else -1e-9
+            if getattr(self, name) > max(most + rest, 0.0):
+                words = "at most" if rest > 0.0 else "less than"
+                raise ValueError(f"{name} must be {words} {most:.4g} m here, got {getattr(self, name)}")
+
+    @property
+    def path_height(self) -> float:
+        """Height of the worn top of the rails in m."""
+        return self.rail_height - self.wear
 
     @property
     def rear_face(self) -> float:

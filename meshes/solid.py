@@ -1,6 +1,8 @@
 """Parametric solid of the shoe, built with the OpenCASCADE kernel of netgen, in shoe axes."""
 
 import math
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 from meshes.geometry import COM_HEIGHT, JOINT_CENTERS, ShoeDimensions
@@ -209,15 +211,30 @@ def _top_plate(occ: Any, shoe: ShoeDimensions) -> Any:
 
 
 def _rail(occ: Any, shoe: ShoeDimensions, side: float) -> Any:
-    """Rail on one side (1 left, -1 right), from the underside up."""
-    rear = shoe.beam_center_x - shoe.top_length / 2
+    """Rail on one side (1 left, -1 right), and the block that it stands on, from the underside up."""
+    rear, front = (shoe.beam_center_x + end * shoe.top_length / 2 for end in (-1.0, 1.0))
     y, base = side * shoe.rail_center_y, -COM_HEIGHT
-    return _box(
-        occ,
-        (rear, rear + shoe.top_length),
-        (y - shoe.rail_width / 2, y + shoe.rail_width / 2),
-        (base, base + shoe.rail_height),
-    )
+    across = (y - shoe.rail_width / 2, y + shoe.rail_width / 2)
+    top, over = base + shoe.path_height, shoe.rail_overhang
+    block = _box(occ, (rear + over, front - over), across, (base, top))
+    if over == 0.0:
+        return block
+    return block + _box(occ, (rear, front), across, (base + shoe.rail_height - shoe.rail_depth, top))
+
+
+def _cores(occ: Any, shoe: ShoeDimensions) -> Iterator[Any]:
+    """Pockets of the beam: one below each rail, one between them, two beside each as far as the plateau."""
+    wall, base = shoe.core_wall, -COM_HEIGHT
+    edges = [shoe.rail_center_y + side * shoe.rail_width / 2 for side in (-1.0, 1.0)]
+    edges += [0.5 * (edges[1] + shoe.plateau_half_width), shoe.plateau_half_width]
+    walls = [*(-y for y in reversed(edges)), *edges]
+    for right, left in pairwise(walls):
+        yield _box(
+            occ,
+            (shoe.rear_face + wall, shoe.front_face - wall),
+            (right + wall / 2, left - wall / 2),
+            (base + shoe.plate_thickness + wall, base + shoe.rail_height - shoe.core_roof),
+        )
 
 
 def _lug_at(occ: Any, shoe: ShoeDimensions, joint: str) -> Any:
@@ -276,7 +293,7 @@ def build_solid(occ: Any, shoe: ShoeDimensions) -> Any:
     parts += [_lug_at(occ, shoe, joint) for joint in JOINT_CENTERS]
     for part in parts:
         body += part
-    for tool in _pin_cutters(occ, shoe):
+    for tool in (*_pin_cutters(occ, shoe), *(_cores(occ, shoe) if shoe.core_wall else ())):
         body -= tool
     if len(body.solids) != 1:
         raise ValueError(f"dimensions must make one solid, got {len(body.solids)} separate ones with {shoe}")

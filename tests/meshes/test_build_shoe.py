@@ -62,6 +62,24 @@ def test_the_command_writes_a_mesh_that_a_case_takes_and_refuses_what_makes_no_s
     assert not (tmp_path / "no.msh").exists()
 
 
+@pytest.mark.slow
+def test_overhang_core_and_wear_take_the_steel_that_they_say() -> None:
+    pytest.importorskip("netgen")
+    shoe = ShoeDimensions(rail_overhang=0.132, wear=0.025, core_wall=0.06)
+    mesh = meshes.mesh_shoe(shoe, "coarse")
+    ready = meshes.shoe_mesh("coarse")
+    path = mesh.nodes[mesh.nodes_of("roller path")]
+    np.testing.assert_allclose(path[:, 2] + meshes.COM_HEIGHT, shoe.path_height)
+    assert np.ptp(path[:, 0]) == pytest.approx(shoe.top_length)
+    worn = 2 * shoe.top_length * shoe.rail_width * shoe.wear
+    # from the plate up to the overhang, four ends; the web's walls and roots of lugs are none of it
+    free = shoe.rail_height - shoe.rail_depth - shoe.plate_thickness
+    below = 4 * shoe.rail_overhang * shoe.rail_width * free
+    long, tall = shoe.beam_length - 2 * shoe.core_wall, shoe.rail_height - shoe.core_roof - 0.096
+    pockets = long * tall * (2 * shoe.plateau_half_width - 7 * shoe.core_wall)
+    assert ready.volume - mesh.volume == pytest.approx(worn + below + pockets, rel=0.03)
+
+
 def test_bad_dimensions_and_sizes_are_refused_before_netgen_is_asked_for() -> None:
     with pytest.raises(ValueError, match=r"top_thickness must be a positive length in m, got -0\.05"):
         ShoeDimensions(top_thickness=-0.05)
@@ -69,6 +87,15 @@ def test_bad_dimensions_and_sizes_are_refused_before_netgen_is_asked_for() -> No
         ShoeDimensions(top_thickness=50.0)
     with pytest.raises(ValueError, match=r"top_thickness must be less than the 0\.3555 m .*, got 5\.0"):
         ShoeDimensions(top_thickness=5.0)
+    for name, value, words in (
+        ("rail_overhang", 0.14, "at most 0.132 m"),
+        ("rail_overhang", -0.01, "positive or zero"),
+        ("wear", 0.03, "less than 0.03 m"),
+        ("core_wall", 0.084, "less than 0.084 m"),
+        ("core_roof", 0.4, r"less than 0.39 m"),
+    ):
+        with pytest.raises(ValueError, match=f"{name} must be {words}"):
+            ShoeDimensions(**{name: value})
     with pytest.raises(ValueError, match=r"size must be one of .*, got 'huge'"):
         meshes.mesh_shoe(size="huge")
 

@@ -54,10 +54,18 @@ def test_roots_of_lugs_are_lugs(shoe, place):
     assert shoe_regions(shoe, TRACK)[nearest] == "lugs"
 
 
+@pytest.mark.parametrize("place", [(-0.169, -0.463, 0.152), (0.185, -0.408, 0.163), (-0.169, 0.887, 0.152)])
+def test_corners_of_the_flanges_notches_are_no_lugs(shoe, place):
+    surface = shoe.mesh.surface_nodes
+    nearest = surface[np.linalg.norm(shoe.nodes[surface] - place, axis=1).argmin()]
+    assert np.linalg.norm(shoe.nodes[nearest] - place) < 0.03
+    assert shoe_regions(shoe, TRACK)[nearest] == "notches"
+
+
 def test_shoe_without_rails_has_neither_roller_path_nor_wings(shoe):
     mesh = shoe.mesh.with_surfaces({})
     del mesh.surfaces["rails"]
-    assert set(shoe_regions(bare(mesh), TRACK)) == {"lugs", "bores", "web"}
+    assert set(shoe_regions(bare(mesh), TRACK)) == {"lugs", "bores", "web", "notches"}
 
 
 def test_shares_of_uniaxial_stresses_are_those_of_their_sum():

@@ -47,7 +47,7 @@ def test_open_choices_differ_from_what_is_chosen_by_one_thing():
 def test_reduced_study_finds_stresses_in_all_regions():
     runs, regions = study(None, "coarse", duration=0.3, progress=False)
     assert list(runs) == ["pass", "loading", "dragged"]
-    names = {"roller path", "lugs", "web", "wings"}
+    names = {"roller path", "notches", "lugs", "web", "wings"}
     assert set(regions["region"]) == names
     assert (regions["von Mises in MPa"] > 0.0).all()
     shares = regions.filter(like="share of ")

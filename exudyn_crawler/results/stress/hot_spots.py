@@ -18,11 +18,12 @@ from fem.stress import von_mises
 
 HOT_SPOTS = 5  # rows of the S-paper's hot-spot tables
 
-Region = Literal["roller path", "lugs", "bores", "web", "wings"]
+Region = Literal["roller path", "notches", "lugs", "bores", "web", "wings"]
 REGIONS: tuple[Region, ...] = get_args(Region)
 BORES: Region = "bores"  # nodes that a joint's rigid spider holds, whose stress is none to use
 LUG_RADIUS, LUG_HALF_WIDTH = 0.24, 0.2
 """m, from a pin's axis to behind the fillets at a lug's root, and to either side of its middle."""
+FLANGE, BESIDE_LUG = 0.05, (0.015, 0.1)  # m, below the top's level part; beyond the end of a bore, from and to
 WING_BESIDE = 0.5  # m, from the outer side of a rail
 EDGE = 0.01  # m, by which the roller path is wider than the rails above it
 MEGA = 1e6
@@ -32,9 +33,10 @@ SHARE = "share of "  # what the columns of loads begin with
 def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
     """Region of every node of a shoe: array (n,) of str, of `REGIONS`.
 
-    Bores are what joints hold, lugs what else is about the pins, with the lugs' roots. The roller path is
-    what lies below the surface "rails", from the height of the pins up; wings begin 0.5 m beside the rails.
-    The web is the rest; without a surface "rails" there is neither roller path nor wing.
+    Bores are what joints hold, lugs what else is about the pins, with the lugs' roots. Notches are what the
+    flange, below the surface "top", has beside lugs. The roller path is what lies below the surface "rails",
+    from the height of the pins up; wings begin 0.5 m beside the rails. The web is the rest; without a surface
+    "rails" there is neither roller path nor wing, without "top" no notch.
     """
     nodes, mesh = whole.nodes, whole.mesh
     x, y, z = nodes.T
@@ -46,9 +48,14 @@ def shoe_regions(whole: Shapes, track: Track) -> np.ndarray:
             regions[within & (z > track.pin_height)] = "roller path"
     if len(rails):
         regions[(y < rails.min() - WING_BESIDE) | (y > rails.max() + WING_BESIDE)] = "wings"
-    for center in track.joint_centers.values():
-        near = np.hypot(x - center[0], z - center[2]) < LUG_RADIUS
-        regions[near & (np.abs(y - center[1]) < LUG_HALF_WIDTH)] = "lugs"
+    flange = nodes[mesh.nodes_of("top"), 2].min() - FLANGE if "top" in mesh.surfaces else np.inf
+    for name, center in track.joint_centers.items():
+        near, beside = np.hypot(x - center[0], z - center[2]) < LUG_RADIUS, np.abs(y - center[1])
+        regions[near & (beside < LUG_HALF_WIDTH)] = "lugs"
+        if f"bore {name}" in mesh.surfaces:
+            end = np.abs(nodes[mesh.nodes_of(f"bore {name}"), 1] - center[1]).max()
+            notch = (z > flange) & (np.abs(x - center[0]) < LUG_RADIUS) & (regions != "roller path")
+            regions[notch & (beside > end + BESIDE_LUG[0]) & (beside < end + BESIDE_LUG[1])] = "notches"
     regions[whole.spider_nodes] = BORES
     return regions
 
