@@ -81,9 +81,8 @@ def _set_sizes(body: Any, size: Resolution, shoe: ShoeDimensions) -> None:
     for face in body.faces:
         low, high = face.bounding_box
         is_root = low.x > shoe.rear_face - 0.05 and high.x < 0.0
-        if face.name is not None and face.name.startswith("bore"):
-            face.maxh = size.at_bores
-        elif face.name == "roller path" and shoe.rail_overhang > 0.0:
+        fine = ("bore", "roller path") if shoe.rail_overhang > 0.0 else ("bore",)
+        if face.name is not None and face.name.startswith(fine):
             face.maxh = size.at_bores
         elif is_root and LEVEL < high.x - low.x < 1.5 * shoe.rear_root_fillet:
             face.maxh = size.at_rear_roots

@@ -23,7 +23,7 @@ REGIONS: tuple[Region, ...] = get_args(Region)
 BORES: Region = "bores"  # nodes that a joint's rigid spider holds, whose stress is none to use
 LUG_RADIUS, LUG_HALF_WIDTH = 0.24, 0.2
 """m, from a pin's axis to behind the fillets at a lug's root, and to either side of its middle."""
-FLANGE, BESIDE_LUG = 0.05, (0.015, 0.1)  # m, below the top's level part; beyond the end of a bore, from and to
+FLANGE, BESIDE_LUG = 0.05, (0.015, 0.1)  # m, below the top's level; from a bore's end, from and to
 WING_BESIDE = 0.5  # m, from the outer side of a rail
 EDGE = 0.01  # m, by which the roller path is wider than the rails above it
 MEGA = 1e6
