@@ -115,14 +115,18 @@ class Outputs(Parameters):
         min_length=1,
         default=None,
     )
+    ground_times: tuple[float, ...] = quantity(
+        "s", "times at which the map of ground of cells is kept and drawn, beside its end", default=()
+    )
     shoes: tuple[int, ...] | None = option("that are drawn; none: five along the track", None, min_length=1)
 
     def _errors(self) -> Errors:
         if self.shoes is not None and list(self.shoes) != sorted(set(self.shoes)):
             yield f"shoes must be different numbers in rising order, got {self.shoes}"
-        times = self.picture_times
-        if times is not None and (times[0] < 0.0 or list(times) != sorted(set(times))):
-            yield f"picture_times must be from 0 s and increase, got {times}"
+        for name in ("picture_times", "ground_times"):
+            times = getattr(self, name)
+            if times and (times[0] < 0.0 or list(times) != sorted(set(times))):
+                yield f"{name} must be from 0 s and increase, got {times}"
 
     def drawn_shoes(self, shoe_count: int) -> tuple[int, ...]:
         """Shoes to draw of a track: those asked for, else up to five, the ends included."""
@@ -147,11 +151,13 @@ class CaseFile(Parameters):
 
     def _errors(self) -> Errors:
         check_run(self.case, self.duration)
-        count, times = self.case.track.shoe_count, self.outputs.picture_times
+        count = self.case.track.shoe_count
         if beyond := [shoe for shoe in self.outputs.shoes or () if not 1 <= shoe <= count]:
             yield f"outputs.shoes must be in 1..{count}, got {beyond}"
-        if times is not None and times[-1] > self.duration:
-            yield f"outputs.picture_times must lie in 0..{self.duration:g} s, got {list(times)}"
+        for name in ("picture_times", "ground_times"):
+            times = getattr(self.outputs, name)
+            if times and times[-1] > self.duration:
+                yield f"outputs.{name} must lie in 0..{self.duration:g} s, got {list(times)}"
 
 
 def case_text(case_file: CaseFile, by_hand: bool = False) -> str:

@@ -32,7 +32,7 @@ from meshes import mesh_named
 
 MOST_DRAWN = 5 * 10**8
 """Bytes of a history whose curves are drawn as they are: 70 s of 13 rigid shoes, stored every 2 ms."""
-GROUND = "ground.nc"  # map of ground of cells as the run ends
+GROUND = "ground.nc"  # map of ground of cells as the run ends and at chosen times
 SERIES, PARTS = "track.pvd", "track_parts"
 """File of the series for ParaView, and the folder of the VTU files beside it."""
 
@@ -71,7 +71,10 @@ def write_figures(history: History, stresses: StressResults | None, folder: Path
     """Curves of some shoes and links, of rollers and of flexible shoes; uneven ground as the run ends."""
     terrain, drawn = history.case.terrain, {}
     if isinstance(terrain, CellTerrain):
-        drawn["ground"] = pictures.map_figure(history)
+        ground = xr.load_dataset(folder / GROUND, engine="h5netcdf")
+        drawn["ground"] = pictures.map_figure(history, ground)
+        for time in outputs.ground_times:
+            drawn[f"ground at {time:g} s"] = pictures.map_figure(history, ground, time)
     elif not terrain.is_even:
         drawn["ground"] = pictures.ground_figure(history, history.duration)
     if stresses is not None:
@@ -221,7 +224,7 @@ def write_outputs(history: History, stresses: StressResults | None, folder: Path
     if stresses is not None:
         stresses.save(folder / "stress.nc", overwrite=True)
     if isinstance(history.case.terrain, CellTerrain):
-        write_netcdf(ground_map(history), folder / GROUND, overwrite=True)
+        write_netcdf(ground_map(history, outputs.ground_times), folder / GROUND, overwrite=True)
     for output, write in WRITERS.items():
         if getattr(outputs, output):
             write(history, stresses, folder, outputs)

@@ -50,7 +50,8 @@ def folders(tmp_path_factory):
     """What short runs with every output leave, by name."""
     out = tmp_path_factory.mktemp("cells")
     for name, case in CASES.items():
-        case_file = CaseFile(case=case(), duration=DURATION, outputs=Outputs(animation=True))
+        outputs = Outputs(animation=True, ground_times=(0.0, 0.01))
+        case_file = CaseFile(case=case(), duration=DURATION, outputs=outputs)
         run_case(case_file, out / name, progress=False)
     return {name: out / name for name in CASES}
 
@@ -62,7 +63,14 @@ def histories(folders):
 
 def test_runs_leave_every_output(folders):
     always = {"case.toml", "run.json", "history.nc", "ground.nc", "ground.png", "track.mp4", "forces.nc"}
-    always |= {"extremes.csv", "loads.csv", "sinkage_and_friction_torque.png", "slip_velocity.png"}
+    always |= {
+        "ground_at_0_s.png",
+        "ground_at_0.01_s.png",
+        "extremes.csv",
+        "loads.csv",
+        "sinkage_and_friction_torque.png",
+        "slip_velocity.png",
+    }
     for name, folder in folders.items():
         assert always <= {path.name for path in folder.iterdir()}, name
         # no springs are below cells
@@ -74,9 +82,14 @@ def test_runs_leave_every_output(folders):
 def test_the_map_has_what_the_cells_remember(folders, histories, name):
     history = histories[name]
     found = xr.load_dataset(folders[name] / "ground.nc", engine="h5netcdf")
-    assert found.equals(ground_map(history))
-    assert {one: found[one].attrs["units"] for one in found.variables} == dict.fromkeys(found.variables, "m")
-    assert all(one.attrs["long_name"] for one in found.variables.values())
+    assert found.equals(ground_map(history, (0.0, 0.01)))
+    units = {one: found[one].attrs["units"] for one in found.variables}
+    assert units == dict.fromkeys(found.variables, "m") | {"time": "s"}
+    assert all(found[one].attrs["long_name"] for one in found.data_vars)
+    assert found.time.values == pytest.approx([0.0, 0.01])
+    growing = found.depth.values
+    assert (growing[1] >= growing[0]).all()
+    assert growing[0].max() > 0.01
     terrain, soil = history.case.terrain, history.case.contact.law
     cell = history.dataset.isel(cell=int(history.cell_sinkage.values.argmax()))
     x, y = ((float(one) + 0.5) * terrain.cell for one in (cell.cell_column, cell.cell_row))
@@ -144,7 +157,7 @@ def test_films_and_figures_are_of_cells(histories):
             for ax in run_figures(history, [1])["sinkage and friction torque"].axes
         ]
         assert "total terrain deformation from equilibrium" not in history_series(history)
-        drawn = pictures.map_figure(history)
+        drawn = pictures.map_figure(history, ground_map(history))
         texts = {one.get_text() for one in drawn.axes[0].texts}
         assert texts == {str(shoe) for shoe in history.shoe.values}
         assert drawn.axes[1].get_ylabel() == "greatest sinkage in mm"

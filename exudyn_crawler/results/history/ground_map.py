@@ -4,6 +4,7 @@ The memory is the ground's own and exact. At other times the map is that of the 
 undersides have been, as stiff ones, at stored states.
 """
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -35,14 +36,22 @@ def end_memory(system: "TrackSystem") -> xr.Dataset:
     return xr.Dataset({name: variable(name, values) for name, values in named.items()})
 
 
-def ground_map(history: History) -> xr.Dataset:
+def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
     """Map of the ground as a run on cells ends, over the rectangle that its shoes have touched.
+
+    Parameters
+    ----------
+    history : History
+    times : sequence of float
+        s, at which the map has also how deep undersides had pressed the ground until then, as of
+        `pressed_depths`, at the nearest stored times.
 
     Returns
     -------
     xarray.Dataset
         Dimensions x and y (m, global, middles of cells): height before any shoe came, greatest sinkage along
-        the normal of a cell, and the rut, what stays of that where nothing presses; m.
+        the normal of a cell, and the rut, what stays of that where nothing presses; m. With times also
+        `depth` (time, x, y), m, vertical.
 
     Raises
     ------
@@ -68,11 +77,19 @@ def ground_map(history: History) -> xr.Dataset:
         "rut": (maps[1], "sinkage that stays where nothing presses"),
     }
     named = {"x": (x, "x of the cells' middles, global"), "y": (y, "y of the cells' middles, global")}
-    return xr.Dataset(
+    ground = xr.Dataset(
         {name: (("x", "y"), one, {"units": "m", "long_name": text}) for name, (one, text) in fields.items()},
         coords={name: (name, one, {"units": "m", "long_name": text}) for name, (one, text) in named.items()},
-        attrs={"title": f"{case.name}: ground at t = {history.duration:g} s", "time": history.duration},
+        attrs={"title": f"{case.name}: ground at t = {history.duration:g} s", "end": history.duration},
     )
+    if not len(times):
+        return ground
+    stored = history.time.values
+    rows = np.unique([np.abs(stored - time).argmin() for time in times])
+    depth = pressed_depths(history, rows, x, y, ground.height.values)
+    kept = {"units": "m", "long_name": "how deep undersides had pressed the ground until then"}
+    ground = ground.assign_coords(time=("time", stored[rows], {"units": "s"}))
+    return ground.assign(depth=(("time", "x", "y"), depth.astype(np.float32), kept))
 
 
 def pressed_depths(

@@ -16,6 +16,7 @@ from markupsafe import Markup
 from exudyn_crawler.case import CellTerrain, Terrain
 from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.files import refuse_existing
+from exudyn_crawler.results.history.ground_map import ground_map
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import BAND, bouncing, key_results
 from exudyn_crawler.views import style
@@ -140,7 +141,7 @@ def _ground(histories: Mapping[str, History]) -> Markup:
     """Maps of the ground as runs on cells end."""
     on_cells = {name: one for name, one in histories.items() if isinstance(one.case.terrain, CellTerrain)}
     drawn = (
-        page.figure_picture(f"greatest sinkage, {name}", pictures.map_figure(one))
+        page.figure_picture(f"greatest sinkage, {name}", pictures.map_figure(one, ground_map(one)))
         for name, one in on_cells.items()
     )
     return together(*drawn)

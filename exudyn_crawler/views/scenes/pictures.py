@@ -20,7 +20,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from exudyn_crawler.case import Case, CellTerrain
-from exudyn_crawler.results.history.ground_map import ground_map
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import cell_ground, track
@@ -230,13 +229,18 @@ def ground_figure(history: History, time: float) -> Figure:
     return figure
 
 
-def map_figure(history: History) -> Figure:
-    """Greatest sinkage of ground of cells as a run ends, in mm from above, with the outlines of the shoes."""
-    ground, case, end = ground_map(history), history.case, history.dataset.isel(time=-1)
+def map_figure(history: History, ground: xr.Dataset, time: float | None = None) -> Figure:
+    """Ground of cells from above, as of `ground_map`, in mm, with the outlines of the shoes.
+
+    At the end its greatest sinkage; at another of the map's times (s) how deep shoes had pressed it.
+    """
+    case, shown = history.case, history.duration if time is None else time
+    end = history.dataset.sel(time=shown, method="nearest")
     x0, x1, y0, y1, z0 = case.shoe.footprint
     corners = np.array([[x0, y0, z0], [x1, y0, z0], [x1, y1, z0], [x0, y1, z0]])
     outlines = [track.shoe_pose(end, shoe).place(corners)[:, :2] for shoe in end.shoe.values]
-    half, sinkage, rut = 0.5 * case.cell_terrain().cell, *(ground[name].values for name in ("sinkage", "rut"))
+    half, rut = 0.5 * case.cell_terrain().cell, ground.rut.values
+    sinkage = ground.sinkage.values if time is None else ground.depth.sel(time=time, method="nearest").values
     (left, right), (low, high) = (
         (one[0] - half, one[-1] + half) for one in (ground.x.values, ground.y.values)
     )
@@ -254,8 +258,10 @@ def map_figure(history: History) -> Figure:
         ax.autoscale_view()
         ax.grid(False)
         ax.set(xlabel="x in m; numbers are those of the shoes", ylabel="y in m", aspect="equal")
-        ax.set_title(f"{case.name}: ground at t = {history.duration:.3g} s", loc="left", parse_math=False)
-        stays = f"where nothing presses, ruts of at most {rut.max() / style.MILLI:.3g} mm stay"
-        ax.set_title(stays, loc="right", fontsize=8)
-        figure.colorbar(image, ax=ax, label="greatest sinkage in mm", fraction=0.025, pad=0.01, shrink=0.75)
+        ax.set_title(f"{case.name}: ground at t = {shown:.3g} s", loc="left", parse_math=False)
+        if time is None:
+            stays = f"where nothing presses, ruts of at most {rut.max() / style.MILLI:.3g} mm stay"
+            ax.set_title(stays, loc="right", fontsize=8)
+        label = "greatest sinkage in mm" if time is None else "greatest depth so far in mm"
+        figure.colorbar(image, ax=ax, label=label, fraction=0.025, pad=0.01, shrink=0.75)
     return figure

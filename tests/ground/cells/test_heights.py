@@ -89,6 +89,25 @@ def test_grids_of_all_formats_hold_the_same_heights(tmp_path):
     assert np.isnan(plain.sample(np.array([10.2]), np.array([21.0]))).all()
 
 
+# of rasterio's own
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
+def test_a_geotiff_holds_the_same_heights(tmp_path):
+    rasterio = pytest.importorskip("rasterio")
+    z = 0.05 * np.sin(np.arange(5))[:, None] + 0.02 * np.arange(4)
+    move = rasterio.transform.from_origin(10.0, 22.0, 0.5, 0.5)
+    kind = {"driver": "GTiff", "count": 1, "dtype": "float64", "nodata": -9999.0, "crs": "EPSG:32612"}
+    with rasterio.open(tmp_path / "a.tif", "w", width=5, height=4, transform=move, **kind) as file:
+        file.write(z.T[::-1], 1)
+    tiff = MeasuredGrid(file=tmp_path / "a.tif", smoothing=0.0)
+    x, y = 10.25 + 0.5 * np.arange(5), 20.25 + 0.5 * np.arange(4)
+    assert_allclose(tiff.sample(x[:, None] + 0 * y, y + 0 * x[:, None])[..., 0], z, atol=1e-14)
+    z[1, 2] = -9999.0
+    with rasterio.open(tmp_path / "b.tif", "w", width=5, height=4, transform=move, **kind) as file:
+        file.write(z.T[::-1], 1)
+    with pytest.raises(ParameterError, match=r"missing at 1 places, the first at x = 10\.75 m, y = 21\.25 m"):
+        MeasuredGrid(file=tmp_path / "b.tif")
+
+
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
