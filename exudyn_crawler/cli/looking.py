@@ -1,6 +1,5 @@
-"""The commands that look into runs: stress, forces and loads of one, two compared, lives and sweeps."""
+"""The commands that look into runs: stress, forces and loads of one, two compared, and lives."""
 
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -10,7 +9,7 @@ import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.application import RESULTS, Overwrite, Run
 from exudyn_crawler.cli.commands import command
-from exudyn_crawler.views.tables import print_rows, print_table, write_table
+from exudyn_crawler.views.tables import print_table, write_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -214,65 +213,3 @@ def spread(
     result = spread_into(folder, starts, laws=laws, overwrite=overwrite, say=typer.echo)
     print_table(result.by_shoe(), f"{folder}: highest stresses of the repeated runs at the first one's node")
     typer.echo(f"runs, tables of hot spots and verdicts of all nodes are in {folder / 'spread'}")
-
-
-NEEDED = ("distributed", "SALib", "pyarrow")
-"""Modules of the extra `sweep`."""
-SHOWN = 60
-"""Rows of the table of runs that are printed."""
-
-
-@command
-def sweep(
-    file: Annotated[Path, typer.Argument(help="sweep file", metavar="SWEEP.toml")],
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="show the runs, their number and the time they take; run none")
-    ] = False,
-    out: Annotated[
-        Path | None, typer.Option(help=f"folder of the sweep; {RESULTS}/SWEEP, if not given")
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(help="Dask scheduler: tcp://host:8786 or a scheduler file; this machine, if not given"),
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(help="processes on this machine; one a core, if not given", min=1)
-    ] = None,
-    storage: Annotated[
-        str | None, typer.Option(help="folder of the runs instead, which all workers share")
-    ] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="run those anew that have failed")] = False,
-) -> None:
-    """Run a case with some of its values varied, on all cores or a cluster; the same command goes on.
-
-    Example: exudyn-crawler sweep soils.toml --dry-run
-    """
-    missing = [name for name in NEEDED if find_spec(name) is None]
-    if missing:
-        raise ValueError(f"sweeps need {', '.join(missing)}: pip install 'exudyn-crawler[sweep]'")
-    if scheduler is not None and workers is not None:
-        raise ValueError("--workers must be left out with --scheduler, whose workers there are")
-    from exudyn_crawler.sweep.definition import read_sweep
-
-    plan = read_sweep(file)
-    out = out or RESULTS / file.stem
-    from exudyn_crawler.sweep.results import best_and_worst
-    from exudyn_crawler.sweep.running import folder_state, run_sweep
-
-    if dry_run:
-        table = plan.table()
-        shown = f", the first {SHOWN}" if len(table) > SHOWN else ""
-        units = plan.units()
-        varied = ", ".join(f"{name} in {units[name]}" if units[name] else name for name in plan.columns)
-        print_table(table.head(SHOWN), f"{len(table)} runs{shown}; {varied}")
-        typer.echo(folder_state(plan, out, storage=storage, workers=workers, retry=retry))
-        return
-    run = run_sweep(
-        plan, out, scheduler=scheduler, workers=workers, storage=storage, retry=retry, say=typer.echo
-    )
-    units, columns = run.table.attrs["units"], ("answer", "which", "run", "value", "unit", "folder")
-    best = [(*one[:3], one.value, units[one.answer], one.folder) for one in best_and_worst(plan, run.table)]
-    print_rows(columns, best, "Best and worst runs", ("run", "value"))
-    failed = int((run.table["status"] != "done").sum())
-    more = f"; {failed} runs have failed, results.csv says why, --retry runs them again" if failed else ""
-    typer.echo(f"{out}: open report.html in a browser; results.csv, .parquet and .nc hold the answers{more}")

@@ -18,11 +18,11 @@ from scipy.stats import qmc
 from exudyn_crawler.case import CaseFile, Outputs
 from exudyn_crawler.case.files import case_of
 from exudyn_crawler.case.parameters import checks
-from exudyn_crawler.case.parameters.base import Errors, Parameters, option
+from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.reading import Content, read_parameters, with_base
 from exudyn_crawler.run.folder.record import PROGRAM
-from exudyn_crawler.sweep.answers import Answers
-from exudyn_crawler.sweep.vary import Vary, checked_case, idle
+from exudyn_crawler.sweep.answers import ANSWERS, Answers, Damage, Life, Often
+from exudyn_crawler.sweep.vary import Varied, Vary, checked_case, idle
 from meshes import SHOE_SIZES
 
 Design = Literal["grid", "list", "latin_hypercube", "sobol", "saltelli"]
@@ -38,14 +38,27 @@ FOLDER_DIGITS = 16  # of a digest, in the name of a run's folder
 OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
 """Columns of a sweep's table beside those of what varies and of the answers."""
 MESH = "flexible.mesh"
+LIVES = (*Damage.model_fields, *Often.model_fields, "survival")
+"""What of an answer of life may vary; it is that of all of them."""
 
 
 class PlannedRun(NamedTuple):
-    """A run of a sweep; runs of the same case, duration, outputs and versions are the same."""
+    """A run of a sweep; runs of the same case, duration, outputs, versions and drawn lives are the same."""
 
     number: int  # from 1
     values: Row
     digest: str  # SHA-256, names its folder
+    asked: tuple[Answers, ...]
+
+
+class Fleet(Parameters):
+    """Shoes whose hours a scatter is counted over."""
+
+    shoes: int = quantity("1", "shoes of all machines", ge=1, le=10_000_000, default=78)
+    hours_a_year: float = quantity("h", "machine hours of a year", gt=0, le=8784, default=6000.0)
+    rebuild: float = quantity(
+        "h", "hours after which all shoes are new again", gt=0, le=1e9, default=25_000.0
+    )
 
 
 class Sweep(Parameters):
@@ -61,6 +74,7 @@ class Sweep(Parameters):
     runs: int | None = option("points that latin_hypercube, sobol or saltelli draw", None, ge=1, le=MOST_RUNS)
     seed: int = option("of the random numbers", 1, ge=0, le=2**32 - 1)
     outputs: Outputs = option("what every run leaves, whatever its case says", LIGHT)
+    fleet: Fleet = option("shoes that a scatter of lives is counted for", Fleet())
 
     def _errors(self) -> Errors:
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]
@@ -72,9 +86,19 @@ class Sweep(Parameters):
         sizes = [len(one.values) if one.values is not None else one.count or 1 for one in self.vary]
         if self.design == "grid" and self.runs is None and (count := math.prod(sizes)) > MOST_RUNS:
             yield f"runs must be at most {MOST_RUNS}, got a grid of at least {count}"
-        for one in (*self.vary, *self.answers):
-            one.check(self.case)
+        if isinstance(self._varied, Varied) and self._varied.life is None:
+            yield "vary: paths of life need an answer of model 'life'"
+            return
+        for one in self.vary:
+            one.check(self._varied)
+        for answer in self.answers:
+            answer.check(self.case)
         self.rows  # noqa: B018 - refuses numbers of runs that do not fit the design
+
+    @property
+    def is_sampled(self) -> bool:
+        """Whether its design draws points, whose answers scatter as what varies does."""
+        return self.design in SAMPLED
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -87,19 +111,42 @@ class Sweep(Parameters):
         return design_rows(self.design, self.vary, self.runs, self.seed)
 
     @cached_property
+    def _varied(self) -> CaseFile:
+        """What is varied: a case file; where paths ask for it with the first answer of life, for all."""
+        case_file = self.case.with_(outputs=self.outputs)
+        if not any(one.is_of_life for one in self.vary):
+            return case_file
+        life = next((one for one in self.answers if isinstance(one, Life)), None)
+        return Varied(**dict(case_file), life=life)
+
+    @cached_property
     def _content(self) -> dict[str, Any]:
-        return self.case.with_(outputs=self.outputs).model_dump(mode="json")
+        return self._varied.model_dump(mode="json")
 
     def case_of(self, values: Row) -> tuple[CaseFile, str]:
-        """Case, duration and outputs of a run, and their digest, with which the case's name ends."""
+        """Case, duration and outputs of a run, and a digest, with which the case's name ends."""
+        case_file, _, digest = self._run_of(values)
+        return case_file, digest
+
+    def _run_of(self, values: Row) -> tuple[CaseFile, tuple[Answers, ...], str]:
+        """Same with the answers of the run between both."""
         content = self._content
         for one, value in zip(self.vary, values, strict=True):
             content = one.applied(content, value)
-        case_file = checked_case(content)
-        digest = run_digest(case_file)
+        varied, answers, life = checked_case(content, type(self._varied)), self.answers, None
+        case_file = varied
+        if isinstance(varied, Varied):
+            case_file = CaseFile.model_construct(
+                **{name: getattr(varied, name) for name in CaseFile.model_fields}
+            )
+            drawn = {name: getattr(varied.life, name) for name in LIVES}
+            answers = tuple(one.with_(**drawn) if isinstance(one, Life) else one for one in answers)
+            life = ANSWERS.dump_python(answers, mode="json")
+        digest = run_digest(case_file, life)
         name = f"{case_file.case.name[:80]} {digest[:FOLDER_DIGITS]}"
         # it was checked as it is
-        return case_file.model_copy(update={"case": case_file.case.model_copy(update={"name": name})}), digest
+        named = case_file.model_copy(update={"case": case_file.case.model_copy(update={"name": name})})
+        return named, answers, digest
 
     @cached_property
     def planned(self) -> tuple[PlannedRun, ...]:
@@ -108,8 +155,8 @@ class Sweep(Parameters):
         odd: dict[str, list[int]] = {}
         for number, values in enumerate(self.rows, 1):
             try:
-                case_file, digest = self.case_of(values)
-                for answer in self.answers:
+                case_file, asked, digest = self._run_of(values)
+                for answer in asked:
                     answer.check(case_file)
             except ValueError as error:
                 settings = (f"{name} = {value}" for name, value in zip(self.columns, values, strict=True))
@@ -118,7 +165,7 @@ class Sweep(Parameters):
             idling.update(line for one in self.vary for line in idle(one.keys, case_file.case))
             for line in checks.implausible(case_file.case, case_file.duration):
                 odd.setdefault(line, []).append(number)
-            planned.append(PlannedRun(number, values, digest))
+            planned.append(PlannedRun(number, values, digest, asked))
         if errors:
             more = f"; {len(errors)} of {len(self.rows)} runs are at fault" if len(errors) > 1 else ""
             raise ValueError("; ".join(errors[:SHOWN_ERRORS]) + more)
@@ -143,7 +190,7 @@ class Sweep(Parameters):
 
     def units(self) -> dict[str, str]:
         """Units of the columns of what varies and of the answers, empty for what has none."""
-        varied = {one.label: one.unit_in(self.case) for one in self.vary}
+        varied = {one.label: one.unit_in(self._varied) for one in self.vary}
         return varied | {answer.label: answer.unit for answer in self.answers}
 
     def meanings(self) -> dict[str, str]:
@@ -152,10 +199,15 @@ class Sweep(Parameters):
         return varied | {answer.label: answer.meaning for answer in self.answers}
 
 
-def run_digest(case_file: CaseFile) -> str:
-    """SHA-256 of what a run depends on: its case but for the name, duration, outputs, mesh and versions."""
+def run_digest(case_file: CaseFile, life: Any = None) -> str:
+    """SHA-256 of what a run depends on: its case but for the name, duration, outputs, mesh and versions.
+
+    `life` are its answers where these vary: runs of one case have them in folders of their own.
+    """
     content = case_file.model_dump(mode="json")
     del content["case"]["name"]
+    if life is not None:
+        content["life"] = life
     content["versions"] = _versions()
     mesh = None if case_file.case.flexible is None else Path(case_file.case.flexible.mesh)
     if mesh is not None and mesh.is_file():

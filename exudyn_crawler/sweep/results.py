@@ -13,6 +13,8 @@ from exudyn_crawler.case.parameters.fields import value_text
 from exudyn_crawler.files import note_written, whole_file
 from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, Sweep, salib_problem
+from exudyn_crawler.sweep.scatter import LEAST_RUNS as SCATTERED
+from exudyn_crawler.sweep.scatter import failures, quantiles, sensitivities
 from exudyn_crawler.sweep.worker import DONE, OUTCOME, Outcome
 from exudyn_crawler.views.pages.report import REPORT, write_report
 from exudyn_crawler.views.pages.sweep import Best, SweepView, sweep_page
@@ -73,6 +75,14 @@ def results_dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
     for name in map(str, dataset.variables):
         dataset[name].attrs |= {key: text for key, text in _attributes(table, name).items() if text}
     return dataset
+
+
+def scatter_tables(sweep: Sweep, table: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Tables of a sample's scatter by the names of their files; none of other designs and of a few runs."""
+    if not sweep.is_sampled or (table["status"] == DONE).sum() < SCATTERED:
+        return {}
+    tables = {"quantiles": quantiles(sweep, table), "sensitivities": sensitivities(sweep, table)}
+    return tables | {"failures": failures(sweep, table)}
 
 
 def write_units_csv(table: pd.DataFrame, path: Path) -> None:
@@ -179,7 +189,13 @@ METHODS = {
 def write_page(
     sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, say: Callable[[str], None]
 ) -> None:
-    """Write the page of a sweep's results into its folder, and reports of the best and worst of `runs`."""
+    """Write tables of a scatter and the page of results into a sweep's folder, and reports of `runs`.
+
+    These are the best and the worst of every answer.
+    """
+    scatter = scatter_tables(sweep, table)
+    for name, one in scatter.items():
+        write_table(one, folder / f"{name}.csv", overwrite=True)
     best = best_and_worst(sweep, table)
     for name in dict.fromkeys(one.folder for one in best):
         _report_of(runs / name, say)
@@ -200,6 +216,7 @@ def write_page(
         method=method,
         best=best,
         links={name: _link(folder, runs / name) for name in table["folder"]},
+        scatter=scatter,
     )
     with whole_file(folder / REPORT, overwrite=True) as temporary:
         temporary.write_text(sweep_page(view), encoding="utf-8")

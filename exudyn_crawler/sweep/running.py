@@ -145,8 +145,8 @@ def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], l
     read = {digest: read_outcome(runs, digest) for digest in different}
     stored = {digest: outcome for digest, outcome in read.items() if outcome is not None}
     failed = {digest for digest, outcome in stored.items() if outcome["status"] == FAILED}
-    asked = ANSWERS.dump_python(sweep.answers, mode="json")
-    answered = {digest for digest, outcome in stored.items() if outcome.get("asked") == asked} - failed
+    asked = {digest: ANSWERS.dump_python(one.asked, mode="json") for digest, one in different.items()}
+    answered = {digest for digest, one in stored.items() if one.get("asked") == asked[digest]} - failed
     missing = [different[one] for one in different if one not in answered and (retry or one not in failed)]
     count, there = len(sweep.planned), len(different) - len(missing)
     same = f", {count - len(different)} of them the same as others" if len(different) < count else ""
@@ -162,10 +162,9 @@ def tasks_of(
     retry: bool = False,
 ) -> Iterator[Task]:
     """Tasks of planned runs, each made when it is asked for: all cases take too much memory."""
-    answers = ANSWERS.dump_json(sweep.answers).decode()
     shared = None if reductions is None else str(reductions.resolve())
     for one in missing:
-        case = sweep.case_of(one.values)[0].model_dump_json()
+        case, answers = sweep.case_of(one.values)[0].model_dump_json(), ANSWERS.dump_json(one.asked).decode()
         yield Task(one.digest, case, answers, str(runs), shared, own_versions(), again=retry)
 
 

@@ -1,4 +1,4 @@
-"""What of a case the runs of a sweep have otherwise, and values that change nothing."""
+"""What of a case, or of its life, the runs of a sweep have otherwise, and values that change nothing."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -7,14 +7,17 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, ValidationError
+from scipy.stats import norm
 
 from exudyn_crawler.case import Case, CaseFile
 from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, error_lines, option, shown
 from exudyn_crawler.case.parameters.loads import with_equal_loads
 from exudyn_crawler.case.parameters.reading import from_content
+from exudyn_crawler.sweep.answers import Life
 
 MOST_ERRORS = 3  # that an error names
+WITHIN = 0.9  # of drawn values between low and high
 Puts = tuple[Any, ...]  # values, one a path
 Key = Annotated[str, Field(min_length=1, max_length=200)]
 IDLE: dict[str, dict[str, Any]] = {
@@ -28,15 +31,21 @@ IDLE: dict[str, dict[str, Any]] = {
 """Paths whose values change nothing where one of others has a value."""
 
 
-def checked_case(content: dict[str, Any]) -> CaseFile:
+class Varied(CaseFile):
+    """What the paths of a sweep lead into: a case file, and under `life` what its answers of life have."""
+
+    life: Life | None = None
+
+
+def checked_case(content: dict[str, Any], kind: type[CaseFile] = CaseFile) -> CaseFile:
     """Case file of a content; raises `ValueError` naming a few errors by their paths."""
     case = content["case"]
     loads = with_equal_loads(case["loads"], case["track"]["shoe_count"])
     content = content | {"case": case | {"loads": loads}}
     try:
-        return from_content(CaseFile, content)
+        return from_content(kind, content)
     except ValidationError as error:
-        named = list(error_lines(error, CaseFile))
+        named = list(error_lines(error, kind))
         more = f"; {len(named) - MOST_ERRORS} more" if len(named) > MOST_ERRORS else ""
         raise ValueError("; ".join(named[:MOST_ERRORS]) + more) from error
 
@@ -46,7 +55,8 @@ class Vary(Parameters):
 
     key: Key | tuple[Key, ...] = option(
         "path of the value, such as terrain.spring_stiffness; loads.phases[*].loads means all "
-        "phases; several paths have the same value or factor"
+        "phases, life.material.casting_factor that of all answers of life; several paths have the same value "
+        "or factor"
     )
     name: Name | None = option("column of the table; the path's end, if not given", None)
     unit: str | None = option("of values and bounds, to be sure: that of the case", None)
@@ -60,6 +70,15 @@ class Vary(Parameters):
     high: float | None = option("greatest value", None)
     count: int | None = option("values of a grid between bounds", None, ge=2, le=1_000_000)
     scale: Literal["linear", "log"] = option("whether steps or ratios between bounds are equal", "linear")
+    distribution: Literal["uniform", "normal", "weibull"] = option(
+        "of the values that a sample draws; normal with scale log is log-normal", "uniform"
+    )
+    within: float | None = option(
+        "portion of the drawn values between low and high; 0.9, if not given",
+        None,
+        gt=0,
+        lt=1,
+    )
     factor: bool = option("whether values and bounds multiply what the base has", False)
 
     def _errors(self) -> Errors:
@@ -77,11 +96,18 @@ class Vary(Parameters):
                 yield "give values, or low and high"
             elif self.low >= self.high:
                 yield f"low must be less than high = {self.high:g}, got {self.low:g}"
-            elif self.scale == "log" and self.low <= 0.0:
-                yield f"low must be positive with scale 'log', got {self.low:g}"
+            elif (self.scale == "log" or self.distribution == "weibull") and self.low <= 0.0:
+                log = "distribution 'weibull'" if self.distribution == "weibull" else "scale 'log'"
+                yield f"low must be positive with {log}, got {self.low:g}"
+            if self.distribution == "uniform" and self.within is not None:
+                yield f"within must be left out with distribution 'uniform', got {self.within:g}"
+            if self.distribution == "weibull" and self.scale == "log":
+                yield "scale must be left out with distribution 'weibull'"
+            if self.distribution != "uniform" and self.count is not None:
+                yield f"count must be left out with distribution {self.distribution!r}, which a sample draws"
             return
-        if (self.low, self.high, self.count) != (None, None, None):
-            yield "values take the place of low, high and count"
+        if (self.low, self.high, self.count, self.distribution) != (None, None, None, "uniform"):
+            yield "values take the place of low, high and count, and of a distribution"
         if not self.values or any(one in self.values[:k] for k, one in enumerate(self.values)):
             yield f"values must be different ones, got {list(self.values)}"
         if self.settings is None:
@@ -112,15 +138,37 @@ class Vary(Parameters):
         return tuple(self.at(u) for u in np.linspace(0.0, 1.0, self.count))
 
     def at(self, portion: float) -> Any:
-        """Value at a portion, from 0 to 1, of the way from low to high, or through the values."""
+        """Value at a portion, from 0 to 1, of the way from low to high, of a distribution or the values."""
         if self.values is not None:
             return self.values[min(int(portion * len(self.values)), len(self.values) - 1)]
         assert self.low is not None and self.high is not None  # noqa: PT018 - both or neither
+        if self.distribution != "uniform":
+            return self._quantile(portion)
         if portion in (0.0, 1.0):
             return self.high if portion else self.low
         if self.scale == "log":
             return float(self.low * (self.high / self.low) ** portion)
         return float(self.low + portion * (self.high - self.low))
+
+    def _quantile(self, portion: float) -> float:
+        """Value that a portion of the drawn ones is below, by the two quantiles `low` and `high`.
+
+        A normal variable is linear in its standard score, the log of a Weibull one in ``log(-log(1 - p))``.
+        """
+        tail = 0.5 * (1.0 - (WITHIN if self.within is None else self.within))
+        is_normal = self.distribution == "normal"
+        is_log = self.scale == "log" or not is_normal
+        portions = np.array([portion, tail, 1.0 - tail])
+        at, least, most = norm.ppf(portions) if is_normal else np.log(-np.log1p(-portions))
+        bounds = np.array([self.low, self.high])
+        low, high = np.log(bounds) if is_log else bounds
+        value = low + (at - least) / (most - least) * (high - low)
+        return float(np.exp(value) if is_log else value)
+
+    @property
+    def is_of_life(self) -> bool:
+        """Whether it varies what the answers of life have."""
+        return any(fields.names_of(fields.parse_path(path))[:1] == ["life"] for path in self.keys)
 
     def unit_in(self, case_file: CaseFile) -> str:
         """Unit of the column; empty for factors and for what has none."""
@@ -145,7 +193,7 @@ class Vary(Parameters):
         for path, put in zip(self.keys, puts, strict=True):
             with fields.errors_at(path):
                 change_to = partial(change, put=put)
-                content = fields.with_change(content, fields.parse_path(path), change_to, CaseFile)
+                content = fields.with_change(content, fields.parse_path(path), change_to, Varied)
         return content
 
     def check(self, case_file: CaseFile) -> None:
@@ -163,7 +211,7 @@ class Vary(Parameters):
         values = self.values or (self.low, self.high)
         for value in values:
             try:
-                checked_case(self.applied(content, value))
+                checked_case(self.applied(content, value), type(case_file))
             except ValueError as error:
                 # whether values, each allowed, fit each other depends on what else varies
                 cause = error.__cause__

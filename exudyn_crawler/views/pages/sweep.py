@@ -1,7 +1,7 @@
 """Page of a sweep: its runs in parallel coordinates, response curves, effects, best and worst runs."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Self
 
 import pandas as pd
@@ -37,7 +37,7 @@ class SweepView:
     `answers`, or on `logarithmic` axes. On a grid every value of what varies is with every other. `effects`
     have the columns answer, varied, level, mean, least and greatest, `indices`, which may be empty, answer,
     varied, first, first_conf, total and total_conf; `method` says how they were found, or why there are none.
-    `links` has the address of a run by its folder.
+    `links` has the address of a run by its folder, `scatter` the tables of a sample's by name.
     """
 
     title: str
@@ -52,6 +52,7 @@ class SweepView:
     method: str
     best: list[Best]
     links: Mapping[str, str]
+    scatter: Mapping[str, pd.DataFrame] = field(default_factory=dict)
 
     def label(self, name: str) -> str:
         """Column with its unit."""
@@ -101,7 +102,22 @@ def sweep_page(view: SweepView) -> str:
             page.Section("responses", "Response curves", page.together(*responses)),
             page.Section("effects", "Main effects", page.together(means, *effects)),
         ]
+    if view.scatter:
+        sections[1:1] = [page.Section("scatter", "Scatter", _scatter(view))]
     return page.page(view.title, view.lead, sections)
+
+
+SCATTER = {
+    "quantiles": "Quantiles of the finished runs, in SI units; least and most hold at 95 % for independent "
+    "draws. Where those of a quarter and of half of the runs lie beyond them, draw more.",
+    "failures": "Shoes that crack, by answers of life: every run is a shoe.",
+    "sensitivities": "Rank correlations (Spearman); a p value is how often chance alone would show as much.",
+}
+
+
+def _scatter(view: SweepView) -> Markup:
+    shown = [(said, view.scatter[name]) for name, said in SCATTER.items() if not view.scatter[name].empty]
+    return page.together(*(part for said, one in shown for part in (page.paragraph(said), page.table(one))))
 
 
 def _best(view: SweepView) -> Markup:
