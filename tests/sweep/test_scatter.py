@@ -1,0 +1,208 @@
+"""Values drawn from distributions against scipy, quantiles and their bounds, drawn lives, fleets."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy import stats
+
+from exudyn_crawler import Case, CaseFile, FatigueMaterial
+from exudyn_crawler.sweep.answers import Life
+from exudyn_crawler.sweep.definition import Fleet, Sweep
+from exudyn_crawler.sweep.results import results_table, scatter_tables, write_page
+from exudyn_crawler.sweep.scatter import PORTIONS, failures, quantiles, sensitivities
+from exudyn_crawler.sweep.vary import Vary
+from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_case, small_sweep
+
+NICRMO = FatigueMaterial.cast_nicrmo()
+LIFE = Life(name="life", survival=0.5, material=NICRMO)
+CASTING = "life.material.casting_factor"
+
+
+def sample(count: int, **changes) -> Sweep:
+    given = {
+        "vary": (Vary(key=STIFFNESS, low=1e7, high=4e7, scale="log", distribution="normal"),),
+        "design": "latin_hypercube",
+        "runs": count,
+    }
+    return small_sweep(**given | changes)
+
+
+def answered(sweep: Sweep, **columns: np.ndarray) -> pd.DataFrame:
+    """Table of a sweep whose runs gave these answers; NaN is a run that failed."""
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    outcomes = {
+        one.digest: {"status": "failed", "answers": {}, "reason": "sank"}
+        if any(value != value for value in row.values())
+        else {"status": "done", "answers": row}
+        for one, row in zip(sweep.planned, rows, strict=True)
+    }
+    return results_table(sweep, outcomes)
+
+
+@pytest.mark.parametrize("within", [0.8, 0.9, 0.99])
+def test_drawn_values_have_scipys_quantiles(within):
+    tail = 0.5 * (1.0 - within)
+    portions = np.array([0.001, tail, 0.3, 0.5, 1.0 - tail, 0.999])
+
+    def drawn(**given) -> np.ndarray:
+        one = Vary(key=STIFFNESS, low=2.0, high=8.0, within=within, **given)
+        values = np.array([one.at(u) for u in portions])
+        np.testing.assert_allclose(values[[1, 4]], [2.0, 8.0], rtol=1e-12)
+        return values
+
+    score = stats.norm.ppf(1.0 - tail)
+    np.testing.assert_allclose(drawn(distribution="normal"), stats.norm(5.0, 3.0 / score).ppf(portions))
+    logarithmic = stats.lognorm(np.log(2.0) / score, scale=4.0)
+    np.testing.assert_allclose(drawn(distribution="normal", scale="log"), logarithmic.ppf(portions))
+    weibull = drawn(distribution="weibull")
+    ends = np.log(-np.log1p(-np.array([tail, 1.0 - tail])))
+    shape = (ends[1] - ends[0]) / np.log(4.0)
+    scale = 2.0 / np.exp(ends[0] / shape)
+    np.testing.assert_allclose(weibull, stats.weibull_min(shape, scale=scale).ppf(portions))
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"within": 0.9}, "within must be left out with distribution 'uniform', got 0.9"),
+        (
+            {"distribution": "weibull", "low": -1.0},
+            "low must be positive with distribution 'weibull', got -1",
+        ),
+        ({"distribution": "weibull", "scale": "log"}, "scale must be left out"),
+        ({"distribution": "normal", "count": 3}, "count must be left out with distribution 'normal'"),
+    ],
+)
+def test_distributions_that_make_no_sense_are_refused(given, told):
+    with pytest.raises(ValueError, match=told):
+        Vary(**{"key": STIFFNESS, "low": 1.0, "high": 2.0} | given)
+
+
+def test_a_grid_of_a_distribution_is_refused():
+    with pytest.raises(ValueError, match="count must be given for a grid"):
+        sample(None, design="grid")
+
+
+def test_a_drawn_run_keeps_its_values_and_the_same_seed_draws_the_same():
+    sweep, again = sample(20), sample(20)
+    assert sweep.rows == again.rows
+    values = np.sort([row[0] for row in sweep.rows])
+    # one value in each of 20 parts of equal probability
+    distribution = stats.lognorm(np.log(2.0) / stats.norm.ppf(0.95), scale=2e7)
+    np.testing.assert_array_equal(np.floor(20.0 * distribution.cdf(values)), np.arange(20))
+
+
+def test_bounds_of_quantiles_hold_as_often_as_they_say():
+    random = np.random.default_rng(7)
+    sweep, truth = sample(60), stats.weibull_min(1.5)
+    held = np.zeros(len(PORTIONS))
+    known = np.zeros(len(PORTIONS))
+    for _ in range(100):
+        values = truth.rvs(60, random_state=random)
+        table = pd.DataFrame({"run": np.arange(60), "status": "done", FORCE.label: values})
+        found = quantiles(sweep, table)
+        np.testing.assert_allclose(found["value"], np.quantile(values, PORTIONS))
+        exact = truth.ppf(PORTIONS)
+        both = found[["least", "most"]].notna().all(axis=1).to_numpy()
+        known += both
+        held += both & (found["least"] <= exact).to_numpy() & (exact <= found["most"]).to_numpy()
+    middle = known == 100
+    assert middle.sum() >= 3
+    assert (held[middle] >= 93).all()
+
+
+def test_fewer_runs_show_whether_a_quantile_has_settled():
+    sweep, values = sample(40), np.arange(40.0)
+    found = quantiles(sweep, answered(sweep, **{FORCE.label: values})).set_index("portion below").loc[0.5]
+    assert (found["value"], found["of half"], found["of a quarter"]) == (19.5, 9.5, 4.5)
+    assert found["runs"] == 40
+
+
+def test_failed_runs_are_left_out_and_counted():
+    sweep, values = sample(20), np.arange(20.0)
+    values[3] = np.nan
+    table = answered(sweep, **{FORCE.label: values})
+    assert (table["status"] == "failed").sum() == 1
+    assert set(quantiles(sweep, table)["runs"]) == {19}
+
+
+def test_what_an_answer_depends_on_is_found():
+    drawn = {"low": 1e4, "high": 4e4, "distribution": "normal"}
+    sweep = sample(100, vary=(Vary(key=STIFFNESS, low=1e7, high=4e7), Vary(key=DAMPING, **drawn)))
+    stiffness = np.array([row[0] for row in sweep.rows])
+    found = sensitivities(sweep, answered(sweep, **{FORCE.label: -(stiffness**3)})).set_index("varied")
+    assert found.loc["spring_stiffness", "rank correlation"] == pytest.approx(-1.0)
+    assert found.loc["spring_stiffness", "p value"] < 1e-10
+    assert abs(found.loc["spring_damping", "rank correlation"]) < 0.3
+    assert found.loc["spring_damping", "p value"] > 1e-3
+
+
+def flexible_sample(count: int, **changes) -> Sweep:
+    case = Case.stress("coarse")
+    given = {
+        "case": CaseFile(case=case, duration=0.1),
+        "vary": (Vary(key=CASTING, low=1.2, high=1.4, distribution="normal"),),
+        "answers": (LIFE, Life(name="path", region="roller path", survival=0.5, material=NICRMO)),
+        "design": "latin_hypercube",
+        "runs": count,
+    }
+    return Sweep(**given | changes)
+
+
+def test_lives_are_drawn_for_all_answers_of_a_run():
+    sweep = flexible_sample(4)
+    for one in sweep.planned:
+        assert [answer.material.casting_factor for answer in one.asked] == [one.values[0]] * 2
+        assert [answer.region for answer in one.asked] == [None, "roller path"]
+    assert len({one.digest for one in sweep.planned}) == 4
+    assert sweep.units()["casting_factor"] == ""
+
+
+def test_values_of_a_tail_that_cannot_be_are_refused_before_anything_runs():
+    sweep = flexible_sample(20, vary=(Vary(key=CASTING, low=1.0, high=1.6, distribution="normal"),))
+    with pytest.raises(
+        ValueError, match=r"run 16 .*casting_factor: Input should be greater than or equal to 1"
+    ):
+        sweep.table()
+
+
+def test_paths_of_a_life_need_an_answer_of_one():
+    with pytest.raises(ValueError, match="paths of life need an answer of model 'life'"):
+        sample(20, vary=(Vary(key=CASTING, low=1.0, high=1.6),))
+
+
+def test_wrong_values_of_a_life_are_refused_before_anything_runs():
+    with pytest.raises(ValueError, match=r"life\.material\.casting_factor"):
+        flexible_sample(4, vary=(Vary(key=CASTING, values=(0.5, 1.0)),))
+
+
+def test_shoes_of_a_fleet_crack_as_often_as_runs():
+    sweep = flexible_sample(20, fleet=Fleet(shoes=100, hours_a_year=5000.0, rebuild=20_000.0))
+    lives = np.full(20, 1e6)
+    lives[:4] = [3000.0, 9000.0, 12_000.0, 19_000.0]
+    found = failures(sweep, answered(sweep, life=lives, path=np.full(20, 1e9))).set_index(["answer", "hours"])
+    year, whole = found.loc[("life", 5000.0)], found.loc[("life", 20_000.0)]
+    assert (year["cracked"], whole["cracked"]) == ("1 of 20", "4 of 20")
+    assert year["shoes a year"] == pytest.approx(100 * 0.05)
+    # four of twenty in four years
+    assert whole["shoes a year"] == pytest.approx(100 * 0.2 / 4)
+    bounds = stats.beta.ppf([0.025, 0.975], [4, 5], [17, 16])
+    np.testing.assert_allclose(whole[["least", "most"]].to_numpy(dtype=float), bounds)
+    assert found.loc[("path", 20_000.0), "portion"] == 0.0
+
+
+def test_a_sample_leaves_tables_and_a_part_of_the_page(tmp_path):
+    sweep = sample(20)
+    table = answered(sweep, **{FORCE.label: np.arange(20.0)})
+    write_page(sweep, table, tmp_path, tmp_path / "runs", lambda _text: None)
+    assert {"quantiles.csv", "sensitivities.csv", "failures.csv"} <= {one.name for one in tmp_path.iterdir()}
+    assert "Rank correlations" in (tmp_path / "report.html").read_text()
+    assert len(pd.read_csv(tmp_path / "quantiles.csv")) == len(PORTIONS)
+
+
+def test_grids_and_few_runs_have_no_scatter():
+    few = sample(4)
+    assert scatter_tables(few, answered(few, **{FORCE.label: np.arange(4.0)})) == {}
+    grid = small_sweep(vary=(Vary(key=STIFFNESS, low=1e7, high=2e7, count=12),))
+    assert scatter_tables(grid, answered(grid, **{FORCE.label: np.arange(12.0)})) == {}
+    assert small_case().case.name == "small"
