@@ -12,7 +12,7 @@ MESHER := $(VENV)/mesher
 # two processes of tests share two cores; threads that wait for each other would take half of them
 ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: help kinematics forces uneven stress rollers ground life sweep-terrain sweep-plate verify check test test-slow lint format bench \
+.PHONY: help kinematics forces uneven stress rollers ground life sweep-terrain sweep-plate scatter verify check test test-slow lint format bench \
 	docs notebooks lock clean
 
 help:  ## what can be made
@@ -56,6 +56,9 @@ verify: $(INSTALLED)  ## the two-body problem against its hand solution
 
 sweep-terrain: $(INSTALLED)  ## 40 runs: stiffness of the ground and friction against the forces in the links
 	$(BIN)/exudyn-crawler sweep studies/terrain_sweep.toml --out $(OUT)/terrain_sweep $(ARGS)
+
+scatter: $(INSTALLED)  ## 200 runs over oil sand that is drawn from a distribution: quantiles of pull and forces
+	$(BIN)/exudyn-crawler scatter studies/scatter.toml --out $(OUT)/scatter $(ARGS)
 
 sweep-plate: $(MESHER)  ## 9 runs: top plate of the shoe and the ground against the life of the roller path
 	$(BIN)/python -m studies.plate_sweep --out $(OUT)/plate_sweep $(ARGS)

@@ -1,5 +1,7 @@
 """Values drawn from distributions against scipy, quantiles and their bounds, drawn lives, fleets."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,7 +9,7 @@ from scipy import stats
 
 from exudyn_crawler import Case, CaseFile, FatigueMaterial
 from exudyn_crawler.sweep.answers import Life
-from exudyn_crawler.sweep.definition import Fleet, Sweep
+from exudyn_crawler.sweep.definition import Fleet, Sweep, read_sweep
 from exudyn_crawler.sweep.results import results_table, scatter_tables, write_page
 from exudyn_crawler.sweep.scatter import PORTIONS, failures, quantiles, sensitivities
 from exudyn_crawler.sweep.vary import Vary
@@ -206,3 +208,11 @@ def test_grids_and_few_runs_have_no_scatter():
     grid = small_sweep(vary=(Vary(key=STIFFNESS, low=1e7, high=2e7, count=12),))
     assert scatter_tables(grid, answered(grid, **{FORCE.label: np.arange(12.0)})) == {}
     assert small_case().case.name == "small"
+
+
+def test_the_ready_sample_can_be_planned():
+    sweep = read_sweep(Path(__file__).parents[2] / "studies" / "scatter.toml")
+    assert len(sweep.planned) == 200
+    stiffness = np.sort([row[0] for row in sweep.rows])
+    # 90 % of the soils lie within what is known
+    assert np.searchsorted(stiffness, [1.65e6, 5.45e6]).tolist() == [10, 190]
