@@ -136,6 +136,7 @@ def write_netcdf(dataset: "xr.Dataset", path: Path, overwrite: bool = False) -> 
 
 def _netcdf_bytes(dataset: "xr.Dataset") -> memoryview:
     from xarray.backends import H5NetCDFStore
+    from xarray.backends.locks import HDF5_LOCK
 
     from fem.hdf5 import VERSIONS
 
@@ -150,7 +151,8 @@ def _netcdf_bytes(dataset: "xr.Dataset") -> memoryview:
         elif variable.dtype.kind in "OUT":
             encoding[name] = COMPRESSION | {"dtype": "S1"}
     content = io.BytesIO()
-    store = H5NetCDFStore.open(content, mode="w", driver_kwds={"libver": VERSIONS})
+    # within a Dask worker xarray would ask the cluster for a lock of this memory, which may be lost
+    store = H5NetCDFStore.open(content, mode="w", lock=HDF5_LOCK, driver_kwds={"libver": VERSIONS})
     dataset.dump_to_store(store, encoding=encoding)
     store.close()
     return content.getbuffer()
