@@ -162,9 +162,7 @@ def test_lives_are_drawn_for_all_answers_of_a_run():
 
 def test_values_of_a_tail_that_cannot_be_are_refused_before_anything_runs():
     sweep = flexible_sample(20, vary=(Vary(key=CASTING, low=1.0, high=1.6, distribution="normal"),))
-    with pytest.raises(
-        ValueError, match=r"run 16 .*casting_factor: must be greater than or equal to 1"
-    ):
+    with pytest.raises(ValueError, match=r"run 16 .*casting_factor: must be greater than or equal to 1"):
         sweep.table()
 
 
