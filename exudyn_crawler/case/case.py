@@ -98,8 +98,6 @@ class Case(Parameters):
             )
         elif contact.model == "cells" and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain of cells, which has no joints"
-        elif contact.model == "cells" and self.flexible is not None and not self.is_compiled:
-            yield "formulation must be 'compiled' for flexible shoes on a terrain of cells"
         if self.undercarriage is not None and not self.is_compiled:
             yield (
                 "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "

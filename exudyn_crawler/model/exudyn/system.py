@@ -139,7 +139,7 @@ class ExudynSystem(TrackSystem):
             workspace = plain(CellWorkspace.allocate(tables.cells, parts.contact.ground.shoes))
             tables_of_cells = plain(tables.bodies), plain(tables.cells)
             self._cells = TrackOnCells(parts.contact.ground, *tables_of_cells, workspace)
-            self._add_cells(self._cells, list(shoes.nodes))
+            self._add_cells(self._cells, [*shoes.nodes, *shoes.modal_nodes])
         else:
             self.general = add_spheres(mbs, case, shoes.bodies, ground, static)
         front = drive.FrontShoe(mbs, tables, shoes)
@@ -181,11 +181,12 @@ class ExudynSystem(TrackSystem):
         )
 
     def _add_cells(self, cells: TrackOnCells, nodes: list[int]) -> None:
-        """Ground of cells as one user force over the shoes' nodes, covered and committed about each step."""
+        """Ground of cells as one user force over the shoes, covered and committed about each step."""
 
         def force(_mbs, _t, _item, q, q_t):
             own = np.array(q)
-            return self._coordinates.generalized(own, cells.press(self._motion(own, np.array(q_t))))
+            wrenches, modal = cells.press(self._motion(own, np.array(q_t)))
+            return np.concatenate((self._coordinates.generalized(own, wrenches), modal.ravel()))
 
         def cover(_mbs, _time):
             cells.cover(self._motion(*self._current()))
@@ -199,9 +200,12 @@ class ExudynSystem(TrackSystem):
         return np.array(data.GetODE2Coordinates()), np.array(data.GetODE2Coordinates_t())
 
     def _motion(self, own: np.ndarray, own_t: np.ndarray) -> np.ndarray:
-        """Coordinates of the shoes and their rates as the compiled equations have them (2, coordinates)."""
-        shoes, rates = self._coordinates.motion(own, own_t)
-        return np.stack(((shoes - self.contact.shoe_reference).ravel(), rates.ravel()))
+        """Coordinates and rates of a track on cells as the compiled equations have them (2, coordinates)."""
+        (shoes, rates), first = self._coordinates.motion(own, own_t), SIZE * self.case.track.shoe_count
+        moved = (shoes - self.contact.shoe_reference).ravel()
+        return np.stack(
+            [np.concatenate(one) for one in ((moved, own[first:]), (rates.ravel(), own_t[first:]))]
+        )
 
     def after_step(self, report: Callable[[float], bool]) -> None:
         """As of `TrackSystem`; cells remember each step first."""

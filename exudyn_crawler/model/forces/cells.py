@@ -141,6 +141,26 @@ def bend_before(cells: tuple, frames: FloatArray, bent: FloatArray, workspace: t
 
 
 @solving_within
+def _bend_points(table: CellTable, shoes: ShoePoints, s: int, bent: FloatArray) -> None:
+    """Write how a shoe's modes move its points."""
+    for a in range(shoes.counts[s]):
+        hats = _hats(table.nodes, shoes.points[s, a, 0], shoes.points[s, a, 1])
+        for rate in range(2):
+            moved = _moved_by_nodes(hats, bent[rate])
+            for c in range(3):
+                shoes.bent[s, a, 3 * rate + c] = moved[c]
+
+
+@solving
+def bend_shoes(cells: tuple, workspace: tuple) -> None:
+    """Write how the modes move the points of flexible shoes; arguments as of `bend_before`."""
+    table, work = CellTable(*cells), CellWorkspace(*workspace)
+    for s in range(table.flexible.shape[0]):
+        if table.flexible[s] >= 0:
+            _bend_points(table, ShoePoints(*work.shoes), s, work.bent[table.flexible[s]])
+
+
+@solving_within
 def cell_forces(
     cells: tuple | None, bodies: Bodies, state: FloatArray, weights: Weights, workspace: tuple | None
 ) -> None:
@@ -179,17 +199,6 @@ def cell_forces(
             for r in range(3):
                 rigid.jacobian[count, 0, 3 + r, 3 + c] = at.axes[c][r]
         count += 1
-
-
-@solving_within
-def _bend_points(table: CellTable, shoes: ShoePoints, s: int, bent: FloatArray) -> None:
-    """Write how a shoe's modes move its points."""
-    for a in range(shoes.counts[s]):
-        hats = _hats(table.nodes, shoes.points[s, a, 0], shoes.points[s, a, 1])
-        for rate in range(2):
-            moved = _moved_by_nodes(hats, bent[rate])
-            for c in range(3):
-                shoes.bent[s, a, 3 * rate + c] = moved[c]
 
 
 @solving_within
@@ -266,10 +275,18 @@ class TrackOnCells:
         self._ground.cover(self._work.frames, self._before[0])
         bend_before(self._table, *self._before, self._workspace)
 
-    def press(self, state: np.ndarray) -> np.ndarray:
-        """Wrenches (shoes, 6) of the covered cells on rigid shoes at a state, N and N m about the COMs."""
+    def press(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Wrenches (shoes, 6) of the covered cells at a state, N and N m about the COMs, and modal forces.
+
+        The latter (flexible shoes, modes) are those at the nodes of the grids, through their rows.
+        """
         place_shoes(self._bodies, self._table, state, self._workspace)
-        return self._ground.press(self._work.frames)
+        bend_shoes(self._table, self._workspace)
+        wrenches, table = self._ground.press(self._work.frames), CellTable(*self._table)
+        if table.rows.shape[3] == 0:
+            return wrenches, np.zeros((0, 0))
+        nodal = self._ground.coarse_forces(self._work.frames)[table.flexible >= 0]
+        return wrenches, np.einsum("sabc,abcm->sm", nodal, table.rows)
 
     def commit(self) -> None:
         """Let the cells remember the state whose residual was computed last."""
