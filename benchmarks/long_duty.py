@@ -57,7 +57,7 @@ def run(duration: float, shoes: int) -> tuple[pd.DataFrame, int]:
         found.append((kept.time, memory()))
         return kept
 
-    nothing = Outputs(figures=False, pictures=False, paraview=False, tables=False, forces=False)
+    nothing = Outputs(figures=False, pictures=False, paraview=False, tables=False, forces=False, page=False)
     Checkpoints.save = noted  # type: ignore[method-assign]
     try:
         with tempfile.TemporaryDirectory() as folder:

@@ -421,6 +421,8 @@ def test_a_track_of_another_length_has_all_figures(call, tmp_path):
     )
     assert call("run", "case.toml", "--out", "out")[0] == 0
     assert len(list((tmp_path / "out").glob("*.svg"))) == 13
+    assert (tmp_path / "out" / "report.html").stat().st_size > 1e6
+    assert "report.html" in json.loads((tmp_path / "out" / "run.json").read_text())["files"]
     table = pd.read_csv(tmp_path / "out" / "extremes.csv").set_index(["variable", "axis"])
     load = table.loc[("shoe_load", float("nan"))]
     assert (load["least"], load["greatest"], load["unit"]) == (4e5, 4e5, "N")

@@ -41,7 +41,7 @@ def tiny():
     track = case.track.with_(shoe_count=2)
     solver = case.solver.with_(maximum_iterations=20, minimum_step=2e-4)
     case = case.with_(track=track, terrain=terrain, loads=LoadCycle.propel(2), solver=solver)
-    outputs = Outputs(figures=False, tables=False, forces=False)
+    outputs = Outputs(figures=False, tables=False, forces=False, page=False)
     return CaseFile(case=case, duration=0.004, outputs=outputs)
 
 
@@ -55,7 +55,7 @@ def tiny_flexible():
     case = case.with_(
         track=track, terrain=terrain, loads=LoadCycle.propel(2), solver=solver, flexible=flexible
     )
-    outputs = Outputs(figures=False, tables=False, forces=False, pictures=False, paraview=False)
+    outputs = Outputs(figures=False, tables=False, forces=False, pictures=False, paraview=False, page=False)
     return CaseFile(case=case, duration=0.004, outputs=outputs)
 
 

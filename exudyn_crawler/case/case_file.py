@@ -108,6 +108,7 @@ class Outputs(Parameters):
     tables: bool = option("whether extremes and loads are written as CSV", True)
     animation: bool = option("whether the track is animated (mp4)", False)
     forces: bool = option("whether forces derived from the history are written", True)
+    page: bool = option("whether all of it is put on one page, report.html", True)
     picture_times: tuple[float, ...] | None = quantity(
         "s",
         "times at which the stress of flexible shoes is kept whole and drawn, beside that of the highest; "

@@ -121,7 +121,9 @@ def run(
         Path | None, typer.Option(help="folder whose history takes the place of the simulation")
     ] = None,
     changes: Changes = None,
-    page: Annotated[bool, typer.Option("--page", help="make report.html of it, too, as report does")] = False,
+    page: Annotated[
+        bool | None, typer.Option(help="whether report.html is made; as the case says, if not given")
+    ] = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Run a case file into a folder of its own.
@@ -132,14 +134,16 @@ def run(
 
     # what is refused is refused before the engine is loaded, which takes a second
     case_file = crawler.read_case(case, changes or ())
+    if page is not None:
+        case_file = case_file.with_({"outputs.page": page})
     out = out or RESULTS / case.stem
     refuse_occupied(out, case_file, overwrite)
     done = crawler.run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo)
     show_answers(done)
     name, duration = case_file.case.name, done.history.duration
     typer.echo(f"{name}: {duration:g} s; case, log, results and figures are in {out}")
-    if page:
-        make_page(out, overwrite=True)
+    if case_file.outputs.page:
+        typer.echo(f"{out / 'report.html'}: open it in a browser")
     else:
         typer.echo(f"all of it on one page: exudyn-crawler report {out}")
 
@@ -173,11 +177,7 @@ def report(
 
     Example: exudyn-crawler report results/stress
     """
-    make_page(application.run_folder(run), out, overwrite)  # refused before all that draws is loaded
-
-
-def make_page(folder: Path, out: Path | None = None, overwrite: bool = False) -> None:
-    """Write the page of a folder, and say where it is."""
+    folder = application.run_folder(run)  # refused before all that draws is loaded
     with heartbeat(f"report of {folder}"):
         page = crawler.write_report(folder, out, overwrite, typer.echo)
     application.report_made(page, ": open it in a browser")

@@ -28,7 +28,7 @@ from meshes import SHOE_SIZES
 Design = Literal["grid", "list", "latin_hypercube", "sobol", "saltelli"]
 SAMPLED = ("latin_hypercube", "sobol", "saltelli")  # designs that draw points between bounds
 Row = tuple[Any, ...]  # values of a run, one of every `Vary`
-LIGHT = Outputs(figures=False, pictures=False, paraview=False, forces=False, tables=False)
+LIGHT = Outputs(figures=False, pictures=False, paraview=False, forces=False, tables=False, page=False)
 """What a run leaves beside its history where a sweep says nothing: pictures of all runs take longer than
 they."""
 MOST_RUNS = 1_000_000

@@ -1,5 +1,6 @@
 """What a run leaves beside its history: a writer for each of the outputs that its case asks for."""
 
+import logging
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from xml.etree import ElementTree
@@ -29,6 +30,8 @@ from exudyn_crawler.views.scenes.scene import Solid
 from fem import Mesh, write_vtu
 from fem.export import vtu_content
 from meshes import mesh_named
+
+logger = logging.getLogger("exudyn_crawler")
 
 MOST_DRAWN = 5 * 10**8
 """Bytes of a history whose curves are drawn as they are: 70 s of 13 rigid shoes, stored every 2 ms."""
@@ -208,6 +211,14 @@ def write_film(history: History, stresses: StressResults | None, folder: Path, o
     films.write_animation(history, folder / "track.mp4", overwrite=True)
 
 
+def write_page(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
+    """All of the run on one page."""
+    # what draws pages takes a while to load, and sweeps make none of their runs
+    from exudyn_crawler.views.pages.report import write_report
+
+    write_report(folder, overwrite=True, say=logger.warning)
+
+
 WRITERS: dict[str, Callable[[History, StressResults | None, Path, Outputs], None]] = {
     "tables": write_tables,
     "forces": write_forces,
@@ -215,6 +226,7 @@ WRITERS: dict[str, Callable[[History, StressResults | None, Path, Outputs], None
     "pictures": write_pictures,
     "paraview": write_3d,
     "animation": write_film,
+    "page": write_page,
 }
 """What is written of a run, by the output that asks for it, in this order."""
 

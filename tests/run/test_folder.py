@@ -17,7 +17,7 @@ from studies.kinematics import study as kinematics_study
 
 pytestmark = pytest.mark.simulation
 
-QUIET = Outputs(figures=False, pictures=False, paraview=False)
+QUIET = Outputs(figures=False, pictures=False, paraview=False, page=False)
 SHORT = CaseFile(case=Case.turning(), duration=0.05, outputs=QUIET)
 HOLD = """
 import sys, time
@@ -112,7 +112,9 @@ def test_an_earlier_run_stays_unless_asked(kept):
 
 
 def test_overwriting_leaves_nothing_of_the_earlier_run_and_all_that_is_the_users(tmp_path):
-    run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path)
+    run_case(
+        CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,), page=False)), tmp_path
+    )
     (tmp_path / "notes.txt").write_text("mine")
     (tmp_path / "own.csv").write_text("mine too")
     assert (tmp_path / "velocity.png").exists()
@@ -125,7 +127,9 @@ def test_overwriting_leaves_nothing_of_the_earlier_run_and_all_that_is_the_users
 
 
 def test_a_run_that_was_to_replace_another_one_and_failed_leaves_nothing_of_it(tmp_path):
-    run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path)
+    run_case(
+        CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,), page=False)), tmp_path
+    )
     solver = Case.translation().solver.with_(maximum_iterations=2, minimum_step=1.5e-3)
     stopping = CaseFile(case=Case.translation().with_(solver=solver), duration=10.0, outputs=QUIET)
     with pytest.raises(SimulationStopped):
@@ -154,7 +158,9 @@ def test_nothing_outside_the_folder_is_removed(tmp_path):
         None,
     ]
     (out / "run.json").write_text(json.dumps({"files": [*odd, "loads.csv"]}))
-    bare = CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(figures=False, tables=False))
+    bare = CaseFile(
+        case=Case.translation(), duration=0.01, outputs=Outputs(figures=False, tables=False, page=False)
+    )
     run_case(bare, out, overwrite=True)
     assert (tmp_path / "precious").read_text() == "mine"
     assert (out / "link").exists()

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.simulation
 
 # the package's public function of this name hides the module
 case_run_module = importlib.import_module("exudyn_crawler.case_run")
-QUIET = Outputs(figures=False, pictures=False, paraview=False)
+QUIET = Outputs(figures=False, pictures=False, paraview=False, page=False)
 STAGED = CaseFile(
     case=Case.turning().with_(solver=Case.turning().solver.with_(checkpoint_interval=0.05)),
     duration=0.15,
@@ -135,7 +135,9 @@ def test_a_finished_run_is_made_longer_and_gives_what_the_longer_one_gives(
 
 
 def test_overwriting_that_was_stopped_goes_on(staged, tmp_path, monkeypatch):
-    run_case(CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,))), tmp_path)
+    run_case(
+        CaseFile(case=Case.translation(), duration=0.01, outputs=Outputs(shoes=(1,), page=False)), tmp_path
+    )
     for place in (
         "run.folder.checkpoints.save_joined",
         "views.tables.write_table",
@@ -215,7 +217,7 @@ def test_a_history_too_large_for_memory_gives_the_same_files(staged, tmp_path, m
     assert_same(tmp_path, staged)
 
 
-RIGID = CaseFile(case=STAGED.case, duration=0.3, outputs=Outputs(shoes=(7,)))
+RIGID = CaseFile(case=STAGED.case, duration=0.3, outputs=Outputs(shoes=(7,), page=False))
 
 
 def flexible():

@@ -55,13 +55,13 @@ def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
     def write(outputs):
         write_outputs(history, results, tmp_path, outputs)
 
-    nothing = Outputs(tables=False, figures=False, pictures=False, paraview=False, forces=False)
+    nothing = Outputs(tables=False, figures=False, pictures=False, paraview=False, forces=False, page=False)
     write(nothing)
     assert {path.name for path in tmp_path.iterdir()} == {"stress.nc"}
     write(nothing.with_(paraview=True))
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"stress.nc", "track.pvd", "track_parts", *(f"fields_shoe_{n}.vtu" for n in (7, 13))}
-    write(Outputs(tables=False, figure_format="svg", paraview=False))
+    write(Outputs(tables=False, figure_format="svg", paraview=False, page=False))
     names = {path.name for path in tmp_path.iterdir()}
     assert not [name for name in names if name.endswith(".csv")]
     assert {name for name in names if name.endswith(".png")} == {
