@@ -27,8 +27,15 @@ from fem.interrupts import interrupts_wait
 
 TABLE = "spread.csv"
 NUDGE = 1e-9  # m by which the ground lies further along the track from start to start
-_NOTHING = dict.fromkeys(("figures", "pictures", "paraview", "tables", "forces", "page"), False)
-BARE = Outputs(**_NOTHING, picture_times=(0.0,))
+BARE = Outputs(
+    figures=False,
+    pictures=False,
+    paraview=False,
+    tables=False,
+    forces=False,
+    page=False,
+    picture_times=(0.0,),
+)
 FIRST = "start 1"  # name of the run that is judged
 OPEN_PARTS = ("spread", "choice")  # columns of what is open of a stress by starts and by laws of contact, Pa
 

@@ -1,8 +1,8 @@
-"""Delay of interrupts while a library cannot handle them."""
+"""Delay of interrupts while a library cannot handle them, and memory of those that are lost."""
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 
@@ -30,3 +30,32 @@ def interrupts_wait() -> Iterator[list[int]]:
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
         if waiting:
             signal.raise_signal(waiting[0])
+
+
+@contextmanager
+def interrupts_remembered() -> Iterator[Callable[[], None]]:
+    """Give a function that raises `KeyboardInterrupt` if there was an interrupt within the block.
+
+    One that comes while Python frees an object is raised in a callback there, which ends in a line on stderr
+    and nothing else: who works through many parts asks between them.
+    """
+    came: list[int] = []
+
+    def interrupt(number: int, _frame: object) -> None:
+        came.append(number)
+        raise KeyboardInterrupt
+
+    def ask() -> None:
+        if came:
+            raise KeyboardInterrupt
+
+    in_main = threading.current_thread() is threading.main_thread()
+    both = (signal.SIGINT, signal.SIGTERM) if in_main else ()
+    usual = [number for number in both if signal.getsignal(number) is signal.default_int_handler]
+    for number in usual:
+        signal.signal(number, interrupt)
+    try:
+        yield ask
+    finally:
+        for number in usual:
+            signal.signal(number, signal.default_int_handler)

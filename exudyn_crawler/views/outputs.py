@@ -29,6 +29,7 @@ from exudyn_crawler.views.scenes import films, pictures, shoes, track
 from exudyn_crawler.views.scenes.scene import Solid
 from fem import Mesh, write_vtu
 from fem.export import vtu_content
+from fem.interrupts import interrupts_remembered
 from meshes import mesh_named
 
 logger = logging.getLogger("exudyn_crawler")
@@ -237,6 +238,8 @@ def write_outputs(history: History, stresses: StressResults | None, folder: Path
         stresses.save(folder / "stress.nc", overwrite=True)
     if isinstance(history.case.terrain, CellTerrain):
         write_netcdf(ground_map(history, outputs.ground_times), folder / GROUND, overwrite=True)
-    for output, write in WRITERS.items():
-        if getattr(outputs, output):
-            write(history, stresses, folder, outputs)
+    with interrupts_remembered() as ask:
+        for output, write in WRITERS.items():
+            if getattr(outputs, output):
+                write(history, stresses, folder, outputs)
+                ask()

@@ -1,6 +1,7 @@
 """Results as data: names, units, saving and reading back."""
 
 import signal
+import warnings
 
 import numpy as np
 import pytest
@@ -123,3 +124,14 @@ def test_an_interrupt_waits_until_a_history_is_read(translation, tmp_path, monke
     with pytest.raises(KeyboardInterrupt):
         History.load(path)
     assert len(read) == 1
+
+
+@pytest.mark.simulation
+def test_a_history_that_other_software_has_written_is_warned_of(translation, tmp_path):
+    path, other = translation.save(tmp_path / "history.nc"), tmp_path / "other.nc"
+    with warnings.catch_warnings(action="error"):
+        assert History.load(path).duration == translation.duration
+    with xr.open_dataset(path, engine="h5netcdf") as dataset:
+        dataset.drop_encoding().to_netcdf(other, engine="h5netcdf")
+    with pytest.warns(UserWarning, match=r"other\.nc has no checksums: other software has written it"):
+        History.load(other)

@@ -91,7 +91,7 @@ def test_flexible_shoes_repeat_bit_for_bit(tmp_path):
     text = (
         'base = "stress"\nduration = 0.01\n'
         '[flexible]\nbase = "ph4100c"\nmesh = "coarse"\nshoes = [13]\nfixed_modes = 4\n'
-        "[outputs]\nfigures = false\npictures = false\nparaview = false\n"
+        "[outputs]\nfigures = false\npictures = false\nparaview = false\npage = false\n"
     )
     (tmp_path / "case.toml").write_text(text)
     for name in ("first", "again"):
@@ -173,7 +173,7 @@ def test_nothing_outside_the_folder_is_removed(tmp_path):
 
 def test_the_case_of_another_run_is_refused_and_the_authors_own_file_kept(tmp_path):
     own = tmp_path / "case.toml"
-    quiet = "figures = false\npictures = false\nparaview = false\n"
+    quiet = "figures = false\npictures = false\nparaview = false\npage = false\n"
     text = f'base = "turning" # mine\nduration = 0.05\n[outputs]\n{quiet}'
     own.write_text(text)
     with pytest.raises(FileExistsError, match=r"case\.toml is the case of another run"):

@@ -6,6 +6,7 @@ below what the solver leaves out of balance. A run leaves a chunk a stage, joine
 """
 
 import json
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -73,7 +74,11 @@ def case_in_file(path: Path) -> Case:
         version = np.asarray(file.attrs.get(LAYOUT_VERSION, 0)).item()
         if version != VERSION:
             raise ValueError(f"its states have layout version {version}, this program reads {VERSION}")
-        return saved_case(file.attrs[CASE])
+        case, has_checksums = saved_case(file.attrs[CASE]), bool(file["time"].fletcher32)
+    if not has_checksums:
+        said = "has no checksums: other software has written it, and its numbers may not be those of the run"
+        warnings.warn(f"{path} {said}", stacklevel=2)
+    return case
 
 
 def unit_motion(shape: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
