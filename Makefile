@@ -12,7 +12,7 @@ MESHER := $(VENV)/mesher
 # two processes of tests share two cores; threads that wait for each other would take half of them
 ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: help kinematics forces uneven stress rollers ground life sweep-terrain sweep-plate scatter verify check test test-slow lint format bench \
+.PHONY: help demo kinematics forces uneven stress rollers ground life sweep-terrain sweep-plate scatter verify check test test-slow lint format bench \
 	docs notebooks lock clean
 
 help:  ## what can be made
@@ -21,14 +21,20 @@ help:  ## what can be made
 $(INSTALLED): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 		|| { echo "Python >= 3.11 is needed; name one with: make PYTHON=python3.12 ..."; exit 1; }
+	@echo "installing into $(VENV): packages (about 1 GB, one or two minutes), then what is compiled (two more)"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
-	touch $@
+	$(BIN)/exudyn-crawler demo --prepare
+	@touch $@
+	@echo "installed: make demo shows a track, make help what else there is"
 
 $(MESHER): $(INSTALLED)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[mesh]'
 	touch $@
+
+demo: $(INSTALLED)  ## a machine rolls over a track with a flexible shoe: a page to look at, in 20 s
+	$(BIN)/exudyn-crawler demo --out $(OUT)/demo $(ARGS)
 
 kinematics: $(INSTALLED)  ## the kinematics study: 10 s, straight and turning
 	$(BIN)/python -m studies.kinematics --out $(OUT)/kinematics $(ARGS)

@@ -1,6 +1,7 @@
 """Cases of the studies to start from, as `pyproject.toml` registers them; this does not load the runs."""
 
-from exudyn_crawler import Case, CaseFile
+from exudyn_crawler import Case, CaseFile, Drive, FlexibleShoes, StepProfile
+from exudyn_crawler.case import Outputs
 from studies.defaults import CYCLE_DURATION, DURATION
 from studies.grounds import uneven_case
 
@@ -28,3 +29,17 @@ def rollers() -> CaseFile:
 def uneven() -> CaseFile:
     """Straight propel over random roughness."""
     return CaseFile(case=uneven_case("rough"), duration=DURATION)
+
+
+def demo() -> CaseFile:
+    """Machine that rolls at 1 km/h over a track with one flexible shoe, on a coarse mesh."""
+    case = Case.rolled()
+    case = case.with_(
+        name="demo",
+        flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(14,)),
+        drive=Drive(speed=StepProfile(times=(0.0, 1.5), values=(0.0, 0.3))),
+        solver=case.solver.with_(output_interval=0.02),
+    )
+    # the page shows it all
+    outputs = Outputs(figures=False, pictures=False, paraview=False, tables=False, forces=False)
+    return CaseFile(case=case, duration=3.5, outputs=outputs)

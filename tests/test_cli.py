@@ -29,6 +29,8 @@ COMMANDS = (
     "grounds",
     "shovel-life",
     "verify",
+    "demo",
+    "scatter",
     "init",
     "run",
     "info",
@@ -103,7 +105,7 @@ def test_every_command_is_among_those_tested(call):
     _, out, _ = call("--help")
     own = {command.callback.__name__.replace("_", "-") for command in cli.app.registered_commands}
     looking = {"report", "animate", "node-stress", "pin-forces", "shoe-loads", "compare"}
-    assert own == {"init", "info", "run", "ground", "life", "spread", "sweep"} | looking
+    assert own == {"demo", "init", "info", "run", "ground", "life", "spread", "sweep", "scatter"} | looking
     assert own | set(registered(GROUP)) == set(COMMANDS)
     assert all(name in out for name in COMMANDS)
 
@@ -383,13 +385,20 @@ def test_a_case_is_written_changed_run_and_shown(call, tmp_path):
 
 @pytest.mark.parametrize(
     ("study", "duration"),
-    [("kinematics", 10.0), ("forces", 10.0), ("stress", 40.0), ("uneven", 10.0), ("rollers", 10.0)],
+    [
+        ("kinematics", 10.0),
+        ("forces", 10.0),
+        ("stress", 40.0),
+        ("uneven", 10.0),
+        ("rollers", 10.0),
+        ("demo", 3.5),
+    ],
 )
 def test_every_study_has_a_case_to_start_from(call, tmp_path, study, duration):
     assert call("init", "own", "--study", study)[0] == 0
     found = read_case(tmp_path / "own.toml")
     assert (found.case.name, found.duration) == ("own", duration)
-    assert (found.case.flexible is not None) == (study == "stress")
+    assert (found.case.flexible is not None) == (study in ("stress", "demo"))
     assert found.case.terrain.is_even == (study != "uneven")
     assert call("info", study)[0] == 0
     code, _, err = call("init", "own", "--study", study)
@@ -450,7 +459,7 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
     [
         (["run", "nowhere.toml"], "no case file nowhere.toml"),
         (["info", "nowhere.toml"], "no case file nowhere.toml"),
-        (["info", "stres"], "case must be a case file or a study of ['forces', 'kinematics', "),
+        (["info", "stres"], "case must be a case file or a study of ['demo', 'forces', 'kinematics', "),
         (["kinematics", "--duration", "-1"], "duration must be positive and finite, got -1.0 s"),
         (["kinematics", "--duration", "soon"], "Invalid value for '--duration'"),
         (["kinematics", "--case", "sideways"], "'sideways'"),
@@ -466,7 +475,7 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
         (["init"], "Missing argument 'NAME'"),
         (
             ["init", "own", "--study", "opera"],
-            "study must be of ['forces', 'kinematics', ",
+            "study must be of ['demo', 'forces', 'kinematics', ",
         ),
         (["init", "nowhere/case"], "nowhere/case.toml"),
         (["run", "a.toml", "--out", ""], "no value may be empty, got --out ''"),

@@ -110,7 +110,7 @@ def test_a_run_that_compiles_says_so_in_a_line(monkeypatch, capsys, progress):
     half = numba.njit(lambda x: 0.5 * x)
     monkeypatch.setattr(simulation, "EQUATIONS", [half])
     monkeypatch.setattr(simulation, "integrate", lambda *_, **__: half(1.0))
-    for told in ("" if progress is False else f"{simulation.COMPILING}\n", ""):
+    for told in ("" if progress is False else simulation.COMPILING.format("dragged") + "\n", ""):
         simulate(Case.translation(), 0.01, progress)
         assert capsys.readouterr() == ("", told)
 

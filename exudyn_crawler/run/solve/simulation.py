@@ -174,9 +174,10 @@ def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watc
 
 
 COMPILING = (
-    "compiling the equations of motion, once on a machine: half a minute or more "
+    "compiling the equations of motion of {} tracks, once on this machine: half a minute or more "
     "(Ctrl-C takes effect afterwards)"
 )
+"""Rolled and dragged tracks have equations of their own."""
 
 
 def simulate(
@@ -220,7 +221,8 @@ def simulate(
     warn_implausible(case, duration)
     if checkpoints is not None:
         checkpoints.load(case)
-    told = nullcontext() if progress is False else notify_compiling(EQUATIONS, lambda: note(COMPILING))
+    compiling = COMPILING.format("rolled" if case.is_rolled else "dragged")
+    told = nullcontext() if progress is False else notify_compiling(EQUATIONS, lambda: note(compiling))
     if case.flexible is not None:
         whole_reduction(case)  # large enough for several threads, as nothing behind it is
     # matrices of a step are so small that threads wait for each other, and round by how many they are
