@@ -16,7 +16,7 @@ import pytest
 
 from exudyn_crawler import Case, History, __main__, cli
 from exudyn_crawler.case import CaseFile, read_case
-from exudyn_crawler.cli import looking
+from exudyn_crawler.cli import sweeps
 from exudyn_crawler.cli.application import COMMANDS as GROUP
 from exudyn_crawler.cli.application import registered
 
@@ -646,7 +646,7 @@ def test_what_is_wrong_with_a_sweep_is_told_in_a_line(call, soils, change, optio
 
 
 def test_sweeps_without_what_they_need_say_how_to_get_it(call, soils, monkeypatch):
-    monkeypatch.setattr(looking, "find_spec", lambda name: None)
+    monkeypatch.setattr(sweeps, "find_spec", lambda name: None)
     code, _, told = call("sweep", soils.name)
     assert code == 2
     assert_one_line(told, "pip install 'exudyn-crawler[sweep]'")

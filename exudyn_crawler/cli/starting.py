@@ -5,7 +5,7 @@ import typer
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.application import RESULTS, Out, Overwrite
-from exudyn_crawler.cli.commands import command, make_page, show_answers
+from exudyn_crawler.cli.commands import command, show_answers
 
 DEMO = "demo"
 
@@ -33,7 +33,7 @@ def demo(
     )
     done = crawler.run_case(case_file, out, overwrite=overwrite, take_finished=True, say=typer.echo)
     show_answers(done)
-    make_page(out, overwrite=True)
+    typer.echo(f"{out / 'report.html'}: open it in a browser")
     typer.echo(f"next, a machine of your own: exudyn-crawler init my_machine --study {DEMO}")
 
 
