@@ -115,7 +115,7 @@ def test_exudyns_bodies_move_alike_on_cells(dragged):
 
 def test_exudyns_floating_frame_moves_alike_on_cells():
     base = Case.stress("coarse")
-    flexible = base.flexible.with_(shoes=(2,), fixed_modes=4, static_fields=False)
+    flexible = base.flexible.with_(shoes=(2,))
     case = base.with_(track=base.track.with_(shoe_count=3), loads=LoadCycle.propel(3), flexible=flexible)
     speed = StepProfile(times=(0.0, 0.05), values=(0.0, 0.2))
     case = case.with_(drive=Drive.translation().with_(speed=speed), solver=case.solver.with_(residual=1e-3))
