@@ -10,7 +10,7 @@ from docs.comparison import STUDIES, printed
 from exudyn_crawler.views.tables import within_by_class
 from studies import forces, kinematics, stress
 
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+SUMMARY = (Path(__file__).parents[2] / "docs" / "studies.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -35,8 +35,8 @@ def test_every_row_has_the_verdict_that_is_printed(tables, study):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("study", list(STUDIES))
-def test_the_summary_of_the_readme_counts_these_rows(tables, study):
-    line = next(one for one in README.splitlines() if one.startswith(f"| {study}, "))
+def test_the_summary_of_the_studies_counts_these_rows(tables, study):
+    line = next(one for one in SUMMARY.splitlines() if one.startswith(f"| {study}, "))
     counted = [
         f"{int(row['within'])} of {int(row['of'])}" for _, row in within_by_class(tables[study]).iterrows()
     ]
