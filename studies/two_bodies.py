@@ -143,7 +143,8 @@ def plate_terrain() -> Terrain:
 def engine_solution(law: PairContact) -> TwoBodySolution:
     """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
     start, plate = np.array([BLOCK_START]), plate_terrain()
-    contact = PairGroundContact(start, block_shoe(), plate, law, UnitCoordinates(1, plate.tilt_axis))
+    reference = np.hstack((start, np.zeros((1, 3))))
+    contact = PairGroundContact(reference, block_shoe(), plate, law, UnitCoordinates(1, plate.tilt_axis))
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     displacement = np.array([SPEED * TIME, 0.0, -block_penetration(law), *[0.0] * 9])

@@ -8,6 +8,7 @@ from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, Outputs
 from exudyn_crawler.case.files import read_case, write_case
 from exudyn_crawler.case.parameters.cells import CellContact, CellTerrain
+from exudyn_crawler.case.parameters.closed_track import ClosedTrack, Idler, Tumbler
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver, StepProfile
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes

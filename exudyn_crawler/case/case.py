@@ -10,6 +10,7 @@ from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import undercarriage as rolled
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.cells import CellContact, CellTerrain, SoilLaw
+from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled, closed_errors
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
@@ -67,6 +68,10 @@ class Case(Parameters):
         None,
     )
     machine: MachineCycle | None = option("what the machine does on the side frame; none: its weight", None)
+    closed_track: ClosedTrack | None = option(
+        "side frame with a drive tumbler, idler and rollers that the track is closed round; none: it is open",
+        None,
+    )
 
     def _errors(self) -> Errors:
         count, shoe, terrain, contact = self.track.shoe_count, self.shoe, self.terrain, self.contact
@@ -105,6 +110,8 @@ class Case(Parameters):
             )
         if self.machine is not None and self.undercarriage is None:
             yield "machine must be None without an undercarriage, on which it acts"
+        if self.closed_track is not None:
+            yield from self._closed_errors(self.closed_track)
         if self.formulation == "compiled" and not self.is_compiled:
             yield (
                 "formulation must be 'engine' with contact.model 'spheres' or terrain_formulation "
@@ -131,6 +138,23 @@ class Case(Parameters):
         if not terrain.is_even and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain.relief, got 'constrained'"
 
+    def _closed_errors(self, closed: ClosedTrack) -> Errors:
+        """What does not go with a closed track."""
+        if self.undercarriage is not None:
+            yield "undercarriage must be None with a closed_track, which has a side frame of its own"
+        if not self.is_compiled:
+            yield (
+                "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
+                "not go with a closed_track, which the compiled equations alone carry"
+            )
+        if self.drive.turn_rate is not None or self.drive.on is not None:
+            yield "drive.turn_rate and drive.on must be None with a closed_track, which is always driven"
+        if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
+            yield "loads must be zero on every shoe with a closed_track, whose rollers carry the machine"
+        if self.flexible is not None and closed.tumbler.lugs:
+            yield "closed_track.tumbler.lugs must be none with flexible shoes, which teeth meet at their pins"
+        yield from closed_errors(closed, self.shoe, self.track)
+
     def _sphere_errors(self, radius: float) -> Errors:
         """Spheres that cannot carry the shoes."""
         if not self.mean_load > 0.0:
@@ -149,8 +173,35 @@ class Case(Parameters):
             yield f"contact.radius must not exceed a quarter of a unit's side, {side:g} m, got {radius}"
 
     @property
+    def assembled(self) -> Assembled:
+        """Where a closed track starts; raises `ValueError` if the track is open."""
+        if self.closed_track is None:
+            raise ValueError(f"closed_track must be given, got a case of an open track, {self.name!r}")
+        return assembled(self.closed_track, self.shoe, self.track)
+
+    @property
+    def running_gear(self) -> Undercarriage | ClosedTrack | None:
+        """Side frame whose wheels run on the shoes' rails, of an open or a closed track; None: none."""
+        return self.closed_track or self.undercarriage
+
+    @property
+    def shoe_reference(self) -> np.ndarray:
+        """Positions of the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
+        if self.closed_track is not None:
+            return self.assembled.shoes
+        coms = self.track.com_positions(self.shoe.com_height)
+        return np.hstack((coms, np.zeros_like(coms)))
+
+    @property
+    def joints(self) -> np.ndarray:
+        """Link numbers; link i joins shoes i and i + 1, the last one of a closed track its last and first."""
+        return self.track.joints if self.closed_track is None else self.track.shoes
+
+    @property
     def frame_start(self) -> np.ndarray:
         """Origin of the side frame at t = 0, on rails that have not settled: array (3,), m."""
+        if self.closed_track is not None:
+            return self.assembled.frame
         frame, rails = self.undercarriage, self.shoe.rails
         if frame is None or rails is None:
             raise ValueError("the case has no undercarriage")
@@ -161,6 +212,11 @@ class Case(Parameters):
     def is_rolled(self) -> bool:
         """Whether a side frame rolls over shoes that stand; else the drive drags the front shoe."""
         return self.undercarriage is not None
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the track is closed round its side frame."""
+        return self.closed_track is not None
 
     @property
     def is_compiled(self) -> bool:
@@ -215,12 +271,13 @@ class Case(Parameters):
     @property
     def first_loads(self) -> np.ndarray:
         """Loads on the shoes at t = 0: array (shoes,), N; a side frame weighs evenly on those below it."""
-        loads, frame = self.loads.loads(0.0)[0], self.undercarriage
+        loads, frame = self.loads.loads(0.0)[0], self.running_gear
         if frame is None:
             return loads
-        coms, half = self.track.com_positions(self.shoe.com_height)[:, 0], 0.5 * self.track.pitch
-        rear, front = frame.rollers[0] + frame.start, frame.rollers[-1] + frame.start
-        under = (coms >= rear - half) & (coms <= front + half)
+        start, half = self.frame_start, 0.5 * self.track.pitch
+        coms = self.shoe_reference
+        rear, front = frame.rollers[0] + start[0], frame.rollers[-1] + start[0]
+        under = (coms[:, 0] >= rear - half) & (coms[:, 0] <= front + half) & (coms[:, 2] < start[2])
         return loads + under * frame.mass * self.gravity / max(1, under.sum())
 
     def machine_wrench(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
@@ -323,6 +380,28 @@ class Case(Parameters):
             solver=Solver(step=5e-3, output_interval=5e-3),
         )
 
+    @classmethod
+    def closed(cls, shoe_count: int = ph4100c.CLOSED_SHOES) -> Self:
+        """Straight propel of half a machine on a closed track of rigid shoes, driven by its tumbler.
+
+        `drive.speed` is that of the chain against the side frame.
+
+        Parameters
+        ----------
+        shoe_count : int
+            Of the track.
+        """
+        return cls(
+            name="closed",
+            shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
+            track=Track.ph4100c().with_(shoe_count=shoe_count),
+            terrain=Terrain.kinematics(),
+            contact=PairContact.adams(),
+            drive=Drive.translation(),
+            loads=LoadCycle.constant([0.0] * shoe_count),
+            closed_track=ClosedTrack.ph4100c(),
+        )
+
     def on_cells(self, law: SoilLaw, heights: Heights | None = None, cell: float = 0.1) -> Self:
         """Same case on ground of cells in place of its units, as large as these and with their slopes.
 
@@ -353,8 +432,8 @@ class Case(Parameters):
         The track is rigid seen from above, since its hinges only pitch: the drive carries its outline
         along and turns it about its middle. A track that a side frame rolls over stays where it is.
         """
-        footprint, coms = self.shoe.footprint, self.track.com_positions(self.shoe.com_height)
-        rear, front = coms[0, 0] + footprint[0], coms[-1, 0] + footprint[1]
+        footprint, coms = self.shoe.footprint, self.shoe_reference
+        rear, front = coms[:, 0].min() + footprint[0], coms[:, 0].max() + footprint[1]
         right, left = coms[0, 1] + footprint[2:4]
         corners = np.array([[rear, right], [front, right], [front, left], [rear, left]])
         middle, angle = corners.mean(axis=0), self.drive.turn(time)

@@ -205,6 +205,75 @@ SHOVEL_POSES: tuple[tuple[Any, ...], ...] = (
 )
 """Upper structure at the ends of the phases of a cycle."""
 
+# closed track
+CLOSED_SHOES = 38
+"""Open: 38 of this pitch go round wheels 9 m apart, which the crawler's length leaves."""
+_TUMBLER_TEETH, _TUMBLER_MASS = 10, 20e3
+_PIN_CIRCLE = PITCH / (2.0 * math.sin(math.pi / _TUMBLER_TEETH))
+_RAIL_RISE = RAILS["height"] - PIN_HEIGHT  # m, of the rails above the pins
+_LOWER_PINS = -(UNDERCARRIAGE["radius"] + _RAIL_RISE)  # m, of the lower run below the rollers' axes
+TUMBLER: Mapping[str, Any] = {
+    # m. x: the crawler's length (K-chapter) less the shoes' outside, all that is known; z open: its lowest
+    # pins are 0.15 m above those under the rollers
+    "place": (-4.5, _LOWER_PINS + 0.15 + _PIN_CIRCLE),
+    "teeth": _TUMBLER_TEETH,  # Open
+    "mass": _TUMBLER_MASS,  # kg. Open
+    # kg m2. Open: a ring on the pins' circle, half of it
+    "inertia": (
+        0.3 * _TUMBLER_MASS * _PIN_CIRCLE**2,
+        0.5 * _TUMBLER_MASS * _PIN_CIRCLE**2,
+        0.3 * _TUMBLER_MASS * _PIN_CIRCLE**2,
+        0.0,
+        0.0,
+        0.0,
+    ),
+    "depth": 0.2,  # m. Open, as the three below: teeth that leaving lugs get free of
+    "reach": 0.12,  # m
+    "lug_radius": 0.09,  # m
+    "backlash": 0.0,  # m
+    "stiffness": 2.5e8,  # N/m. Open: 3.4 mm under 1.7 MN on both sides
+    "damping": 1.0e6,  # N s/m. Chosen here
+    "damping_depth": 2.0e-4,  # m. Chosen here
+}
+"""Drive tumbler."""
+IDLER: Mapping[str, Any] = {
+    "place": (4.5, _LOWER_PINS + 0.06 + 0.9 + _RAIL_RISE),  # m. x by the crawler's length; z open
+    "radius": 0.9,  # m. Open
+    "slack": 0.02,  # m. Open. Chosen here: tensions at rest follow from it
+    "range": (-0.4, 0.4),  # m. Open
+}
+"""Front idler on shims."""
+_CARRIER_RADIUS = 0.25
+CLOSED_TRACK: Mapping[str, Any] = {
+    "mass": 0.5 * MACHINE_MASS - CLOSED_SHOES * SHOE["mass"] - _TUMBLER_MASS,  # kg
+    "inertia": UNDERCARRIAGE["inertia"],
+    "com": UNDERCARRIAGE["com"],
+    "rollers": tuple(0.95 * (k - 3.0) for k in range(7)),  # m. Open: 7 between tumbler and idler
+    "roller_radius": UNDERCARRIAGE["radius"],
+    # m. Open: without carriers 9 m of chain would hang with 1.4 MN for 0.5 m of sag
+    "carriers": tuple(
+        (1.8 * (k - 1.5), TUMBLER["place"][1] + _PIN_CIRCLE + 0.03 - _RAIL_RISE - _CARRIER_RADIUS)
+        for k in range(4)
+    ),
+    "carrier_radius": _CARRIER_RADIUS,  # m. Open
+    **{
+        name: UNDERCARRIAGE[name]
+        for name in (
+            "tread_width",
+            "stiffness",
+            "damping",
+            "damping_depth",
+            "rolling_resistance",
+            "resistance_speed",
+        )
+    },
+    "guide_play": 0.01,  # m. Open, as all of the guides
+    "guide_height": 0.05,  # m
+    "guide_stiffness": 1.0e8,  # N/m
+    "guide_damping": 1.0e6,  # N s/m
+}
+"""Side frame with its wheels in a closed track."""
+
 # flexible shoes
 DAMPING_FREQUENCIES, DAMPING_RATIOS = (1000.0, 10000.0), (0.005, 1.0)
 """Hz and 1, modal damping (S-paper): 0.005 up to the first frequency, a STEP to 1 at the second."""

@@ -46,14 +46,14 @@ class ContactWrenches(NamedTuple):
 class PairGroundContact:
     """Contact by one contact for every pair of a shoe and a unit; a `GroundContact`.
 
-    `com_positions` (shoes, 3) are the COMs of the shoes where their coordinates are zero, m, global. Shoes of
-    these indices (from 0) are flexible, by the integrated modes of their underside; they need terrain by its
-    independent coordinates, or a ValueError says so.
+    `reference` (shoes, 6) are positions of the COMs (m, global) and angles (rad) of the shoes where their
+    coordinates are zero. Shoes of these indices (from 0) are flexible, by the integrated modes of their
+    underside; they need terrain by its independent coordinates, or a ValueError says so.
     """
 
     def __init__(
         self,
-        com_positions: np.ndarray,
+        reference: np.ndarray,
         shoe: Shoe,
         terrain: Terrain,
         law: PairContact,
@@ -66,14 +66,14 @@ class PairGroundContact:
                 "coordinates must be the terrain's independent ones where shoes are flexible, "
                 "got the units' own"
             )
-        shoes, units = len(com_positions), terrain.unit_count
+        shoes, units = len(reference), terrain.unit_count
         if underside is None:
             underside = Underside(np.zeros(2), np.ones(2), np.zeros((2, 2, 3, 0)))
         modes = underside.mode_count
         row = np.full(shoes, -1)
         row[list(flexible_shoes)] = np.arange(len(flexible_shoes))
         self.coordinates = coordinates
-        self.shoe_reference = np.hstack((com_positions, np.zeros((shoes, 3))))
+        self.shoe_reference = reference
         self.unit_reference = np.hstack((terrain.centers, terrain.tilts[:, None]))
         self._law, self._terrain = law, terrain
         self._row = row
@@ -237,7 +237,12 @@ def ground_contact(
     coordinates = terrain_coordinates(case)
     if isinstance(coordinates, UnitCoordinates) and case.contact.model == "spheres":
         return SphereGroundContact(case, coordinates)
-    coms = case.track.com_positions(case.shoe.com_height)
     return PairGroundContact(
-        coms, case.shoe, case.unit_terrain(), case.pair_contact(), coordinates, underside, flexible_shoes
+        case.shoe_reference,
+        case.shoe,
+        case.unit_terrain(),
+        case.pair_contact(),
+        coordinates,
+        underside,
+        flexible_shoes,
     )

@@ -14,6 +14,9 @@ from fem.sources import FEM
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 
+FACING = 0.2
+"""Cosine of a shoe's tilt below which its underside meets no ground: it goes round a loop, or back above."""
+
 SOURCES = (Path(__file__).parent, FEM / "compiling.py", FEM / "patches.py")
 """Compiled functions of this room and what they call are here; the rest of `fem` does not make them stale."""
 

@@ -257,6 +257,8 @@ def touching_pairs(places: tuple, model: tuple, factors: tuple, out: tuple, work
     greatest, count = rows.unit.shape[0], 0
     for s in range(bodies.shoes.shape[0]):
         shoe = pair_geometry.standing(bodies, geometry, s)
+        if shoe.frame.R[2][2] < frames.FACING:
+            continue
         for k in range(shoe.cells.columns * shoe.cells.rows):
             u, unit = pair_geometry.below(bodies, geometry, shoe, k)
             whole = pair_geometry.whole_volume(shoe.frame, unit, outline, work)

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, ClosedTrack, Rails, Undercarriage
+from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.ground import COARSE
@@ -18,15 +19,19 @@ from exudyn_crawler.model.elimination import Fronts, fronts_of
 from exudyn_crawler.model.flexible_shoes import FloatingShoe, floating_shoe, shoe_model
 from exudyn_crawler.model.forces.cells import CellTable
 from exudyn_crawler.model.forces.loads import Loads
+from exudyn_crawler.model.forces.teeth import Teeth
 from exudyn_crawler.model.forces.treads import Rollers
 from exudyn_crawler.model.forces.units import TerrainTable
-from exudyn_crawler.model.joints import ROWS, Joints, Markers, Pull
+from exudyn_crawler.model.forces.wheels import Wheels
+from exudyn_crawler.model.joints import ROWS, ClosedJoints, Joints, Markers, Pull
 from exudyn_crawler.model.shoe_mesh import DrivePoint, drive_point, pin_middle, rail_rows, strip_lines
 from exudyn_crawler.model.tables import FrontRows, Tables
 from fem.patches import hat_grid
 
 FRAME_HOLDS = (1, 5)
 """Coordinates of a side frame that stay as they are: y and yaw."""
+ACROSS_CHAIN = np.array([0.0, 1.0, 0.0, 1.0, 1.0])
+"""Equations of a pin that are redundant in a closed chain."""
 
 
 def _flexible_modes(case: Case, floating: FloatingShoe) -> tuple[Modes, np.ndarray, np.ndarray]:
@@ -89,8 +94,9 @@ class _Builder:
         self.flexible[flexible_shoes(case)] = True
         self.modes = 0 if floating is None else floating.mode_count
         self.markers = _MarkerList(self.modes)
-        self.frame = case.undercarriage
-        self.count = self.shoes + (self.frame is not None)
+        self.frame, self.closed = case.undercarriage, case.closed_track
+        # a side frame, in a closed track and its tumbler
+        self.count = self.shoes + (2 if self.closed else int(self.frame is not None))
 
     @property
     def first_terrain(self) -> int:
@@ -108,7 +114,7 @@ class _Builder:
         return self.first_modal + int(self.flexible.sum()) * self.modes
 
     def bodies(self) -> tuple[Bodies, Modes]:
-        """Shoes, then the side frame."""
+        """Shoes, then the side frame and the tumbler of a closed track."""
         case, shoe, n = self.case, self.case.shoe, self.shoes
         none = np.zeros(3)
         mass, first = np.full(self.count, float(shoe.mass)), np.zeros((self.count, 3))
@@ -120,12 +126,18 @@ class _Builder:
             chosen = np.flatnonzero(self.flexible)
             mass[chosen], first[chosen], second[chosen] = body.mass, own_first, own_second
         reference = np.zeros((self.count, 6))
-        reference[:n, :3] = case.track.com_positions(shoe.com_height)
-        if self.frame is not None:
-            com = np.array(self.frame.com)
-            mass[n], first[n] = self.frame.mass, self.frame.mass * com
-            second[n] = second_moment(self.frame.mass, self.frame.inertia_tensor, com)
+        reference[:n] = case.shoe_reference
+        frame = case.running_gear
+        if frame is not None:
+            com = np.array(frame.com)
+            mass[n], first[n] = frame.mass, frame.mass * com
+            second[n] = second_moment(frame.mass, frame.inertia_tensor, com)
             reference[n, :3] = case.frame_start
+        if self.closed is not None:
+            tumbler = self.closed.tumbler
+            mass[n + 1], first[n + 1] = tumbler.mass, none
+            second[n + 1] = second_moment(tumbler.mass, inertia_tensor(tumbler.inertia), none)
+            reference[n + 1] = case.assembled.tumbler
         modal = np.full(self.count, -1)
         chosen = np.flatnonzero(self.flexible)
         modal[chosen] = self.first_modal + self.modes * np.arange(len(chosen))
@@ -136,10 +148,21 @@ class _Builder:
     def _pin(self, shoe: int, name: str) -> int:
         """Marker of a joint centre of a shoe."""
         if self.floating is None or not self.flexible[shoe]:
-            return self.markers.add(shoe, self.case.track.joint_centers[name])
+            return self.markers.add(shoe, self._worn(name))
         joint = self.floating.joints.index(name)
         pilot = self.floating.reduced.pilots[joint]
-        return self.markers.add(shoe, self.floating.reduced.interfaces[joint].center, pilot[:3], pilot[3:])
+        worn = self._worn(name) - self.case.track.joint_centers[name]
+        center = self.floating.reduced.interfaces[joint].center + worn
+        return self.markers.add(shoe, center, pilot[:3], pilot[3:])
+
+    def _worn(self, name: str) -> np.ndarray:
+        """Joint centre of a shoe, or the middle of two; the pins of a worn chain are farther apart."""
+        end, side = name.split()
+        both = [self.case.track.joint_centers[f"{end} {one}"] for one in SIDES]
+        center = np.mean(both, axis=0) if side == "middle" else both[SIDES.index(side)]
+        if self.closed is None or not name.startswith("rear"):
+            return center
+        return center - [self.closed.pitch_growth * self.case.track.pitch, 0.0, 0.0]
 
     def _pin_middle(self, shoe: int, end: str) -> int:
         """Marker in the middle of the rear or the front pins of a shoe."""
@@ -148,21 +171,32 @@ class _Builder:
 
     def joints(self) -> tuple[Joints, list[tuple[int, str]]]:
         """Joints, and of each pin the link's number (from 1) and its side."""
-        pins, names = [], []
-        for rear, front in pairwise(range(self.shoes)):
-            for side in SIDES if self.flexible[rear] or self.flexible[front] else SIDES[:1]:
-                pins.append((self._pin(rear, f"front {side}"), self._pin(front, f"rear {side}")))
+        pins, names, closed = [], [], self.closed
+        chain = [*range(self.shoes), *([0] if closed is not None else [])]
+        for rear, front in pairwise(chain):
+            bends = self.flexible[rear] or self.flexible[front]
+            for side in SIDES if bends else SIDES[:1]:
+                # in a tight chain a joint beside the middle would bear a moment of the whole tension
+                where = "middle" if closed is not None and not bends else side
+                pins.append((self._pin(rear, f"front {where}"), self._pin(front, f"rear {where}")))
                 names.append((rear + 1, side))
-        last = self.shoes - 1
-        if self.frame is not None:
+        last, gear = self.shoes - 1, self.case.running_gear
+        bodies = [(link - 1, link % self.shoes) for link, _ in names for _ in range(ROWS)]
+        if closed is not None:
+            axis = self.case.assembled.tumbler[:3] - self.case.frame_start
+            pins.append((self.markers.add(self.shoes, axis), self.markers.add(self.shoes + 1, np.zeros(3))))
+            names.append((0, SIDES[0]))
+            bodies += [(self.shoes, self.shoes + 1)] * ROWS
+        if gear is not None:
             drive = self.markers.add(self.shoes, np.zeros(3))
         else:
             drive = self.markers.add(
                 last, self.point.place, self.point.rows if self.point.rows.size else None
             )
-        holds = [] if self.frame is None else [(self.shoes, k) for k in FRAME_HOLDS]
-        bodies = [(link - 1, link) for link, _ in names for _ in range(ROWS)]
-        bodies += [(self.shoes if self.frame is not None else last, -1), (last, -1)]
+        on_posts = closed is not None and closed.support == "posts"
+        held = range(6) if on_posts else FRAME_HOLDS
+        holds = [] if gear is None else [(self.shoes, k) for k in held]
+        bodies += [(self.shoes if gear is not None else last, -1), (last, -1)]
         bodies += [(body, -1) for body, _ in holds]
         joints = Joints(
             pins=np.array(pins, dtype=np.int64).reshape(-1, 2),
@@ -184,6 +218,9 @@ class _Builder:
             else:
                 markers.append(self.markers.add(s, self.case.shoe.load_point))
                 beside.append(self.markers.add(s, (0.0, 1.0, 0.0)))
+        if self.closed is not None:
+            markers.append(self.markers.add(self.shoes, np.zeros(3)))
+            beside.append(-1)
         if self.frame is not None:
             markers += [self.markers.add(self.shoes, np.zeros(3))]
             markers += [self._pin_middle(0, "rear"), self._pin_middle(self.shoes - 1, "front")]
@@ -209,18 +246,82 @@ class _Builder:
         height = np.full((*COARSE, 1), self.case.shoe.footprint[4])
         return CellTable(row, np.concatenate((nodes, height), axis=2), rows)
 
+    def closed_joints(self) -> ClosedJoints | None:
+        """What the joints of a closed track have beside those of an open one."""
+        closed = self.closed
+        if closed is None:
+            return None
+        # the bearing of the tumbler, which comes last, is no part of the chain
+        pins = sum(2 if a or b else 1 for a, b in zip(self.flexible, np.roll(self.flexible, -1), strict=True))
+        return ClosedJoints(
+            compliance=np.outer([*[closed.compliance] * pins, 0.0], ACROSS_CHAIN),
+            motors=np.array([[self.shoes, self.shoes + 1]]),
+            limit=np.array([np.inf if closed.torque_limit is None else closed.torque_limit]),
+            lag=np.array([closed.torque_speed]),
+        )
+
+    def teeth(self) -> Teeth | None:
+        """Lugs of the shoes and the tumbler of a closed track."""
+        closed, track = self.closed, self.case.track
+        if closed is None:
+            return None
+        tumbler, markers, sides = closed.tumbler, [], []
+        for shoe in range(self.shoes):
+            for end in SIDES:
+                center = track.joint_centers[f"rear {end}"]
+                if tumbler.lugs:
+                    markers += [self.markers.add(shoe, (x, center[1], z)) for x, z in tumbler.lugs]
+                else:
+                    markers.append(self._pin(shoe, f"rear {end}"))
+                sides += [center[1]] * max(1, len(tumbler.lugs))
+        half = 0.5  # of the guide at each gear plane
+        return Teeth(
+            markers=np.array(markers),
+            tumblers=np.full(len(markers), self.shoes + 1),
+            side=np.array(sides),
+            profile=tumbler.profile(track),
+            law=(tumbler.stiffness, tumbler.exponent, tumbler.damping, tumbler.damping_depth),
+            flange=(closed.guide_play, half * closed.guide_stiffness, half * closed.guide_damping),
+        )
+
+    def wheels(self) -> Wheels | None:
+        """Wheels of a closed track."""
+        closed, rails = self.closed, self.case.shoe.rails
+        if closed is None or rails is None:
+            return None
+        wheels, lines = closed.wheels(self.case.assembled.take_up), strip_lines(closed, rails)
+        rows = self._rails(closed, rails, np.zeros((0, len(lines), 3)), 0.0)
+        guides = np.array([closed.guide_stiffness, closed.guide_damping]) / len(lines)
+        return Wheels(
+            frames=np.full(len(wheels), self.shoes),
+            shoes=np.tile([0, self.shoes], (len(wheels), 1)),
+            places=np.array([[(x, y, z) for y in lines] for x, z, _ in wheels]),
+            radii=np.ascontiguousarray(wheels[:, 2]),
+            law=rows.law,
+            flange=(closed.guide_play, *guides.tolist()),
+            height=closed.guide_height,
+            rollers=rows,
+        )
+
     def rollers(self) -> Rollers | None:
         """Rollers of a side frame."""
         frame, rails = self.frame, self.case.shoe.rails
         if frame is None or rails is None:
             return None
+        places = np.array([[(x, y, 0.0) for y in strip_lines(frame, rails)] for x in frame.rollers])
+        return self._rails(frame, rails, places, frame.radius)
+
+    def _rails(
+        self, frame: Undercarriage | ClosedTrack, rails: Rails, places: np.ndarray, radius: float
+    ) -> Rollers:
+        """Rollers at these places (rollers, strips, 3) of a frame and the rails below them."""
         along = rail_rows(None if self.floating is None else self.floating.reduced, self.case)
         strips = frame.strips
         return Rollers(
             frame=self.shoes,
             shoes=self.shoes,
-            places=np.array([[(x, y, 0.0) for y in strip_lines(frame, rails)] for x in frame.rollers]),
-            radius=frame.radius,
+            places=places,
+            radius=radius,
             law=(frame.stiffness / strips, frame.exponent, frame.damping / strips, frame.damping_depth),
             rail=(rails.rear, rails.front, rails.height),
             rows=along.rows,
@@ -247,7 +348,8 @@ def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fron
     others = multipliers[ROWS * len(pins) :]
     chain: dict[int, list[int]] = {}
     for link, rows in zip(links, pins, strict=True):
-        chain.setdefault(link, []).extend(rows)
+        # the bearing of a tumbler, which is no link
+        (chain.setdefault(link, []) if link > 0 else others).extend(rows)
     body = tables.markers.body
     couplings = [[*shoe, *terrain] for shoe in coordinates[:shoes]]
     couplings += [
@@ -255,10 +357,19 @@ def _elimination(tables: Tables, shoes: int, links: Sequence[int]) -> tuple[Fron
         for rows, pair in zip(pins, joints.pins, strict=True)
         for marker in pair
     ]
-    couplings += [[*coordinates[body[joints.drive]], others[0]], [*coordinates[joints.turn], others[1]]]
+    couplings += [[*coordinates[body[joints.drive]], others[0]]]
+    if tables.closed is None:
+        couplings.append([*coordinates[joints.turn], others[1]])
     frames = [one for group in coordinates[shoes:] for one in group]
     if tables.rollers is not None:
         couplings += [[*shoe, *coordinates[tables.rollers.frame]] for shoe in coordinates[:shoes]]
+    if tables.teeth is not None and tables.wheels is not None:
+        for wheel, (first, end) in zip(
+            tables.wheels.frames.tolist(), tables.wheels.shoes.tolist(), strict=True
+        ):
+            couplings += [[*coordinates[k], *coordinates[wheel]] for k in range(first, end)]
+        met = zip(body[tables.teeth.markers].tolist(), tables.teeth.tumblers.tolist(), strict=True)
+        couplings += [[*coordinates[shoe], *coordinates[tumbler]] for shoe, tumbler in met]
     if tables.pull is not None:
         couplings += [[*shoe, others[0]] for shoe in coordinates[:shoes]]
     fronts = fronts_of([*coordinates[:shoes], *chain.values(), [*terrain, *frames, *others]], couplings)
@@ -307,7 +418,7 @@ def _tables_of(
     builder = _Builder(case, terrain, floating, point)
     bodies, modes = builder.bodies()
     joints, names = builder.joints()
-    loads, pull = builder.loads(), builder.pull()
+    loads, pull, teeth = builder.loads(), builder.pull(), builder.teeth()
     nothing = np.zeros(0, dtype=np.int64)
     tables = Tables(
         bodies=bodies,
@@ -331,6 +442,9 @@ def _tables_of(
         rollers=builder.rollers(),
         pull=pull,
         cells=builder.cells() if isinstance(contact, CellGroundContact) else None,
+        closed=builder.closed_joints(),
+        teeth=teeth,
+        wheels=builder.wheels(),
     )
     fronts, rows = _elimination(tables, builder.shoes, [link for link, _ in names])
     return tables._replace(fronts=fronts, rows=rows), names

@@ -26,14 +26,24 @@ from exudyn_crawler.model.forces.loads import profiles_of, static_friction, valu
 from exudyn_crawler.model.forces.treads import TOUCHED, TreadWorkspace
 from exudyn_crawler.model.joints import ROWS
 from exudyn_crawler.model.newton import step
-from exudyn_crawler.model.state import BODY_COORDINATES, RATES, SIDE_FRAME, StateLayout, pin_name
+from exudyn_crawler.model.state import (
+    BEARING,
+    BODY_COORDINATES,
+    MOTOR,
+    RATES,
+    SIDE_FRAME,
+    TUMBLER,
+    StateLayout,
+    pin_name,
+)
 from exudyn_crawler.model.tables import Inputs, Tables, Workspace
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 
 AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
 """Of a residual alone."""
-DRAG = 100.0
-"""1/s, force over momentum that slows every body in creeping, so that shoes slip slowly."""
+DRAG, CLOSED_DRAG = 100.0, 8.0
+"""1/s, force over momentum that slows every body in creeping, so that shoes slip slowly; of a closed chain,
+whose runs swing slowly and stand no still shoes."""
 FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.2, 1e-7
 """s, of creeping."""
 FEW, MANY = 8, 25
@@ -44,7 +54,8 @@ SETTLING, SETTLING_LIMITS = 4.0, (1e-2, MANY)
 
 def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateLayout:
     """Layout of the states of a case; `pins` name link (from 1) and side of each."""
-    others = () if case.undercarriage is None else (SIDE_FRAME,)
+    others: tuple[str, ...] = () if case.running_gear is None else (SIDE_FRAME,)
+    others += (TUMBLER,) if case.is_closed else ()
     names = [f"shoe {number}" for number in case.track.shoes] + list(others)
     return StateLayout(
         shoes=case.track.shoe_count,
@@ -53,10 +64,11 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateL
         modes=len(tables.modes.stiffness),
         contact=0 if tables.cells is None else RESULTS + (tables.cells.nodes.size if case.flexible else 0),
         multipliers=(
-            *((pin_name(side, link), ROWS) for link, side in pins),
+            *((pin_name(side, link) if link else BEARING, ROWS) for link, side in pins),
             ("drive", 1),
             ("turn", 1),
             *((f"hold of {names[b]} ({BODY_COORDINATES[k]})", 1) for b, k in tables.joints.holds.tolist()),
+            *([(MOTOR, 1)] if case.is_closed else []),
         ),
         bodies=others,
     )
@@ -89,8 +101,8 @@ class CompiledSystem(TrackSystem):
         self._cells: TrackOnCells | None = None
         if isinstance(contact, CellGroundContact):
             self._workspace = Workspace.allocate(self.tables, 0, contact.ground.shoes)
-            *_, cells = self._workspace
-            self._cells = TrackOnCells(contact.ground, self._plain[0], plain(self.tables.cells), cells)
+            bodies, cells = self._plain[0], Workspace(*self._workspace).cells or ()
+            self._cells = TrackOnCells(contact.ground, bodies, plain(self.tables.cells), cells)
         else:
             self._workspace = Workspace.allocate(self.tables, contact.greatest_count)
         self._loads = plain(profiles_of([case.loads.profile(number) for number in case.track.shoes]))
@@ -119,7 +131,7 @@ class CompiledSystem(TrackSystem):
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free; a side frame is always moved."""
-        self._driven = on or self.tables.pull is not None
+        self._driven = on or self.tables.pull is not None or self.tables.closed is not None
 
     def set_initial(self, q: np.ndarray) -> None:
         """Start from rest at the coordinates `q`; a side frame has its speed."""
@@ -303,8 +315,10 @@ class CompiledSystem(TrackSystem):
     def _creep(self, h: float, limits: tuple[float, int]) -> int | None:
         """Iterations of a step as of `creep`, which the state takes; None if it is too long to be found."""
         self._state[1:] = 0.0
-        inputs = self.inputs(0.0)._replace(speeds=np.zeros(2))
-        converged, iterations = self._step(inputs, Weights(1.0, 1.0 / h, DRAG / h, False, h), limits)
+        inputs = self.inputs(0.0)
+        inputs = inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
+        slowed = CLOSED_DRAG if self.case.is_closed else DRAG
+        converged, iterations = self._step(inputs, Weights(1.0, 1.0 / h, slowed / h, False, h), limits)
         return iterations if converged and np.isfinite(self._state).all() else None
 
     def calls(self) -> dict[str, list[tuple[Any, tuple]]]:
@@ -377,14 +391,18 @@ class CompiledSystem(TrackSystem):
         values_at(self._speeds, time, speeds)
         loads = np.zeros((len(self.tables.loads.marker), 6))
         loads[: len(shoes), :3] = np.outer(shoes, self._down)
-        frame, drag = self.case.undercarriage, 0.0
-        if frame is not None:
+        frame, gear, drag, motors = self.case.undercarriage, self.case.running_gear, 0.0, np.zeros(0)
+        if gear is not None:
             loads[len(shoes)] = np.concatenate(self.case.machine_wrench(time), axis=1)[0]
+            drag = gear.rolling_resistance * speeds[0] / np.hypot(speeds[0], gear.resistance_speed)
+        if frame is not None:
             loads[len(shoes) + 1 :, 0] = -frame.end_tension, frame.end_tension
-            drag = frame.rolling_resistance * speeds[0] / np.hypot(speeds[0], frame.resistance_speed)
         turning = self._driven and self.case.drive.turn_rate is not None
         active = np.array([self._driven, turning], dtype=float)
-        return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], float(drag))
+        if self.case.closed_track is not None:
+            active[:] = 0.0
+            motors = speeds[:1] / self.case.closed_track.travel_per_angle(self.case.track)
+        return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], float(drag), motors)
 
     def _accelerate(self, time: float) -> None:
         """Accelerations and multipliers of a track that starts."""

@@ -17,9 +17,22 @@ from exudyn_crawler.model.bodies import Bodies, Inertia, add_bodies, add_body, a
 from exudyn_crawler.model.elimination import front, solving, solving_within
 from exudyn_crawler.model.forces.cells import CellWorkspace, cell_forces
 from exudyn_crawler.model.forces.loads import add_loads
+from exudyn_crawler.model.forces.teeth import teeth_contacts
 from exudyn_crawler.model.forces.treads import tread_contacts
 from exudyn_crawler.model.forces.units import TerrainTable, UnitWorkspace, add_terrain, unit_contacts
-from exudyn_crawler.model.joints import ROWS, Pull, add_holds, add_pins, add_speeds, write_pull
+from exudyn_crawler.model.forces.wheels import wheel_contacts
+from exudyn_crawler.model.joints import (
+    ROWS,
+    ClosedJoints,
+    Pull,
+    add_holds,
+    add_pins,
+    add_speeds,
+    motor_speed,
+    motor_torque,
+    write_pull,
+    write_turned,
+)
 from exudyn_crawler.model.tables import Inputs, Tables, Workspace, named_tables
 
 STIFFNESS = 1e9
@@ -50,7 +63,8 @@ def _write_joints(tables: Tables, state: FloatArray, inputs: Inputs, work: Works
     bodies, markers, joints = tables.bodies, tables.markers, tables.joints
     pins = ROWS * joints.pins.shape[0]
     gap, jacobian = work.gap, work.jacobian
-    add_pins(bodies, markers, joints.pins, state, gap[:pins], jacobian[:pins])
+    closed = tables.closed is not None
+    add_pins(bodies, markers, joints.pins, closed, state, gap[:pins], jacobian[:pins])
     add_speeds(bodies, markers, joints, state, inputs.speeds, gap[pins : pins + 2], jacobian[pins : pins + 2])
     add_holds(bodies, joints.holds, state[0], gap[pins + 2 :], jacobian[pins + 2 :])
     _write_pull(tables.pull, tables, state, work)
@@ -75,7 +89,7 @@ def _add_joints(
     """Add the forces of all constraints, and write their residuals behind the coordinates'."""
     bodies, between, pulls = tables.bodies, tables.joints.bodies, tables.pull is not None
     n, pins = out.shape[0] - multipliers.shape[0], ROWS * tables.joints.pins.shape[0]
-    for r in range(multipliers.shape[0]):
+    for r in range(between.shape[0]):
         is_speed = pins <= r < pins + 2
         if is_speed and inputs.active[r - pins] <= 0.0:
             out[n + r] = multipliers[r]
@@ -89,6 +103,45 @@ def _add_joints(
             b = between[r, side]
             if b >= 0:
                 add_body(bodies, b, work.jacobian[r, side], multipliers[r], out)
+
+
+@solving_within
+def _add_closed(
+    closed: tuple | None,
+    tables: Tables,
+    state: FloatArray,
+    inputs: Inputs,
+    multipliers: FloatArray,
+    work: Workspace,
+    weights: Weights,
+    out: FloatArray,
+) -> None:
+    """Add compliance of the pins of a closed track, and torques and residuals of its motors.
+
+    The multiplier of a motor is the torque on its tumbler about that one's axis, with the other sign. It
+    follows from the speed that is kept; where the torque is limited, from the lag behind that speed.
+    """
+    if closed is None:
+        return
+    joints, n = ClosedJoints(*closed), out.shape[0] - multipliers.shape[0]
+    bodies, markers, pins = tables.bodies, tables.markers, tables.joints.pins
+    for p in range(joints.compliance.shape[0]):
+        if weights.position != 0.0:
+            write_turned(bodies, markers, pins[p], multipliers[ROWS * p :], state, work.turned[p])
+        for r in range(ROWS):
+            out[n + ROWS * p + r] -= STIFFNESS * joints.compliance[p, r] * multipliers[ROWS * p + r]
+    first = multipliers.shape[0] - joints.motors.shape[0]
+    for k in range(joints.motors.shape[0]):
+        speed = motor_speed(tables.bodies, joints.motors[k], state, work.motors[k])
+        torque, lag = multipliers[first + k], inputs.motors[k] - speed
+        if joints.limit[k] < np.inf:
+            out[n + first + k] = torque + motor_torque(joints, k, lag)[0]
+        else:
+            out[n + first + k] = -STIFFNESS * weights.level * lag
+        for side in range(2):
+            place = tables.bodies.coordinate[joints.motors[k, side]] + 3
+            for c in range(3):
+                out[place + c] += torque * work.motors[k, side, c]
 
 
 @solving
@@ -116,9 +169,13 @@ def residual(
     )
     work.counts[1] = tread_contacts(tables.rollers, bodies, state, inputs.drag, weights, work.treads)
     cell_forces(tables.cells, bodies, state, weights, work.cells)
+    work.counts[2] = teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
+    work.counts[3] = wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)
     contacts = ForceRows(*units.contacts[0])
     _add_rows(bodies, contacts, work.counts[0], out)
-    _add_tread_rows(bodies, work.treads, work.counts[1], out)
+    _add_rows_of(bodies, work.treads, work.counts[1], out)
+    _add_rows_of(bodies, work.teeth, work.counts[2], out)
+    _add_rows_of(bodies, work.wheels, work.counts[3], out)
     _add_cell_rows(bodies, work.cells, out)
     inertias = work.first, work.second, work.turning
     add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, out)
@@ -126,13 +183,15 @@ def residual(
     add_loads(bodies, tables.markers, tables.loads, inputs.loads, inputs.shift, state, out)
     _write_joints(tables, state, inputs, work)
     _add_joints(tables, inputs, multipliers, work, weights.level, out)
+    _add_closed(tables.closed, tables, state, inputs, multipliers, work, weights, out)
 
 
 @solving_within
-def _add_tread_rows(bodies: Bodies, treads: tuple | None, count: int, residual: FloatArray) -> None:
-    if treads is None:
+def _add_rows_of(bodies: Bodies, work: tuple | None, count: int, residual: FloatArray) -> None:
+    """Take the forces of elements whose workspace has their rows first off the residual."""
+    if work is None:
         return
-    _add_rows(bodies, ForceRows(*treads[0]), count, residual)
+    _add_rows(bodies, ForceRows(*work[0]), count, residual)
 
 
 @solving_within
@@ -213,10 +272,11 @@ def _add_elements(tables: Tables, rows: ForceRows, count: int, values: FloatArra
 
 
 @solving_within
-def _add_tread_elements(tables: Tables, treads: tuple | None, count: int, values: FloatArray) -> None:
-    if treads is None:
+def _add_elements_of(tables: Tables, work: tuple | None, count: int, values: FloatArray) -> None:
+    """Add the tangents of elements whose workspace has their rows first."""
+    if work is None:
         return
-    _add_elements(tables, ForceRows(*treads[0]), count, values)
+    _add_elements(tables, ForceRows(*work[0]), count, values)
 
 
 @solving_within
@@ -241,7 +301,7 @@ def _add_joint_rows(
     for side in range(2):
         held = -1
         matrix = front(fronts, values, last)
-        for r in range(work.gap.shape[0]):
+        for r in range(between.shape[0]):
             is_speed, b = pins <= r < pins + 2, between[r, side]
             if b < 0 or (is_speed and inputs.active[r - pins] <= 0.0):
                 continue
@@ -263,6 +323,49 @@ def _add_joint_rows(
         matrix, row, base = front(fronts, values, f), places.multiplier[f, pins], places.body[f, b]
         for c in range(m if modal[b] >= 0 else 6):
             matrix[base + c, row] += work.pull[k, c]
+
+
+@solving_within
+def _add_closed_rows(
+    closed: tuple | None,
+    tables: Tables,
+    state: FloatArray,
+    inputs: Inputs,
+    weights: Weights,
+    work: Workspace,
+    values: FloatArray,
+) -> None:
+    """Add compliance of the pins and rows of the motors of a closed track to the fronts."""
+    if closed is None:
+        return
+    joints, places, fronts = ClosedJoints(*closed), tables.rows, tables.fronts
+    for p in range(joints.compliance.shape[0]):
+        f = places.front[tables.joints.bodies[ROWS * p, 0]]
+        matrix = front(fronts, values, f)
+        for r in range(ROWS):
+            row = places.multiplier[f, ROWS * p + r]
+            matrix[row, row] -= STIFFNESS * joints.compliance[p, r]
+        for side in range(2):
+            b = tables.joints.bodies[ROWS * p, side]
+            own, place = front(fronts, values, places.front[b]), places.body[places.front[b], b] + 3
+            for r in range(3):
+                for c in range(3):
+                    own[place + r, place + c] += weights.position * work.turned[p, side, r, c]
+    first = work.gap.shape[0] - joints.motors.shape[0]
+    velocity = weights.velocity if weights.velocity != 0.0 else 1.0
+    for k in range(joints.motors.shape[0]):
+        factor = STIFFNESS * weights.level * velocity
+        f = places.front[joints.motors[k, 1]]
+        matrix, row = front(fronts, values, f), places.multiplier[f, first + k]
+        if joints.limit[k] < np.inf:
+            speed = motor_speed(tables.bodies, joints.motors[k], state, work.motors[k])
+            factor = -weights.velocity * motor_torque(joints, k, inputs.motors[k] - speed)[1]
+            matrix[row, row] += 1.0
+        for side in range(2):
+            place = places.body[f, joints.motors[k, side]] + 3
+            for c in range(3):
+                matrix[row, place + c] += factor * work.motors[k, side, c]
+                matrix[place + c, row] += work.motors[k, side, c]
 
 
 @solving
@@ -291,6 +394,9 @@ def matrix(
             supports = weights.position * terrain.stiffness[i, k] + weights.velocity * terrain.damping[i, k]
             whole[first + i, first + k] += supports
     _add_elements(tables, ForceRows(*work.units[3][0]), work.counts[0], fronts)
-    _add_tread_elements(tables, work.treads, work.counts[1], fronts)
+    _add_elements_of(tables, work.treads, work.counts[1], fronts)
+    _add_elements_of(tables, work.teeth, work.counts[2], fronts)
+    _add_elements_of(tables, work.wheels, work.counts[3], fronts)
     _add_cell_elements(tables, work.cells, fronts)
     _add_joint_rows(tables, inputs, weights, work, fronts)
+    _add_closed_rows(tables.closed, tables, state, inputs, weights, work, fronts)

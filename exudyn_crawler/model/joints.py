@@ -45,6 +45,21 @@ class Joints(NamedTuple):
     bodies: IntArray  # (multipliers, 2): bodies that each constraint is between; -1 for none
 
 
+class ClosedJoints(NamedTuple):
+    """What the joints of a closed track have beside those of an open one.
+
+    The equations of a loop's pins across the chain are redundant: their sums round the loop are zero whatever
+    the shoes do. A little compliance of these alone shares the loads among all pins as evenly as can be, and
+    leaves the motion in the chain's plane as it is. So pins have their equations along the axes of that
+    plane, as the rear body's yaw and roll have turned them. Multipliers of motors come last.
+    """
+
+    compliance: FloatArray  # (pins, ROWS): m/N and rad/(N m)
+    motors: IntArray  # (motors, 2): frame and tumbler that turns against it
+    limit: FloatArray  # (motors,): greatest torque, N m; infinite where the speed is kept
+    lag: FloatArray  # (motors,): rad/s at which there is 0.7 of the greatest torque
+
+
 class End(NamedTuple):
     """A marker as its body carries it."""
 
@@ -118,26 +133,39 @@ def direction(
 
 
 @solving_within
+def plane_axis(at: Attitude, k: int) -> Vector:
+    """Axis k of a chain's plane, global: along the ground, across the chain, and normal to both."""
+    if k == 2:
+        return cross(at.axes[0], at.axes[1])
+    return at.axes[k]
+
+
+@solving_within
 def pin(
     markers: Markers,
     pair: tuple[int, int],
     ends: tuple[End, End],
     attitudes: tuple[Attitude, Attitude],
     apart: Vector,
+    in_plane: bool,
     gap: FloatArray,
     jacobian: FloatArray,
 ) -> None:
     """Write the gaps of a pin (ROWS,) and their Jacobian (ROWS, 2, 6 + m).
 
     `pair`, `ends` and `attitudes` are the markers of rear and front shoe, as carried by these, and the shoes'
-    attitudes; `apart` (m, global) leads from the rear frame's origin to the front one's.
+    attitudes; `apart` (m, global) leads from the rear frame's origin to the front one's. The gap of its place
+    has global components, or those along the axes of the chain's plane.
     """
     rear, front = ends
     between = along(along(apart, 1.0, front.lever), -1.0, rear.lever)
     across = axis_of(rear, attitudes[0], 1)
     for r in range(ROWS):
         force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        if r < 3:
+        if r < 3 and in_plane:
+            force = plane_axis(attitudes[0], r)
+            gap[r] = dot(between, force)
+        elif r < 3:
             force = basis(r)
             gap[r] = between[r]
         else:
@@ -150,7 +178,13 @@ def pin(
 
 @solving_within
 def add_pins(
-    bodies: Bodies, markers: Markers, pins: IntArray, state: FloatArray, gap: FloatArray, jacobian: FloatArray
+    bodies: Bodies,
+    markers: Markers,
+    pins: IntArray,
+    in_plane: bool,
+    state: FloatArray,
+    gap: FloatArray,
+    jacobian: FloatArray,
 ) -> None:
     """Write gaps and Jacobians of all pins into the first rows of both."""
     rows = np.empty((2, jacobian.shape[2]))
@@ -168,7 +202,8 @@ def add_pins(
         )
         ends = end_of(markers, rear, at_a, rows[0]), end_of(markers, front, at_b, rows[1])
         first, last = ROWS * p, ROWS * p + ROWS
-        pin(markers, (rear, front), ends, (at_a, at_b), apart, gap[first:last], jacobian[first:last])
+        both = (at_a, at_b)
+        pin(markers, (rear, front), ends, both, apart, in_plane, gap[first:last], jacobian[first:last])
 
 
 @solving_within
@@ -251,3 +286,60 @@ def write_pull(
             directions[0, 3 + c] += share * turning[c]
         direction(markers, marker, end, shoe_at, force, (0.0, 0.0, 0.0), -share, row)
         pulled[1 + k] = s
+
+
+@solving_within
+def write_turned(
+    bodies: Bodies,
+    markers: Markers,
+    pair: IntArray,
+    multipliers: FloatArray,
+    state: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Write how the moments of a pin's force change as its bodies turn: (2, 3, 3), by their angles.
+
+    `pair` are the markers of rear and front body, `multipliers` those of the pin. In a tight chain that moves
+    slowly this is what holds the shoes in line, and no equation solver may leave it out.
+    """
+    row = np.empty(6 + markers.displacement.shape[2])
+    rear = attitude_of(bodies, markers.body[pair[0]], state[0])
+    force = (0.0, 0.0, 0.0)
+    for r in range(3):
+        force = along(force, multipliers[r], plane_axis(rear, r))
+    for side in range(2):
+        b = markers.body[pair[side]]
+        read_body(bodies, b, state[0], row)
+        at = attitude_of(bodies, b, state[0])
+        lever = end_of(markers, pair[side], at, row).lever
+        for j in range(3):
+            moment = cross(cross(at.axes[j], lever), force)
+            for i in range(3):
+                out[side, i, j] = (2.0 * side - 1.0) * dot(at.axes[i], moment)
+
+
+@solving_within
+def motor_speed(bodies: Bodies, motor: IntArray, state: FloatArray, axes: FloatArray) -> float:
+    """Speed (rad/s) of a motor's tumbler against its frame.
+
+    `axes` (2, 3) get by how much the rates of the angles of frame and tumbler change it: their parts along
+    the tumbler's axis.
+    """
+    at = attitude_of(bodies, motor[1], state[0])
+    speed = 0.0
+    for side in range(2):
+        b, sign = motor[side], 2.0 * side - 1.0
+        own = attitude_of(bodies, b, state[0])
+        first = bodies.coordinate[b]
+        for k in range(3):
+            axes[side, k] = sign * dot(own.axes[k], at.axes[1])
+            speed += axes[side, k] * state[1, first + 3 + k]
+    return speed
+
+
+@solving_within
+def motor_torque(closed: ClosedJoints, k: int, lag: float) -> tuple[float, float]:
+    """Torque (N m) of a motor whose torque is limited, behind its speed by `lag` (rad/s), and its slope."""
+    width = closed.lag[k]
+    root = math.sqrt(lag * lag + width * width)
+    return closed.limit[k] * lag / root, closed.limit[k] * width * width / root**3

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.case import Case, Rails, Shoe, Track, Undercarriage
+from exudyn_crawler.case import Case, ClosedTrack, Rails, Shoe, Track, Undercarriage
 from exudyn_crawler.ground.rotations import rotation_matrices
 from fem import Interface, Mesh, ReducedBody
 from meshes.checks import check_extent
@@ -90,7 +90,7 @@ class RailRows(NamedTuple):
     rows: np.ndarray
 
 
-def strip_lines(frame: Undercarriage, rails: Rails) -> np.ndarray:
+def strip_lines(frame: Undercarriage | ClosedTrack, rails: Rails) -> np.ndarray:
     """Y of the strips of a roller, those of the right tread first: array (2 strips,), m."""
     return np.concatenate([middle + frame.strip_places for middle in rails.middles])
 
@@ -100,7 +100,9 @@ def station_spacing(rails: Rails) -> float:
     return (rails.front - rails.rear) / (STATIONS - 1)
 
 
-def strip_weights(mesh: Mesh, frame: Undercarriage, rails: Rails) -> tuple[np.ndarray, np.ndarray]:
+def strip_weights(
+    mesh: Mesh, frame: Undercarriage | ClosedTrack, rails: Rails
+) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (k,) of the rails, and their shares (lines, STATIONS, k) in a force at a station of a strip."""
     lines, along = strip_lines(frame, rails), np.linspace(rails.rear, rails.front, STATIONS)
     weights = station_weights(mesh, [(x, y) for y in lines for x in along])
@@ -119,7 +121,7 @@ def rail_rows(reduced: ReducedBody | None, case: Case) -> RailRows:
 
     Without a reduced body rows have no modes.
     """
-    frame, rails = case.undercarriage, case.shoe.rails
+    frame, rails = case.running_gear, case.shoe.rails
     modes = 0 if reduced is None else len(reduced.frequencies)
     if frame is None or rails is None:
         return RailRows(0.0, 1.0, np.zeros((0, STATIONS + 2, 2, modes)))

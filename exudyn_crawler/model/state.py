@@ -24,8 +24,10 @@ RATES = ("", " rate", " acceleration")
 
 BODY_COORDINATES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
-SIDE_FRAME = "side frame"
-"""Body that rolls over the track."""
+SIDE_FRAME, TUMBLER = "side frame", "tumbler"
+"""Body that rolls over the track, and the drive wheel of a closed one."""
+BEARING, MOTOR = "bearing of the tumbler", "motor"
+"""Joints between the two."""
 
 
 def pin_name(side: str, link: int) -> str:

@@ -17,9 +17,11 @@ from exudyn_crawler.model.bodies import Bodies, Modes
 from exudyn_crawler.model.elimination import Fronts
 from exudyn_crawler.model.forces.cells import CellTable, CellWorkspace
 from exudyn_crawler.model.forces.loads import Loads
+from exudyn_crawler.model.forces.teeth import Teeth, TeethWorkspace
 from exudyn_crawler.model.forces.treads import Rollers, TreadWorkspace
 from exudyn_crawler.model.forces.units import TerrainTable, UnitWorkspace
-from exudyn_crawler.model.joints import PULLED, ROWS, Joints, Markers, Pull
+from exudyn_crawler.model.forces.wheels import Wheels, WheelWorkspace
+from exudyn_crawler.model.joints import PULLED, ROWS, ClosedJoints, Joints, Markers, Pull
 
 
 class FrontRows(NamedTuple):
@@ -48,11 +50,15 @@ class Tables(NamedTuple):
     rollers: Rollers | None  # those that roll over the shoes
     pull: Pull | None  # what the drive pulls; without it the drive's force acts at its marker alone
     cells: CellTable | None  # undersides of the shoes on ground of cells
+    closed: ClosedJoints | None = None  # of a closed track
+    teeth: Teeth | None = None
+    wheels: Wheels | None = None  # in place of `rollers` where the track is closed
 
     @property
     def multiplier_count(self) -> int:
-        """Number of multipliers: of pins, drive, turn and holds."""
-        return ROWS * len(self.joints.pins) + 2 + len(self.joints.holds)
+        """Number of multipliers: of pins, drive, turn, holds and motors."""
+        motors = 0 if self.closed is None else len(self.closed.motors)
+        return ROWS * len(self.joints.pins) + 2 + len(self.joints.holds) + motors
 
 
 class Inputs(NamedTuple):
@@ -64,6 +70,7 @@ class Inputs(NamedTuple):
     active: FloatArray  # (2,): whether drive and turn act, 1 or 0
     speeds: FloatArray  # (2,): of drive and turn, m/s and rad/s
     drag: float  # rolling resistance over normal force, with the sign of the speed
+    motors: FloatArray = np.zeros(0)  # (motors,): speeds of the tumblers against their frames, rad/s
 
 
 class Workspace(NamedTuple):
@@ -76,16 +83,21 @@ class Workspace(NamedTuple):
     jacobian: FloatArray  # (multipliers, 2, 6 + modes): of the gaps, by the coordinates of their bodies
     pulled: IntArray  # (PULLED,): bodies of the pull
     pull: FloatArray  # (PULLED, 6 + modes): its directions
-    counts: IntArray  # (2,): number of contacts with units and of treads on rails
+    counts: IntArray  # (4,): number of contacts with units, treads on rails, lugs in teeth, wheels on rails
     units: tuple  # workspaces of these
     treads: tuple | None
     cells: tuple | None
+    motors: FloatArray  # (motors, 2, 3): of frame and tumbler, as of `joints.motor_speed`
+    turned: FloatArray  # (pins, 2, 3, 3): of a closed track, as of `joints.write_turned`
+    teeth: tuple | None
+    wheels: tuple | None
 
     @classmethod
     def allocate(cls, tables: Tables, contacts: int, shoes: ShoePoints | None = None) -> tuple:
         """Workspace of a system with at most so many contacts, or with shoes on cells, as plain tuples."""
         count, m = len(tables.bodies.mass), len(tables.modes.stiffness)
-        reference, rollers = tables.terrain.reference, tables.rollers
+        reference, rollers, teeth = tables.terrain.reference, tables.rollers, tables.teeth
+        wheels, motors = tables.wheels, 0 if tables.closed is None else len(tables.closed.motors)
         treads = rollers and TreadWorkspace.allocate(len(rollers.places), rollers.places.shape[1], m)
         return plain(
             cls(
@@ -96,7 +108,7 @@ class Workspace(NamedTuple):
                 np.zeros((tables.multiplier_count, 2, 6 + m)),
                 np.zeros(PULLED, dtype=np.int64),
                 np.zeros((PULLED, 6 + m)),
-                np.zeros(2, dtype=np.int64),
+                np.zeros(4, dtype=np.int64),
                 UnitWorkspace(
                     reference.copy(),
                     np.zeros_like(reference),
@@ -108,6 +120,10 @@ class Workspace(NamedTuple):
                 None
                 if tables.cells is None or shoes is None
                 else CellWorkspace.allocate(tables.cells, shoes),
+                np.zeros((motors, 2, 3)),
+                np.zeros((0 if tables.closed is None else len(tables.joints.pins), 2, 3, 3)),
+                teeth and TeethWorkspace.allocate(len(teeth.markers), m),
+                wheels and WheelWorkspace.allocate(int(wheels.shoes.max()), wheels.places.shape[1], m),
             )
         )
 
@@ -115,9 +131,8 @@ class Workspace(NamedTuple):
 @inlined
 def named_tables(values: tuple) -> Tables:
     """Tables of their values as plain tuples, which Python hands over in less time."""
-    bodies, modes, markers, joints, loads, terrain, flexible, contact, fronts, rows, rollers, pull, cells = (
-        values
-    )
+    bodies, modes, markers, joints, loads, terrain, flexible, contact, fronts, rows = values[:10]
+    rollers, pull, cells, closed, teeth, wheels = values[10:]
     return Tables(
         Bodies(*bodies),
         Modes(*modes),
@@ -132,4 +147,7 @@ def named_tables(values: tuple) -> Tables:
         rollers,
         pull,
         cells,
+        closed,
+        teeth,
+        wheels,
     )

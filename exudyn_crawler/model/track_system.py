@@ -81,6 +81,8 @@ class TrackSystem(ABC):
         case, sag = self.case, 0.0
         q = np.zeros(self.layout.coordinate_count)
         shoes = q[: 6 * case.track.shoe_count].reshape(-1, 6)
+        if case.is_closed:
+            return self._lowered(q)
         # rails of neighbours at one height: rollers may be on either
         loads = case.pressed(case.loads.loads(0.0)[0] if case.is_rolled else case.first_loads)
         if isinstance(case.terrain, Terrain):
@@ -94,6 +96,20 @@ class TrackSystem(ABC):
         shoes[:, 4] = -np.arctan((front - rear) / case.shoe.length)
         if case.is_rolled:  # the frame's coordinates come last
             q[-4] = shoes[0, 2] - FIRST_DEPTH
+        return q
+
+    def _lowered(self, q: np.ndarray) -> np.ndarray:
+        """Coordinates `q` of zeros with a closed track put on the ground as it was assembled."""
+        case, sag = self.case, 0.0
+        if case.closed_track is None or case.closed_track.support == "posts":
+            return q
+        if isinstance(case.terrain, Terrain):
+            sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
+            first = 6 * case.track.shoe_count
+            q[first : first + self.contact.coordinates.size] = self.contact.coordinates.sunk_evenly(-sag)
+        loaded = float(self.contact.settled_depth(case.pressed(case.first_loads)).max())
+        bodies = [*range(case.track.shoe_count), *range(-len(self.layout.bodies), 0)]
+        q[[6 * body + 2 for body in bodies]] = -sag - loaded
         return q
 
     def sunken(self) -> list[int]:

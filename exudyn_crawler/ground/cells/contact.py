@@ -33,11 +33,11 @@ class CellGroundContact:
         terrain, shoe = case.cell_terrain(), case.shoe
         none = np.zeros((0, 0))
         modes = TerrainModes(none, none, none, none, np.zeros(0))
-        coms = case.track.com_positions(shoe.com_height)
+        coms = case.shoe_reference
         x0, x1, y0, y1, z = shoe.footprint
         corners = np.array([[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]])
         self.coordinates: TerrainCoordinates = ReducedCoordinates(modes, 1)
-        self.shoe_reference = np.hstack((coms, np.zeros((len(coms), 3))))
+        self.shoe_reference = coms
         self.unit_reference = np.zeros((0, 4))
         law = cast(CellLaw, case.cell_contact().law)
         self.ground = CellGround(law, terrain.relief, terrain.cell, corners, len(coms))
@@ -64,7 +64,8 @@ class CellGroundContact:
 
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) at places x (m) of the straight line on which a chain lies that is put on the ground."""
-        shoe, (x0, *_), (x1, *_) = self._case.shoe, self.shoe_reference[0], self.shoe_reference[-1]
+        shoe, places = self._case.shoe, self.shoe_reference[:, 0]
+        x0, x1 = places.min(), places.max()
         along = np.arange(x0 - shoe.length, x1 + shoe.length, self.ground.tiles.cell)
         across = self._middle + np.linspace(-0.5, 0.5, ACROSS) * shoe.width
         heights = self._case.cell_terrain().surface(*np.meshgrid(along, across)).max(axis=0)

@@ -6,7 +6,7 @@ import numpy as np
 
 from exudyn_crawler.ground.cells.kernel import AREA, BEFORE, GROUND, NORMAL, ShoePoints, frame_at
 from exudyn_crawler.ground.cells.tiles import BITS, SIDE, Tiles
-from exudyn_crawler.ground.frames import Frame, along, compiled, turned, within
+from exudyn_crawler.ground.frames import FACING, Frame, along, compiled, turned, within
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 LEAST = 1e-9
@@ -32,6 +32,9 @@ def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) 
     polygons, total, cell = np.empty((3, 12, 2)), 0, tiles.cell
     for s in range(shoes.counts.shape[0]):
         quad, frame, count = polygons[0], frame_at(frames[s]), 0
+        if frame.R[2][2] < FACING:
+            shoes.counts[s] = 0
+            continue
         for a in range(4):
             corner = shoes.corners[a]
             place = along(frame.r, 1.0, turned(frame.R, (corner[0], corner[1], corner[2])))

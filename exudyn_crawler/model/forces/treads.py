@@ -249,7 +249,7 @@ def _touch(rollers: Rollers, strip: tuple[Vector, float], frame: Frame, shoe: Fr
 
 
 @solving_within
-def _write_tangent(tread: Tread, R: tuple, weights: Weights, out: FloatArray) -> None:
+def write_tangent(tread: Tread, R: tuple, weights: Weights, out: FloatArray) -> None:
     """Write the weighted tangent (3, 3) of a tread by the motion of its centre against the rail."""
     for r in range(3):
         for c in range(3):
@@ -264,7 +264,7 @@ def _write_tangent(tread: Tread, R: tuple, weights: Weights, out: FloatArray) ->
 
 
 @solving_within
-def _write_rows(
+def write_rows(
     rows: ForceRows,
     p: int,
     force: Vector,
@@ -345,9 +345,9 @@ def _tread_contacts(
                 force = turned(shoe.R, (tread.force[0], 0.0, tread.force[1]))
                 rows.bodies[count, 0], rows.bodies[count, 1] = rollers.frame, s
                 arms = (along(foot, -1.0, frame.r), shoe_arm)
-                _write_rows(rows, count, force, arms, (at, shoe_at), work.modes)
+                write_rows(rows, count, force, arms, (at, shoe_at), work.modes)
                 if derive:
-                    _write_tangent(tread, shoe.R, weights, rows.tangent[count])
+                    write_tangent(tread, shoe.R, weights, rows.tangent[count])
                 work.depth[t] = tread.depth
                 for c in range(3):
                     work.force[t, c], work.foot[t, c] = force[c], foot[c]

@@ -1,0 +1,206 @@
+"""Geometry of a closed chain: the belt about its wheels, and pins on it that are a pitch apart.
+
+Everything lies in the plane of the chain, x along the travel and z up, in m. The chain runs forward below, up
+round the front wheel, back above and down round the rear one, so that the loop's inside is on its left. The
+pins lie on the belt: common tangents of circles through the pins, and arcs on these.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+CLOSED = 1e-9
+"""m, by which the ends of an assembled chain may be apart; what is reached is rounding."""
+MARCH = 0.25
+"""Of a pitch, steps along the belt in which the next pin is sought."""
+
+Point = tuple[float, float]
+
+
+class MisfitError(ValueError):
+    """The chain does not close round its wheels."""
+
+
+class Piece(NamedTuple):
+    """Piece of a belt: an arc about a place, or a line that may sag as a parabola."""
+
+    x: float  # centre of the arc, or begin of the line
+    z: float
+    radius: float  # zero for a line
+    begin: float  # angle at which an arc begins, rad; for a line x of its end
+    end: float  # the same at its end; z
+    sag: float = 0.0  # of a line in its middle
+
+    def at(self, t: float) -> Point:
+        """Point at a share t of it, from 0 to 1."""
+        if self.radius > 0.0:
+            angle = self.begin + t * (self.end - self.begin)
+            return self.x + self.radius * math.cos(angle), self.z + self.radius * math.sin(angle)
+        z = self.z + t * (self.end - self.z) - 4.0 * self.sag * t * (1.0 - t)
+        return self.x + t * (self.begin - self.x), z
+
+    @property
+    def length(self) -> float:
+        """Length, of a sagging line to the second order."""
+        if self.radius > 0.0:
+            return self.radius * (self.end - self.begin)
+        span = math.hypot(self.begin - self.x, self.end - self.z)
+        return span * (1.0 + 8.0 / 3.0 * (self.sag / span) ** 2)
+
+
+def belt(circles: Sequence[tuple[float, float, float]], sag: float = 0.0) -> list[Piece]:
+    """Belt about circles (x, z, radius) in their order round the loop: an arc, a line, the next arc, ...
+
+    The last line, which ends at the first circle, sags. Raises `MisfitError` if a circle lies within the belt
+    about the others.
+    """
+    tangents, pieces = [], []
+    for (x0, z0, r0), (x1, z1, r1) in zip(circles, [*circles[1:], circles[0]], strict=True):
+        apart = math.hypot(x1 - x0, z1 - z0)
+        if abs(r0 - r1) >= apart:
+            raise MisfitError(f"wheels at x = {x0:.4g} m and {x1:.4g} m lie in each other")
+        tangents.append(math.atan2(z1 - z0, x1 - x0) - math.acos((r0 - r1) / apart))
+    for k, (x, z, r) in enumerate(circles):
+        first, last = tangents[k - 1], tangents[k]
+        last += 2.0 * math.pi * math.ceil((first - last) / (2.0 * math.pi) - 1e-9)
+        if last - first > 1.5 * math.pi:
+            raise MisfitError(
+                f"the wheel at x = {x:.4g} m, z = {z:.4g} m lies within the chain about the others: no belt "
+                "of tangents touches it"
+            )
+        x1, z1, r1 = circles[(k + 1) % len(circles)]
+        c, s = math.cos(last), math.sin(last)
+        pieces.append(Piece(x, z, r, first, last))
+        sags = sag if k == len(circles) - 1 else 0.0
+        pieces.append(Piece(x + r * c, z + r * s, 0.0, x1 + r1 * c, z1 + r1 * s, sags))
+    return pieces
+
+
+def point_at(pieces: Sequence[Piece], u: float) -> Point:
+    """Point of a belt: the whole part of u, which may go round it again, is the piece, the rest the share."""
+    k = math.floor(u)
+    return pieces[k % len(pieces)].at(u - k)
+
+
+def pins_along(pieces: Sequence[Piece], start: float, pitch: float, count: int) -> list[float]:
+    """Places (as of `point_at`) of count + 1 pins, each a pitch from the one before."""
+    pins, steps = [start], [MARCH * pitch / max(piece.length, 1e-12) for piece in pieces]
+    for _ in range(count):
+        x, z = point_at(pieces, pins[-1])
+
+        def beyond(u: float, x: float = x, z: float = z) -> float:
+            there = point_at(pieces, u)
+            return math.hypot(there[0] - x, there[1] - z) - pitch
+
+        low = pins[-1]
+        while True:
+            k = math.floor(low + 1e-13)
+            high = min(k + 1.0, low + steps[k % len(pieces)] + 1e-9)
+            if beyond(high) >= 0.0:
+                break
+            low = high
+        pins.append(float(brentq(beyond, low, high, xtol=1e-16, rtol=1e-15)))
+    return pins
+
+
+def surplus(pieces: Sequence[Piece], start: float, pitch: float, count: int) -> float:
+    """Length along the belt, m, by which a chain of so many links overlaps its begin, or lacks it."""
+    last, end = pins_along(pieces, start, pitch, count)[-1], start + len(pieces)
+    low, high = min(last, end), max(last, end)
+    total, u = 0.0, low
+    while u < high:
+        k = math.floor(u + 1e-15)
+        to = min(high, k + 1.0)
+        total, u = total + pieces[k % len(pieces)].length * (to - u), to
+    return math.copysign(total, last - end)
+
+
+class Loop(NamedTuple):
+    """A chain that closes."""
+
+    value: float  # of what was sought, m
+    pins: np.ndarray  # (links + 1, 2): x and z, the last one the first
+    places: list[float]  # of the pins, as of `point_at`
+    pieces: list[Piece]
+
+
+def closed_chain(
+    shape: Callable[[float], list[Piece]],
+    start: float,
+    pitch: float,
+    count: int,
+    bounds: tuple[float, float],
+    what: str,
+) -> Loop:
+    """Chain of so many links that closes on a belt whose shape depends on a value, which makes it longer.
+
+    Parameters
+    ----------
+    shape : callable
+        Belt of a value (m).
+    start : float
+        Place of the first pin, as of `point_at`.
+    bounds : tuple
+        Least and greatest value.
+    what : str
+        Name of the value, for errors.
+
+    Raises
+    ------
+    MisfitError
+        With the length that is missing or left over, and the number of shoes that fits.
+    """
+
+    def left_over(value: float) -> float:
+        return surplus(shape(value), start, pitch, count)
+
+    least, greatest = left_over(bounds[0]), left_over(bounds[1])
+    if least < 0.0 or greatest > 0.0:
+        length, value = (-least, bounds[0]) if least < 0.0 else (greatest, bounds[1])
+        change = math.ceil(length / pitch) if least < 0.0 else -math.ceil(length / pitch)
+        how = "short" if least < 0.0 else "long"
+        raise MisfitError(
+            f"a chain of {count} shoes of {pitch:.5g} m is too {how} by {length:.4f} m with {what} "
+            f"{value:.4g} m: {_advice(shape, start, pitch, count + change, bounds)}"
+        )
+    value = float(brentq(left_over, *bounds, xtol=1e-16, rtol=1e-15))
+    pieces = shape(value)
+    places = pins_along(pieces, start, pitch, count)
+    pins = np.array([point_at(pieces, u) for u in places])
+    return Loop(value, pins, places, pieces)
+
+
+def _advice(
+    shape: Callable[[float], list[Piece]], start: float, pitch: float, count: int, bounds: tuple[float, float]
+) -> str:
+    """Whether so many shoes fit between the bounds."""
+    least, greatest = (surplus(shape(value), start, pitch, count) for value in bounds)
+    if least >= 0.0 >= greatest:
+        return f"{count} shoes fit"
+    return f"no number of shoes fits between {bounds[0]:g} and {bounds[1]:g} m"
+
+
+def along_chain(pins: np.ndarray) -> np.ndarray:
+    """Pitch angles (rad) of the shoes between pins (links + 1, 2), which go on without a jump: (links,)."""
+    apart = np.diff(pins, axis=0)
+    angles = np.unwrap(np.arctan2(-apart[:, 1], apart[:, 0]))
+    return np.asarray(angles - 2.0 * math.pi * np.round(angles[0] / (2.0 * math.pi)))
+
+
+def seat(lugs: Sequence[Point], pitch: float, teeth: int, pitch_radius: float, arc_center: float) -> float:
+    """Greatest distance (m) of the lugs of a seated shoe from the arc's centre that is nearest to each.
+
+    The shoe is a side of the polygon of the tumbler, whose gaps are at its corners; `lugs` are places in the
+    shoe beside the middle between its pins, z into the loop; `arc_center` (m) is the radius on which the
+    centres of the arcs lie. With lugs of radius r an arc of this and r has no play.
+    """
+    height = math.sqrt(max(0.0, pitch_radius**2 - 0.25 * pitch**2))
+    worst = 0.0
+    for x, z in lugs:
+        radius, angle = math.hypot(x, height - z), math.atan2(x, height - z)
+        off = angle - math.copysign(math.pi / teeth, x)
+        worst = max(worst, math.hypot(radius * math.cos(off) - arc_center, radius * math.sin(off)))
+    return worst

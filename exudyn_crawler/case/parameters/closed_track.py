@@ -1,0 +1,310 @@
+"""A closed track: drive tumbler, idler, rollers and guides in the side frame, and where its shoes start."""
+
+import math
+from functools import lru_cache
+from typing import Annotated, Literal, NamedTuple, Self
+
+import numpy as np
+from pydantic import Field
+
+from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.parameters import assembly, base, track
+from exudyn_crawler.case.parameters.base import Errors, Parameters, quantity
+
+CLEARANCE = 0.5
+"""m, between the lowest shoes of a frame on posts and the ground."""
+MOST_SAG = 0.5
+"""Of the upper run's length: how far it may sag."""
+Wheel = tuple[base.Place, base.Place]
+
+
+class Tumbler(Parameters):
+    """Drive tumbler: gaps between its teeth are concave arcs, into which round lugs of the shoes run.
+
+    The teeth are even about the axis. Beyond the addendum circle a lug meets the tooth's corner.
+    """
+
+    place: Wheel = quantity("m", "x and z of the axis in the frame", (-20.0, 20.0))
+    teeth: int = quantity("1", "number of teeth, and of gaps between them", (6, 30), ge=4, le=200)
+    mass: float = quantity("kg", "mass", (20.0, 2e5), ge=0.1, le=1e8)
+    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about its centre (tensor)")
+    pitch_radius: base.Length | None = quantity(
+        "m", "of the pins on it; none: that of a new chain, pitch / (2 sin(pi / teeth))", default=None
+    )
+    depth: base.Length = quantity("m", "of the arcs' centres beyond the pins' circle", (0.01, 0.5))
+    reach: base.Extent = quantity("m", "of the addendum circle beyond the pins' circle", (0.005, 0.4))
+    lug_radius: base.Length = quantity("m", "radius of the lugs", (0.005, 0.3))
+    lugs: tuple[base.Two, ...] = quantity(
+        "m",
+        "x and z of the lugs in a shoe; none: about its rear pins, which the front ones turn in",
+        default=(),
+    )
+    backlash: base.Extent = quantity("m", "radius of a gap beyond a lug's seat without play", default=0.0)
+    stiffness: base.Stiffness = quantity("N/m^exponent", "of a tooth's contact", (1e6, 1e11))
+    exponent: base.Exponent = quantity("1", "exponent of the depth", (1.0, 1.6), default=1.0)
+    damping: base.Damping = quantity("N s/m", "greatest damping of a contact", (0.0, 1e8))
+    damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
+
+    def radius(self, pitch: float) -> float:
+        """Radius (m) of the circle of the pins, of a chain that has this pitch (m) when it is new."""
+        return self.pitch_radius or pitch / (2.0 * math.sin(math.pi / self.teeth))
+
+    def profile(self, chain: track.Track) -> tuple[float, float, float, float, float]:
+        """Number of gaps; radii of the arcs' centres, arcs, addendum circle and lugs, m."""
+        pitch, radius = chain.pitch, self.radius(chain.pitch)
+        middle = chain.pin_ahead - 0.5 * pitch
+        lugs = [(x - middle, z - chain.pin_height) for x, z in self.lugs] or [(-0.5 * pitch, 0.0)]
+        center = radius + self.depth
+        arc = assembly.seat(lugs, pitch, self.teeth, radius, center) + self.lug_radius + self.backlash
+        return float(self.teeth), center, arc, radius + self.reach, self.lug_radius
+
+    def tooth_errors(self, chain: track.Track) -> Errors:
+        """Teeth of which leaving lugs could not get free, or none at all."""
+        teeth, center, arc, addendum, _ = self.profile(chain)
+        cosine = (center**2 + arc**2 - addendum**2) / (2.0 * center * arc)
+        if not -1.0 < cosine < 1.0:
+            yield (
+                f"tumbler.reach must let the addendum circle of {addendum:.4g} m meet the arcs of "
+                f"{arc:.4g} m about places at {center:.4g} m, got {self.reach}"
+            )
+            return
+        flank, free = math.degrees(math.acos(cosine)), 90.0 - 180.0 / teeth
+        if flank >= free:
+            yield (
+                f"tumbler: the flank of a tooth ends {flank:.1f} degrees beside its gap's middle, it must be "
+                f"less than 90 - 180 / teeth = {free:.1f}: leaving lugs hook under it; a greater depth or "
+                "a greater backlash, or less reach makes it less"
+            )
+        if arc * math.sin(math.radians(flank)) > addendum * math.sin(math.pi / teeth):
+            yield "tumbler: neighbouring gaps overlap; fewer teeth, or less reach, leave a tooth between them"
+
+    @classmethod
+    def ph4100c(cls) -> Self:
+        """Tumbler of the P&H 4100C BOSS; `case.ph4100c` says what is open, which is nearly all."""
+        return cls(**ph4100c.TUMBLER)
+
+
+class Idler(Parameters):
+    """Front idler, held by shims: it stays where the take-up puts it."""
+
+    place: Wheel = quantity("m", "x and z of the axis in the frame without take-up", (-20.0, 20.0))
+    radius: base.Length = quantity("m", "radius of its treads", (0.05, 2.0))
+    take_up: float | None = quantity(
+        "m",
+        "of the shims, forward; none: from where the chain is taut, back by `slack`",
+        ge=-5,
+        le=5,
+        default=None,
+    )
+    slack: base.Extent = quantity("m", "by which it stands back from a taut chain", (0.0, 0.1), default=0.0)
+    range: base.Two = quantity("m", "least and greatest take-up", (-1.0, 1.0))
+
+    def _errors(self) -> Errors:
+        if self.range[0] >= self.range[1]:
+            yield f"range must be least and greatest take-up in this order, got {self.range}"
+        if self.take_up is not None and self.slack:
+            yield "slack must be zero where take_up is given, which says where the idler is"
+
+    @classmethod
+    def ph4100c(cls) -> Self:
+        """Idler of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
+        return cls(**ph4100c.IDLER)
+
+
+class ClosedTrack(Parameters):
+    """A track that is closed round a side frame: what guides, drives and tightens it.
+
+    Places are in the frame's own axes as of `Undercarriage`: x along the travel, y lateral, z up, from the
+    height of the lower rollers' axes above the middle line of the track. The tumbler is at the rear. On posts
+    the frame is held above the ground; on the ground its y and yaw are held.
+    """
+
+    support: Literal["ground", "posts"] = base.option("what carries the frame", "ground")
+    mass: float = quantity(
+        "kg", "half of the machine without its shoes and tumbler", (1e2, 2e6), ge=1, le=1e9
+    )
+    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
+    com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
+    tumbler: Tumbler
+    idler: Idler
+    rollers: tuple[base.Roller, ...] = quantity(
+        "m", "x of the lower rollers' axes, rear to front", min_length=2
+    )
+    roller_radius: base.Length = quantity("m", "radius of their treads", (0.05, 1.5))
+    carriers: tuple[Wheel, ...] = quantity(
+        "m", "x and z of carrier rollers under the upper run, rear to front; none: it hangs", default=()
+    )
+    carrier_radius: base.Length = quantity("m", "radius of their treads", (0.03, 1.0), default=0.25)
+    tread_width: base.Length = quantity("m", "width of each tread, in the middle of its rail", (0.02, 1.0))
+    strips: Literal[1, 2] = quantity("1", "of a tread, which share its load on a tilted rail", default=2)
+    stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of tread on rail", (1e6, 1e12))
+    exponent: base.Exponent = quantity("1", "exponent of the depth", (1.0, 1.6), default=1.0)
+    damping: base.Damping = quantity("N s/m", "greatest damping of a tread", (0.0, 1e8))
+    damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
+    rolling_resistance: base.Coefficient = quantity("1", "of a wheel over its normal force", (0.0, 0.2))
+    resistance_speed: base.Speed = quantity("m/s", "at which it has 0.7 of its value, 0 at rest", (1e-5, 0.1))
+    guide_play: base.Extent = quantity("m", "a shoe's way to each side of a flange", (0.0, 0.1))
+    guide_height: base.Depth = quantity("m", "of the flanges above a tread", (0.005, 0.3))
+    guide_stiffness: base.Stiffness = quantity(
+        "N/m", "of the flanges of a wheel, of the tumbler", (1e5, 1e10)
+    )
+    guide_damping: base.Damping = quantity("N s/m", "of these", (0.0, 1e8))
+    pitch_growth: float = quantity("1", "of the chain by wear", (0.0, 0.05), ge=-0.1, le=0.2, default=0.0)
+    compliance: float = quantity(
+        "m/N", "of a pin across the chain, and in rad/(N m) in yaw and roll", (1e-12, 1e-8), gt=0, le=1e-3,
+        default=1e-10,
+    )  # fmt: skip
+    torque_limit: Annotated[float, Field(gt=0, le=1e12)] | None = quantity(
+        "N m", "greatest torque of the drive; none: it keeps its speed, whatever it takes", default=None
+    )
+    torque_speed: base.Speed = quantity(
+        "rad/s", "lag of the tumbler at which it has 0.7 of this torque", (1e-5, 1.0), default=0.01
+    )
+
+    def _errors(self) -> Errors:
+        if np.any(np.diff(self.rollers) < 2.0 * self.roller_radius):
+            yield (
+                f"rollers must stand in order and apart by their diameter {2.0 * self.roller_radius:g} m at "
+                f"least, got {list(self.rollers)}: they overlap"
+            )
+        if np.any(np.diff([x for x, _ in self.carriers]) < 2.0 * self.carrier_radius):
+            yield (
+                f"carriers must stand in order and apart by their diameter {2.0 * self.carrier_radius:g} m "
+                f"at least, got {list(self.carriers)}: they overlap"
+            )
+        if not self.tumbler.place[0] < self.rollers[0] < self.rollers[-1] < self.idler.place[0]:
+            yield "the tumbler must be behind the rollers and the idler in front of them"
+
+    @classmethod
+    def ph4100c(cls) -> Self:
+        """Closed track of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
+        return cls(tumbler=Tumbler.ph4100c(), idler=Idler.ph4100c(), **ph4100c.CLOSED_TRACK)
+
+    @property
+    def inertia_tensor(self) -> np.ndarray:
+        """Inertia tensor about the COM: array (3, 3), kg m2."""
+        return base.inertia_tensor(self.inertia)
+
+    @property
+    def strip_places(self) -> np.ndarray:
+        """Y of the strips' middles beside that of their tread: array (strips,), m."""
+        points, _ = np.polynomial.legendre.leggauss(self.strips)
+        return 0.5 * self.tread_width * points
+
+    def wheels(self, take_up: float) -> np.ndarray:
+        """Lower rollers, idler and carriers: array (wheels, 3) of x and z in the frame and radius, m."""
+        x, z = self.idler.place
+        rollers = [(place, 0.0, self.roller_radius) for place in self.rollers]
+        carriers = [(*place, self.carrier_radius) for place in self.carriers]
+        return np.array([*rollers, (x + take_up, z, self.idler.radius), *carriers])
+
+    @property
+    def wheel_names(self) -> list[str]:
+        """Names of the wheels in their order."""
+        rollers = [f"roller {number}" for number in range(1, len(self.rollers) + 1)]
+        return [*rollers, "idler", *(f"carrier {number}" for number in range(1, len(self.carriers) + 1))]
+
+    def chain_pitch(self, chain: track.Track) -> float:
+        """Distance of the pins of a shoe, m."""
+        return chain.pitch * (1.0 + self.pitch_growth)
+
+    def travel_per_angle(self, chain: track.Track) -> float:
+        """Travel of the chain for each radian of the tumbler, m."""
+        return self.tumbler.teeth * self.chain_pitch(chain) / (2.0 * math.pi)
+
+
+class Assembled(NamedTuple):
+    """Where a closed track starts."""
+
+    take_up: float  # of the idler, m
+    sag: float  # of the upper run, m
+    frame: np.ndarray  # (3,): origin of the side frame, m, global
+    shoes: np.ndarray  # (shoes, 6): COMs (m, global) and angles (rad), of which pitch falls
+    tumbler: np.ndarray  # (6,): the same of the tumbler
+
+
+@lru_cache(maxsize=64)
+def assembled(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Assembled:
+    """Closed chain about its wheels; raises `assembly.MisfitError`.
+
+    The first shoe lies on the lower run with its COM at `first_com`.
+    """
+    rails = shoe.rails
+    assert rails is not None
+    rise, pitch = rails.height - chain.pin_height, closed.chain_pitch(chain)
+    take_up, sag, loop = _closed(closed, chain, rise, pitch)
+    angles = assembly.along_chain(loop.pins)
+    # the rearmost shoe of which the pins have passed the first roller comes first
+    first = next(k for k, place in enumerate(loop.places) if place >= 2.0)
+    middles = 0.5 * (loop.pins[1:] + loop.pins[:-1])
+    middle = np.array([chain.pin_ahead - 0.5 * pitch, chain.pin_height])
+    c, s = np.cos(angles), np.sin(angles)
+    coms = middles - np.column_stack((c * middle[0] + s * middle[1], c * middle[1] - s * middle[0]))
+    coms, angles = np.roll(coms, -first, axis=0), np.roll(angles, -first)
+    if first:
+        angles[-first:] -= 2.0 * math.pi
+    height = closed.roller_radius + rails.height + shoe.com_height
+    height += CLEARANCE if closed.support == "posts" else 0.0
+    frame = np.array([chain.first_com[0] - coms[0, 0], chain.first_com[1], height])
+    shoes = np.zeros((chain.shoe_count, 6))
+    shoes[:, :3] = frame + np.column_stack((coms[:, 0], np.zeros(len(coms)), coms[:, 1]))
+    shoes[:, 4] = angles - angles[0]
+    x, z = closed.tumbler.place
+    gap = math.atan2(loop.pins[0, 1] - z, loop.pins[0, 0] - x)
+    tumbler = np.array([*(frame + np.array([x, 0.0, z])), 0.0, -gap, 0.0])
+    return Assembled(take_up, sag, frame, shoes, tumbler)
+
+
+def _closed(
+    closed: ClosedTrack, chain: track.Track, rise: float, pitch: float
+) -> tuple[float, float, assembly.Loop]:
+    """Take-up, sag of the upper run and chain that closes; `rise` is the rails' height above the pins, m."""
+    (x, z), (ix, iz), count = closed.tumbler.place, closed.idler.place, chain.shoe_count
+    rollers, carriers = closed.roller_radius + rise, closed.carrier_radius + rise
+    # a shoe's rail touches the idler between its pins
+    on_idler = math.hypot(closed.idler.radius + rise, 0.5 * pitch)
+
+    def shape(take_up: float, sag: float = 0.0) -> list[assembly.Piece]:
+        wheels = [(x, z, closed.tumbler.radius(chain.pitch))]
+        wheels += [(closed.rollers[k], 0.0, rollers) for k in (0, -1)]
+        wheels.append((ix + take_up, iz, on_idler))
+        wheels += [(*place, carriers) for place in closed.carriers[:: -max(1, len(closed.carriers) - 1)]]
+        return assembly.belt(wheels, sag)
+
+    take_up = closed.idler.take_up
+    if take_up is None:
+        loop = assembly.closed_chain(shape, 0.5, pitch, count, closed.idler.range, "an idler's take-up of")
+        if not closed.idler.slack:
+            return loop.value, 0.0, loop
+        take_up = loop.value - closed.idler.slack
+    most = MOST_SAG * shape(take_up)[-1].length
+    fixed = float(take_up)
+    loop = assembly.closed_chain(
+        lambda sag: shape(fixed, sag),
+        0.5,
+        pitch,
+        count,
+        (0.0, most),
+        f"a take-up of {fixed:.4g} m and a sag of",
+    )
+    return fixed, loop.value, loop
+
+
+def closed_errors(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Errors:
+    """What of shoe and track does not go with a closed track, or does not fit round it."""
+    rails = shoe.rails
+    if rails is None:
+        yield "shoe.rails must be given with a closed_track, whose wheels run on them"
+        return
+    if closed.tread_width > rails.width:
+        yield (
+            f"closed_track.tread_width must not exceed the rails' width {rails.width} m, got "
+            f"{closed.tread_width}"
+        )
+    if rails.height <= chain.pin_height:
+        yield f"shoe.rails.height must be above the pins at {chain.pin_height} m, got {rails.height}"
+    yield from closed.tumbler.tooth_errors(chain)
+    try:
+        assembled(closed, shoe, chain)
+    except assembly.MisfitError as error:
+        yield f"closed_track: {error}"

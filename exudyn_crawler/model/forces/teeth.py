@@ -1,0 +1,223 @@
+"""Contact of the lugs of shoes with the teeth of a drive tumbler, and what guides shoes sideways there.
+
+A gap between two teeth is a concave arc about a centre on a circle of the tumbler, in its x-z plane; at the
+addendum circle the arc ends in a corner. A lug is a circle about a marker of its shoe. It meets the arc of
+the gap that is nearest to it by its angle, or beyond the arc's end the corner: penetration is continuous and
+so is the force, which acts along the line from the arc's centre, or from the corner, to the lug's centre, so
+that it turns neither. A flexible shoe takes it where the marker is, at a bore.
+
+Across the tumbler a lug has play between flanges, as far as it is between the teeth.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.frames import Vector, along, cross, dot, turned, turned_back
+from exudyn_crawler.ground.laws import Impact, step
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
+from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
+from exudyn_crawler.model.elimination import solving, solving_within
+from exudyn_crawler.model.forces.treads import law_slopes
+from exudyn_crawler.model.joints import Markers, end_of
+
+NEAR = 2.0
+"""m, by which a shoe's origin may be farther from a tumbler's axis than its lugs."""
+
+
+class Profile(NamedTuple):
+    """Gaps of a tumbler, the first at its x axis, and the radius of the lugs; m."""
+
+    gaps: float
+    center: float  # radius of the circle of the arcs' centres
+    arc: float  # radius of the arcs
+    addendum: float  # radius where they end
+    lug: float
+
+
+class Flange(NamedTuple):
+    """What guides sideways: play to each side (m), stiffness (N/m), damping (N s/m)."""
+
+    play: float
+    stiffness: float
+    damping: float
+
+
+class Teeth(NamedTuple):
+    """Lugs of all shoes and the tumblers that they run into; l of them."""
+
+    markers: IntArray  # (l,): centre of each lug
+    tumblers: IntArray  # (l,): body that it meets
+    side: FloatArray  # (l,): y of its gear plane in the tumbler, m
+    profile: tuple[float, float, float, float, float]  # `Profile`
+    law: tuple[float, float, float, float]  # `Impact`
+    flange: tuple[float, float, float]  # `Flange`
+
+
+class TeethWorkspace(NamedTuple):
+    """Lugs as they touch at a state."""
+
+    rows: tuple  # `ForceRows` of those that touch as a plain tuple: force on the shoe, N, global
+    depth: FloatArray  # (l,): m; no touch unless positive
+    force: FloatArray  # (l, 3): on the shoe, N, global
+    guide: FloatArray  # (l,): part of it across the tumbler, N
+
+    @classmethod
+    def allocate(cls, lugs: int, modes: int) -> "TeethWorkspace":
+        """Workspace for so many lugs."""
+        rows = tuple(ForceRows.allocate(lugs, 3, modes))
+        return cls(rows, np.zeros(lugs), np.zeros((lugs, 3)), np.zeros(lugs))
+
+
+@solving
+def tooth(profile: Profile, x: float, z: float) -> tuple[float, float, float, float]:
+    """Penetration of a lug's centre at x and z in the tumbler's axes into the teeth.
+
+    Returns
+    -------
+    tuple
+        Depth (m), x and z of the normal, from the tooth to the lug, and by how much the normal turns for each
+        m that the lug moves across it (1/m), positive where that brings it back.
+    """
+    angle = 2.0 * math.pi / profile.gaps
+    k = round(math.atan2(z, x) / angle)
+    cx, cz = profile.center * math.cos(k * angle), profile.center * math.sin(k * angle)
+    dx, dz = x - cx, z - cz
+    distance = math.sqrt(dx * dx + dz * dz)
+    if distance < 1e-12:
+        return profile.lug - profile.arc, 1.0, 0.0, 0.0
+    inward = (-cx / profile.center, -cz / profile.center)
+    limit = (profile.center**2 + profile.arc**2 - profile.addendum**2) / (2.0 * profile.center * profile.arc)
+    if dx * inward[0] + dz * inward[1] >= limit * distance:
+        return distance - (profile.arc - profile.lug), -dx / distance, -dz / distance, 1.0 / distance
+    side = 1.0 if dz * inward[0] - dx * inward[1] > 0.0 else -1.0
+    end = side * math.sqrt(max(0.0, 1.0 - limit * limit))
+    ex = x - cx - profile.arc * (limit * inward[0] - end * inward[1])
+    ez = z - cz - profile.arc * (limit * inward[1] + end * inward[0])
+    distance = math.sqrt(ex * ex + ez * ez)
+    return profile.lug - distance, ex / distance, ez / distance, -1.0 / distance
+
+
+@solving
+def flange_force(flange: Flange, y: float, rate: float) -> tuple[float, float, float]:
+    """Force (N) along y on what is off the middle by y (m), and its stiffness and damping."""
+    beyond = abs(y) - flange.play
+    if beyond <= 0.0:
+        return 0.0, 0.0, 0.0
+    sign = 1.0 if y > 0.0 else -1.0
+    # damping grows with the depth, so that it does not jump where the flange is met
+    share = step(beyond, 0.0, 0.0, 1e-3, 1.0)
+    force = flange.stiffness * beyond + share * flange.damping * sign * rate
+    if force <= 0.0:
+        return 0.0, 0.0, 0.0
+    return -sign * force, flange.stiffness, share * flange.damping
+
+
+@solving_within
+def teeth_contacts(
+    teeth: tuple | None, bodies: Bodies, markers: Markers, state: FloatArray, weights: Weights, work: tuple
+) -> int:
+    """Find the lugs that touch at a state and give their number; none where there are no teeth.
+
+    `teeth` and `work` are `Teeth` and `TeethWorkspace` as plain tuples.
+    """
+    if teeth is None:
+        return 0
+    return _teeth_contacts(Teeth(*teeth), bodies, markers, state, weights, TeethWorkspace(*work))
+
+
+@solving_within
+def _teeth_contacts(
+    teeth: Teeth, bodies: Bodies, markers: Markers, state: FloatArray, weights: Weights, work: TeethWorkspace
+) -> int:
+    rows, count, profile = ForceRows(*work.rows), 0, Profile(*teeth.profile)
+    values = np.zeros((2, 6 + markers.displacement.shape[2]))
+    for k in range(teeth.markers.shape[0]):
+        work.depth[k], work.guide[k] = 0.0, 0.0
+        work.force[k].fill(0.0)
+        marker, t = teeth.markers[k], teeth.tumblers[k]
+        b = markers.body[marker]
+        first, other = bodies.coordinate[b], bodies.coordinate[t]
+        far = 0.0
+        for c in range(3):
+            apart = (
+                bodies.reference[b, c] + state[0, first + c] - bodies.reference[t, c] - state[0, other + c]
+            )
+            far += apart * apart
+        if far > (profile.addendum + NEAR) ** 2:
+            continue
+        at, own = attitude_of(bodies, t, state[0]), attitude_of(bodies, b, state[0])
+        tumbler, shoe = frame_of(bodies, t, state, at), frame_of(bodies, b, state, own)
+        read_body(bodies, b, state[0], values[0])
+        read_body(bodies, b, state[1], values[1])
+        arm = end_of(markers, marker, own, values[0]).lever
+        place = along(shoe.r, 1.0, arm)
+        from_axis = along(place, -1.0, tumbler.r)
+        local = turned_back(tumbler.R, from_axis)
+        inside = profile.addendum + profile.lug - math.sqrt(local[0] ** 2 + local[2] ** 2)
+        if inside <= 0.0:
+            continue
+        depth, nx, nz, turn = tooth(profile, local[0], local[2])
+        velocity = along(shoe.v, 1.0, cross(shoe.omega, arm))
+        velocity = along(velocity, 1.0, turned(shoe.R, _moving(markers, marker, values[1])))
+        velocity = along(along(velocity, -1.0, tumbler.v), -1.0, cross(tumbler.omega, from_axis))
+        normal, across = turned(tumbler.R, (nx, 0.0, nz)), at.axes[1]
+        force, by_depth, by_rate = law_slopes(Impact(*teeth.law), depth, -dot(normal, velocity))
+        engaged, off = step(inside, 0.0, 0.0, profile.lug, 1.0), local[1] - teeth.side[k]
+        sideways, stiff, damped = flange_force(Flange(*teeth.flange), off, dot(across, velocity))
+        sideways, stiff, damped = engaged * sideways, engaged * stiff, engaged * damped
+        if force <= 0.0 and sideways == 0.0:
+            continue
+        tangential = cross(across, normal)
+        whole = along(along((0.0, 0.0, 0.0), force, normal), sideways, across)
+        work.depth[k], work.guide[k] = max(depth, 0.0), sideways
+        rows.bodies[count, 0], rows.bodies[count, 1], rows.unit[count] = b, t, -1
+        _write_jacobian(markers, marker, own, arm, rows.jacobian[count, 0])
+        _write_point(at, from_axis, -1.0, rows.jacobian[count, 1])
+        along_normal = weights.position * by_depth + weights.velocity * by_rate
+        along_tangent = weights.position * force * turn
+        along_axis = weights.position * stiff + weights.velocity * damped
+        for r in range(3):
+            rows.wrench[count, r] = work.force[k, r] = whole[r]
+            for c in range(3):
+                rows.tangent[count, r, c] = (
+                    along_normal * normal[r] * normal[c]
+                    + along_tangent * tangential[r] * tangential[c]
+                    + along_axis * across[r] * across[c]
+                )
+        count += 1
+    return count
+
+
+@solving_within
+def _moving(markers: Markers, k: int, rates: FloatArray) -> Vector:
+    """Velocity (m/s, the body's frame) of a marker by the rates of its body's modes."""
+    x = y = z = 0.0
+    for m in range(markers.displacement.shape[2]):
+        x += markers.displacement[k, 0, m] * rates[6 + m]
+        y += markers.displacement[k, 1, m] * rates[6 + m]
+        z += markers.displacement[k, 2, m] * rates[6 + m]
+    return x, y, z
+
+
+@solving_within
+def _write_point(at: Attitude, arm: Vector, sign: float, jacobian: FloatArray) -> None:
+    """Write how a point of a rigid body moves, times a sign: `arm` leads there from its origin, m, global."""
+    jacobian.fill(0.0)
+    for c in range(3):
+        by_angle = cross(at.axes[c], arm)
+        for r in range(3):
+            jacobian[r, c] = sign if r == c else 0.0
+            jacobian[r, 3 + c] = sign * by_angle[r]
+
+
+@solving_within
+def _write_jacobian(markers: Markers, k: int, at: Attitude, arm: Vector, jacobian: FloatArray) -> None:
+    """Write how a marker moves."""
+    _write_point(at, arm, 1.0, jacobian)
+    shapes = markers.displacement[k]
+    for m in range(shapes.shape[1]):
+        move = turned(at.R, (shapes[0, m], shapes[1, m], shapes[2, m]))
+        for r in range(3):
+            jacobian[r, 6 + m] = move[r]

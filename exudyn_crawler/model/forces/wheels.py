@@ -1,0 +1,198 @@
+"""Contact of the wheels of a closed track with the rails of its shoes: rollers, idler and carriers.
+
+Each strip of a wheel may touch any shoe. The law of a strip on a rail is that of `forces.treads`. As long as
+a rail is between the flanges of a wheel, these guide its shoe sideways, with a play.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from exudyn_crawler.ground.frames import Frame, Vector, along, cross, turned, turned_back
+from exudyn_crawler.ground.laws import Impact, step
+from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
+from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
+from exudyn_crawler.model.elimination import solving_within
+from exudyn_crawler.model.forces.teeth import Flange, flange_force
+from exudyn_crawler.model.forces.treads import (
+    Bending,
+    Pair,
+    Rail,
+    Rollers,
+    Tread,
+    bending,
+    rows_at,
+    tread_force,
+    write_rows,
+    write_tangent,
+)
+
+SLOTS = 2
+"""Wheels that may be on one shoe at once."""
+
+
+class Wheels(NamedTuple):
+    """Wheels of frames, each with the same strips, and the shoes below them."""
+
+    frames: IntArray  # (wheels,): body that carries each
+    shoes: IntArray  # (wheels, 2): first and last but one shoe of its track
+    places: FloatArray  # (wheels, strips, 3): middle of every strip's axis in the frame's axes, m
+    radii: FloatArray  # (wheels,): m
+    law: tuple[float, float, float, float]  # `Impact` of a strip
+    flange: tuple[float, float, float]  # `Flange` of a strip
+    height: float  # of the flanges above the treads, m
+    rollers: Rollers  # rails and their stations; its places are those of no wheel
+
+
+class WheelWorkspace(NamedTuple):
+    """Wheels as they touch at a state."""
+
+    rows: tuple  # `ForceRows` of those that touch as a plain tuple: force on the frame, N, global
+    wheel: IntArray  # (shoes, SLOTS): wheel that is on a shoe, -1 for none
+    force: FloatArray  # (shoes, SLOTS, strips, 3): on the shoe, N, global
+    foot: FloatArray  # (shoes, SLOTS, strips, 3): where, m, global
+    guide: FloatArray  # (shoes,): force of flanges along the shoe's y, N
+    modes: FloatArray  # (3, m): scratch, as of `rows_at`
+
+    @classmethod
+    def allocate(cls, shoes: int, strips: int, modes: int) -> "WheelWorkspace":
+        """Workspace for so many shoes."""
+        shape = (shoes, SLOTS, strips, 3)
+        return cls(
+            tuple(ForceRows.allocate(shoes * SLOTS * strips, 3, modes)),
+            np.full((shoes, SLOTS), -1),
+            np.zeros(shape),
+            np.zeros(shape),
+            np.zeros(shoes),
+            np.zeros((3, modes)),
+        )
+
+
+class Strip(NamedTuple):
+    """Strip of a wheel against the shoe below it."""
+
+    tread: Tread
+    side: float  # force of the flange on the frame along the shoe's y, N
+    stiffness: float  # of it, N/m
+    damping: float  # N s/m
+    arm: Vector  # from the shoe's origin to the foot, m, global
+
+
+@solving_within
+def wheel_contacts(
+    wheels: tuple | None, bodies: Bodies, state: FloatArray, drag: float, weights: Weights, work: tuple
+) -> int:
+    """Find the strips that touch at a state and give their number; none where there are no wheels.
+
+    `wheels` and `work` are `Wheels` and `WheelWorkspace` as plain tuples, `drag` is rolling resistance over
+    normal force with the sign of the travel.
+    """
+    if wheels is None:
+        return 0
+    frames, shoes, places, radii, law, flange, height, rollers = wheels
+    named = Wheels(frames, shoes, places, radii, law, flange, height, Rollers(*rollers))
+    return _wheel_contacts(named, bodies, state, drag, weights, WheelWorkspace(*work))
+
+
+@solving_within
+def _wheel_contacts(
+    wheels: Wheels, bodies: Bodies, state: FloatArray, drag: float, weights: Weights, work: WheelWorkspace
+) -> int:
+    count, strips = 0, wheels.places.shape[1]
+    values = np.zeros((2, 6 + work.modes.shape[1]))
+    work.wheel.fill(-1)
+    work.guide.fill(0.0)
+    work.force.fill(0.0)
+    work.foot.fill(0.0)
+    for w in range(wheels.frames.shape[0]):
+        at = attitude_of(bodies, wheels.frames[w], state[0])
+        frame = frame_of(bodies, wheels.frames[w], state, at)
+        place = wheels.places[w]
+        axis = along(frame.r, 1.0, turned(frame.R, (place[0, 0], 0.0, place[0, 2])))
+        reach = wheels.radii[w] + wheels.height + 1.5 * wheels.rollers.pitch
+        for s in range(wheels.shoes[w, 0], wheels.shoes[w, 1]):
+            first = bodies.coordinate[s]
+            dx = bodies.reference[s, 0] + state[0, first] - axis[0]
+            dz = bodies.reference[s, 2] + state[0, first + 2] - axis[2]
+            slot = 0 if work.wheel[s, 0] < 0 else 1
+            if dx * dx + dz * dz > reach * reach or work.wheel[s, slot] >= 0:
+                continue
+            shoe_at = attitude_of(bodies, s, state[0])
+            shoe = frame_of(bodies, s, state, shoe_at)
+            if bodies.modal[s] >= 0:
+                read_body(bodies, s, state[0], values[0])
+                read_body(bodies, s, state[1], values[1])
+            for k in range(strips):
+                flexible = bodies.modal[s] >= 0
+                strip = _touch(wheels, w, k, frame, shoe, drag, flexible, values, work.modes)
+                if strip.tread.depth <= 0.0 and strip.side == 0.0:
+                    continue
+                work.wheel[s, slot] = w
+                _keep(wheels, strip, (frame, shoe), (at, shoe_at), (w, s, slot, k), weights, work, count)
+                count += 1
+    return count
+
+
+@solving_within
+def _touch(
+    wheels: Wheels,
+    w: int,
+    k: int,
+    frame: Frame,
+    shoe: Frame,
+    drag: float,
+    flexible: bool,
+    values: FloatArray,
+    modes: FloatArray,
+) -> Strip:
+    """Strip k of a wheel against a shoe's rail; `modes` gets the rows of the rail below it."""
+    place = (wheels.places[w, k, 0], wheels.places[w, k, 1], wheels.places[w, k, 2])
+    arm = turned(frame.R, place)
+    apart = along(along(frame.r, 1.0, arm), -1.0, shoe.r)
+    velocity = along(along(frame.v, 1.0, cross(frame.omega, arm)), -1.0, shoe.v)
+    center = turned_back(shoe.R, apart)
+    rates = turned_back(shoe.R, along(velocity, -1.0, cross(shoe.omega, apart)))
+    rail = Rail(*wheels.rollers.rail)
+    modes.fill(0.0)
+    bent = Bending(0.0, 0.0, 0.0)
+    if flexible:
+        rows_at(wheels.rollers, k, min(max(center[0], rail.rear), rail.front), modes)
+        bent = bending(modes, values)
+    disc: Pair = (wheels.radii[w], drag)
+    tread = tread_force(Impact(*wheels.law), rail, disc, (center[0], center[2]), (rates[0], rates[2]), bent)
+    engaged = step(tread.depth, -wheels.height, 0.0, 0.0, 1.0)
+    side = stiffness = damping = 0.0
+    if engaged > 0.0:
+        force, stiffness, damping = flange_force(Flange(*wheels.flange), center[1] - place[1], rates[1])
+        side, stiffness, damping = engaged * force, engaged * stiffness, engaged * damping
+    foot = turned(shoe.R, (tread.foot[0], center[1], tread.foot[1]))
+    return Strip(tread, side, stiffness, damping, foot)
+
+
+@solving_within
+def _keep(
+    wheels: Wheels,
+    strip: Strip,
+    frames: tuple[Frame, Frame],
+    attitudes: tuple[Attitude, Attitude],
+    numbers: tuple[int, int, int, int],
+    weights: Weights,
+    work: WheelWorkspace,
+    count: int,
+) -> None:
+    """Write a strip that touches, `numbers` of wheel, shoe, slot and strip, as an element and a result."""
+    w, s, slot, k = numbers
+    rows, (frame, shoe) = ForceRows(*work.rows), frames
+    tread, foot = strip.tread, along(shoe.r, 1.0, strip.arm)
+    pressed = (tread.force[0], tread.force[1]) if tread.depth > 0.0 else (0.0, 0.0)
+    force = turned(shoe.R, (pressed[0], strip.side, pressed[1]))
+    rows.bodies[count, 0], rows.bodies[count, 1] = wheels.frames[w], s
+    write_rows(rows, count, force, (along(foot, -1.0, frame.r), strip.arm), attitudes, work.modes)
+    tangent = rows.tangent[count]
+    write_tangent(tread, shoe.R, weights, tangent)
+    across = weights.position * strip.stiffness + weights.velocity * strip.damping
+    for r in range(3):
+        for c in range(3):
+            tangent[r, c] += across * shoe.R[r][1] * shoe.R[c][1]
+        work.force[s, slot, k, r], work.foot[s, slot, k, r] = -force[r], foot[r]
+    work.guide[s] -= strip.side
