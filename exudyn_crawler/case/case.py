@@ -151,8 +151,8 @@ class Case(Parameters):
             yield "drive.turn_rate and drive.on must be None with a closed_track, which is always driven"
         if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
             yield "loads must be zero on every shoe with a closed_track, whose rollers carry the machine"
-        if self.flexible is not None and closed.tumbler.lugs:
-            yield "closed_track.tumbler.lugs must be none with flexible shoes, which teeth meet at their pins"
+        if self.flexible is not None:
+            yield "flexible must be None with a closed_track, of whose wheels and teeth no stress is made yet"
         yield from closed_errors(closed, self.shoe, self.track)
 
     def _sphere_errors(self, radius: float) -> Errors:

@@ -15,7 +15,7 @@ from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.pairs import RESULTS
-from exudyn_crawler.ground.rotations import Weights, moments_on_angles
+from exudyn_crawler.ground.rotations import Weights, moments_on_angles, rotation_matrices
 from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
@@ -23,7 +23,9 @@ from exudyn_crawler.model.engine import coordinates_only, exu, predict
 from exudyn_crawler.model.equations import STIFFNESS, matrix, residual
 from exudyn_crawler.model.forces.cells import TrackOnCells
 from exudyn_crawler.model.forces.loads import profiles_of, static_friction, values_at
+from exudyn_crawler.model.forces.teeth import TeethWorkspace
 from exudyn_crawler.model.forces.treads import TOUCHED, TreadWorkspace
+from exudyn_crawler.model.forces.wheels import WheelWorkspace
 from exudyn_crawler.model.joints import ROWS
 from exudyn_crawler.model.newton import step
 from exudyn_crawler.model.state import (
@@ -128,6 +130,40 @@ class CompiledSystem(TrackSystem):
         touching = (treads.depth > 0.0)[:, None]
         forces, feet = -treads.force * touching, treads.foot * touching
         return forces.reshape(shape), feet.reshape(shape), treads.rear.copy()
+
+    @property
+    def closed_forces(
+        self,
+    ) -> Callable[[float, np.ndarray, np.ndarray], tuple[np.ndarray, ...]] | None:
+        """As of `TrackSystem`."""
+        return None if self.tables.closed is None else self._closed_forces
+
+    def _closed_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> tuple[np.ndarray, ...]:
+        self.residual(np.stack((q, q_t, np.zeros_like(q))), self.inputs(time))
+        work, n = Workspace(*self._workspace), self.layout.shoes
+        wheels, teeth = WheelWorkspace(*(work.wheels or ())), TeethWorkspace(*(work.teeth or ()))
+        assert self.tables.wheels is not None and self.tables.teeth is not None
+        coms = self.tables.bodies.reference[:n] + q[: 6 * n].reshape(-1, 6)
+        origin, turn = coms[:, :3], rotation_matrices(coms[:, 3:])
+        on_shoes, on_wheels = np.zeros((2, n, 6)), np.zeros((len(self.tables.wheels.frames), 3))
+        for force, foot in zip(
+            np.moveaxis(wheels.force, (1, 2), (0, 1)).reshape(-1, n, 3),
+            np.moveaxis(wheels.foot, (1, 2), (0, 1)).reshape(-1, n, 3),
+            strict=True,
+        ):
+            touching = force.any(axis=1)[:, None]
+            moment = np.cross(foot - origin, force) * touching
+            on_shoes[0] += np.hstack((force, moment))
+        for slot in range(wheels.wheel.shape[1]):
+            on = wheels.wheel[:, slot] >= 0
+            np.add.at(on_wheels, wheels.wheel[on, slot], -wheels.force[on, slot].sum(axis=1))
+        marker = self.tables.teeth.markers
+        shoe, place = self.tables.markers.body[marker], self.tables.markers.position[marker]
+        moment = np.cross(np.einsum("lij,lj->li", turn[shoe], place), teeth.force)
+        np.add.at(on_shoes[1], shoe, np.hstack((teeth.force, moment)))
+        guide = wheels.guide.copy()
+        np.add.at(guide, shoe, teeth.guide)
+        return on_shoes[0], on_shoes[1], guide, on_wheels
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free; a side frame is always moved."""

@@ -28,30 +28,41 @@ def track_system(case: Case) -> TrackSystem:
     return compiled_system(case) if case.is_compiled else ExudynSystem(case)
 
 
+KINDS = {"dragged": Case.translation, "rolled": Case.rolled, "closed": Case.closed}
+"""Cases whose equations are compiled apart: sizes and numbers are all that others differ in."""
+
+
+def kind_of(case: Case) -> str:
+    """Which of `KINDS` a case is of."""
+    if case.is_closed:
+        return "closed"
+    return "rolled" if case.is_rolled else "dragged"
+
+
 @cache
-def compile_equations(rolled: bool) -> None:
-    """Compile residual and matrix, with or without treads, unless they are cached; once a process.
+def compile_equations(kind: str) -> None:
+    """Compile residual and matrix of a kind of cases, unless they are cached; once a process.
 
     What fails beside this process, such as a disk that stores nothing, is compiled when it is called.
     """
     begun: list[subprocess.Popen] = []
-    with notify_compiling([residual], lambda: begun.append(_beside(rolled))):
-        _compile(_any_system(rolled), "residual")
+    with notify_compiling([residual], lambda: begun.append(_beside(kind))):
+        _compile(_any_system(kind), "residual")
     for process in begun:
         process.wait()
 
 
-def compile_matrix(rolled: bool) -> None:
+def compile_matrix(kind: str) -> None:
     """Compile the matrix, its elimination and the contacts that a history keeps."""
-    system = _any_system(rolled)
+    system = _any_system(kind)
     _compile(system, "matrix")
     none = np.zeros(system.layout.coordinate_count)
     system.contact.results(none, none)
 
 
-def _any_system(rolled: bool) -> CompiledSystem:
-    """System of a case; sizes and numbers are all that others differ in."""
-    return compiled_system(Case.rolled() if rolled else Case.translation())
+def _any_system(kind: str) -> CompiledSystem:
+    """System of a case of a kind."""
+    return compiled_system(KINDS[kind]())
 
 
 def _compile(system: CompiledSystem, part: str) -> None:
@@ -59,10 +70,10 @@ def _compile(system: CompiledSystem, part: str) -> None:
         function.compile(tuple(typeof(one) for one in arguments))
 
 
-def _beside(rolled: bool) -> subprocess.Popen:
+def _beside(kind: str) -> subprocess.Popen:
     """Process that compiles the matrix; no fork, which threads do not survive, and no script run anew."""
     return subprocess.Popen(
-        [sys.executable, "-c", f"from {__name__} import compile_matrix; compile_matrix({rolled})"],
+        [sys.executable, "-c", f"from {__name__} import compile_matrix; compile_matrix({kind!r})"],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

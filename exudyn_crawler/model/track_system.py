@@ -69,6 +69,18 @@ class TrackSystem(ABC):
         return None
 
     @property
+    def closed_forces(
+        self,
+    ) -> Callable[[float, np.ndarray, np.ndarray], tuple[np.ndarray, ...]] | None:
+        """Reads what the gear of a closed track does to its shoes at a time (s), coordinates and rates.
+
+        Gives force (N) and moment about the COM (N m) of all wheels and of the teeth on every shoe, both
+        (shoes, 6), the part of both across the track (shoes,), and the force on every wheel (wheels, 3),
+        global; None without a closed track.
+        """
+        return None
+
+    @property
     def sticks(self) -> bool:
         """Whether the ground holds shoes at rest by its shear, without slip."""
         return isinstance(self.case.terrain, CellTerrain)

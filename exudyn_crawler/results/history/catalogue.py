@@ -29,7 +29,9 @@ DTYPES = {"double": "f8", "single": "f4"}  # of real numbers in files
 NEEDS = {
     "flexible": "flexible shoes, the case has none",
     "rolled": "a rolled case (undercarriage), the case has none",
-    "dragged": "a dragged track, the case has an undercarriage",
+    "dragged": "a dragged track, the case has an undercarriage or a closed_track",
+    "frame": "a side frame (undercarriage or closed_track), the case has none",
+    "closed": "a closed_track, the case has none",
     "units": "a terrain of units, the case has one of cells",
     "cells": "a terrain of cells, the case has one of units",
 }
@@ -79,8 +81,9 @@ class Quantity:
 
     def lacking(self, case: Case) -> str:
         """What it needs and a case does not have, for reading; empty if it needs nothing more."""
-        rolled = case.undercarriage is not None
-        has = {"flexible": case.flexible is not None, "rolled": rolled, "dragged": not rolled}
+        gear = case.running_gear is not None
+        has = {"flexible": case.flexible is not None, "rolled": case.is_rolled, "dragged": not gear}
+        has |= {"frame": gear, "closed": case.is_closed}
         has |= {model: case.terrain.model == model for model in ("units", "cells")}
         return " and ".join(NEEDS[need] for need in self.needs if not has[need])
 
@@ -161,6 +164,18 @@ def rail_force(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
     return xr.DataArray(total, {name: dataset[name] for name in dims}, dims)
 
 
+def link_tension(_case: Case, dataset: xr.Dataset) -> xr.DataArray:
+    """Force of every link without its part along the rear shoe's pins: (time, joint), N."""
+    from exudyn_crawler.ground.rotations import rotation_matrices
+
+    force = dataset.joint_force.transpose("time", "joint", "axis").values
+    angles = dataset.angles.transpose("time", "shoe", "axis").values[:, : force.shape[1]]
+    across = rotation_matrices(angles)[..., 1]
+    along = force - np.sum(force * across, axis=-1, keepdims=True) * across
+    dims = QUANTITIES["link_tension"].dimensions
+    return xr.DataArray(np.linalg.norm(along, axis=-1), {name: dataset[name] for name in dims}, dims)
+
+
 DERIVED: dict[str, Callable[[Case, xr.Dataset], xr.DataArray]] = {
     "displacement": lambda _, data: data.position - data.position.isel(time=0),
     "axes": axes,
@@ -168,6 +183,7 @@ DERIVED: dict[str, Callable[[Case, xr.Dataset], xr.DataArray]] = {
     "terrain_deformation": terrain_deformation,
     "side_frame_way": lambda _, data: data.side_frame_position - data.side_frame_position.isel(time=0),
     "rail_force": rail_force,
+    "link_tension": link_tension,
 }
 """What computes each derived quantity of the catalogue."""
 

@@ -164,7 +164,7 @@ def _check(case: Case, dataset: xr.Dataset) -> None:
     always -= set(files.TERRAIN_COORDINATES)
     if missing := sorted(always - set(map(str, dataset.variables))):
         raise ValueError(f"it has no {missing[0]}")
-    numbers = {"shoe": case.track.shoes, "joint": case.track.joints, "unit": case.terrain.units}
+    numbers = {"shoe": case.track.shoes, "joint": case.joints, "unit": case.terrain.units}
     for name, expected in numbers.items():
         if len(expected) and not np.array_equal(dataset[name], expected):
             raise ValueError(f"its {name}s are not those of its case")

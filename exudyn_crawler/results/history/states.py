@@ -12,7 +12,7 @@ from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.ground.terrain import ReducedCoordinates
-from exudyn_crawler.model.state import RATES, SIDE_FRAME, VERSION, pin_name
+from exudyn_crawler.model.state import MOTOR, RATES, SIDE_FRAME, TUMBLER, VERSION, pin_name
 from exudyn_crawler.results.history import catalogue, files
 from exudyn_crawler.results.history.history import History
 
@@ -41,12 +41,14 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     """History of states (times, layout.size) of a system."""
     case, states = system.case, _States(system, rows)
     time = states.part("time")
-    start = case.track.com_positions(case.shoe.com_height)
+    start = case.shoe_reference if case.is_closed else case.track.com_positions(case.shoe.com_height)
     contacts, pairs = _contacts(states)
     values = _motion(states, "shoes", start) | _reactions(states) | _terrain(states) | contacts
     values["shoe_load"] = case.loads.loads(time)
     if system.treads is not None:
         values |= _rolled(states, system.treads)
+    if system.closed_forces is not None:
+        values |= _closed(states, system.closed_forces)
     variables = {name: catalogue.variable(name, one) for name, one in values.items()}
     motion = {name: variables.pop(name) for name in files.TERRAIN_COORDINATES if name in variables}
     dataset = xr.Dataset(
@@ -54,7 +56,7 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
         coords={
             "time": ("time", time, {"units": "s"}),
             "shoe": case.track.shoes,
-            "joint": ("joint", case.track.joints, {"long_name": "link of shoes i and i + 1"}),
+            "joint": ("joint", case.joints, {"long_name": "link of shoes i and i + 1"}),
             **({"unit": case.terrain.units} if len(case.terrain.units) else {}),
             "axis": AXES,
             **motion,
@@ -72,11 +74,16 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
 
 
 def _motion(states: _States, bodies: str, start: np.ndarray, prefix: str = "") -> dict[str, np.ndarray]:
-    """Motion of the bodies of a part of the states, whose coordinates count from where they start (m)."""
+    """Motion of the bodies of a part of the states, whose coordinates count from where they start.
+
+    `start` (..., 3) are positions (m), or with the angles there (rad) (..., 6).
+    """
     u, v, a = (states.part(f"{bodies}{rate}") for rate in RATES)
     angles, rates, accelerations = u[..., 3:], v[..., 3:], a[..., 3:]
+    if start.shape[-1] > 3:
+        angles = angles + start[..., 3:]
     return {
-        f"{prefix}position": u[..., :3] + start,
+        f"{prefix}position": u[..., :3] + start[..., :3],
         f"{prefix}velocity": v[..., :3],
         f"{prefix}acceleration": a[..., :3],
         f"{prefix}angles": angles,
@@ -90,11 +97,17 @@ def _pins(states: _States) -> tuple[np.ndarray, np.ndarray]:
 
     A joint's equations are ``p_front - p_rear = 0`` and, with the axes of the rear shoe marked 0 and of
     the front one 1, ``y0 . x1 = 0`` and ``y0 . z1 = 0``: the multipliers of the first are the force on
-    the rear shoe, those of the others turn it by ``x1 x y0`` and ``z1 x y0``.
+    the rear shoe, those of the others turn it by ``x1 x y0`` and ``z1 x y0``. In a closed track the first
+    three are along the axes of the chain's plane (`model.joints.plane_axis`).
     """
-    layout, joints = states.system.layout, states.system.case.track.joints
-    frames = rotation_matrices(states.part("shoes")[..., 3:])
-    y0, x1, z1 = frames[:, :-1, :, 1], frames[:, 1:, :, 0], frames[:, 1:, :, 2]
+    layout, case = states.system.layout, states.system.case
+    joints, angles = case.joints, states.part("shoes")[..., 3:]
+    if case.is_closed:
+        angles = angles + case.shoe_reference[:, 3:]
+    frames = rotation_matrices(angles)
+    rear, front = frames[:, : len(joints)], np.roll(frames, -1, axis=1)[:, : len(joints)]
+    y0, x1, z1 = rear[..., 1], front[..., 0], front[..., 2]
+    level = np.stack((np.cos(angles[..., 2]), np.sin(angles[..., 2]), np.zeros(angles.shape[:2])), axis=-1)
     about_x, about_z = np.cross(x1, y0), np.cross(z1, y0)
     force, torque = np.full((2, len(states.rows), len(joints), len(SIDES), 3), np.nan)
     for link, side in np.ndindex(force.shape[1:3]):
@@ -102,6 +115,10 @@ def _pins(states: _States) -> tuple[np.ndarray, np.ndarray]:
         if layout.has(name):
             reaction = states.part(name)
             force[:, link, side] = reaction[:, :3]
+            if case.is_closed:
+                ahead, across = level[:, link], y0[:, link]
+                axes = np.stack((ahead, across, np.cross(ahead, across)), axis=1)
+                force[:, link, side] = np.einsum("tr,trc->tc", reaction[:, :3], axes)
             turning = reaction[:, 3, None] * about_x[:, link]
             torque[:, link, side] = turning + reaction[:, -1, None] * about_z[:, link]
     return force, torque
@@ -134,8 +151,8 @@ def _drive_point(states: _States) -> np.ndarray:
     case, point, front = states.system.case, states.system.point, states.part("shoes")[:, -1]
     # the front shoe is the last of the flexible ones, if it is one of them
     modal = states.part("modes")[:, -1] if point.rows.size else np.zeros((len(front), 0))
-    start = case.track.com_positions(case.shoe.com_height)[-1]
-    return front[:, :3] + start + point.arm(front[:, 3:], modal)
+    start = case.shoe_reference[-1]
+    return front[:, :3] + start[:3] + point.arm(front[:, 3:] + start[3:], modal)
 
 
 def _terrain(states: _States) -> dict[str, np.ndarray]:
@@ -197,6 +214,30 @@ def _rolled(
     }
 
 
+def _closed(states: _States, forces: Callable[..., tuple[np.ndarray, ...]]) -> dict[str, np.ndarray]:
+    """Motion of side frame and tumbler of a closed track, drive, and what wheels and teeth do to the shoes."""
+    parts = (states.part(name) for name in ("time", "coordinates", "coordinates rate"))
+    wheels, teeth, guide, on_wheels = (
+        np.array(one) for one in zip(*(forces(*state) for state in zip(*parts, strict=True)), strict=True)
+    )
+    case = states.system.case
+    pitch, rate = (
+        (states.part(f"{TUMBLER}{after}") - states.part(f"{SIDE_FRAME}{after}"))[:, 4] for after in RATES[:2]
+    )
+    return _motion(states, SIDE_FRAME, case.frame_start, "side_frame_") | {
+        "tumbler_position": states.part(TUMBLER)[:, :3] + case.assembled.tumbler[:3],
+        "tumbler_angle": pitch,
+        "tumbler_speed": rate,
+        "drive_moment": -states.part(MOTOR)[:, 0],
+        "wheel_force": on_wheels,
+        "wheel_load": wheels[..., :3],
+        "wheel_moment": wheels[..., 3:],
+        "tooth_force": teeth[..., :3],
+        "tooth_moment": teeth[..., 3:],
+        "guide_force": guide,
+    }
+
+
 def _coordinates(system: "TrackSystem") -> dict[str, object]:
     """Coordinates of the dimensions of flexible shoes, and of rollers and treads."""
     named: dict[str, object] = {}
@@ -205,6 +246,8 @@ def _coordinates(system: "TrackSystem") -> dict[str, object]:
         named["mode"] = np.arange(1, system.layout.modes + 1)
         named["frequency"] = ("mode", system.frequencies, {"units": "Hz"})
         named["pin"] = list(SIDES)
+    if system.case.closed_track is not None:
+        named["wheel"] = system.case.closed_track.wheel_names
     frame = system.case.undercarriage
     if frame is None:
         return named

@@ -33,7 +33,7 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
         at, of, time = _extreme(sizes)
         rows.append({"result": result, "value": float(sizes.isel(at)), "of": of, "at": time, "unit": unit})
     # of the front shoe, or of the side frame that rolls over the shoes
-    rolled = history.case.is_rolled
+    rolled = history.case.running_gear is not None
     way = history.side_frame_way if rolled else history.displacement.isel(shoe=-1)
     of, value = "side frame" if rolled else f"shoe {int(history.shoe[-1])}", float(_size(way.isel(time=-1)))
     rows.append({"result": "way", "value": value, "of": of, "at": history.duration, "unit": "m"})

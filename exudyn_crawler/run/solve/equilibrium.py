@@ -161,11 +161,11 @@ def _compiled_rest(case: Case) -> np.ndarray:
     system = compiled_system(case)
     guess = system.first_guess()
     try:
-        if case.is_rolled:
+        if case.is_rolled or case.is_closed:
             return _crept(case, guess)
         return rest(system, guess)
     except NewtonError as failed:
-        if case.is_rolled or system.sticks:
+        if case.running_gear is not None or system.sticks:
             raise _no_rest(system, failed) from failed
         if not case.terrain.is_even:
             return _on_rising_ground(case)

@@ -15,7 +15,7 @@ from exudyn_crawler.case.parameters.checks import warn_implausible
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.model.formulation import EQUATIONS, compile_equations, track_system
+from exudyn_crawler.model.formulation import EQUATIONS, compile_equations, kind_of, track_system
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import system_history
@@ -228,7 +228,7 @@ def simulate(
     # matrices of a step are so small that threads wait for each other, and round by how many they are
     with told, threadpool_limits(1, user_api="blas"):
         if case.is_compiled:
-            compile_equations(case.is_rolled)
+            compile_equations(kind_of(case))
         system = track_system(case)
         system.set_initial(static_equilibrium(case))
         return integrate(system, duration, progress, checkpoints=checkpoints)
