@@ -142,18 +142,14 @@ class CompiledSystem(TrackSystem):
         self.residual(np.stack((q, q_t, np.zeros_like(q))), self.inputs(time))
         work, n = Workspace(*self._workspace), self.layout.shoes
         wheels, teeth = WheelWorkspace(*(work.wheels or ())), TeethWorkspace(*(work.teeth or ()))
-        assert self.tables.wheels is not None and self.tables.teeth is not None
+        assert self.tables.wheels is not None
+        assert self.tables.teeth is not None
         coms = self.tables.bodies.reference[:n] + q[: 6 * n].reshape(-1, 6)
         origin, turn = coms[:, :3], rotation_matrices(coms[:, 3:])
         on_shoes, on_wheels = np.zeros((2, n, 6)), np.zeros((len(self.tables.wheels.frames), 3))
-        for force, foot in zip(
-            np.moveaxis(wheels.force, (1, 2), (0, 1)).reshape(-1, n, 3),
-            np.moveaxis(wheels.foot, (1, 2), (0, 1)).reshape(-1, n, 3),
-            strict=True,
-        ):
-            touching = force.any(axis=1)[:, None]
-            moment = np.cross(foot - origin, force) * touching
-            on_shoes[0] += np.hstack((force, moment))
+        arms = wheels.foot - origin[:, None, None]
+        moments = np.where(wheels.force.any(axis=-1, keepdims=True), np.cross(arms, wheels.force), 0.0)
+        on_shoes[0] = np.concatenate((wheels.force, moments), axis=-1).sum(axis=(1, 2))
         for slot in range(wheels.wheel.shape[1]):
             on = wheels.wheel[:, slot] >= 0
             np.add.at(on_wheels, wheels.wheel[on, slot], -wheels.force[on, slot].sum(axis=1))

@@ -7,6 +7,7 @@ both, finds them cached. That takes three quarters of the time.
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
@@ -28,7 +29,11 @@ def track_system(case: Case) -> TrackSystem:
     return compiled_system(case) if case.is_compiled else ExudynSystem(case)
 
 
-KINDS = {"dragged": Case.translation, "rolled": Case.rolled, "closed": Case.closed}
+KINDS: dict[str, Callable[[], Case]] = {
+    "dragged": Case.translation,
+    "rolled": Case.rolled,
+    "closed": Case.closed,
+}
 """Cases whose equations are compiled apart: sizes and numbers are all that others differ in."""
 
 

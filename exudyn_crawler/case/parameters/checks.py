@@ -37,7 +37,7 @@ def _loads(case: Case) -> Iterator[str]:
         if loads.min() < 0.0:
             up = _shoes(np.flatnonzero(loads < 0.0) + 1)
             yield f"{at}.loads: {_newtons(loads.min())} {end} lifts {up}; loads press down and are positive"
-        elif not case.is_rolled and not LEAST_LOAD <= whole / len(loads) <= GREATEST_LOAD:
+        elif case.running_gear is None and not LEAST_LOAD <= whole / len(loads) <= GREATEST_LOAD:
             cause = f"{_newtons(whole)} in all; loads are in N"
             if whole == 0.0:
                 cause = "nothing, so that the ground carries the shoes alone"

@@ -248,7 +248,7 @@ def assembled(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Asse
     frame = np.array([chain.first_com[0] - coms[0, 0], chain.first_com[1], height])
     shoes = np.zeros((chain.shoe_count, 6))
     shoes[:, :3] = frame + np.column_stack((coms[:, 0], np.zeros(len(coms)), coms[:, 1]))
-    shoes[:, 4] = angles - angles[0]
+    shoes[:, 4] = angles - 2.0 * math.pi * round(angles[0] / (2.0 * math.pi))
     x, z = closed.tumbler.place
     gap = math.atan2(loop.pins[0, 1] - z, loop.pins[0, 0] - x)
     tumbler = np.array([*(frame + np.array([x, 0.0, z])), 0.0, -gap, 0.0])

@@ -22,8 +22,8 @@ from exudyn_crawler.model.elimination import solving, solving_within
 from exudyn_crawler.model.forces.treads import law_slopes
 from exudyn_crawler.model.joints import Markers, end_of
 
-NEAR = 2.0
-"""m, by which a shoe's origin may be farther from a tumbler's axis than its lugs."""
+SLACK = 0.02
+"""m, more than a lug ever bends away from its place."""
 
 
 class Profile(NamedTuple):
@@ -139,13 +139,10 @@ def _teeth_contacts(
         marker, t = teeth.markers[k], teeth.tumblers[k]
         b = markers.body[marker]
         first, other = bodies.coordinate[b], bodies.coordinate[t]
-        far = 0.0
-        for c in range(3):
-            apart = (
-                bodies.reference[b, c] + state[0, first + c] - bodies.reference[t, c] - state[0, other + c]
-            )
-            far += apart * apart
-        if far > (profile.addendum + NEAR) ** 2:
+        dx = bodies.reference[b, 0] + state[0, first] - bodies.reference[t, 0] - state[0, other]
+        dz = bodies.reference[b, 2] + state[0, first + 2] - bodies.reference[t, 2] - state[0, other + 2]
+        lever = math.sqrt(markers.position[marker, 0] ** 2 + markers.position[marker, 2] ** 2) + SLACK
+        if math.sqrt(dx * dx + dz * dz) > profile.addendum + profile.lug + lever:
             continue
         at, own = attitude_of(bodies, t, state[0]), attitude_of(bodies, b, state[0])
         tumbler, shoe = frame_of(bodies, t, state, at), frame_of(bodies, b, state, own)

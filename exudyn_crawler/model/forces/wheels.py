@@ -4,6 +4,7 @@ Each strip of a wheel may touch any shoe. The law of a strip on a rail is that o
 a rail is between the flanges of a wheel, these guide its shoe sideways, with a play.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
 from exudyn_crawler.model.elimination import solving_within
 from exudyn_crawler.model.forces.teeth import Flange, flange_force
 from exudyn_crawler.model.forces.treads import (
+    RISE,
     Bending,
     Pair,
     Rail,
@@ -109,7 +111,9 @@ def _wheel_contacts(
         frame = frame_of(bodies, wheels.frames[w], state, at)
         place = wheels.places[w]
         axis = along(frame.r, 1.0, turned(frame.R, (place[0, 0], 0.0, place[0, 2])))
-        reach = wheels.radii[w] + wheels.height + 1.5 * wheels.rollers.pitch
+        rail = wheels.rollers.rail
+        reach = math.sqrt(max(rail[0] ** 2, rail[1] ** 2) + rail[2] ** 2) + RISE
+        reach += wheels.radii[w] + wheels.height
         for s in range(wheels.shoes[w, 0], wheels.shoes[w, 1]):
             first = bodies.coordinate[s]
             dx = bodies.reference[s, 0] + state[0, first] - axis[0]

@@ -215,7 +215,7 @@ def _rolled(
 
 
 def _closed(states: _States, forces: Callable[..., tuple[np.ndarray, ...]]) -> dict[str, np.ndarray]:
-    """Motion of side frame and tumbler of a closed track, drive, and what wheels and teeth do to the shoes."""
+    """Motion of side frame and tumbler of a closed track, drive, wheels and teeth."""
     parts = (states.part(name) for name in ("time", "coordinates", "coordinates rate"))
     wheels, teeth, guide, on_wheels = (
         np.array(one) for one in zip(*(forces(*state) for state in zip(*parts, strict=True)), strict=True)

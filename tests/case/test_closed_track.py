@@ -1,0 +1,105 @@
+"""A closed track: its assembly by construction, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case
+from exudyn_crawler.case import read_case
+from exudyn_crawler.case.parameters import assembly
+from exudyn_crawler.errors import CaseFileError, ParameterError
+from exudyn_crawler.ground.rotations import rotation_matrices
+
+
+def openings(case):
+    """By how much the front pin of every shoe is apart from the rear pin of the next one, m."""
+    shoes, track = case.shoe_reference, case.track
+    turn, pitch = rotation_matrices(shoes[:, 3:]), case.closed_track.chain_pitch(track)
+    front = shoes[:, :3] + turn @ [track.pin_ahead, 0.0, track.pin_height]
+    rear = shoes[:, :3] + turn @ [track.pin_ahead - pitch, 0.0, track.pin_height]
+    return np.linalg.norm(front - np.roll(rear, -1, axis=0), axis=1)
+
+
+@pytest.mark.parametrize("changes", [
+    {},
+    {"closed_track.idler.slack": 0.005},
+    {"closed_track.idler.take_up": 0.03},
+    {"closed_track.pitch_growth": 0.01},
+    {"closed_track.carriers": ()},
+])  # fmt: skip
+def test_chain_closes_to_rounding(changes):
+    case = Case.closed().with_(changes)
+    assert openings(case).max() < 1e-12
+    # pitch falls by a turn round the loop, from a shoe that lies flat and has its given place
+    angles = case.shoe_reference[:, 4]
+    assert angles[0] == pytest.approx(0.0, abs=0.01)
+    assert np.ptp(angles) == pytest.approx(2.0 * math.pi, abs=0.7)
+    assert case.shoe_reference[0, 0] == pytest.approx(case.track.first_com[0], abs=1e-12)
+
+
+@pytest.mark.parametrize("count", [37, 39])
+def test_other_numbers_of_shoes_move_the_idler(count):
+    case = Case.closed(count)
+    assert openings(case).max() < 1e-12
+    way = case.assembled.take_up - Case.closed().assembled.take_up
+    # both runs become longer by half of a shoe
+    assert way == pytest.approx(0.5 * (count - 38) * case.track.pitch, rel=0.05)
+
+
+def test_take_up_of_a_slack_chain_is_short_of_that_of_a_taut_one():
+    taut = Case.closed().assembled
+    slack = Case.closed().with_({"closed_track.idler.slack": 0.01}).assembled
+    assert taut.sag == 0.0
+    assert taut.take_up - slack.take_up == pytest.approx(0.01, abs=1e-12)
+    assert slack.sag > 0.05
+
+
+def test_belt_about_two_equal_circles_has_its_length():
+    pieces = assembly.belt([(0.0, 0.0, 1.0), (5.0, 0.0, 1.0)])
+    assert sum(piece.length for piece in pieces) == pytest.approx(10.0 + 2.0 * math.pi, rel=1e-14)
+
+
+def test_chain_that_does_not_fit_is_refused_with_the_missing_length():
+    with pytest.raises(ParameterError, match=r"36 shoes.*too short by 0\.3743 m.*37 shoes fit"):
+        Case.closed(36)
+    with pytest.raises(ParameterError, match=r"40 shoes.*too long by 0\.6627 m.*38 shoes fit"):
+        Case.closed(40)
+    # what is named does fit
+    Case.closed(37)
+    Case.closed(38)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"closed_track.tumbler.reach": 0.199}, "leaving lugs hook under it"),
+        ({"closed_track.tumbler.reach": 0.5}, "must let the addendum circle"),
+        ({"shoe.rails": None}, "shoe.rails must be given with a closed_track"),
+        ({"closed_track.rollers": (0.0, 0.5)}, "they overlap"),
+        ({"closed_track.idler.range": (0.2, 0.1)}, "least and greatest take-up in this order"),
+        ({"loads.phases[0].loads": tuple([1e5] * 38)}, "loads must be zero"),
+        ({"closed_track.idler.take_up": 0.3}, "too short by"),
+    ],
+)
+def test_what_does_not_go_with_a_closed_track_is_refused(changes, message):
+    with pytest.raises(ParameterError, match=message):
+        Case.closed().with_(changes)
+
+
+def test_case_file_with_base_closed(tmp_path):
+    path = tmp_path / "closed.toml"
+    path.write_text('base = "closed"\nduration = 1.0\n[closed_track]\nsupport = "posts"\n', encoding="utf-8")
+    found = read_case(path).case
+    assert found == Case.closed().with_({"closed_track.support": "posts"})
+    path.write_text('base = "closed"\n[closed_track.tumbler]\nteeth = 12\n', encoding="utf-8")
+    with pytest.raises(CaseFileError, match="lies within the chain about the others"):
+        read_case(path)
+
+
+def test_travel_of_the_chain_is_that_of_its_pitches():
+    case = Case.closed()
+    radius = case.closed_track.tumbler.radius(case.track.pitch)
+    travel = case.closed_track.travel_per_angle(case.track)
+    # a polygon's side is shorter than its arc: 0.9836 of the radius at 10 gaps
+    assert travel / radius == pytest.approx(math.sin(math.pi / 10) / (math.pi / 10), rel=1e-12)

@@ -1,0 +1,133 @@
+"""Contact of lugs with the teeth of a tumbler: geometry, and Exudyn's contact of curve and circle."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from exudyn_crawler import Case
+from exudyn_crawler.model.engine import exu, items
+from exudyn_crawler.model.forces.teeth import Flange, Profile, flange_force, tooth
+
+PROFILE = Profile(*Case.closed().closed_track.tumbler.profile(Case.closed().track))
+
+
+def depth(place):
+    """Penetration of a lug at x and z in the tumbler's axes, m."""
+    return tooth(PROFILE, *place)[0]
+
+
+def test_normal_is_the_gradient_of_the_depth():
+    rng, compared = np.random.default_rng(0), 0
+    for _ in range(4000):
+        radius = rng.uniform(PROFILE.center - PROFILE.arc, PROFILE.addendum + PROFILE.lug)
+        angle = rng.uniform(-math.pi, math.pi)
+        place = np.array([radius * math.cos(angle), radius * math.sin(angle)])
+        found = tooth(PROFILE, *place)
+        if not 0.0 < found[0] < 0.05:
+            continue
+        step = 1e-6
+        slope = [(depth(place + e) - depth(place - e)) / (2.0 * step) for e in step * np.eye(2)]
+        assert slope == pytest.approx([-found[1], -found[2]], abs=1e-6)
+        compared += 1
+    assert compared > 100
+
+
+def test_normal_turns_by_what_is_returned():
+    for place in ((1.06, 0.05), (1.17, 0.26)):
+        _, nx, nz, turn = tooth(PROFILE, *place)
+        step = 1e-6
+        moved = tooth(PROFILE, place[0] - step * nz, place[1] + step * nx)
+        across = (moved[1] * -nz + moved[2] * nx) / step
+        assert across == pytest.approx(-turn, rel=1e-4)
+
+
+def test_lug_has_its_seat_without_play_and_gaps_repeat():
+    radius = Case.closed().closed_track.tumbler.radius(Case.closed().track.pitch)
+    for k in range(int(PROFILE.gaps)):
+        angle = 2.0 * math.pi * k / PROFILE.gaps
+        assert depth((radius * math.cos(angle), radius * math.sin(angle))) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_flange_has_play_and_pushes_back():
+    flange = Flange(0.01, 1e8, 1e6)
+    assert flange_force(flange, 0.0099, 1.0) == (0.0, 0.0, 0.0)
+    assert flange_force(flange, 0.012, 0.0)[0] == pytest.approx(-2e5)
+    assert flange_force(flange, -0.012, 0.0)[0] == pytest.approx(2e5)
+    # damping alone does not pull
+    assert flange_force(flange, 0.0101, -10.0)[0] == 0.0
+
+
+STIFFNESS, FORCE, SEGMENTS = 5e8, (-5e5, 1e5), 800
+
+
+def exudyn_place(start):
+    """Where Exudyn's contact of a curve of segments with a circle holds a disc at rest under `FORCE`, m."""
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    ground = mbs.AddObject(items.ObjectGround())
+    node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[*start, 0.0]))
+    disc = mbs.AddObject(items.ObjectRigidBody2D(nodeNumber=node, mass=4490.0, inertia=4490.0))
+    middle = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=disc))
+    mbs.AddLoad(items.LoadForceVector(markerNumber=middle, loadVector=[*FORCE, 0.0]))
+    held = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground, localPosition=[*start, 0.0]))
+    mbs.AddObject(
+        items.ObjectConnectorCartesianSpringDamper(
+            markerNumbers=[held, middle], stiffness=[0.0] * 3, damping=[2e5, 2e5, 0.0]
+        )
+    )
+    cosine = (PROFILE.center**2 + PROFILE.arc**2 - PROFILE.addendum**2) / (2.0 * PROFILE.center * PROFILE.arc)
+    psi = np.linspace(math.acos(cosine), -math.acos(cosine), SEGMENTS + 1)
+    points = np.column_stack((PROFILE.center - PROFILE.arc * np.cos(psi), -PROFILE.arc * np.sin(psi)))
+    data = mbs.AddNode(
+        items.NodeGenericData(
+            initialCoordinates=[-1.0, 0.0, 0.0] * SEGMENTS, numberOfDataCoordinates=3 * SEGMENTS
+        )
+    )
+    frames = [mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body)) for body in (ground, disc)]
+    mbs.AddObject(
+        items.ObjectContactCurveCircles(
+            markerNumbers=frames,
+            nodeNumber=data,
+            circlesRadii=[PROFILE.lug],
+            segmentsData=exu.MatrixContainer(np.column_stack((points[:-1], points[1:]))),
+            contactStiffness=STIFFNESS,
+            contactDamping=1e5,
+        )
+    )
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 2.0, 1000
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.6
+    settings.timeIntegration.verboseMode = 0
+    mbs.SolveDynamic(settings)
+    return np.array(mbs.GetNodeOutput(node, exu.OutputVariableType.Position)[:2])
+
+
+@pytest.mark.simulation
+def test_disc_rests_where_exudyn_holds_it():
+    """Its stiffness counts a metre of the curve, so that the depth is that of an integral along the arc."""
+    size = math.hypot(*FORCE)
+    along = np.array(FORCE) / size
+    seat = np.array([PROFILE.center, 0.0])
+    # ours: the arc's centre, the disc and the force lie on a line
+    ours = seat + along * (PROFILE.arc - PROFILE.lug + 1e-3)
+    found = tooth(PROFILE, *ours)
+    assert found[0] == pytest.approx(1e-3, abs=1e-12)
+    assert found[1:3] == pytest.approx(-along, abs=1e-12)
+    place = exudyn_place(ours) - seat
+    across = place @ [-along[1], along[0]]
+    assert across == pytest.approx(0.0, abs=1e-4)
+
+    psi = np.linspace(-0.5, 0.5, 20001)
+
+    def excess(depth):
+        off = PROFILE.arc - PROFILE.lug + depth
+        distance = np.sqrt(PROFILE.arc**2 + off**2 - 2.0 * PROFILE.arc * off * np.cos(psi))
+        pressed = np.maximum(PROFILE.lug - distance, 0.0) * (PROFILE.arc * np.cos(psi) - off) / distance
+        return STIFFNESS * PROFILE.arc * pressed.sum() * (psi[1] - psi[0]) - size
+
+    expected = brentq(excess, 1e-5, 0.05)
+    assert place @ along - (PROFILE.arc - PROFILE.lug) == pytest.approx(expected, rel=0.03)

@@ -1,0 +1,89 @@
+"""A closed track on posts: travel, pull of a hanging run, and the work of its drive."""
+
+import math
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, StepProfile, simulate
+from exudyn_crawler.case import Drive
+from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.ground.rotations import rotation_matrices
+
+pytestmark = [pytest.mark.simulation, pytest.mark.slow]
+
+
+@pytest.fixture(scope="module")
+def rig():
+    """Two pitches of the chain at 0.3 m/s, its frame on posts."""
+    case = Case.closed().with_({"closed_track.support": "posts"}).on_cells(RockFloor.hard_floor())
+    speed = StepProfile(times=(0.0, 0.5), values=(0.0, 0.3))
+    return simulate(case.with_(drive=Drive(speed=speed)), 6.0, progress=False)
+
+
+def pins(history):
+    """Front pins of all shoes, and their velocities: arrays (times, shoes, 3), m and m/s."""
+    data, track = history.dataset, history.case.track
+    arm = rotation_matrices(data.angles.values) @ [track.pin_ahead, 0.0, track.pin_height]
+    return data.position.values + arm, data.velocity.values + np.cross(data.angular_velocity.values, arm)
+
+
+def crossings(history):
+    """Rows of the times at which shoes pass a place above, after the start has died away."""
+    data = history.dataset
+    place = data.position.values - data.tumbler_position.values[:, None]
+    ahead, above = place[..., 0] > 4.0, place[..., 2] > 0.0
+    rows = np.sort(np.nonzero(ahead[1:] & ~ahead[:-1] & above[1:])[0])
+    return rows[data.time.values[rows] > 1.2]
+
+
+def test_chain_stays_closed(rig):
+    front, _ = pins(rig)
+    track = rig.case.track
+    back = rotation_matrices(rig.angles.values) @ [track.pin_ahead - track.pitch, 0.0, track.pin_height]
+    apart = front - np.roll(rig.position.values + back, -1, axis=1)
+    assert np.abs(apart[..., [0, 2]]).max() < 2e-6  # with what compliance in roll and yaw makes of it
+    assert np.abs(apart[..., 1]).max() < 1e-4
+
+
+def test_travel_a_radian_is_that_of_the_pitches(rig):
+    first, *_, last = crossings(rig)
+    count = len(crossings(rig)) - 1
+    angle = rig.tumbler_angle.values
+    travel = count * rig.case.track.pitch / (angle[last] - angle[first])
+    teeth = rig.case.closed_track.tumbler.teeth
+    assert travel == pytest.approx(teeth * rig.case.track.pitch / (2.0 * math.pi), rel=2e-3)
+
+
+def test_hanging_run_is_a_catenary(rig):
+    """Curvature of the lower run at rest, which no roller carries, times its pull is its weight a metre."""
+    case, place = rig.case, (pins(rig)[0] - rig.tumbler_position.values[:, None])[0]
+    below = np.flatnonzero((place[:, 2] < 0.0) & (place[:, 0] > 1.2) & (place[:, 0] < 7.2))
+    pull = rig.joint_force.values[0, below, 0]
+    assert np.ptp(pull) < 1e-6 * pull.mean()
+    curvature = 2.0 * np.polyfit(place[below, 0], place[below, 2], 2)[0]
+    assert curvature * pull.mean() == pytest.approx(
+        case.shoe.mass * case.gravity / case.track.pitch, rel=0.02
+    )
+    assert rig.wheel_force.sel(wheel="roller 4").isel(time=0).values == pytest.approx(0.0)
+
+
+def test_work_of_the_drive_goes_through_the_pins_beside_the_tumbler(rig):
+    """Over whole pitches what the drive does is what pins and weight take from the shoes between."""
+    data, case = rig.dataset, rig.case
+    place, velocity = pins(rig)
+    place = place - data.tumbler_position.values[:, None]
+    first, *_, last = crossings(rig)
+    taken, count = 0.0, case.track.shoe_count
+    for row in range(first, last):
+        near = np.where(place[row, :, 0] > 0.5, place[row, :, 0], np.inf)
+        low, up = (
+            np.where(side, near, np.inf).argmin() for side in (place[row, :, 2] < 0, place[row, :, 2] > 0)
+        )
+        inside = (up + 1 + np.arange((low - up) % count)) % count
+        power = np.sum(data.joint_force.values[row, low] * velocity[row, low])
+        power -= np.sum(data.joint_force.values[row, up] * velocity[row, up])
+        power -= case.shoe.mass * case.gravity * data.velocity.values[row, inside, 2].sum()
+        taken -= power * case.solver.output_interval
+    work = np.sum((data.drive_moment.values * data.tumbler_speed.values)[first:last])
+    assert taken == pytest.approx(work * case.solver.output_interval, rel=0.01)
