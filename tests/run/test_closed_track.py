@@ -15,10 +15,10 @@ pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
 @pytest.fixture(scope="module")
 def rig():
-    """Two pitches of the chain at 0.3 m/s, its frame on posts."""
+    """Four pitches of the chain at 0.3 m/s, its frame on posts."""
     case = Case.closed().with_({"closed_track.support": "posts"}).on_cells(RockFloor.hard_floor())
     speed = StepProfile(times=(0.0, 0.5), values=(0.0, 0.3))
-    return simulate(case.with_(drive=Drive(speed=speed)), 6.0, progress=False)
+    return simulate(case.with_(drive=Drive(speed=speed)), 10.5, progress=False)
 
 
 def pins(history):
