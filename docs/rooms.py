@@ -18,7 +18,7 @@ FLOORS = (
     ("studies",),
     ("cli",),
     ("sweep", "spread_run"),
-    ("case_run", "life_run"),
+    ("case_run", "check_run", "life_run"),
     ("run", "views"),
     ("results",),
     ("model",),

@@ -211,6 +211,7 @@ def _held_lines(fixed: Integers) -> list[str]:
 def _load_lines(loads: Floats, before: int = 0, axes_before: int = 0) -> list[str]:
     """Loads (k, 3) on nodes that come after some others, along axes that come after some others."""
     return [
-        f"{before + node + 1}, {axes_before + axis + 1}, {loads[node, axis]:.15g}"
+        # CalculiX cuts a number after 20 characters: its exponent must not be cut off
+        f"{before + node + 1}, {axes_before + axis + 1}, {loads[node, axis]:.13g}"
         for node, axis in np.argwhere(loads)
     ]

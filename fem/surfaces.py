@@ -116,25 +116,30 @@ def surface_weights(mesh: Mesh, faces: Integers) -> Floats:
         Triangles of nodes, curved ones as they are.
     """
     barycentric, parts = _triangle_rule()
-    a, b, c = barycentric.T
-    if faces.shape[1] == 3:
-        values = barycentric
-        slopes = np.broadcast_to(np.array([[-1, -1], [1, 0], [0, 1]], dtype=float), (len(a), 3, 2))
-    else:
-        values = np.column_stack(
-            [a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a]
-        )
-        slopes = np.stack(
-            [
-                np.column_stack([1 - 4 * a, 4 * b - 1, 0 * c, 4 * (a - b), 4 * c, -4 * c]),
-                np.column_stack([1 - 4 * a, 0 * b, 4 * c - 1, -4 * b, 4 * b, 4 * (a - c)]),
-            ],
-            axis=2,
-        )
+    values, slopes = triangle_shapes(barycentric, faces.shape[1])
     tangents = np.einsum("qas,kac->kqsc", slopes, mesh.nodes[faces])
     area = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2) * parts
     shares: Floats = (area @ values).ravel()
     return np.asarray(np.bincount(faces.ravel(), shares, len(mesh.nodes)), dtype=np.float64)
+
+
+def triangle_shapes(barycentric: Floats, width: int) -> tuple[Floats, Floats]:
+    """Shape functions (q, width) of triangles of 3 or 6 nodes at points (q, 3); slopes (q, width, 2)."""
+    a, b, c = barycentric.T
+    if width == 3:
+        slopes = np.broadcast_to(np.array([[-1, -1], [1, 0], [0, 1]], dtype=float), (len(a), 3, 2))
+        return barycentric, slopes
+    values = np.column_stack(
+        [a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a]
+    )
+    slopes = np.stack(
+        [
+            np.column_stack([1 - 4 * a, 4 * b - 1, 0 * c, 4 * (a - b), 4 * c, -4 * c]),
+            np.column_stack([1 - 4 * a, 0 * b, 4 * c - 1, -4 * b, 4 * b, 4 * (a - c)]),
+        ],
+        axis=2,
+    )
+    return values, slopes
 
 
 def _triangle_rule() -> tuple[Floats, Floats]:

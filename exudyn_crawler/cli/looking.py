@@ -195,6 +195,28 @@ def life(
 
 
 @command
+def check(
+    file: Annotated[Path, typer.Argument(help="file of a shoe's check", metavar="SHOE.toml")],
+    out: Annotated[
+        Path | None, typer.Option(help=f"folder of the results; {RESULTS}/SHOE, if not given")
+    ] = None,
+    pictures: Annotated[bool, typer.Option(help="draw each case")] = True,
+    overwrite: Overwrite = False,
+) -> None:
+    """Check a shoe by static cases without a run: which case cracks which region after how many cycles.
+
+    Example: exudyn-crawler check overhanging.toml --no-pictures
+    """
+    folder = out or RESULTS / file.stem
+    result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)
+    worst = result.cycles.loc[result.cycles.groupby(["from", "to"], sort=False)["cycles to a crack"].idxmin()]
+    shown = worst.sort_values("cycles to a crack")[["to", "from", "region", "cycles to a crack", "an hour"]]
+    hours = f"how many an hour crack within {result.check.hours:g} h"
+    print_table(shown.head(SHOWN), f"{result.check.name}, {result.check.material.name}; an hour: {hours}")
+    typer.echo(f"all regions, section moments and pictures are in {folder}")
+
+
+@command
 def spread(
     run: Run,
     starts: Annotated[int, typer.Option(help="starts that differ by rounding, the run's own among them")] = 3,

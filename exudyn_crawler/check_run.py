@@ -1,0 +1,102 @@
+"""One check of a shoe into one folder: static cases without a run, their tables and pictures."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from exudyn_crawler.case.parameters.checks import out_of_range, warn_of
+from exudyn_crawler.files import refuse_existing, writable_folder
+from exudyn_crawler.results.checks.cases import ShoeCheck, read_check
+from exudyn_crawler.results.checks.solve import CheckedShoe, CheckResults, solve_cases
+from exudyn_crawler.results.stress.hot_spots import flat_triangles
+from exudyn_crawler.views import style
+from exudyn_crawler.views.scenes.pictures import paint
+from exudyn_crawler.views.scenes.scene import Colouring, Solid, View
+from exudyn_crawler.views.tables import write_table
+from fem.stress import von_mises
+
+PEAKS, MOMENTS, CYCLES, PICTURES = "peaks.csv", "moments.csv", "cycles.csv", "pictures"
+BENT = 0.05  # m, at which the greatest elastic displacement is drawn at most
+VIEWS = {"from ahead and above": (25.0, 30.0), "from ahead and below": (25.0, -30.0)}  # azimuth, elevation
+WINDOW = (-2.0, 2.0, -0.8, 0.8)  # m
+
+
+def check_cases(
+    check: ShoeCheck | str | Path,
+    out: str | Path | None = None,
+    *,
+    pictures: bool = True,
+    overwrite: bool = False,
+    say: Callable[[str], None] = lambda _text: None,
+) -> CheckResults:
+    """Check a shoe by static cases in balance: peaks by region, section moments, cycles to a crack.
+
+    Parameters
+    ----------
+    check : ShoeCheck or path
+        Or its file.
+    out : path, optional
+        Folder of the tables and pictures; None writes nothing.
+    pictures : bool
+        Whether to draw each case, too.
+    overwrite : bool
+        Replace earlier results.
+    say : callable
+        Gets a line on what is going on.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If a case is not in balance, or ground cannot carry it; naming the case.
+    FileExistsError
+        Before anything is solved, if results are there and `overwrite` is false.
+    """
+    check = check if isinstance(check, ShoeCheck) else read_check(check)
+    warn_of(out_of_range(check))
+    folder = None if out is None else Path(out)
+    if folder is not None:
+        for name in (PEAKS, MOMENTS, CYCLES):
+            refuse_existing(folder / name, overwrite)
+    found = solve_cases(check, CheckedShoe.of(check), say)
+    if folder is not None:
+        writable_folder(folder)
+        for name, table in ((PEAKS, found.table), (MOMENTS, found.moments), (CYCLES, found.cycles)):
+            write_table(table, folder / name, overwrite)
+        if pictures:
+            say(f"pictures of {len(found.cases)} cases")
+            writable_folder(folder / PICTURES)
+            for number, case in enumerate(found.cases):
+                name = "".join(one if one.isalnum() or one in "-." else "_" for one in case.name)
+                style.save_figure(
+                    case_figure(found, number), folder / PICTURES / f"{number + 1:03d}_{name}.png", overwrite
+                )
+    return found
+
+
+def case_figure(found: CheckResults, number: int) -> Figure:
+    """One case from above and from below: von Mises stress on the bent shoe, and its peaks by region."""
+    mesh, case, stress = found.shoe.mesh, found.cases[number], von_mises(found.stress[number])
+    bend = found.displacement[number]
+    larger, high = style.drawn_scale(bend, BENT), style.round_up(float(stress.max()) / style.MEGA)
+    faces = np.searchsorted(mesh.surface_nodes, flat_triangles(mesh.boundary))
+    colouring = Colouring("von Mises stress in MPa", stress / style.MEGA, 0.0, high, style.STRESS_MAP)
+    points = mesh.nodes[mesh.surface_nodes] + larger * bend
+    solid = Solid(case.name, points, (faces,), "white", colourings=(colouring,))
+    with mpl.rc_context(style.STYLE | {"axes.grid": False}):
+        figure = Figure(figsize=(9.0, 7.4))
+        axes = figure.subplots(len(VIEWS), 1)
+        for ax, (title, (azimuth, elevation)) in zip(axes, VIEWS.items(), strict=True):
+            view = View.seen_from(azimuth, elevation)
+            paint(ax, [solid], view, WINDOW)
+            ax.set_title(title, loc="left")
+            ax.set_axis_off()
+        own = found.table[found.table["case"] == case.name]
+        peaks = ", ".join(f"{a} {b:.0f}" for a, b in zip(own["region"], own["von Mises in MPa"], strict=True))
+        figure.suptitle(f"{case.name}\n{peaks} MPa; displacement x {larger:g}", parse_math=False)
+        figure.colorbar(style.scale_of(0.0, high, style.STRESS_MAP), ax=axes, label=colouring.title)
+    return figure

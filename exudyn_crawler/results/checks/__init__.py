@@ -1,0 +1,1 @@
+"""Check cases of a shoe: static loads in balance, without a run."""

@@ -1,0 +1,298 @@
+"""Check cases of a shoe: forces of treads, pressures and pins, one-sided ground, and the ready list of them.
+
+Places are in the shoe's frame: x along the travel, y to the left, z up, origin at its nominal centre of mass.
+"""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from exudyn_crawler.case.parameters.base import (
+    Component,
+    Errors,
+    Name,
+    Parameters,
+    Place,
+    Three,
+    Two,
+    Vector,
+    option,
+    quantity,
+)
+from exudyn_crawler.case.parameters.reading import read_parameters, with_base
+from exudyn_crawler.results.life.duty import FatigueMaterial
+from fem import Mesh
+from meshes.rails import RailOutline, rail_outline
+
+SAND, ROCK, STONE = 1e8, 1e9, 10.0
+"""N/m3 of two grounds, and how many times as stiff a stone in it is: assumed, no source has them."""
+MEAN, PASS, DIGGING = 388e3, 574e3, 761e3
+"""N on a rail: mean and greatest of a straight pass, and greatest while digging, of the rollers study."""
+PULL, SIDE, STRIKE = 2.6e6, 0.26e6, 1e6
+"""N: pull of a chain that turns on the spot, what is left of it sideways on a shoe, and a unit strike."""
+UNDER_A_SIDE = 0.05  # m, by which a box of a pressure reaches beyond the face that is meant
+
+Side = Literal["left", "right"]
+Facing = Literal["front", "rear", "left", "right", "up", "down"]
+Force = Annotated[float, Field(gt=0.0, le=1e10)]
+
+
+class Tread(Parameters):
+    """Force of a roller's tread, downward on one of the rails."""
+
+    side: Side = option("rail: left (+y) or right")
+    force: Force = quantity("N", "downward", (1e3, 5e6))
+    end: Literal["front", "rear"] | None = option("end of the rail that `x` counts from inward", default=None)
+    x: Place = quantity("m", "ahead of the rail's middle, or inward of its end", (-1.0, 1.0), default=0.0)
+    width: float | None = quantity(
+        "m", "of the contact across the rail; none: all", gt=0, le=10, default=None
+    )
+    across: Place = quantity("m", "from the rail's middle line outward", (-0.5, 0.5), default=0.0)
+    length: float = quantity("m", "over which it presses, less at an end", gt=1e-3, le=10, default=0.1)
+
+
+class Pressure(Parameters):
+    """Force spread evenly over what of the surface faces one way inside of a box."""
+
+    facing: Facing = option("which way the loaded faces look")
+    low: Three = quantity("m", "least x, y, z of the box", (-5.0, 5.0))
+    high: Three = quantity("m", "greatest x, y, z of the box", (-5.0, 5.0))
+    round: bool = option("the disc, or ellipse, inside of the box's outline", default=False)
+    force: Vector = quantity("N", "in all", (-1e7, 1e7))
+
+
+class PinForce(Parameters):
+    """Force of a link pin at one joint centre."""
+
+    pin: Literal["front left", "front right", "rear left", "rear right"] = option("joint centre")
+    force: Vector = quantity("N", "of the pin on the shoe", (-1e7, 1e7))
+
+
+class GroundPart(Parameters):
+    """Rectangle, or disc, in which the ground differs; a later one covers an earlier one."""
+
+    low: Two = quantity("m", "least x and y", (-5.0, 5.0))
+    high: Two = quantity("m", "greatest x and y", (-5.0, 5.0))
+    round: bool = option("a disc, or ellipse, inside of the rectangle", default=False)
+    height: Place = quantity("m", "above the ground beside it", (-0.5, 0.5), default=0.0)
+    stiffness: float = quantity("N/m3", "pressure over depth; 0: a hole", ge=0, le=1e14, default=SAND)
+
+
+class Ground(Parameters):
+    """One-sided springs below the underside."""
+
+    stiffness: float = quantity("N/m3", "pressure over depth; 0: a hole", ge=0, le=1e14, default=SAND)
+    parts: tuple[GroundPart, ...] = option("where it differs", default=())
+
+
+class CheckCase(Parameters):
+    """Loads on a shoe in balance: by themselves, with ground below, or held by some of its pins."""
+
+    name: Name = option("of the case")
+    treads: tuple[Tread, ...] = option("forces on the rails", default=())
+    pressures: tuple[Pressure, ...] = option("forces on other parts of the surface", default=())
+    pins: tuple[PinForce, ...] = option("forces of link pins", default=())
+    held_by: tuple[Name, ...] = option(
+        "pins and axes, such as 'rear left x', whose least forces take what is left of the loads", default=()
+    )
+    ground: Ground | None = option("below it; none: it hangs in its pins", default=None)
+    hand_moment: Component | None = quantity(
+        "N m", "bending moment at y = 0 by hand, positive with the underside in tension", default=None
+    )
+
+
+class Cycle(Parameters):
+    """Two check cases between which a shoe goes, and back."""
+
+    first: Name = option("name of a case, or 'unloaded'")
+    second: Name = option("name of another one")
+
+
+class RollerForce(Parameters):
+    """Level of the force on a rail at which the ready cases are checked."""
+
+    name: Name = option("of the level")
+    force: Force = quantity("N", "on each rail", (1e4, 5e6))
+
+
+LEVELS = tuple(
+    RollerForce(name=name, force=force)
+    for name, force in {"mean": MEAN, "pass": PASS, "digging": DIGGING}.items()
+)
+
+
+class ShoeCheck(Parameters):
+    """A shoe, its material, and what it is checked for."""
+
+    name: Name = option("of the check", default="shoe")
+    mesh: str = option("coarse, study or fine, or a mesh's file", default="study", min_length=1)
+    dimensions: dict[str, float] = option(
+        "of `meshes.ShoeDimensions` that differ; netgen meshes such a shoe as finely as `mesh` says",
+        default={},
+    )
+    material: FatigueMaterial = option("against cyclic stress", default=FatigueMaterial.cast_nicrmo())
+    spider: Literal["averaging", "rigid"] = option("how pins hold their bores", default="averaging")
+    hours: float = quantity("h", "machine hours in which no crack shall be", gt=0, le=1e9, default=25_000.0)
+    levels: tuple[RollerForce, ...] = option(
+        "at which the ready cases are checked; () for none", default=LEVELS
+    )
+    cases: tuple[CheckCase, ...] = option("further ones", default=())
+    cycles: tuple[Cycle, ...] = option("further ones, beside those from unloaded to each case", default=())
+
+    def _errors(self) -> Errors:
+        names = [one.name for one in self.cases]
+        if double := sorted({name for name in names if names.count(name) > 1}):
+            yield f"cases: names must differ, got {double} twice"
+
+
+def read_check(path: str | Path) -> ShoeCheck:
+    """Read the file of a check (TOML); the mesh's file counts from it; raises as `read_parameters`."""
+    path = Path(path)
+    named = {"name": path.stem}
+    check = read_parameters(
+        path, ShoeCheck, "check file", lambda content: with_base(named | content, ShoeCheck)
+    )
+    beside = path.parent / check.mesh
+    return check.with_(mesh=str(beside)) if beside.is_file() else check
+
+
+class ShoeOutline(NamedTuple):
+    """What ready cases are made of: rails, and extents of a shoe, m."""
+
+    rails: RailOutline
+    low: np.ndarray  # (3,) of the underside
+    high: np.ndarray
+    top: float  # z of the highest place
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> "ShoeOutline":
+        """Outline of a shoe's mesh; raises as `rail_outline`."""
+        under = mesh.nodes[mesh.nodes_of("underside")]
+        return cls(rail_outline(mesh), under.min(axis=0), under.max(axis=0), float(mesh.nodes[:, 2].max()))
+
+
+def _rolled(force: float, **place: object) -> tuple[Tread, ...]:
+    """Treads of a roller on both rails."""
+    return tuple(Tread.model_validate({"side": side, "force": force, **place}) for side in ("left", "right"))
+
+
+def ready_cases(outline: ShoeOutline, force: float) -> list[CheckCase]:
+    """Ready check cases of a shoe with a force (N) on each rail."""
+    found = [*_supports(outline, force), *_rail_ends(outline, force), *_turns(outline, force)]
+    return found + _drive_and_strikes(outline, force)
+
+
+def _supports(outline: ShoeOutline, force: float) -> list[CheckCase]:
+    """The ground bears here or there, the roller stands above the middle."""
+    (x0, y0, _), (x1, y1, _) = outline.low, outline.high
+    whole, half, arm = y1 - y0, 0.5 * (y1 - y0), 0.5 * (outline.rails.left - outline.rails.right)
+
+    def case(name: str, stiffness: float, parts: list[GroundPart], moment: float | None = None) -> CheckCase:
+        by_hand = None if moment is None else force * moment
+        ground = Ground(stiffness=stiffness, parts=tuple(parts))
+        return CheckCase(name=name, treads=_rolled(force), ground=ground, hand_moment=by_hand)
+
+    def part(low: Two, high: Two, stiffness: float) -> GroundPart:
+        return GroundPart(low=low, high=high, stiffness=stiffness)
+
+    def stone(x: float, y: float, ground: float) -> GroundPart:
+        disc = {"low": (x - 0.15, y - 0.15), "high": (x + 0.15, y + 0.15), "round": True}
+        return GroundPart.model_validate(disc | {"height": 0.05, "stiffness": STONE * ground})
+
+    ends = [
+        case(f"both ends {w} m", SAND, [part((x0, y0 + w), (x1, y1 - w), 0.0)], half - w / 2 - arm)
+        for w in (0.2, 0.5)
+    ]
+    corners = [part((x1 - 0.3, y1 - 0.3), (x1, y1), ROCK), part((x0, y0), (x0 + 0.3, y0 + 0.3), ROCK)]
+    one_rail = (Tread(side="left", force=2.0 * force),)
+    return [
+        case("even, sand", SAND, [], whole / 4 - arm),
+        case("even, rock", ROCK, [], whole / 4 - arm),
+        *ends,
+        case("ridge 0.4 m", 0.0, [part((x0, -0.2), (x1, 0.2), SAND)], 0.1 - arm),
+        case("diagonal corners 0.3 m", 0.0, corners, half - 0.15 - arm),
+        case("stone at the edge, rock", ROCK, [stone(x1 - 0.045, 1.3, ROCK)]),
+        case("stone at the edge, sand", SAND, [stone(x1 - 0.045, 1.6, SAND)]),
+        CheckCase(name="one rail", treads=one_rail, ground=Ground()),
+    ]
+
+
+def _rail_ends(outline: ShoeOutline, force: float) -> list[CheckCase]:
+    """A roller at the ends of the rails, on all of their width and on their outer third."""
+    third = outline.rails.width / 3
+    widths = {"": {}, ", outer third": {"width": third, "across": third}}
+    return [
+        CheckCase(
+            name=f"roller {1e3 * x:g} mm from the {end} end{words}",
+            treads=_rolled(force, end=end, x=x, **width),
+            ground=Ground(),
+        )
+        for end in ("front", "rear")
+        for x in (0.0, 0.02)
+        for words, width in widths.items()
+    ]
+
+
+def _turns(outline: ShoeOutline, force: float) -> list[CheckCase]:
+    """Pull of a chain that turns, shared by the pins, with the side force held at rails or pins."""
+    under = {"low": tuple(outline.low - UNDER_A_SIDE), "high": tuple(outline.high + UNDER_A_SIDE)}
+    pushed = Pressure.model_validate({"facing": "down", "force": (0.0, SIDE, 0.0), **under})
+    rails, top = outline.rails, outline.top
+    side = rails.left + rails.width / 2
+    flange = Pressure(
+        facing="left",
+        low=(-0.1, side - 0.005, rails.height - 0.025),
+        high=(0.1, side + 0.005, top + 0.01),
+        force=(0.0, -SIDE, 0.0),
+    )
+    along = tuple(f"{end} {one} x" for end in ("front", "rear") for one in ("left", "right"))
+    holds = {
+        "rails": along,
+        "two pins": ("rear left y", "rear right y", *along),
+        "one pin": ("rear left y", *along),
+    }
+    found = []
+    for share in (0.5, 0.7, 1.0):
+        for where, held in holds.items():
+            pins = [
+                PinForce.model_validate({"pin": f"{end} {one}", "force": (sign * part * PULL, 0.0, 0.0)})
+                for end, sign in (("front", 1.0), ("rear", -1.0))
+                for one, part in (("left", share), ("right", 1.0 - share))
+                if part
+            ]
+            pressures = (pushed, flange) if where == "rails" else (pushed,)
+            how: dict[str, Any] = {"treads": _rolled(force), "held_by": held, "ground": Ground()}
+            name = f"turn {100 * share:g}/{100 - 100 * share:g}, side force at {where}"
+            found.append(CheckCase(name=name, pins=tuple(pins), pressures=pressures, **how))
+    return found
+
+
+def _drive_and_strikes(outline: ShoeOutline, force: float) -> list[CheckCase]:
+    """A tumbler's push on the web between the rails, both ways, and a dipper on a wing's end."""
+    rails, (x0, *_), (x1, y1, _) = outline.rails, outline.low, outline.high
+    inner, pins = (
+        rails.left - rails.width / 2,
+        [f"{end} {one}" for end in ("front", "rear") for one in ("left", "right")],
+    )
+    found = []
+    for name, facing, sign, low, high in (
+        ("forward", "rear", 1.0, x0, 0.0),
+        ("back", "front", -1.0, 0.0, x1),
+    ):
+        box = {"low": (low, -inner, -0.1), "high": (high, inner, 0.15), "force": (sign * PULL, 0.0, 0.0)}
+        push = Pressure.model_validate({"facing": facing, **box})
+        pulled = tuple(f"{one} x" for one in pins if one.startswith(facing))
+        held = (*pulled, *(f"{one} z" for one in pins))
+        found.append(CheckCase(name=f"drive push {name}", pressures=(push,), held_by=held))
+    for name, from_x in (("tip", x0), ("edge", 0.1)):
+        low, high = (from_x, y1 - 0.25, 0.1), (x1, y1, outline.top + 0.1)
+        strike = Pressure(facing="up", low=low, high=high, force=(0.0, 0.0, -STRIKE))
+        how: dict[str, Any] = {"treads": _rolled(force), "ground": Ground()}
+        found.append(CheckCase(name=f"strike of 1 MN on the wing's {name}", pressures=(strike,), **how))
+    return found
+
+
+READY_CYCLES = (("even, sand", "both ends 0.2 m"), ("ridge 0.4 m", "both ends 0.2 m"))
+"""Cycles between two ready cases, at each level; their loaded cases are those with the roller."""

@@ -1,0 +1,391 @@
+"""Check cases solved: loads in balance, stresses, hand formulas, peaks by region, cycles to a crack."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.model.shoe_mesh import pin_interfaces
+from exudyn_crawler.results.checks import cases as ready
+from exudyn_crawler.results.checks.cases import CheckCase, Facing, Pressure, ShoeCheck, Tread
+from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
+from fem import ElasticBody, Mesh, Partition, Shapes, trust
+from fem.interfaces import Spider, rigid_motion_of_centers
+from fem.stress import principal, von_mises
+from fem.supports import OneSidedBed, SurfacePoints, section, surface_points
+from meshes import STEEL, ShoeDimensions, mesh_named, mesh_shoe, with_load_surfaces
+
+POINTS, RAIL_POINTS = 0.02, 0.01
+"""m between points on the underside and on other faces, and on the rails."""
+BED = (5, 15)
+"""Grid along x and y of tractions by which the underside bends."""
+LINE = 4e-3
+"""m, half the length of the contact of a tread at the very end of a rail: that of Hertz's."""
+BALANCE = 1e-3
+"""Part of the sum of all forces (times 1 m for moments) that may be out of balance; meshes round places."""
+NORMALS: dict[Facing, tuple[int, float]] = {
+    "front": (0, 1.0),
+    "rear": (0, -1.0),
+    "left": (1, 1.0),
+    "right": (1, -1.0),
+    "up": (2, 1.0),
+    "down": (2, -1.0),
+}
+"""Axis and sign of the way that a face looks."""
+UNLOADED, MEGA = "unloaded", 1e6
+SURVIVAL = 0.975
+
+
+class Loads(NamedTuple):
+    """Nodal forces (n, 3) and forces and moments (24,) on joint centres, N and N m."""
+
+    forces: NDArray
+    centers: NDArray
+
+
+class CheckedShoe:
+    """Finite elements of a shoe that check cases load: its factorized stiffness, its surface and regions."""
+
+    def __init__(self, mesh: Mesh, name: str, spider: Spider = "averaging") -> None:
+        track = Track.ph4100c()
+        self.mesh, self.body = mesh, ElasticBody(mesh, STEEL)
+        pins = [replace(one, spider=spider) for one in pin_interfaces(mesh, name, track)]
+        self.partition, self.outline = Partition(self.body, pins), ready.ShoeOutline.of(mesh)
+        empty = (np.empty((len(mesh.nodes), count, 0)) for count in (3, 6))
+        shapes = Shapes(mesh, STEEL, tuple(pins), *empty)
+        self.regions = shoe_regions(shapes, track)[mesh.surface_nodes]
+        self._points: dict[str, SurfacePoints] = {}
+
+    @classmethod
+    def of(cls, check: ShoeCheck) -> "CheckedShoe":
+        """Shoe of a check; raises as `mesh_named` and `mesh_shoe`."""
+        if not check.dimensions:
+            return cls(mesh_named(check.mesh), check.mesh, check.spider)
+        mesh = mesh_shoe(ShoeDimensions(**check.dimensions), check.mesh)
+        return cls(with_load_surfaces(mesh), check.name, check.spider)
+
+    @cached_property
+    def bed(self) -> OneSidedBed:
+        """Points of the underside that ground may support."""
+        points = surface_points(self.mesh, self.mesh.surface("underside"), POINTS)
+        return OneSidedBed(self.partition, points, BED)
+
+    @cached_property
+    def of_centers(self) -> NDArray:
+        """Motions (24, 6) of the joint centres when the body moves as a whole."""
+        return rigid_motion_of_centers(self.partition.interfaces, self.body.center_of_mass)
+
+    def facing(self, way: Facing) -> SurfacePoints:
+        """Points of all faces that look one way, those beneath others too."""
+        if way not in self._points:
+            axis, sign = NORMALS[way]
+            a, b, c = np.moveaxis(self.mesh.nodes[self.mesh.boundary[:, :3]], 1, 0)
+            normal = np.cross(b - a, c - a)
+            looking = sign * normal[:, axis] >= 0.9 * np.linalg.norm(normal, axis=1)
+            self._points[way] = surface_points(self.mesh, self.mesh.boundary[looking], POINTS)
+        return self._points[way]
+
+    def rail(self, tread: Tread) -> NDArray:
+        """Nodal forces (n, 3) of a tread, N."""
+        rails, half = self.outline.rails, 0.5 * tread.length
+        if "rail" not in self._points:
+            self._points["rail"] = surface_points(self.mesh, self.mesh.surface("rails"), RAIL_POINTS)
+        points, sign = self._points["rail"], 1.0 if tread.side == "left" else -1.0
+        middle = 0.5 * (rails.front + rails.rear)
+        x = {None: middle + tread.x, "front": rails.front - tread.x, "rear": rails.rear + tread.x}[tread.end]
+        if not rails.rear <= x <= rails.front:
+            raise ValueError(f"a tread must press on the rail, got x = {x:.4g} m in the shoe")
+        half = min(half, max(min(x - rails.rear, rails.front - x), LINE))
+        x = min(max(x, rails.rear + half), rails.front - half)
+        y = (rails.left if sign > 0 else rails.right) + sign * tread.across
+        width = rails.width if tread.width is None else tread.width
+        place, target = points.positions[:, :2], np.array([x, y])
+        sides = 0.5 * np.array([max(2.0 * half, 2.0 * RAIL_POINTS), width])
+        near = points.chosen(np.flatnonzero((np.abs(place - target) <= sides).all(axis=1)))
+        if len(near.areas) < 3:
+            raise ValueError(f"a tread must press on the rail, got y = {y:.4g} m in the shoe")
+        return near.spread(np.array([0.0, 0.0, -tread.force]), _centred(near, target))
+
+    def pressure(self, load: Pressure) -> NDArray:
+        """Nodal forces (n, 3) of a pressure, N."""
+        points, low, high = self.facing(load.facing), np.array(load.low), np.array(load.high)
+        away = np.abs(points.positions - 0.5 * (low + high)) / (0.5 * (high - low))
+        inside = (away <= 1.0).all(axis=1)
+        if load.round:
+            inside &= np.delete(away**2, NORMALS[load.facing][0], axis=1).sum(axis=1) <= 1.0
+        if not inside.any():
+            raise ValueError(f"no face looks {load.facing} between {load.low} and {load.high} m")
+        return points.chosen(np.flatnonzero(inside)).spread(np.array(load.force))
+
+    def loads(self, case: CheckCase) -> Loads:
+        """Loads of a case without the ground, what pins hold included.
+
+        A ValueError says what is not in balance.
+        """
+        forces = np.zeros_like(self.mesh.nodes)
+        for one in case.treads:
+            forces += self.rail(one)
+        for load in case.pressures:
+            forces += self.pressure(load)
+        names = [one.name for one in self.partition.interfaces]
+        centers = np.zeros((len(names), 6))
+        for pin in case.pins:
+            centers[names.index(pin.pin), :3] += pin.force
+        known = {f"{name} {axis}": 6 * k + i for k, name in enumerate(names) for i, axis in enumerate("xyz")}
+        if unknown := [one for one in case.held_by if one not in known]:
+            raise ValueError(f"held_by must be of {list(known)}, got {unknown}")
+        size = np.abs(forces).sum() + np.abs(centers).sum()
+        left = self.resultant(forces, centers.ravel())
+        # the ground carries forces upward and moments about x and y
+        rows = [0, 1, 5] if case.ground is not None else list(range(6))
+        dofs = [known[one] for one in case.held_by]
+        pulls = centers.ravel()
+        if dofs:
+            pulls[dofs] += np.linalg.lstsq(self.of_centers[dofs][:, rows].T, -left[rows], rcond=None)[0]
+        left = self.resultant(forces, pulls)
+        off = np.abs(left[rows]).max(initial=0.0)
+        if off > BALANCE * size or size == 0.0:
+            raise ValueError(
+                f"loads must be in balance but for what ground carries, got forces "
+                f"{left[:3].round(1).tolist()} N and moments {left[3:].round(1).tolist()} N m left"
+            )
+        return Loads(forces, pulls)
+
+    def resultant(self, forces: NDArray, centers: NDArray) -> NDArray:
+        """Force and moment (6,) about the centre of mass."""
+        return self.body.rigid_modes.T @ forces.ravel() + self.of_centers.T @ centers
+
+    def moment(self, forces: NDArray, centers: NDArray, y: float, z: float) -> float:
+        """Bending moment of the section at y about its axis at z, N m: of all that acts to the left of it."""
+        at = np.concatenate((self.mesh.nodes, [one.center for one in self.partition.interfaces]))
+        acting = np.concatenate((forces, centers.reshape(-1, 6)[:, :3]))
+        beyond = at[:, 1] > y
+        arms = (at[:, 1] - y, at[:, 2] - z)
+        return float((arms[0] * acting[:, 2] - arms[1] * acting[:, 1])[beyond].sum())
+
+
+def _centred(points: SurfacePoints, at: NDArray) -> NDArray:
+    """Density (p,) that changes evenly so that a force acts at a place (2,), as far as it pushes."""
+    off = points.positions[:, :2] - at
+    plane = np.column_stack((np.ones(len(off)), off))
+    weights = np.linalg.lstsq(
+        plane.T @ (points.areas[:, None] * plane), np.array([1.0, 0.0, 0.0]), rcond=None
+    )[0]
+    return np.maximum(plane @ weights, 0.0)
+
+
+@dataclass(frozen=True)
+class CheckResults:
+    """Check cases of a shoe, solved.
+
+    `stress` (cases, nodes, 6) in Pa and `displacement` (cases, nodes, 3) in m are those of the surface's
+    nodes, `forces` (n, 3, cases) in N those of loads and ground on all nodes, without pins. `table` has a row
+    for each case and region, `moments` one for each case, `cycles` one for each cycle and region.
+    """
+
+    check: ShoeCheck
+    shoe: CheckedShoe
+    cases: tuple[CheckCase, ...]
+    stress: NDArray
+    displacement: NDArray
+    forces: NDArray
+    table: pd.DataFrame
+    moments: pd.DataFrame
+    cycles: pd.DataFrame
+
+    def cycle(self, first: str, second: str) -> pd.DataFrame:
+        """Cycles to a crack in every region between two cases, or `UNLOADED` and one."""
+        stress = dict(zip([one.name for one in self.cases], self.stress, strict=True))
+        return cycle_table(self.check, self.shoe, stress, [(first, second)])
+
+    def _repr_html_(self) -> str:
+        """Table of the peaks, for notebooks."""
+        return self.table.to_html(index=False)
+
+
+def all_cases(check: ShoeCheck, shoe: CheckedShoe) -> tuple[CheckCase, ...]:
+    """Ready cases at every level of the force, by "case, level", and the check's own."""
+    found = [
+        one.with_(name=f"{one.name}, {level.name}")
+        for level in check.levels
+        for one in ready.ready_cases(shoe.outline, level.force)
+    ]
+    return (*found, *check.cases)
+
+
+def solve_cases(
+    check: ShoeCheck, shoe: CheckedShoe, say: Callable[[str], None] = lambda _text: None
+) -> CheckResults:
+    """Solve all cases of a check.
+
+    A ValueError names a case that is not in balance or that ground cannot carry.
+    """
+    cases = all_cases(check, shoe)
+    loads = []
+    for case in cases:
+        with _named(case):
+            loads.append(shoe.loads(case))
+    say(f"{len(cases)} cases in balance: answers of {len(shoe.mesh.nodes)} nodes")
+    forces, centers = (np.stack(one, axis=-1) for one in zip(*loads, strict=True))
+    answers = _answers(shoe, forces, centers)
+    below = np.zeros_like(forces)
+    for k, case in enumerate(cases):
+        if case.ground is not None:
+            with _named(case):
+                below[..., k] = _ground_forces(shoe, case, loads[k], answers[..., k])
+    say("answers to what the ground pushes with")
+    carried = [k for k, case in enumerate(cases) if case.ground is not None]
+    if carried:
+        answers[..., carried] += _answers(shoe, below[..., carried], np.zeros((len(centers), len(carried))))
+    say("stresses, peaks and cycles")
+    surface = shoe.mesh.surface_nodes
+    stress = np.ascontiguousarray(np.moveaxis(shoe.body.stress(answers, surface), 2, 0))
+    names = [case.name for case in cases]
+    by_name, pairs = dict(zip(names, stress, strict=True)), [(UNLOADED, name) for name in names]
+    pairs += [
+        (f"{a}, {level.name}", f"{b}, {level.name}")
+        for level, (a, b) in product(check.levels, ready.READY_CYCLES)
+    ]
+    pairs += [(one.first, one.second) for one in check.cycles]
+    return CheckResults(
+        check,
+        shoe,
+        cases,
+        stress,
+        np.moveaxis(answers[surface], 2, 0),
+        forces + below,
+        _peaks(check, shoe, names, stress, answers),
+        _moments(shoe, cases, forces + below, centers),
+        cycle_table(check, shoe, by_name, pairs),
+    )
+
+
+@contextmanager
+def _named(case: CheckCase) -> Iterator[None]:
+    """Name the case in what is wrong with it."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"case {case.name!r}: {error}") from error
+
+
+def _answers(shoe: CheckedShoe, forces: NDArray, centers: NDArray) -> NDArray:
+    """Displacements (n, 3, k) under nodal forces (n, 3, k) and forces on joint centres (24, k)."""
+    return shoe.partition.static_response(forces.reshape(-1, forces.shape[2]), centers).reshape(forces.shape)
+
+
+def _ground_forces(shoe: CheckedShoe, case: CheckCase, loads: Loads, answer: NDArray) -> NDArray:
+    """Nodal forces (n, 3) of the ground below a case."""
+    assert case.ground is not None
+    points = shoe.bed.points
+    x = points.positions[:, :2]
+    gap, stiffness = np.zeros(len(x)), np.full(len(x), case.ground.stiffness)
+    for part in case.ground.parts:
+        low, high = np.array(part.low), np.array(part.high)
+        away = np.abs(x - 0.5 * (low + high)) / (0.5 * (high - low))
+        inside = (away**2).sum(axis=1) <= 1.0 if part.round else (away <= 1.0).all(axis=1)
+        gap[inside], stiffness[inside] = -part.height, part.stiffness
+    shift = points.shapes @ answer[:, 2]
+    rest = shoe.bed.settle(shoe.resultant(*loads), shift, gap, stiffness)
+    forces = np.zeros_like(shoe.mesh.nodes)
+    forces[:, 2] = points.shapes.T @ rest.forces
+    return forces
+
+
+def _moments(
+    shoe: CheckedShoe, cases: Sequence[CheckCase], forces: NDArray, centers: NDArray
+) -> pd.DataFrame:
+    """Bending moment at y = 0 by all that acts, by hand, and the stress of a beam of that section."""
+    cut = section(shoe.mesh, 0.0)
+    rows = []
+    for k, case in enumerate(cases):
+        moment = shoe.moment(forces[..., k], centers[:, k], 0.0, cut.middle)
+        by_hand = np.nan if case.hand_moment is None else case.hand_moment
+        rows.append(
+            {
+                "case": case.name,
+                "moment at y = 0 in kN m": moment / 1e3,
+                "by hand in kN m": by_hand / 1e3,
+                "over it": moment / by_hand,
+                "beam, underside in MPa": moment * (cut.middle - cut.bottom) / cut.second / MEGA,
+                "beam, top in MPa": moment * (cut.middle - cut.top) / cut.second / MEGA,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _peaks(
+    check: ShoeCheck, shoe: CheckedShoe, names: Sequence[str], stress: NDArray, answers: NDArray
+) -> pd.DataFrame:
+    """Highest von Mises stress of each case and region, with what the mesh leaves open."""
+    surface, limit = shoe.mesh.surface_nodes, check.material.yield_strength
+    rows = []
+    for k, name in enumerate(names):
+        mises, open_ = von_mises(stress[k]), trust.resolution(shoe.mesh, STEEL, answers[..., k])
+        for region in REGIONS:
+            own = np.flatnonzero(shoe.regions == region)
+            if not len(own):
+                continue
+            at = own[np.argmax(mises[own])]
+            node = int(surface[at])
+            error, jump = float(open_.error[node]), float(open_.relative_jump[node])
+            verdict = trust.verdict_numbers([error], [error], [jump], [region == BORES])
+            least, _, greatest = principal(stress[k, at]) / MEGA
+            rows.append(
+                {"case": name, "region": region, "von Mises in MPa": mises[at] / MEGA}
+                | {
+                    "greatest principal in MPa": greatest,
+                    "least principal in MPa": least,
+                    "mesh error": error,
+                }
+                | {
+                    "verdict": trust.verdict_words(verdict)[0],
+                    "above yield": "yes" if mises[at] > limit else "",
+                }
+                | {
+                    "node": node,
+                    **dict(zip(("x in m", "y in m", "z in m"), shoe.mesh.nodes[node], strict=True)),
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def cycle_table(
+    check: ShoeCheck, shoe: CheckedShoe, stress: Mapping[str, NDArray], pairs: Sequence[tuple[str, str]]
+) -> pd.DataFrame:
+    """Cycles to a crack between states, by region: the least that 97.5 % survive, of any node.
+
+    The amplitude is half the von Mises stress of the difference of both states, the mean stress that of
+    their mean with the sign of its hydrostatic part.
+    """
+    curve, none = check.material.curve(), np.zeros((len(shoe.regions), 6))
+    rows = []
+    for first, second in pairs:
+        if wrong := {first, second} - {*stress, UNLOADED}:
+            raise ValueError(f"cycles: no case {sorted(wrong)}; there are {[*stress]}")
+        a, b = (stress.get(name, none) for name in (first, second))
+        change, mean = a - b, 0.5 * (a + b)
+        amplitude = 0.5 * von_mises(change)
+        signed = np.where(mean[:, :3].sum(axis=1) < 0.0, -1.0, 1.0) * von_mises(mean)
+        highest = np.maximum(von_mises(a), von_mises(b))
+        for region in REGIONS:
+            own = np.flatnonzero((shoe.regions == region) & (amplitude > 1.0))
+            if not len(own):
+                continue
+            damage = curve.damage(amplitude[own], signed[own], (SURVIVAL,))[0]
+            at = own[np.argmax(damage)]
+            often = 1.0 / float(damage.max())
+            rows.append(
+                {"from": first, "to": second, "region": region, "amplitude in MPa": amplitude[at] / MEGA}
+                | {"mean in MPa": signed[at] / MEGA, "cycles to a crack": often}
+                | {"an hour": often / check.hours, "node": int(shoe.mesh.surface_nodes[at])}
+                | {"above yield": "yes" if highest[at] > check.material.yield_strength else ""}
+            )
+    return pd.DataFrame(rows)
