@@ -235,6 +235,22 @@ def shoe_weights(case: Case) -> str:
     )
 
 
+def run_lines(case_file: CaseFile) -> list[str]:
+    """What a case comes to before it is run, in two lines: weights, pressure and sinkage; way and steps."""
+    case, end = case_file.case, float(case_file.duration)
+    shoes, shoe = case.track.shoe_count, case.shoe
+    loads = shoes * case.mean_load
+    pressure = loads / (shoes * shoe.length * shoe.width)
+    way, steps = float(case.drive.speed.integral(end)), end / case.solver.step
+    return [
+        f"track: {shoes} shoes of {shoe.mass / 1e3:.4g} t; the ground carries {loads / 1e3:.4g} kN at the "
+        f"begin, {pressure / 1e3:.4g} kPa below the shoes, which sink by about "
+        f"{1e3 * case.settled_penetration:.3g} mm",
+        f"run: {end:g} s, {abs(way):.3g} m of way by the drive, {steps:.0f} steps of "
+        f"{1e3 * case.solver.step:g} ms, {case.solver.stored_times(end):.0f} stored times",
+    ]
+
+
 class Difference(NamedTuple):
     """A value in which two cases differ."""
 

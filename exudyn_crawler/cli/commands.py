@@ -86,7 +86,7 @@ def info(
 
     Example: exudyn-crawler info soft_ground.toml
     """
-    from exudyn_crawler.case.case_file import nearest_base, shoe_weights
+    from exudyn_crawler.case.case_file import nearest_base, run_lines, shoe_weights
     from exudyn_crawler.case.parameters import checks, fields
 
     studies = sorted(application.registered(CASES))
@@ -104,6 +104,7 @@ def info(
     columns = ("key", "value", "in the base", "meaning")
     title = f"{case}: {differing} of {len(rows)} values differ from the case {base!r}"
     print_rows(columns, rows, title, keys=columns[:3], whole="in the file that init writes")
+    typer.echo("\n".join(run_lines(case_file)))
     if weights := shoe_weights(case_file.case):
         typer.echo(weights)
     checks.warn_implausible(case_file.case, case_file.duration)
@@ -138,6 +139,14 @@ def run(
         case_file = case_file.with_({"outputs.page": page})
     out = out or RESULTS / case.stem
     refuse_occupied(out, case_file, overwrite)
+    from exudyn_crawler.case.case_file import run_lines
+    from exudyn_crawler.sweep.running import TIMES, in_units, run_time
+
+    seconds = in_units(run_time(case_file), TIMES, 2)
+    flexible = (
+        "" if case_file.case.flexible is None else "; a new flexible shoe is reduced once, half a minute"
+    )
+    typer.echo("\n".join([*run_lines(case_file), f"time: about {seconds} by a rule of thumb{flexible}"]))
     done = crawler.run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo)
     show_answers(done)
     name, duration = case_file.case.name, done.history.duration

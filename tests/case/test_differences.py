@@ -3,7 +3,7 @@
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case.case_file import differences, nearest_base
+from exudyn_crawler.case.case_file import CaseFile, differences, nearest_base, run_lines
 
 
 @pytest.mark.parametrize("name", ["translation", "turning", "stress"])
@@ -41,3 +41,12 @@ def test_values_that_differ_in_their_last_digits_alone_are_shown_in_full():
     assert str(one) == "gravity is 9.81 m/s2, not 9.810000000001 m/s2"
     (name,) = differences(case, case.with_(name="other"))
     assert str(name) == "name is translation, not other"
+
+
+def test_before_a_run_it_is_said_what_it_comes_to():
+    track, run = run_lines(CaseFile(case=Case.translation(), duration=10.0))
+    # 13 shoes with 386.4 kN each and their own weight, on 13 undersides of 0.655742 m x 3.505 m
+    carried = 13 * (386.4 + 4.68167 * 9.81)
+    assert f"13 shoes of 4.682 t; the ground carries {carried:.4g} kN at the begin, " in track
+    assert f"{carried / (13 * 0.655742 * 3.505):.4g} kPa below the shoes, which sink by about 65." in track
+    assert run.startswith("run: 10 s, 0.75 m of way by the drive, 5000 steps of 2 ms, ")

@@ -72,6 +72,9 @@ def test_hot_spots_are_in_megapascal_and_in_both_frames(flexible_run):
     table = hot_spot_table(hot_spots[13], stress)
     assert table["von Mises in MPa"].to_numpy() == pytest.approx(hot_spots[13]["value"].to_numpy() / 1e6)
     plain = ("rank", "node", "flag", "verdict", "region")
+    first, last = table.columns[:6], table.columns[-3:]
+    assert list(first) == ["rank", *plain[4:], "von Mises in MPa", "verdict", "error in MPa", "jump in MPa"]
+    assert all("in the track" in name for name in last)
     assert all(" in " in name or name in plain or name.startswith("share of ") for name in table.columns)
     start = Case.stress().track.com_positions(history.case.shoe.com_height)[12]
     for k, axis in enumerate("xyz"):

@@ -170,19 +170,19 @@ def in_the_shoe(place: xr.DataArray) -> dict[str, np.ndarray]:
 
 
 def hot_spot_table(hot_spots: pd.DataFrame, stress: xr.Dataset) -> pd.DataFrame:
-    """Hot spots of a shoe: stresses in MPa, positions in shoe and track at t = 0, verdicts, causes."""
+    """Hot spots of a shoe: stresses in MPa with verdicts, errors and causes, then when and where they are."""
     columns = {
         "rank": hot_spots["rank"],
         "region": hot_spots["region"],
         "von Mises in MPa": hot_spots["value"] / MEGA,
-        "node": hot_spots["node"],
-        "time in s": hot_spots["time"],
+        "verdict": hot_spots["verdict"],
     }
+    columns |= {f"{name} in MPa": hot_spots[name] / MEGA for name in ("error", "jump")}
+    columns |= {"flag": hot_spots["flag"]} | hot_spots.filter(like=SHARE).to_dict("series")
+    columns |= {"node": hot_spots["node"], "time in s": hot_spots["time"]}
     columns |= in_the_shoe(stress.node_position.isel(node=hot_spots["node"].to_numpy()))
     columns |= {f"{axis} in the track at t = 0 in m": hot_spots[axis] for axis in "xyz"}
-    columns |= {f"{name} in MPa": hot_spots[name] / MEGA for name in ("jump", "error")}
-    shares = hot_spots.filter(like=SHARE).to_dict("series")
-    return pd.DataFrame(columns).assign(flag=hot_spots["flag"], verdict=hot_spots["verdict"], **shares)
+    return pd.DataFrame(columns)
 
 
 def region_table(by_region: Mapping[int, pd.DataFrame], stress: xr.Dataset) -> pd.DataFrame:
@@ -191,5 +191,5 @@ def region_table(by_region: Mapping[int, pd.DataFrame], stress: xr.Dataset) -> p
     whole = pd.concat(tables, ignore_index=True)
     shares = whole.filter(like=SHARE).fillna(0.0)
     first = ["shoe", "region"]
-    others = [name for name in whole if name not in (*first, "rank", *shares)]
-    return pd.concat((whole[[*first, *others]], shares), axis=1)
+    others = [name for name in whole if name not in (*first, "rank")]
+    return whole.assign(**shares)[[*first, *others]]
