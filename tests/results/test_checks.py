@@ -10,14 +10,14 @@ from exudyn_crawler.check_run import check_cases
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.results.checks.cases import (
     CheckCase,
-    Cycle,
-    Ground,
+    CheckCycle,
     GroundPart,
+    OneSidedGround,
     PinForce,
     Pressure,
     RollerForce,
     ShoeCheck,
-    Tread,
+    TreadForce,
     read_check,
     ready_cases,
 )
@@ -40,20 +40,20 @@ def shoe() -> CheckedShoe:
     return CheckedShoe.of(ShoeCheck(mesh="coarse"))
 
 
-def rolled(**place) -> tuple[Tread, ...]:
-    return tuple(Tread(side=side, force=FORCE, **place) for side in ("left", "right"))
+def rolled(**place) -> tuple[TreadForce, ...]:
+    return tuple(TreadForce(side=side, force=FORCE, **place) for side in ("left", "right"))
 
 
-def strips(*edges: tuple[float, float]) -> Ground:
+def strips(*edges: tuple[float, float]) -> OneSidedGround:
     parts = tuple(GroundPart(low=(-1.0, a), high=(1.0, b), stiffness=SOFT) for a, b in edges)
-    return Ground(stiffness=0.0, parts=parts)
+    return OneSidedGround(stiffness=0.0, parts=parts)
 
 
 @pytest.fixture(scope="module")
 def found(shoe):
     half = WHOLE / 2
     hand = {
-        "even": (Ground(stiffness=SOFT), half / 2 - ARM),
+        "even": (OneSidedGround(stiffness=SOFT), half / 2 - ARM),
         "ends": (strips((-half, -half + 0.2), (half - 0.2, half)), half - 0.1 - ARM),
         "ridge": (strips((-0.2, 0.2)), 0.1 - ARM),
     }
@@ -63,9 +63,11 @@ def found(shoe):
     ]
     cases.append(CheckCase(name="twice", treads=rolled() + rolled(), ground=hand["ends"][0]))
     stone = GroundPart(low=(0.12, 1.15), high=(0.42, 1.45), round=True, height=0.05, stiffness=1e10)
-    cases.append(CheckCase(name="stone", treads=rolled(), ground=Ground(stiffness=1e9, parts=(stone,))))
+    cases.append(
+        CheckCase(name="stone", treads=rolled(), ground=OneSidedGround(stiffness=1e9, parts=(stone,)))
+    )
     check = ShoeCheck(
-        mesh="coarse", levels=(), cases=tuple(cases), cycles=(Cycle(first="even", second="ends"),)
+        mesh="coarse", levels=(), cases=tuple(cases), cycles=(CheckCycle(first="even", second="ends"),)
     )
     return solve_cases(check, shoe)
 
@@ -97,7 +99,7 @@ def test_stress_grows_with_loads_and_cycles_by_its_fifth_power(found):
 
 
 def test_ground_pushes_in_balance_and_never_pulls(shoe):
-    case = CheckCase(name="end", treads=rolled(end="front", x=0.0), ground=Ground())
+    case = CheckCase(name="end", treads=rolled(end="front", x=0.0), ground=OneSidedGround())
     loads = shoe.loads(case)
     points = shoe.bed.points
     resultant = shoe.resultant(*loads)
@@ -118,13 +120,15 @@ def test_what_inertia_would_hide_is_refused_by_its_case(shoe):
             solve_cases(check, shoe)
 
     refused("must be in balance", treads=rolled())
-    refused("must be in balance", pins=(PinForce(pin="rear left", force=(1e6, 0, 0)),), ground=Ground())
+    refused(
+        "must be in balance", pins=(PinForce(pin="rear left", force=(1e6, 0, 0)),), ground=OneSidedGround()
+    )
     refused("or it tips over", treads=rolled(), ground=strips((0.5, 1.0)))
-    refused("or it tips over", treads=rolled(), ground=Ground(stiffness=0.0))
+    refused("or it tips over", treads=rolled(), ground=OneSidedGround(stiffness=0.0))
     up = Pressure(facing="down", low=(-1, -2, -1), high=(1, 2, 1), force=(0.0, 0.0, 1e6))
-    refused("must press downward", pressures=(up,), ground=Ground())
+    refused("must press downward", pressures=(up,), ground=OneSidedGround())
     refused("no face looks up", pressures=(up.with_(facing="up", low=(0, 0, 5), high=(1, 1, 6)),))
-    refused("must press on the rail", treads=rolled(x=0.5), ground=Ground())
+    refused("must press on the rail", treads=rolled(x=0.5), ground=OneSidedGround())
     refused("held_by must be of", treads=rolled(), held_by=("rear left w",))
 
 
@@ -141,7 +145,7 @@ def test_pins_take_the_least_forces_that_hold_a_shoe(shoe):
 
 def test_loads_act_where_they_are_said_to(shoe):
     y = 0.24 + 0.22 / 3
-    one = Tread(side="left", force=1e6, end="front", x=0.02, width=0.22 / 3, across=0.22 / 3)
+    one = TreadForce(side="left", force=1e6, end="front", x=0.02, width=0.22 / 3, across=0.22 / 3)
     forces = shoe.rail(one)[:, 2]
     front = shoe.outline.rails.front
     assert forces.sum() == pytest.approx(-1e6)

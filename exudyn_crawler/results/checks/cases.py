@@ -39,7 +39,7 @@ Facing = Literal["front", "rear", "left", "right", "up", "down"]
 Force = Annotated[float, Field(gt=0.0, le=1e10)]
 
 
-class Tread(Parameters):
+class TreadForce(Parameters):
     """Force of a roller's tread, downward on one of the rails."""
 
     side: Side = option("rail: left (+y) or right")
@@ -80,7 +80,7 @@ class GroundPart(Parameters):
     stiffness: float = quantity("N/m3", "pressure over depth; 0: a hole", ge=0, le=1e14, default=SAND)
 
 
-class Ground(Parameters):
+class OneSidedGround(Parameters):
     """One-sided springs below the underside."""
 
     stiffness: float = quantity("N/m3", "pressure over depth; 0: a hole", ge=0, le=1e14, default=SAND)
@@ -91,19 +91,19 @@ class CheckCase(Parameters):
     """Loads on a shoe in balance: by themselves, with ground below, or held by some of its pins."""
 
     name: Name = option("of the case")
-    treads: tuple[Tread, ...] = option("forces on the rails", default=())
+    treads: tuple[TreadForce, ...] = option("forces on the rails", default=())
     pressures: tuple[Pressure, ...] = option("forces on other parts of the surface", default=())
     pins: tuple[PinForce, ...] = option("forces of link pins", default=())
     held_by: tuple[Name, ...] = option(
         "pins and axes, such as 'rear left x', whose least forces take what is left of the loads", default=()
     )
-    ground: Ground | None = option("below it; none: it hangs in its pins", default=None)
+    ground: OneSidedGround | None = option("below it; none: it hangs in its pins", default=None)
     hand_moment: Component | None = quantity(
         "N m", "bending moment at y = 0 by hand, positive with the underside in tension", default=None
     )
 
 
-class Cycle(Parameters):
+class CheckCycle(Parameters):
     """Two check cases between which a shoe goes, and back."""
 
     first: Name = option("name of a case, or 'unloaded'")
@@ -139,7 +139,9 @@ class ShoeCheck(Parameters):
         "at which the ready cases are checked; () for none", default=LEVELS
     )
     cases: tuple[CheckCase, ...] = option("further ones", default=())
-    cycles: tuple[Cycle, ...] = option("further ones, beside those from unloaded to each case", default=())
+    cycles: tuple[CheckCycle, ...] = option(
+        "further ones, beside those from unloaded to each case", default=()
+    )
 
     def _errors(self) -> Errors:
         names = [one.name for one in self.cases]
@@ -173,9 +175,11 @@ class ShoeOutline(NamedTuple):
         return cls(rail_outline(mesh), under.min(axis=0), under.max(axis=0), float(mesh.nodes[:, 2].max()))
 
 
-def _rolled(force: float, **place: object) -> tuple[Tread, ...]:
+def _rolled(force: float, **place: object) -> tuple[TreadForce, ...]:
     """Treads of a roller on both rails."""
-    return tuple(Tread.model_validate({"side": side, "force": force, **place}) for side in ("left", "right"))
+    return tuple(
+        TreadForce.model_validate({"side": side, "force": force, **place}) for side in ("left", "right")
+    )
 
 
 def ready_cases(outline: ShoeOutline, force: float) -> list[CheckCase]:
@@ -191,7 +195,7 @@ def _supports(outline: ShoeOutline, force: float) -> list[CheckCase]:
 
     def case(name: str, stiffness: float, parts: list[GroundPart], moment: float | None = None) -> CheckCase:
         by_hand = None if moment is None else force * moment
-        ground = Ground(stiffness=stiffness, parts=tuple(parts))
+        ground = OneSidedGround(stiffness=stiffness, parts=tuple(parts))
         return CheckCase(name=name, treads=_rolled(force), ground=ground, hand_moment=by_hand)
 
     def part(low: Two, high: Two, stiffness: float) -> GroundPart:
@@ -206,7 +210,7 @@ def _supports(outline: ShoeOutline, force: float) -> list[CheckCase]:
         for w in (0.2, 0.5)
     ]
     corners = [part((x1 - 0.3, y1 - 0.3), (x1, y1), ROCK), part((x0, y0), (x0 + 0.3, y0 + 0.3), ROCK)]
-    one_rail = (Tread(side="left", force=2.0 * force),)
+    one_rail = (TreadForce(side="left", force=2.0 * force),)
     return [
         case("even, sand", SAND, [], whole / 4 - arm),
         case("even, rock", ROCK, [], whole / 4 - arm),
@@ -215,7 +219,7 @@ def _supports(outline: ShoeOutline, force: float) -> list[CheckCase]:
         case("diagonal corners 0.3 m", 0.0, corners, half - 0.15 - arm),
         case("stone at the edge, rock", ROCK, [stone(x1 - 0.045, 1.3, ROCK)]),
         case("stone at the edge, sand", SAND, [stone(x1 - 0.045, 1.6, SAND)]),
-        CheckCase(name="one rail", treads=one_rail, ground=Ground()),
+        CheckCase(name="one rail", treads=one_rail, ground=OneSidedGround()),
     ]
 
 
@@ -227,7 +231,7 @@ def _rail_ends(outline: ShoeOutline, force: float) -> list[CheckCase]:
         CheckCase(
             name=f"roller {1e3 * x:g} mm from the {end} end{words}",
             treads=_rolled(force, end=end, x=x, **width),
-            ground=Ground(),
+            ground=OneSidedGround(),
         )
         for end in ("front", "rear")
         for x in (0.0, 0.02)
@@ -263,7 +267,7 @@ def _turns(outline: ShoeOutline, force: float) -> list[CheckCase]:
                 if part
             ]
             pressures = (pushed, flange) if where == "rails" else (pushed,)
-            how: dict[str, Any] = {"treads": _rolled(force), "held_by": held, "ground": Ground()}
+            how: dict[str, Any] = {"treads": _rolled(force), "held_by": held, "ground": OneSidedGround()}
             name = f"turn {100 * share:g}/{100 - 100 * share:g}, side force at {where}"
             found.append(CheckCase(name=name, pins=tuple(pins), pressures=pressures, **how))
     return found
@@ -289,7 +293,7 @@ def _drive_and_strikes(outline: ShoeOutline, force: float) -> list[CheckCase]:
     for name, from_x in (("tip", x0), ("edge", 0.1)):
         low, high = (from_x, y1 - 0.25, 0.1), (x1, y1, outline.top + 0.1)
         strike = Pressure(facing="up", low=low, high=high, force=(0.0, 0.0, -STRIKE))
-        how: dict[str, Any] = {"treads": _rolled(force), "ground": Ground()}
+        how: dict[str, Any] = {"treads": _rolled(force), "ground": OneSidedGround()}
         found.append(CheckCase(name=f"strike of 1 MN on the wing's {name}", pressures=(strike,), **how))
     return found
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from exudyn_crawler.case.parameters.track import Track
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases as ready
-from exudyn_crawler.results.checks.cases import CheckCase, Facing, Pressure, ShoeCheck, Tread
+from exudyn_crawler.results.checks.cases import CheckCase, Facing, Pressure, ShoeCheck, TreadForce
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
 from fem import ElasticBody, Mesh, Partition, Shapes, trust
 from fem.interfaces import Spider, rigid_motion_of_centers
@@ -43,7 +43,7 @@ UNLOADED, MEGA = "unloaded", 1e6
 SURVIVAL = 0.975
 
 
-class Loads(NamedTuple):
+class AppliedLoads(NamedTuple):
     """Nodal forces (n, 3) and forces and moments (24,) on joint centres, N and N m."""
 
     forces: NDArray
@@ -92,7 +92,7 @@ class CheckedShoe:
             self._points[way] = surface_points(self.mesh, self.mesh.boundary[looking], POINTS)
         return self._points[way]
 
-    def rail(self, tread: Tread) -> NDArray:
+    def rail(self, tread: TreadForce) -> NDArray:
         """Nodal forces (n, 3) of a tread, N."""
         rails, half = self.outline.rails, 0.5 * tread.length
         if "rail" not in self._points:
@@ -124,7 +124,7 @@ class CheckedShoe:
             raise ValueError(f"no face looks {load.facing} between {load.low} and {load.high} m")
         return points.chosen(np.flatnonzero(inside)).spread(np.array(load.force))
 
-    def loads(self, case: CheckCase) -> Loads:
+    def loads(self, case: CheckCase) -> AppliedLoads:
         """Loads of a case without the ground, what pins hold included.
 
         A ValueError says what is not in balance.
@@ -156,7 +156,7 @@ class CheckedShoe:
                 f"loads must be in balance but for what ground carries, got forces "
                 f"{left[:3].round(1).tolist()} N and moments {left[3:].round(1).tolist()} N m left"
             )
-        return Loads(forces, pulls)
+        return AppliedLoads(forces, pulls)
 
     def resultant(self, forces: NDArray, centers: NDArray) -> NDArray:
         """Force and moment (6,) about the centre of mass."""
@@ -281,7 +281,7 @@ def _answers(shoe: CheckedShoe, forces: NDArray, centers: NDArray) -> NDArray:
     return shoe.partition.static_response(forces.reshape(-1, forces.shape[2]), centers).reshape(forces.shape)
 
 
-def _ground_forces(shoe: CheckedShoe, case: CheckCase, loads: Loads, answer: NDArray) -> NDArray:
+def _ground_forces(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answer: NDArray) -> NDArray:
     """Nodal forces (n, 3) of the ground below a case."""
     assert case.ground is not None
     points = shoe.bed.points
