@@ -116,7 +116,9 @@ FAKES = {
     "run case.toml --no-page": {},
     "sweep sweep.toml --dry-run": {},
     "sweep sweep.toml": {
-        "exudyn_crawler.sweep.running.run_sweep": result(SimpleNamespace(table=SWEPT)),
+        "exudyn_crawler.sweep.running.run_sweep": result(
+            SimpleNamespace(table=SWEPT, sweep=None, folder=Path("results/sweep"))
+        ),
         "exudyn_crawler.sweep.results.best_and_worst": result([Best("joint force", "best", 7, "1a2b", 7e5)]),
     },
 }
