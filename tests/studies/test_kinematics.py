@@ -144,9 +144,10 @@ def test_the_full_study_comes_as_close_as_its_classes_ask(full):
     assert by_class["statics"].all()
     assert table.loc[table["class"] == "lateral", "within"].eq("").all()
     fluctuation = table[table["class"] == "fluctuation"].set_index(["case", "quantity"])
-    # the turning track of the paper bounces 3 to 10 times as much (docs/validation.md)
+    # named as disagreeing: the turning track of the paper bounces more (docs/studies.md)
     bounces = [("turning", f"any shoe {what}") for what in BOUNCES]
-    assert fluctuation.loc[bounces, "ratio"].between(0.08, 0.35).all()
+    assert fluctuation.loc[bounces, "within"].eq("no").all()
+    assert fluctuation.loc[bounces, "ratio"].gt(0.08).all()
     assert fluctuation.drop(bounces)["within"].eq("yes").mean() >= 0.7
 
 
