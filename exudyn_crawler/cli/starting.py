@@ -44,5 +44,5 @@ def _prepare(case_file: "crawler.CaseFile") -> None:
     typer.echo(
         "compiling the equations of motion and reducing a shoe, once on this machine: about two minutes"
     )
-    compile_equations(rolled=False)
+    compile_equations("dragged")
     crawler.run_case(case_file.with_({"duration": 0.02}), progress=False)

@@ -221,7 +221,7 @@ def simulate(
     warn_implausible(case, duration)
     if checkpoints is not None:
         checkpoints.load(case)
-    compiling = COMPILING.format("rolled" if case.is_rolled else "dragged")
+    compiling = COMPILING.format(kind_of(case))
     told = nullcontext() if progress is False else notify_compiling(EQUATIONS, lambda: note(compiling))
     if case.flexible is not None:
         whole_reduction(case)  # large enough for several threads, as nothing behind it is
