@@ -31,6 +31,7 @@ COMMANDS = (
     "verify",
     "demo",
     "scatter",
+    "schema",
     "init",
     "run",
     "info",
@@ -105,7 +106,10 @@ def test_every_command_is_among_those_tested(call):
     _, out, _ = call("--help")
     own = {command.callback.__name__.replace("_", "-") for command in cli.app.registered_commands}
     looking = {"report", "animate", "node-stress", "pin-forces", "shoe-loads", "compare"}
-    assert own == {"demo", "init", "info", "run", "ground", "life", "spread", "sweep", "scatter"} | looking
+    assert (
+        own
+        == {"demo", "init", "info", "run", "ground", "life", "schema", "spread", "sweep", "scatter"} | looking
+    )
     assert own | set(registered(GROUP)) == set(COMMANDS)
     assert all(name in out for name in COMMANDS)
 

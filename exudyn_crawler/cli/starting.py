@@ -1,4 +1,8 @@
-"""The commands that a newcomer begins with: a demo that runs as it is."""
+"""The commands that a newcomer begins with: a demo, and what an editor knows of case files."""
+
+import json
+from pathlib import Path
+from typing import Annotated
 
 import typer
 
@@ -6,6 +10,7 @@ import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.application import RESULTS, Out, Overwrite
 from exudyn_crawler.cli.commands import command, show_answers
+from exudyn_crawler.files import whole_file
 
 DEMO = "demo"
 
@@ -35,6 +40,22 @@ def demo(
     show_answers(done)
     typer.echo(f"{out / 'report.html'}: open it in a browser")
     typer.echo(f"next, a machine of your own: exudyn-crawler init my_machine --study {DEMO}")
+
+
+@command
+def schema(
+    out: Annotated[Path, typer.Argument(help="file to write", metavar="FILE")] = Path("case.schema.json"),
+    overwrite: Overwrite = False,
+) -> None:
+    """Write the JSON schema of case files, by which editors complete and check them.
+
+    Example: exudyn-crawler schema
+    """
+    from exudyn_crawler.case.schema import case_schema
+
+    with whole_file(out, overwrite) as temporary:
+        temporary.write_text(json.dumps(case_schema(), indent=1) + "\n", encoding="utf-8")
+    typer.echo(f"{out}: begin a case file beside it with the line '#:schema {out.name}'")
 
 
 def _prepare(case_file: "crawler.CaseFile") -> None:
