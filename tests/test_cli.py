@@ -32,6 +32,7 @@ COMMANDS = (
     "demo",
     "scatter",
     "schema",
+    "check",
     "init",
     "run",
     "info",

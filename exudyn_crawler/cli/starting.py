@@ -10,7 +10,6 @@ import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.application import RESULTS, Out, Overwrite
 from exudyn_crawler.cli.commands import command, show_answers
-from exudyn_crawler.files import whole_file
 
 DEMO = "demo"
 
@@ -52,6 +51,7 @@ def schema(
     Example: exudyn-crawler schema
     """
     from exudyn_crawler.case.schema import case_schema
+    from exudyn_crawler.files import whole_file
 
     with whole_file(out, overwrite) as temporary:
         temporary.write_text(json.dumps(case_schema(), indent=1) + "\n", encoding="utf-8")
