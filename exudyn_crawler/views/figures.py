@@ -6,6 +6,7 @@ can be those of files.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Self
 
 import matplotlib as mpl
@@ -15,7 +16,7 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.ground.cells.law import CellLaw
-from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, select
+from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, link_name, select
 from exudyn_crawler.results.history.history import History, RunPhase, common_phases
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views import style
@@ -33,7 +34,8 @@ KINEMATICS = {name.replace("_", " "): one.label for name, one in select(curves="
 """Figures of kinematic quantities that the papers draw, and the labels of what they show."""
 CONTACT_VECTORS = [one.label for one in select(curves="contact", curve_axes=False).values() if one.is_vector]
 CONTACT_SCALARS = [one.label for one in select(curves="contact").values() if one.label not in CONTACT_VECTORS]
-JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values()]
+JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values() if not one.needs]
+CHAIN = [QUANTITIES["link_tension"].label]  # of a closed track alone
 """Labels of forces and sinkage of shoes, and of forces of links."""
 DEPTH, DEPTH_ON_CELLS = QUANTITIES["penetration"].label, "sinkage"
 """Label of how deep shoes are in the ground, and what it is called on cells, which have no heave."""
@@ -215,7 +217,8 @@ def _by_item(values: xr.DataArray, per: str) -> xr.DataArray:
     if dim is None:
         values = values.expand_dims({"item": [per]})
     else:
-        names = [NAMED[dim](one) for one in values[dim].values]
+        of = partial(link_name, values.joint) if dim == "joint" else NAMED[dim]
+        names = [of(one) for one in values[dim].values]
         dropped = {"place", "joint", "pin", dim} & set(values.coords)
         values = values.drop_vars(dropped).rename({dim: "item"}).assign_coords(item=names)
     return values.transpose("time", "item", "axis")
@@ -247,7 +250,7 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
     panels = {name: _panels(found, [label], items) for name, label in KINEMATICS.items()}
     panels |= {label: _panels(found, [label], items) for label in CONTACT_VECTORS}
     panels["sinkage and friction torque"] = _panels(found, CONTACT_SCALARS, items)
-    panels |= {label: _panels(found, [label], links) for label in JOINT_VECTORS}
+    panels |= {label: _panels(found, [label], links) for label in [*JOINT_VECTORS, *CHAIN] if label in found}
     panels |= _deformation(found)
     if case.is_rolled:
         sides = [ON_RAILS(side) for side in history.rail.values]

@@ -9,6 +9,8 @@ from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import Drive
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.results.history.catalogue import link_name
+from exudyn_crawler.results.loads.balance import energies, shoe_actions, shoe_imbalance
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
@@ -87,3 +89,19 @@ def test_work_of_the_drive_goes_through_the_pins_beside_the_tumbler(rig):
         taken -= power * case.solver.output_interval
     work = np.sum((data.drive_moment.values * data.tumbler_speed.values)[first:last])
     assert taken == pytest.approx(work * case.solver.output_interval, rel=0.01)
+
+
+def test_all_that_acts_on_a_shoe_is_its_mass_times_its_acceleration():
+    """On the ground; the records have the teeth, the wheels and the link of the last shoe."""
+    drive = Drive(speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.1)))
+    history = simulate(Case.closed().with_(drive=drive), 0.1, progress=False)
+    acts, left = (
+        abs(one).max(("time", "shoe", "axis")) for one in (shoe_actions(history), shoe_imbalance(history))
+    )
+    for name, parts in acts.items():
+        assert (parts.sel(source=["contact", "joint", "wheel", "tooth"]) > 1e4).all()
+        assert left[name] < 1e-5 * parts.max()
+    with pytest.raises(ValueError, match="energy balance of a closed track lacks"):
+        energies(history)
+    assert link_name(history.joint, 38) == "link 38-1"
+    assert link_name(history.joint, 37) == "link 37-38"

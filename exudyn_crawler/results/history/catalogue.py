@@ -22,6 +22,9 @@ Variable = tuple[tuple[str, ...], np.ndarray, dict[str, str]]
 
 CONTACT_KEYS = ("contact_shoe", "contact_unit", "contact_finger")
 """Coordinates along the contacts: numbers of shoe and unit, and of a finger, 0 for a whole underside."""
+OPEN_LINKS = "link of shoes i and i + 1"
+CLOSED_LINKS = f"{OPEN_LINKS}, the last one of the last shoe and the first"
+"""What the dimension of the links says of itself."""
 CATALOGUE = Path(__file__).with_name("quantities.csv")
 """Columns as the fields of `Quantity`; several words in one with spaces between."""
 SEVERAL = ("dimensions", "files", "derived_from", "needs", "curve_axes")  # columns of several words
@@ -120,6 +123,12 @@ def variable(name: str, values: np.ndarray, without: tuple[str, ...] = ()) -> Va
     return tuple(dim for dim in quantity.dimensions if dim not in without), values, quantity.attributes
 
 
+def link_name(links: xr.DataArray, link: int) -> str:
+    """Name of one of the links of a coordinate, by the shoes that it joins."""
+    closes = links.attrs.get("long_name") == CLOSED_LINKS and link == int(links.max())
+    return f"link {link}-{1 if closes else link + 1}"
+
+
 def check_dimensions(dataset: xr.Dataset) -> None:
     """Refuse a dataset of which a variable does not have its quantity's dimensions, by a ValueError."""
     for name, one in dataset.data_vars.items():
@@ -201,16 +210,19 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
     shoes, of_shoe = dataset.shoe.values, dataset.contact_shoe.values
     contacts = [np.flatnonzero(of_shoe == shoe) for shoe in shoes]
     depth = dataset.penetration.compute()
-    deepest = [depth.isel(contact=chosen).argmax("contact") for chosen in contacts]
+    deepest = [depth.isel(contact=chosen).argmax("contact") if len(chosen) else None for chosen in contacts]
     columns = {}
     for name in stored:
         # of a history that stays in its file a variable is read once, not once a shoe
-        whole = dataset[name].compute()
+        whole = dataset[name].compute().drop_vars(CONTACT_KEYS, errors="ignore")
         parts = [whole.isel(contact=chosen) for chosen in contacts]
         if QUANTITIES[name].by_shoe == "sum":
             parts = [part.sum("contact", keep_attrs=True) for part in parts]
         else:
-            parts = [part.isel(contact=one) for part, one in zip(parts, deepest, strict=True)]
+            # shoes that never touch the ground, as those above in a closed track
+            none = whole.isel(contact=slice(0)).sum("contact", keep_attrs=True)
+            pairs = zip(parts, deepest, strict=True)
+            parts = [none if one is None else part.isel(contact=one) for part, one in pairs]
         columns[name] = xr.concat(parts, dim="shoe", coords="minimal", compat="override")
     result = xr.Dataset(columns).assign_coords(shoe=shoes).drop_vars(CONTACT_KEYS, errors="ignore")
     result = result.assign({name: with_meaning(name, DERIVED[name](case, result)) for name in derived})

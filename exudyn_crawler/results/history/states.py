@@ -23,6 +23,8 @@ AXES = ["x", "y", "z"]
 
 CONTACTS = catalogue.select(per="pair", files="history")  # variables of every contact
 
+LINKS = (catalogue.OPEN_LINKS, catalogue.CLOSED_LINKS)
+
 NEIGHBOURS = ("behind", "ahead")
 """Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
 
@@ -56,7 +58,7 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
         coords={
             "time": ("time", time, {"units": "s"}),
             "shoe": case.track.shoes,
-            "joint": ("joint", case.joints, {"long_name": "link of shoes i and i + 1"}),
+            "joint": ("joint", case.joints, {"long_name": LINKS[case.is_closed]}),
             **({"unit": case.terrain.units} if len(case.terrain.units) else {}),
             "axis": AXES,
             **motion,

@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.signal import welch
 
 from exudyn_crawler.files import blocks
-from exudyn_crawler.results.history.catalogue import select
+from exudyn_crawler.results.history.catalogue import link_name, select
 from exudyn_crawler.results.history.history import History, phases
 
 READ_IN = {"N": ("kN", 1e3), "m": ("mm", 1e-3), "Pa": ("MPa", 1e6)}
@@ -61,7 +61,9 @@ def _item(values: xr.DataArray, dim: str, index: int) -> str:
         unit = int(values.contact_unit[index])
         return f"shoe {int(values.contact_shoe[index])}" + (f" on unit {unit}" if unit else "")
     number = values[dim].values[index]
-    return f"link {number}-{number + 1}" if dim == "joint" else f"{dim.split('_')[-1]} {number}"
+    if dim == "joint":
+        return link_name(values.joint, int(number))
+    return f"{dim.split('_')[-1]} {number}"
 
 
 def extremes(history: History) -> pd.DataFrame:

@@ -72,7 +72,8 @@ class Action:
     """One thing that acts on one body.
 
     Kinds on shoes are "joint", "weight", "load", "contact" and "drive", under a side frame also "roller" and
-    "chain" (pull of the drive, tension of the ends); on the frame "weight", "machine", "roller" and "pull".
+    "chain" (pull of the drive, tension of the ends), in a closed track "wheel" and "tooth", each with its
+    flanges; on the frame "weight", "machine", "roller" and "pull".
     """
 
     kind: str
@@ -130,7 +131,9 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
         yield from _grid(history, shoe, position, frames)
     else:
         yield from _contacts(history, shoe)
-    if shoe == history.case.track.shoe_count:
+    if history.case.is_closed:
+        yield from _wheels_and_teeth(history, shoe, position)
+    elif shoe == history.case.track.shoe_count:
         yield from _drive(history, shoe, position, frames)
     if history.case.undercarriage is not None:
         yield from _rollers(history, shoe, position, frames)
@@ -138,11 +141,12 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
 
 
 def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Joints of both links; a link of two rigid shoes has one, at its right pin."""
-    track = history.case.track
+    """Joints of both links; a link of two rigid shoes has one, at its right pin, in a closed track midway."""
+    track, closed = history.case.track, history.case.closed_track
+    behind = (shoe - 2) % track.shoe_count + 1 if closed is not None else shoe - 1
     # the link ahead acts on its rear shoe as stored, the link behind with the opposite
-    for end, joint, sign in (("front", shoe, 1.0), ("rear", shoe - 1, -1.0)):
-        if not 1 <= joint < track.shoe_count:
+    for end, joint, sign in (("front", shoe, 1.0), ("rear", behind, -1.0)):
+        if joint not in history.case.joints:
             continue
         link = history.dataset.sel(joint=joint)
         reactions = [link.joint_force.values, link.joint_torque.values]
@@ -151,7 +155,13 @@ def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarra
         force, torque = (sign * one.reshape(len(position), -1, 3) for one in reactions)
         for side in range(force.shape[1]):
             where = f"{end} {SIDES[side]}"
-            point = position + frames @ track.joint_centers[where]
+            place = np.array(track.joint_centers[where])
+            if closed is not None:
+                centers = [c for name, c in track.joint_centers.items() if name.startswith(end)]
+                place = np.mean(centers, axis=0)
+                # the rear pins of a worn chain are farther back
+                place[0] += (track.pitch - closed.chain_pitch(track)) * (end == "rear")
+            point = position + frames @ place
             yield Action("joint", shoe, where, point, force[:, side], torque[:, side], AtInterface(where))
 
 
@@ -211,6 +221,13 @@ def _drive(history: History, shoe: int, position: np.ndarray, frames: np.ndarray
     at = history.case.drive.point
     yield Action("drive", shoe, at, history.drive_point.values, force, zero, AtDrivePoint())
     yield Action("drive", shoe, "frame", position, zero, moment)
+
+
+def _wheels_and_teeth(history: History, shoe: int, position: np.ndarray) -> Iterator[Action]:
+    """Wrenches about the COM of all wheels of a closed track on the shoe, and of its tumbler."""
+    on_shoe = history.dataset.sel(shoe=shoe)
+    yield Action("wheel", shoe, "COM", position, on_shoe.wheel_load.values, on_shoe.wheel_moment.values)
+    yield Action("tooth", shoe, "COM", position, on_shoe.tooth_force.values, on_shoe.tooth_moment.values)
 
 
 def _rollers(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:

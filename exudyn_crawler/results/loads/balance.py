@@ -17,7 +17,8 @@ from exudyn_crawler.results.loads import actions as acting
 
 KINDS = ("weight", "load", "contact", "drive", "joint")
 ROLLED_KINDS = (*KINDS, "roller", "chain")
-"""Kinds of actions on shoes, in the order in which they are added; under a side frame."""
+CLOSED_KINDS = ("weight", "load", "contact", "joint", "wheel", "tooth")
+"""Kinds of actions on shoes, in the order in which they are added; under a side frame; in a closed track."""
 
 
 class _Motion:
@@ -82,7 +83,8 @@ def _side_frame(history: History, frame: Undercarriage) -> _Motion:
 def shoe_actions(history: History) -> xr.Dataset:
     """What acts on shoes by kind: `force`, N, `moment` about the frame, N m, (source, time, shoe, axis)."""
     position = history.position.values
-    kinds = ROLLED_KINDS if history.case.is_rolled else KINDS
+    case = history.case
+    kinds = CLOSED_KINDS if case.is_closed else ROLLED_KINDS if case.is_rolled else KINDS
     forces = np.zeros((len(kinds), *position.shape))
     moments = np.zeros_like(forces)
     for action in acting.actions(history):
@@ -272,6 +274,10 @@ def energy_balance(history: History) -> xr.Dataset:
 
 
 def _only_rigid(history: History) -> None:
+    if history.case.is_closed:
+        raise ValueError(
+            "the energy balance of a closed track lacks tumbler, wheels and teeth: not there yet"
+        )
     if history.case.flexible is not None:
         raise ValueError("the energy balance needs a history of rigid shoes: it leaves out elastic energy")
 

@@ -177,7 +177,7 @@ COMPILING = (
     "compiling the equations of motion of {} tracks, once on this machine: half a minute or more "
     "(Ctrl-C takes effect afterwards)"
 )
-"""Rolled and dragged tracks have equations of their own."""
+"""Rolled, dragged and closed tracks have equations of their own."""
 
 
 def simulate(
