@@ -125,7 +125,7 @@ def test_a_history_of_other_parameters_is_refused_by_name(translation, tmp_path)
     translation.save(tmp_path / "history.nc")
     other = Case.translation()
     other = other.with_(contact=other.contact.with_(stiffness=2e8))
-    with pytest.raises(ValueError, match=r"contact.stiffness is 100e6, not 200e6"):
+    with pytest.raises(ValueError, match=r"contact.stiffness is 100 MN/m.exponent, not 200 MN/m.exponent"):
         matching_history(tmp_path, CaseFile(case=other, duration=0.4))
     with pytest.raises(ValueError, match=r"duration is 0.4 s, not 10 s"):
         study(tmp_path / "out", ["translation"], duration=10.0, reuse=tmp_path)
