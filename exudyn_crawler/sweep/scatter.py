@@ -39,19 +39,8 @@ def quantiles(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
         for portion in PORTIONS if len(values) else ():
             quarter, half, value = (float(np.quantile(one, portion)) for one in parts)
             bounds = quantile_test(values, q=value, p=portion).confidence_interval(CONFIDENCE)
-            rows.append(
-                (
-                    answer.label,
-                    answer.unit,
-                    len(values),
-                    portion,
-                    value,
-                    bounds.low,
-                    bounds.high,
-                    quarter,
-                    half,
-                )
-            )
+            first = (answer.label, answer.unit, len(values), portion, value)
+            rows.append((*first, bounds.low, bounds.high, quarter, half))
     columns = ["answer", "unit", "runs", "portion below", "value", "least", "most", "of a quarter", "of half"]
     return pd.DataFrame(rows, columns=columns)
 
@@ -82,6 +71,8 @@ def failures(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
     done, fleet, rows = drawn_answers(table), sweep.fleet, []
     for answer in (one for one in sweep.answers if isinstance(one, Life)):
         lives = done[answer.label].dropna()
+        if lives.empty:
+            continue
         for hours in dict.fromkeys((min(fleet.hours_a_year, fleet.rebuild), fleet.rebuild)):
             cracked = int((lives < hours).sum())
             bounds = binomtest(cracked, len(lives)).proportion_ci(CONFIDENCE)

@@ -10,6 +10,7 @@ from pydantic import Field
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import assembly, base, track
 from exudyn_crawler.case.parameters.base import Errors, Parameters, quantity
+from exudyn_crawler.case.parameters.undercarriage import tread_strips
 
 CLEARANCE = 0.5
 """m, between the lowest shoes of a frame on posts and the ground."""
@@ -188,8 +189,7 @@ class ClosedTrack(Parameters):
     @property
     def strip_places(self) -> np.ndarray:
         """Y of the strips' middles beside that of their tread: array (strips,), m."""
-        points, _ = np.polynomial.legendre.leggauss(self.strips)
-        return 0.5 * self.tread_width * points
+        return tread_strips(self.strips, self.tread_width)
 
     def wheels(self, take_up: float) -> np.ndarray:
         """Lower rollers, idler and carriers: array (wheels, 3) of x and z in the frame and radius, m."""

@@ -76,14 +76,19 @@ class Undercarriage(Parameters):
     @property
     def strip_places(self) -> np.ndarray:
         """Y of the strips' middles beside that of their tread: array (strips,), m."""
-        # two resist tilting at the Gauss points as an evenly spread contact does
-        points, _ = np.polynomial.legendre.leggauss(self.strips)
-        return 0.5 * self.tread_width * points
+        return tread_strips(self.strips, self.tread_width)
 
     def shares_of_links(self, ahead: ArrayLike, links: int, pitch: float) -> np.ndarray:
         """Shares of the links in a tumbler's pull `ahead` (m) of link 1's pins: array (times, links)."""
         place = np.asarray(ahead, dtype=float)[..., None] / pitch
         return np.clip(1.0 - np.abs(place - np.arange(links)), 0.0, None)
+
+
+def tread_strips(count: int, width: float) -> np.ndarray:
+    """Y of the middles of a tread's strips beside that of the tread, so wide (m): array (count,), m."""
+    # two resist tilting at the Gauss points as an evenly spread contact does
+    points, _ = np.polynomial.legendre.leggauss(count)
+    return 0.5 * width * points
 
 
 def ground_below(chain: track.Track, terrain: Terrain) -> Terrain:

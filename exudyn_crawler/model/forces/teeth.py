@@ -19,7 +19,7 @@ from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
 from exudyn_crawler.model.elimination import solving, solving_within
-from exudyn_crawler.model.forces.treads import law_slopes
+from exudyn_crawler.model.forces.treads import law_slopes, write_point
 from exudyn_crawler.model.joints import Markers, end_of
 
 SLACK = 0.02
@@ -171,7 +171,8 @@ def _teeth_contacts(
         work.depth[k], work.guide[k] = max(depth, 0.0), sideways
         rows.bodies[count, 0], rows.bodies[count, 1], rows.unit[count] = b, t, -1
         _write_jacobian(markers, marker, own, arm, rows.jacobian[count, 0])
-        _write_point(at, from_axis, -1.0, rows.jacobian[count, 1])
+        rows.jacobian[count, 1].fill(0.0)
+        write_point(at, from_axis, -1.0, rows.jacobian[count, 1])
         along_normal = weights.position * by_depth + weights.velocity * by_rate
         along_tangent = weights.position * force * turn
         along_axis = weights.position * stiff + weights.velocity * damped
@@ -199,20 +200,10 @@ def _moving(markers: Markers, k: int, rates: FloatArray) -> Vector:
 
 
 @solving_within
-def _write_point(at: Attitude, arm: Vector, sign: float, jacobian: FloatArray) -> None:
-    """Write how a point of a rigid body moves, times a sign: `arm` leads there from its origin, m, global."""
-    jacobian.fill(0.0)
-    for c in range(3):
-        by_angle = cross(at.axes[c], arm)
-        for r in range(3):
-            jacobian[r, c] = sign if r == c else 0.0
-            jacobian[r, 3 + c] = sign * by_angle[r]
-
-
-@solving_within
 def _write_jacobian(markers: Markers, k: int, at: Attitude, arm: Vector, jacobian: FloatArray) -> None:
     """Write how a marker moves."""
-    _write_point(at, arm, 1.0, jacobian)
+    jacobian.fill(0.0)
+    write_point(at, arm, 1.0, jacobian)
     shapes = markers.displacement[k]
     for m in range(shapes.shape[1]):
         move = turned(at.R, (shapes[0, m], shapes[1, m], shapes[2, m]))

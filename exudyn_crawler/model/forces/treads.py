@@ -231,6 +231,16 @@ def _may_touch(rollers: Rollers, place: Vector, frame: Frame, shoe: Frame) -> bo
 
 
 @solving_within
+def motion_against(frame: Frame, shoe: Frame, place: Vector) -> tuple[Vector, Vector]:
+    """Place (m) and velocity (m/s) of a point of a frame, at `place` in its axes, in a shoe's axes."""
+    arm = turned(frame.R, place)
+    apart = along(along(frame.r, 1.0, arm), -1.0, shoe.r)
+    velocity = along(along(frame.v, 1.0, cross(frame.omega, arm)), -1.0, shoe.v)
+    rates = turned_back(shoe.R, along(velocity, -1.0, cross(shoe.omega, apart)))
+    return turned_back(shoe.R, apart), rates
+
+
+@solving_within
 def _touch(rollers: Rollers, strip: tuple[Vector, float], frame: Frame, shoe: Frame, bent: Bending) -> Tread:
     """Force of a shoe's rail on a strip, in the shoe's axes.
 
@@ -238,11 +248,7 @@ def _touch(rollers: Rollers, strip: tuple[Vector, float], frame: Frame, shoe: Fr
     the travel.
     """
     place, drag = strip
-    arm = turned(frame.R, place)
-    apart = along(along(frame.r, 1.0, arm), -1.0, shoe.r)
-    velocity = along(along(frame.v, 1.0, cross(frame.omega, arm)), -1.0, shoe.v)
-    center = turned_back(shoe.R, apart)
-    rates = turned_back(shoe.R, along(velocity, -1.0, cross(shoe.omega, apart)))
+    center, rates = motion_against(frame, shoe, place)
     disc = (rollers.radius, drag)
     law, rail = Impact(*rollers.law), Rail(*rollers.rail)
     return tread_force(law, rail, disc, (center[0], center[2]), (rates[0], rates[2]), bent)
@@ -264,6 +270,16 @@ def write_tangent(tread: Tread, R: tuple, weights: Weights, out: FloatArray) -> 
 
 
 @solving_within
+def write_point(at: Attitude, arm: Vector, sign: float, jacobian: FloatArray) -> None:
+    """Write how a point of a rigid body moves, times a sign: `arm` leads there from its origin, m, global."""
+    for c in range(3):
+        by_angle = cross(at.axes[c], arm)
+        for r in range(3):
+            jacobian[r, c] = sign if r == c else 0.0
+            jacobian[r, 3 + c] = sign * by_angle[r]
+
+
+@solving_within
 def write_rows(
     rows: ForceRows,
     p: int,
@@ -279,11 +295,7 @@ def write_rows(
     rows.unit[p] = -1
     for k in range(2):
         sign, at, jacobian = 1.0 - 2.0 * k, frames[k], rows.jacobian[p, k]
-        for c in range(3):
-            by_angle = cross(at.axes[c], arms[k])
-            for r in range(3):
-                jacobian[r, c] = sign if r == c else 0.0
-                jacobian[r, 3 + c] = sign * by_angle[r]
+        write_point(at, arms[k], sign, jacobian)
         for m in range(modes.shape[1]):
             move = turned(at.R, (modes[0, m], 0.0, modes[1, m]))
             for r in range(3):

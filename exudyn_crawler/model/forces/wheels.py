@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import Frame, Vector, along, cross, turned, turned_back
+from exudyn_crawler.ground.frames import Frame, Vector, along, turned
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
@@ -23,6 +23,7 @@ from exudyn_crawler.model.forces.treads import (
     Rollers,
     Tread,
     bending,
+    motion_against,
     rows_at,
     tread_force,
     write_rows,
@@ -151,11 +152,7 @@ def _touch(
 ) -> Strip:
     """Strip k of a wheel against a shoe's rail; `modes` gets the rows of the rail below it."""
     place = (wheels.places[w, k, 0], wheels.places[w, k, 1], wheels.places[w, k, 2])
-    arm = turned(frame.R, place)
-    apart = along(along(frame.r, 1.0, arm), -1.0, shoe.r)
-    velocity = along(along(frame.v, 1.0, cross(frame.omega, arm)), -1.0, shoe.v)
-    center = turned_back(shoe.R, apart)
-    rates = turned_back(shoe.R, along(velocity, -1.0, cross(shoe.omega, apart)))
+    center, rates = motion_against(frame, shoe, place)
     rail = Rail(*wheels.rollers.rail)
     modes.fill(0.0)
     bent = Bending(0.0, 0.0, 0.0)
