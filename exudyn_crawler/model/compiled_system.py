@@ -46,10 +46,13 @@ AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
 DRAG, CLOSED_DRAG = 100.0, 8.0
 """1/s, force over momentum that slows every body in creeping, so that shoes slip slowly; of a closed chain,
 whose runs swing slowly and stand no still shoes."""
-FIRST_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.2, 1e-7
-"""s, of creeping."""
-FEW, MANY = 8, 25
-"""Iterations below which the next step of creeping is longer, and most of them."""
+FIRST_DRAG, MOST_DRAG = 1e5, 1e9
+"""1/s, with which a closed chain starts to creep; it falls by half with every step that is found with some
+ease. Slow shoes hardly slip, and no damping is felt: from where it was assembled nothing else is found."""
+FIRST_STEP, SLOWED_STEP, LONGEST_STEP, LEAST_STEP = 5e-3, 0.05, 0.2, 1e-7
+"""s, of creeping; the second one of a chain whose drag still falls."""
+FEW, SOME, MANY = 8, 12, 25
+"""Iterations below which the next step of creeping is longer, below which drag falls, and most of them."""
 SETTLING, SETTLING_LIMITS = 4.0, (1e-2, MANY)
 """s in which shoes creep to their rest on cells that remember them; limits as of `creep`."""
 
@@ -190,11 +193,11 @@ class CompiledSystem(TrackSystem):
         self.switch_drive(self.case.drive.drives_after(0.0))
         multipliers = np.zeros_like(self._multipliers)
 
-        def attempt(step: float) -> int | None:
+        def attempt(step: float, drag: float) -> int | None:
             nonlocal q, multipliers
             self._state[0], self._multipliers[:] = q, multipliers
             cells.cover(self._state)
-            iterations = self._creep(step, SETTLING_LIMITS)
+            iterations = self._creep(step, drag, SETTLING_LIMITS)
             if iterations is not None:
                 cells.commit()
                 q, multipliers = self._state[0].copy(), self._multipliers.copy()
@@ -203,19 +206,28 @@ class CompiledSystem(TrackSystem):
         self.creep_for(SETTLING, attempt)
         return q
 
-    def creep_for(self, duration: float, attempt: Callable[[float], int | None]) -> None:
-        """Creep for some time (s) by attempts at steps (s), which give their iterations or fail with None."""
-        time, step = 0.0, FIRST_STEP
+    def creep_for(self, duration: float, attempt: Callable[[float, float], int | None]) -> None:
+        """Creep for some time (s) by attempts at steps (s) with a drag (1/s).
+
+        Attempts give their iterations or fail with None. The time counts from where the drag is least.
+        """
+        closed = self.case.is_closed
+        least = CLOSED_DRAG if closed else DRAG
+        drag, step = (FIRST_DRAG, SLOWED_STEP) if closed else (DRAG, FIRST_STEP)
+        time = 0.0
         while time < duration:
-            iterations = attempt(step)
-            if iterations is None:
+            iterations = attempt(step, drag)
+            if iterations is None and least < drag < MOST_DRAG:
+                drag *= 4.0
+            elif iterations is None:
                 step *= 0.25
                 if step < LEAST_STEP:
                     raise self.failure()
-                continue
-            time += step
-            if iterations < FEW:
-                step = min(1.5 * step, LONGEST_STEP)
+            elif drag > least:
+                drag = max(least, 0.5 * drag) if iterations < SOME else drag
+            else:
+                time += step
+                step = min(1.5 * step, LONGEST_STEP) if iterations < FEW else step
 
     def _put_down(self, cells: TrackOnCells) -> None:
         self._first = self.first_guess() if self._first is None else self._first
@@ -328,12 +340,13 @@ class CompiledSystem(TrackSystem):
         return out[:-2], direction
 
     def creep(
-        self, q: np.ndarray, multipliers: np.ndarray, step: float, limits: tuple[float, int]
+        self, q: np.ndarray, multipliers: np.ndarray, step: float, drag: float, limits: tuple[float, int]
     ) -> tuple[np.ndarray, np.ndarray, int] | None:
         """One step (s) without inertia from coordinates and multipliers, under the loads of t = 0.
 
-        `limits` are the residual (N, root mean square) that ends the search, and most iterations. Gives
-        coordinates, multipliers and iterations; None if the step is too long to be found.
+        `drag` (1/s) is force over momentum, `limits` are the residual (N, root mean square) that ends the
+        search, and most iterations. Gives coordinates, multipliers and iterations; None if the step is too
+        long to be found.
         """
         if self._cells is not None:
             self._put_down(self._cells)
@@ -341,16 +354,15 @@ class CompiledSystem(TrackSystem):
         if self._cells is not None:
             self._cells.cover(self._state)
         self._multipliers[:] = multipliers
-        iterations = self._creep(step, limits)
+        iterations = self._creep(step, drag, limits)
         return None if iterations is None else (self._state[0].copy(), self._multipliers.copy(), iterations)
 
-    def _creep(self, h: float, limits: tuple[float, int]) -> int | None:
+    def _creep(self, h: float, drag: float, limits: tuple[float, int]) -> int | None:
         """Iterations of a step as of `creep`, which the state takes; None if it is too long to be found."""
         self._state[1:] = 0.0
         inputs = self.inputs(0.0)
         inputs = inputs._replace(speeds=np.zeros(2), motors=np.zeros_like(inputs.motors))
-        slowed = CLOSED_DRAG if self.case.is_closed else DRAG
-        converged, iterations = self._step(inputs, Weights(1.0, 1.0 / h, slowed / h, False, h), limits)
+        converged, iterations = self._step(inputs, Weights(1.0, 1.0 / h, drag / h, False, h), limits)
         return iterations if converged and np.isfinite(self._state).all() else None
 
     def calls(self) -> dict[str, list[tuple[Any, tuple]]]:

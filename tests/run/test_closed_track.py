@@ -9,8 +9,11 @@ from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import Drive
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.results.history.catalogue import link_name
+from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.balance import energies, shoe_actions, shoe_imbalance
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
@@ -21,6 +24,31 @@ def rig():
     case = Case.closed().with_({"closed_track.support": "posts"}).on_cells(RockFloor.hard_floor())
     speed = StepProfile(times=(0.0, 0.5), values=(0.0, 0.3))
     return simulate(case.with_(drive=Drive(speed=speed)), 10.5, progress=False)
+
+
+@pytest.mark.parametrize("changes", [
+    {"closed_track.pitch_growth": 0.001},
+    {"closed_track.pitch_growth": 0.02},
+    {"closed_track.carriers": ()},
+    {"closed_track.idler.slack": 0.005},
+    {"shoe.mass": 4489.63},
+])  # fmt: skip
+def test_worn_slack_and_light_chains_find_their_rest(changes):
+    """On the papers' ground, which carries frame, tumbler and shoes; what creeps on is slow."""
+    case = Case.closed().with_(changes)
+    system, q = compiled_system(case), static_equilibrium(case)
+    history = system_history(system, resting(system, q))
+    carried = history.normal_force.sel(axis="z").sum().item()
+    tumbler, gear = case.closed_track.tumbler.mass, case.closed_track.mass
+    weight = (gear + tumbler + case.track.shoe_count * case.shoe.mass) * case.gravity
+    assert carried == pytest.approx(weight, rel=1e-3)
+
+
+def resting(system, q):
+    """Row of a state at rest, without multipliers."""
+    still, layout = np.zeros_like(q), system.layout
+    parts = {"coordinates": q, "coordinates rate": still, "coordinates acceleration": still, "time": 0.0}
+    return layout.pack(parts | {"multipliers": np.zeros(system.tables.multiplier_count)})[None]
 
 
 def pins(history):

@@ -55,9 +55,9 @@ def crept(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
     """
     q, multipliers = guess, np.zeros(len(system.multipliers))
 
-    def attempt(step: float) -> int | None:
+    def attempt(step: float, drag: float) -> int | None:
         nonlocal q, multipliers
-        crept_to = system.creep(q, multipliers, step, CREEPING_LIMITS)
+        crept_to = system.creep(q, multipliers, step, drag, CREEPING_LIMITS)
         if crept_to is None:
             return None
         q, multipliers, iterations = crept_to
