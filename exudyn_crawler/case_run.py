@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from exudyn_crawler.case import CaseFile
+from exudyn_crawler.case import Case, CaseFile, CellTerrain
 from exudyn_crawler.case.case_file import check_case_file
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.files import move_file, note_written
@@ -48,6 +48,14 @@ def _folder(path: str | Path | None) -> Path | None:
     if path == "":
         raise ValueError("out and reuse must name folders, or be None, got ''")
     return None if path is None else Path(path)
+
+
+def _check_files(case: Case) -> None:
+    """Refuse a mesh that does not fit, or ruts of another ground, while nothing is written yet."""
+    if case.flexible is not None:
+        check_shoe(case)
+    if isinstance(case.terrain, CellTerrain):
+        case.terrain.earlier(case.cell_contact().law)
 
 
 def run_case(
@@ -93,7 +101,7 @@ def run_case(
         If `case_file` is none.
     FileNotFoundError, ValueError
         Before anything is written, if a path is empty, `reuse` holds no history or one of other parameters,
-        or the flexible shoes' mesh does not fit the track; or if checkpoints come from other parameters.
+        or the mesh of flexible shoes or the ruts do not fit; or if checkpoints come from other parameters.
     FileExistsError, BlockingIOError
         Before anything runs, if results are there and `overwrite` is false, or another run works there.
     EquilibriumError
@@ -105,8 +113,7 @@ def run_case(
     case, outputs = case_file.case, case_file.outputs
     path, source = _folder(out), _folder(reuse)
     reused = None if source is None else matching_history(source, case_file)
-    if case.flexible is not None:
-        check_shoe(case)  # refuses a mesh that does not fit while nothing is written yet
+    _check_files(case)
     with reductions_in(reductions):
         if path is not None and take_finished and held_of(path, case_file) is record.Holds.FINISHED:
             say(f"{case.name}: finished already, in {path}")

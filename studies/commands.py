@@ -224,12 +224,14 @@ def grounds(
     """
     from studies.ground import study
 
-    _, table, regions = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
+    _, table, regions, lives = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
     keys = ("ground", "mean pull in kN", "greatest tilt of a shoe in mrad", "highest stress in MPa")
     print_table(table, "The machine on every ground", keys, out / "grounds.csv")
     keys = ("ground", "region", "von Mises in MPa", "verdict")
     print_table(regions, "Highest von Mises stress by region of the shoe", keys, out / "regions.csv")
-    typer.echo(f"the runs, grounds.csv and regions.csv are in {out}")
+    shown = ("ground", *LIVES[1:-1])
+    print_table(lives, "Shortest life by region, in hours of propel", shown, out / "lives.csv")
+    typer.echo(f"the runs, grounds.csv, regions.csv and lives.csv are in {out}")
 
 
 def plate_sweep(

@@ -1,7 +1,9 @@
 """The machine rolls over ground of cells: sand, oil sand as a range, hard floor with ruts, stones and ridges.
 
 No paper reports it. The papers' ground of units stands beside: there a shoe sinks by 66 mm under its share of
-the machine and tilts the rollers into a climb that is most of the pull.
+the machine and tilts the rollers into a climb that is most of the pull. Two trials part what sinking costs:
+sand that springs back along the line to where it began, which keeps no rut; and a second pass of the machine
+in the ruts of the first.
 """
 
 from pathlib import Path
@@ -10,12 +12,15 @@ from typing import NamedTuple, Unpack
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler import Case, CaseFile, FlexibleShoes
+from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial, FlexibleShoes
 from exudyn_crawler.case import Heights
 from exudyn_crawler.case.parameters.heights import Ridge, Stone
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.results.life.duty import DutyRun
+from exudyn_crawler.results.life.life import in_words, life_of
+from exudyn_crawler.run.folder.record import HISTORY
 from exudyn_crawler.views.tables import write_table
 from studies.rollers import highest_by_region, rolled_case
 from studies.running import Running, study_runs
@@ -25,6 +30,8 @@ FLEXIBLE = 20
 PASS_DURATION = 60.0
 """s, in which five of the six rollers pass over it."""
 PAPERS = "papers' units"
+AGAIN = "second pass"
+SOFT = "oil sand, soft end"
 KILO = 1e3
 
 
@@ -48,26 +55,37 @@ def reliefs() -> dict[str, Heights]:
     }
 
 
-def study_cases(mesh: str = "coarse", duration: float = PASS_DURATION) -> dict[str, CaseFile]:
-    """Cases of the study, each over `duration` (s)."""
+def study_cases(
+    mesh: str = "coarse", duration: float = PASS_DURATION, out: Path | None = None
+) -> dict[str, CaseFile]:
+    """Cases of the study, each over `duration` (s).
+
+    Second passes start in the ruts that the first have left in the study's folder; none without one.
+    """
     flexible = FlexibleShoes.ph4100c(mesh).with_(shoes=(FLEXIBLE,))
     base = rolled_case(mesh).with_(flexible=flexible)
     soils = {
         "LETE sand": BekkerSoil.lete_sand(),
-        "oil sand, soft end": BekkerSoil.oil_sand_low(),
+        SOFT: BekkerSoil.oil_sand_low(),
         "oil sand, stiff end": BekkerSoil.oil_sand_high(),
     }
+    soft = {name: soils[name] for name in ("LETE sand", SOFT)}
+    soils |= {f"{name}, springs back": law.with_(reload_stiffness=0.0) for name, law in soft.items()}
     cases = {PAPERS: base} | {name: base.on_cells(law) for name, law in soils.items()}
     cases |= {name: base.on_cells(RockFloor.hard_floor(), relief) for name, relief in reliefs().items()}
+    if out is not None:
+        before = {name: (out / name / HISTORY).resolve() for name in soft}
+        cases |= {f"{name}, {AGAIN}": cases[name].with_({"terrain.ruts": before[name]}) for name in soft}
     return {name: CaseFile(case=case.with_(name=name), duration=duration) for name, case in cases.items()}
 
 
 class GroundStudy(NamedTuple):
-    """Runs by ground, a row a ground, and the highest stresses by ground and region."""
+    """Runs by ground, a row a ground, and the highest stresses and shortest lives by ground and region."""
 
     runs: dict[str, CaseRun]
     table: pd.DataFrame
     regions: pd.DataFrame
+    lives: pd.DataFrame
 
 
 def row(run: CaseRun) -> dict[str, float]:
@@ -90,6 +108,14 @@ def row(run: CaseRun) -> dict[str, float]:
     }
 
 
+def lives_by_region(run: CaseRun) -> pd.DataFrame:
+    """Shortest life of the flexible shoe in every region, in hours of propel: the pass repeats itself."""
+    name = run.history.case.name
+    only = DutyRun(name="pass", folder=str(run.folder or name), share=1.0)
+    duty = Duty(name=name, runs=(only,), material=FatigueMaterial.cast_nicrmo())
+    return life_of(duty, [run.history]).table
+
+
 def study(
     out: Path | None = None,
     mesh: str = "coarse",
@@ -97,12 +123,13 @@ def study(
     duration: float = PASS_DURATION,
     **how: Unpack[Running],
 ) -> GroundStudy:
-    """Roll the machine over every ground, with one flexible shoe, and compare.
+    """Roll the machine over every ground, with one flexible shoe, and compare pull, stress and life.
 
     Parameters
     ----------
     out : Path, optional
-        Folder of the study: a folder a ground, `grounds.csv` and `regions.csv`; None writes nothing.
+        Folder of the study: a folder a ground, `grounds.csv`, `regions.csv` and `lives.csv`; None writes
+        nothing, and leaves out second passes.
     mesh : str
         coarse, study or fine, or the path of a mesh.
     duration : float
@@ -117,17 +144,23 @@ def study(
     EquilibriumError, SimulationStopped
         As of `run_case`.
     """
-    with study_runs(out, study_cases(mesh, duration), **how) as runs:
+    with study_runs(out, study_cases(mesh, duration, out), **how) as runs:
         table = pd.DataFrame({"ground": name} | row(run) for name, run in runs.items())
-        parts = [highest_by_region(run).assign(ground=name) for name, run in runs.items()]
-        regions = pd.concat(parts, ignore_index=True)
-        regions = regions[["ground", *[name for name in regions.columns if name != "ground"]]].fillna(0.0)
+        regions = _by_ground({name: highest_by_region(run) for name, run in runs.items()})
+        lives = in_words(_by_ground({name: lives_by_region(run) for name, run in runs.items()}))
         highest = regions.groupby("ground")["von Mises in MPa"].max()
         table["highest stress in MPa"] = highest[table["ground"]].values
         if out is not None:
             write_table(table, out / "grounds.csv", overwrite=True)
             write_table(regions, out / "regions.csv", overwrite=True)
-        return GroundStudy(runs, table, regions)
+            write_table(lives, out / "lives.csv", overwrite=True)
+        return GroundStudy(runs, table, regions, lives)
+
+
+def _by_ground(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
+    """Tables one below the other, with the ground first; what one has alone is zero in the others."""
+    whole = pd.concat([one.assign(ground=name) for name, one in tables.items()], ignore_index=True)
+    return whole[["ground", *[name for name in whole.columns if name != "ground"]]].fillna(0.0)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 import math
 import os
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, SupportsFloat
 
 import tomlkit
@@ -217,6 +218,7 @@ def _plain(value: object) -> str:
         return f"[{', '.join(map(_plain, value))}]"
     if isinstance(value, float):
         return fields.number_text(value)
+    value = str(value) if isinstance(value, Path) else value
     return tomlkit.item(fields.NONE if value is None else value).as_string()
 
 

@@ -27,7 +27,7 @@ CYCLE = "file"  # key of the loads that names a file with their cycle
 
 
 def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
-    """Read a case file; paths of a mesh and of a load cycle count from the file's folder.
+    """Read a case file; paths of mesh, load cycle, measured heights and ruts count from the file's folder.
 
     Parameters
     ----------
@@ -162,6 +162,13 @@ def _resolved(content: Content, folder: Path, changes: Sequence[_Change] = ()) -
         if not os.path.isfile(folder / name):
             raise ValueError(f"flexible.mesh: neither one of {', '.join(SHOE_SIZES)} nor a file: {name!r}")
         flexible["mesh"] = str((folder / name).resolve())
+    for key in ("ruts", "relief.measured.file"):
+        *tables, last = ("terrain", *key.split("."))
+        found = content["case"]
+        for table in tables:
+            found = (found.get(table) if isinstance(found, dict) else None) or {}
+        if isinstance(found, dict) and isinstance(found.get(last), str):
+            found[last] = str((folder / found[last]).resolve())
     return content
 
 

@@ -3,6 +3,7 @@
 import difflib
 import re
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
@@ -47,6 +48,8 @@ Roller = Annotated[float, Ge(-1e3), Le(1e3)]  # place of a roller along the fram
 Two = tuple[Place, Place]
 Three = tuple[Place, Place, Place]
 Vector = tuple[Component, Component, Component]
+File = Annotated[Path, AfterValidator(Path.absolute)]
+"""Wherever what names it is read again."""
 Six = tuple[Component, Component, Component, Component, Component, Component]
 
 

@@ -1,12 +1,13 @@
 """Ground of cells that remember: where it is, its heights and the law of its soil."""
 
 import importlib
+import json
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny
 
-from exudyn_crawler.case.parameters.base import Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import File, Parameters, Place, quantity
 from exudyn_crawler.case.parameters.terrain import Ground
 
 LAWS = "exudyn_crawler.ground.cells.laws"
@@ -53,6 +54,9 @@ class CellTerrain(Ground):
     length: float = quantity("m", "of the field along x", gt=0, le=1e5)
     width: float = quantity("m", "of the field along y", gt=0, le=1e5)
     cell: float = quantity("m", "side of a cell", plausible=(0.02, 0.2), ge=1e-3, le=10, default=0.1)
+    ruts: File | None = quantity(
+        "", "history (.nc) of an earlier run on this ground, whose ruts it has; none: fresh", default=None
+    )
 
     @property
     def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -68,3 +72,30 @@ class CellTerrain(Ground):
     def surface(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height of the ground at places (m): array of their shape, m."""
         return np.asarray(self.relief.sample(x, y)[..., 0])
+
+    def earlier(self, law: SoilLaw) -> dict[str, np.ndarray]:
+        """Cells that the earlier run has pressed in, by their names in its history; none of fresh ground.
+
+        Raises
+        ------
+        ValueError
+            In a line, if there is no such history, or one of other cells, other heights or another law.
+        """
+        if self.ruts is None:
+            return {}
+        import xarray
+
+        names = ("cell_column", "cell_row", "cell_sinkage", "cell_pressure")
+        try:
+            with xarray.open_dataset(self.ruts, engine="h5netcdf") as stored:
+                case = json.loads(stored.attrs["case"])
+                cells = {name: stored[name].values for name in names}
+        # altered bytes make the readers raise all kinds of errors
+        except Exception as error:
+            reason = " ".join(str(error).split())
+            raise ValueError(f"terrain.ruts: {self.ruts} has no ground of cells: {reason}") from error
+        own = self.model_dump(mode="json") | {"law": law.model_dump(mode="json")}
+        its = case["terrain"] | {"law": case["contact"]["law"]}
+        if others := [name for name in ("cell", "relief", "law") if its[name] != own[name]]:
+            raise ValueError(f"terrain.ruts: {self.ruts} is of a ground with another {' and '.join(others)}")
+        return cells

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline
 from scipy.ndimage import gaussian_filter
 
-from exudyn_crawler.case.parameters.base import Errors, Parameters, Place, quantity
+from exudyn_crawler.case.parameters.base import Errors, File, Parameters, Place, quantity
 
 STEEPEST = 1.0
 """Rise over run beyond which heights are a wall, which cells do not know."""
@@ -26,7 +26,7 @@ class HeightGrid(NamedTuple):
 class MeasuredGrid(Parameters):
     """Heights of a file, smoothed: a step between two of them has no slope of its own."""
 
-    file: Path = quantity("", "ESRI ASCII grid (.asc), NumPy array (.npy), NetCDF (.nc) or GeoTIFF (.tif)")
+    file: File = quantity("", "ESRI ASCII grid (.asc), NumPy array (.npy), NetCDF (.nc) or GeoTIFF (.tif)")
     smoothing: float = quantity(
         "m", "standard deviation of the Gaussian that smooths; about a cell", ge=0, le=100, default=0.1
     )

@@ -26,7 +26,7 @@ class CellGroundContact:
     Attributes
     ----------
     ground : CellGround
-        Cells and points of the shoes, fresh.
+        Cells and points of the shoes, fresh or with the ruts of an earlier run.
     """
 
     def __init__(self, case: Case) -> None:
@@ -41,6 +41,8 @@ class CellGroundContact:
         self.unit_reference = np.zeros((0, 4))
         law = cast(CellLaw, case.cell_contact().law)
         self.ground = CellGround(law, terrain.relief, terrain.cell, corners, len(coms))
+        if (earlier := terrain.earlier(law)) and not law.kernel.forgets:
+            self.ground.press_in(**earlier)
         self._case, self._middle = case, float(coms[0, 1])
 
     @property

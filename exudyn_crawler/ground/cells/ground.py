@@ -158,6 +158,19 @@ class CellGround:
         self.tiles.memory[rows] = state["memory"]
         self._held = rows[state["held"]]
 
+    def press_in(
+        self,
+        cell_column: np.ndarray,
+        cell_row: np.ndarray,
+        cell_sinkage: np.ndarray,
+        cell_pressure: np.ndarray,
+    ) -> None:
+        """Let cells of fresh ground remember a sinkage (m) and the pressure there (Pa), and no shear."""
+        memory = np.zeros((len(cell_column), FIELDS))
+        memory[:, 0], memory[:, 1], memory[:, 4] = cell_sinkage, cell_pressure, self.tiles.fresh
+        cells, nothing = np.column_stack((cell_column, cell_row)), np.zeros(0, dtype=np.int64)
+        self.restore({"cells": cells, "memory": memory, "held": nothing})
+
     def _add_tiles(self, frames: np.ndarray) -> None:
         """Make the tiles below the bounds of the shoes that are not there yet."""
         rotations = frames[:, 3:12].reshape(-1, 3, 3)

@@ -1,0 +1,92 @@
+"""A run that starts in the ruts of an earlier one: what cells remember, and what of a file is refused."""
+
+import shutil
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, CaseFile, run_case, simulate
+from exudyn_crawler.case.case_file import case_text
+from exudyn_crawler.case.files import read_case, write_case
+from exudyn_crawler.case.parameters.heights import Heights, Ridge
+from exudyn_crawler.ground.cells.contact import CellGroundContact
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from tests.rolled import small_case
+
+SOIL = BekkerSoil.lete_sand()
+DURATION = 0.05
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """History of a short pass of the machine, and its file."""
+    folder = tmp_path_factory.mktemp("first")
+    history = simulate(small_case().on_cells(SOIL), DURATION, False)
+    return history, history.save(folder / "history.nc")
+
+
+@pytest.mark.simulation
+def test_the_second_pass_starts_from_what_the_first_has_left(first, tmp_path):
+    history, path = first
+    again = history.case.with_({"terrain.ruts": path})
+    memory = CellGroundContact(again).ground.state()
+    assert len(memory["held"]) == 0
+    order = np.lexsort(memory["cells"].T[::-1])
+    stored = (history.cell_column, history.cell_row, history.cell_sinkage, history.cell_pressure)
+    found = (*memory["cells"][order].T, *memory["memory"][order, :2].T)
+    for one, other in zip(found, stored, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert not memory["memory"][:, 2:].any()
+    # the same load on ground that was under it before: the rut, deeper by what rocking adds
+    second = run_case(CaseFile(case=again, duration=DURATION), tmp_path / "second", progress=False).history
+    deepest, before = float(second.cell_sinkage.max()), float(history.cell_sinkage.max())
+    assert before <= deepest < 1.25 * before
+    sunk = [one.contacts_by_shoe().penetration.isel(time=0).mean().item() for one in (history, second)]
+    assert sunk[0] < sunk[1] < deepest
+    # deepening takes less than making
+    energy = [float((one.cell_sinkage * one.cell_pressure).sum()) for one in (history, second)]
+    assert energy[1] - energy[0] < 0.5 * energy[0]
+    assert read_case(tmp_path / "second" / "case.toml").case == again
+
+
+@pytest.mark.simulation
+def test_ruts_of_another_ground_are_refused_in_a_line_before_anything_is_written(first, tmp_path):
+    history, path = first
+    other = history.case.with_({"terrain.ruts": path})
+    ridge = Heights(parts=(Ridge(x=16.0, height=0.1, width=0.2, flank=0.3),))
+    for changes, named in (
+        ({"contact.law": SOIL.with_(cohesion=2e3)}, "another law"),
+        ({"contact.law": RockFloor.hard_floor()}, "another law"),
+        ({"terrain.cell": 0.05}, "another cell"),
+        ({"terrain.relief": ridge, "terrain.cell": 0.05}, "another cell and relief"),
+    ):
+        with pytest.raises(
+            ValueError, match=f"terrain.ruts: .*history.nc is of a ground with {named}"
+        ) as told:
+            run_case(CaseFile(case=other.with_(changes), duration=DURATION), tmp_path / "out", progress=False)
+        assert "\n" not in str(told.value)
+    altered = tmp_path / "altered.nc"
+    altered.write_bytes(path.read_bytes()[:1000])
+    for bad in (altered, tmp_path / "none.nc"):
+        with pytest.raises(ValueError, match=f"terrain.ruts: .*{bad.name} has no ground of cells") as told:
+            simulate(other.with_({"terrain.ruts": bad}), DURATION, False)
+        assert "\n" not in str(told.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_files_count_from_the_case_file(tmp_path):
+    np.save(tmp_path / "pit.npy", np.zeros((40, 40)))
+    case = Case.translation().on_cells(SOIL)
+    case = case.with_({"terrain.relief": Heights(measured={"file": tmp_path / "pit.npy", "spacing": 2.0})})
+    case = case.with_({"terrain.ruts": tmp_path / "first.nc"})
+    path = write_case(CaseFile(case=case, duration=1.0), tmp_path / "whole.toml")
+    assert read_case(path).case == case
+    relative = case_text(CaseFile(case=case, duration=1.0)).replace(f"{tmp_path}/", "")
+    (tmp_path / "relative.toml").write_text(relative, encoding="utf-8")
+    assert read_case(tmp_path / "relative.toml").case == case
+    moved = tmp_path / "moved"
+    moved.mkdir()
+    shutil.copy(tmp_path / "pit.npy", moved)
+    (moved / "relative.toml").write_text(relative, encoding="utf-8")
+    assert read_case(moved / "relative.toml").case.terrain.ruts == moved / "first.nc"
