@@ -232,14 +232,14 @@ def _beyond(case_file: CaseFile, **times: float | None) -> Errors:
 def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
     """What a quantity is of, and their numbers; contacts count by shoe: pairs differ from run to run."""
     flexible = () if case.flexible is None else case.flexible.shoes
-    joints = case.track.joints.tolist()
+    joints = case.joints.tolist()
     rollers = [] if case.undercarriage is None else [*range(1, len(case.undercarriage.rollers) + 1)]
     counted = {
         "shoe": ("shoes", case.track.shoes.tolist()),
         "flexible shoe": ("flexible shoes", [*flexible]),
         "link": ("links", joints),
         # a link has two pins where one of its shoes is flexible
-        "pin": ("links", [one for one in joints if {one, one + 1} & set(flexible)]),
+        "pin": ("links", [one for one in joints if {one, one % case.track.shoe_count + 1} & set(flexible)]),
         "unit": ("units", case.terrain.units.tolist()),
         "roller": ("rollers", rollers),
     }

@@ -25,7 +25,7 @@ BASE_CASE, DEFINITION = "base.toml", "sweep.json"
 TABLE, COLUMNS, DATASET = "results.csv", "results.parquet", "results.nc"
 REDUCTIONS = "reductions"
 # rules of thumb for the wall time of a run (docs/speed.md, docs/sweeps.md)
-BEGIN = 0.5  # s of a run beside its steps: rest, files, record
+BEGIN, BEGIN_CLOSED = 0.5, 2.5  # s of a run beside its steps: rest, files, record; rest of a closed track
 SHOES = 13
 STEP = {True: 0.6e-3, False: 1.2e-3}  # s a step of so many rigid shoes, with compiled equations and without
 STEP_FLEXIBLE = {True: 0.1e-3, False: 2.0e-3}  # s more of a flexible one
@@ -176,7 +176,8 @@ def run_time(case_file: CaseFile) -> float:
     if case.is_rolled:
         step, more = ROLLED * step, ROLLED_FLEXIBLE
     recovered = RECOVERY * flexible * solver.stored_times(case_file.duration)
-    return BEGIN + case_file.duration / solver.step * (step + more * flexible) + recovered
+    begin = BEGIN_CLOSED if case.is_closed else BEGIN
+    return begin + case_file.duration / solver.step * (step + more * flexible) + recovered
 
 
 def run_bytes(case_file: CaseFile) -> float:

@@ -7,6 +7,7 @@ can be those of files.
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from typing import Any, Self
 
 import matplotlib as mpl
@@ -18,6 +19,7 @@ from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, link_name, select
 from exudyn_crawler.results.history.history import History, RunPhase, common_phases
+from exudyn_crawler.results.history.summary import tension_along_chain
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views import style
 
@@ -28,14 +30,24 @@ NAME_SIZE, NAME_INSET = 6.5, 2.0
 """Points: size of a phase's name, and how far it stands to the right of its band's begin and above it."""
 SHOES, JOINTS = (1, 4, 7, 10, 13), (1, 4, 7, 10, 12)
 """Shoes that the papers draw, and links by their rear shoe: those behind these shoes, and 12-13."""
-GROUPS = ("stress", "motion", "contact", "rollers", "side frame", "links", "track")
+GROUPS = (
+    "stress",
+    "motion",
+    "contact",
+    "rollers",
+    "wheels",
+    "teeth",
+    "tumbler",
+    "side frame",
+    "links",
+    "track",
+)
 """Groups of curves, in the order in which they are offered."""
 KINEMATICS = {name.replace("_", " "): one.label for name, one in select(curves="motion").items()}
 """Figures of kinematic quantities that the papers draw, and the labels of what they show."""
 CONTACT_VECTORS = [one.label for one in select(curves="contact", curve_axes=False).values() if one.is_vector]
 CONTACT_SCALARS = [one.label for one in select(curves="contact").values() if one.label not in CONTACT_VECTORS]
 JOINT_VECTORS = [one.label for one in select(curves="links", per="link").values() if not one.needs]
-CHAIN = [QUANTITIES["link_tension"].label]  # of a closed track alone
 """Labels of forces and sinkage of shoes, and of forces of links."""
 DEPTH, DEPTH_ON_CELLS = QUANTITIES["penetration"].label, "sinkage"
 """Label of how deep shoes are in the ground, and what it is called on cells, which have no heave."""
@@ -43,6 +55,11 @@ HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
 ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
 ON_RAILS = f"{ROLLER_FORCE} on the {{}} rails".format
 PULL = QUANTITIES["drive_pull"].label
+TENSION, WHEEL_FORCE, WHEEL_LOAD, TOOTH_FORCE, DRIVE_MOMENT = (
+    QUANTITIES[name].label
+    for name in ("link_tension", "wheel_force", "wheel_load", "tooth_force", "drive_moment")
+)
+"""Labels of closed tracks alone."""
 OF_FLEXIBLE_SHOES = ("displacement", "velocity", "angular velocity", "contact force")
 """Figures of the flexible shoes."""
 OF_PINS = {"revolute joint reaction": "pin force", "revolute joint torque": "pin torque"}
@@ -238,6 +255,7 @@ NAMED: dict[str, Callable[[Any], str]] = {
     "shoe": lambda shoe: shoe_names([shoe])[0],
     "joint": lambda joint: link_names([joint])[0],
     "roller": "roller {}".format,
+    "wheel": str,
     "place": lambda pin: f"{link_names([pin[0]])[0]} {pin[1]}",
 }
 """Items of what has one of a quantity, by the dimension; a place is that of a pin."""
@@ -250,7 +268,7 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
     panels = {name: _panels(found, [label], items) for name, label in KINEMATICS.items()}
     panels |= {label: _panels(found, [label], items) for label in CONTACT_VECTORS}
     panels["sinkage and friction torque"] = _panels(found, CONTACT_SCALARS, items)
-    panels |= {label: _panels(found, [label], links) for label in [*JOINT_VECTORS, *CHAIN] if label in found}
+    panels |= {label: _panels(found, [label], links) for label in [*JOINT_VECTORS, TENSION] if label in found}
     panels |= _deformation(found)
     if case.is_rolled:
         sides = [ON_RAILS(side) for side in history.rail.values]
@@ -261,7 +279,63 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
         way, angle = (QUANTITIES[f"side_frame_{name}"].label for name in ("way", "angles"))
         rising = _panels(found, [way], axis="z")
         panels["side frame"] = [*_panels(found, [PULL]), *rising, *_panels(found, [angle])]
-    return _figures(case.name, panels, history)
+    figures = {}
+    if case.is_closed:
+        panels[TOOTH_FORCE] = _panels(found, [TOOTH_FORCE], items)
+        panels[WHEEL_LOAD] = _panels(found, [WHEEL_LOAD], items)
+        wheels = found[WHEEL_FORCE].items
+        lower = [one for one in wheels if one.startswith("roller")]
+        panels["force on the rollers"] = _panels(found, [WHEEL_FORCE], lower)
+        panels["force on idler and carriers"] = _panels(found, [WHEEL_FORCE], wheels[len(lower) :])
+        panels["drive torque"] = _panels(found, [DRIVE_MOMENT, QUANTITIES["tumbler_speed"].label])
+        figures = {"tension along the chain": chain_figure(history)}
+    return _figures(case.name, panels, history) | figures
+
+
+def chain_figure(history: History) -> Figure:
+    """Tension of a closed chain over a run: where on the loop, place by place, and link by link."""
+    along = tension_along_chain(history)
+    with mpl.rc_context(style.STYLE):
+        figure = Figure(figsize=(PANEL_WIDTH, 8.4))
+        loop, by_place, by_link = figure.subplots(3, 1, height_ratios=[1.25, 1.0, 1.0])
+        mean = along.mean_at / style.KILO
+        dots = loop.scatter(
+            along.x, along.z, c=mean, s=60.0, cmap=style.SINKAGE_MAP, edgecolors=style.SHOE_EDGE
+        )
+        for place, x, z in zip(along.place.values, along.x.values, along.z.values, strict=True):
+            if place % 2:
+                loop.annotate(
+                    str(place), (x, z), xytext=(0, 6), textcoords="offset points", ha="center", fontsize=6.5
+                )
+        loop.set(aspect="equal", xlabel="x in the side frame in m", ylabel="z in m", ymargin=0.2)
+        figure.colorbar(dots, ax=loop, label="mean tension in kN", fraction=0.02, pad=0.01)
+        kinds = (
+            (by_place, "place", "_at", "place on the loop"),
+            (by_link, "joint", "", "link, by its rear shoe"),
+        )
+        for ax, dim, end, label in kinds:
+            least, middle, most = (
+                along[f"{name}{end}"] / style.KILO for name in ("least", "mean", "greatest")
+            )
+            ax.fill_between(
+                along[dim], least, most, color=style.SHOE, alpha=0.5, step="mid", label="least to greatest"
+            )
+            ax.step(along[dim], middle, where="mid", color=style.SHOE_EDGE, label="mean")
+            ax.set(xlabel=label, ylabel="tension in kN", xlim=(0.5, along.sizes[dim] + 0.5))
+        _name_parts(by_place, along.part.values)
+        by_link.legend(loc="upper right", ncols=2)
+        figure.suptitle(f"{history.case.name}: tension along the chain", x=0.01, ha="left", parse_math=False)
+    return figure
+
+
+def _name_parts(ax: Axes, parts: Sequence[str]) -> None:
+    """Draw a band a part of the loop behind places, which go round from the lower run on."""
+    begins = [k for k in range(len(parts)) if k == 0 or parts[k] != parts[k - 1]]
+    for number, (begin, end) in enumerate(pairwise([*begins, len(parts)])):
+        colour = style.PHASE_BANDS[number % len(style.PHASE_BANDS)]
+        ax.axvspan(begin + 0.5, end + 0.5, facecolor=colour, edgecolor="none", zorder=0.0)
+        how: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "fontsize": NAME_SIZE, "va": "bottom"}
+        ax.annotate(parts[begin], (begin + 0.6, 1.0), color=style.PHASE_NAME, **how)
 
 
 def stress_figures(history: History, results: StressResults) -> dict[str, Figure]:

@@ -25,7 +25,7 @@ from exudyn_crawler.results.history.summary import extremes, load_table
 from exudyn_crawler.results.stress import hot_spots
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views import figures, style, tables
-from exudyn_crawler.views.scenes import films, pictures, shoes, track
+from exudyn_crawler.views.scenes import films, gear, pictures, shoes, track
 from exudyn_crawler.views.scenes.scene import Solid
 from fem import Mesh, write_vtu
 from fem.export import vtu_content
@@ -173,13 +173,19 @@ def _track(case: Case, moment: xr.Dataset) -> Iterator[tuple[str, meshio.Mesh]]:
             yield solid.name, _cells(solid, shoe=np.array(numbers))
     yield "terrain", _ground(case, moment)
     yield from _forces("contacts", *track.touching(now))
-    if track.rolls(now):
-        beam = track.beam(case, moment)
+    if gear.rolls(now):
+        beam = gear.beam(case, moment)
         yield beam.name, _cells(beam)
         treads = now.roller_force.sum("rail").transpose("roller", "axis"), now.roller
         force, number = (np.repeat(one.values, now.sizes["rail"], axis=0) for one in treads)
-        yield "rollers", _cells(track.rollers(case, moment)[0], roller=number, force=force)
+        yield "rollers", _cells(gear.wheel_solids(case, moment)[0], roller=number, force=force)
         yield from _forces("treads", *track.pressing(now))
+    elif gear.goes_round(now):
+        for solid in gear.gear_solids(case, moment):
+            yield solid.name, _cells(solid)
+        for name, _, heads, forces in gear.gear_forces(now):
+            acts = forces.any(axis=-1)
+            yield from _forces(name, heads[acts], forces[acts])
 
 
 def _ground(case: Case, moment: xr.Dataset) -> meshio.Mesh:

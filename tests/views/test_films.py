@@ -16,9 +16,10 @@ from exudyn_crawler.views.scenes.films import (
     ground_scale,
     write_animation,
 )
+from exudyn_crawler.views.scenes.gear import wheel_solids
 from exudyn_crawler.views.scenes.scene import SIDES
 from exudyn_crawler.views.scenes.shoes import BESIDE
-from exudyn_crawler.views.scenes.track import acting, rollers, shoe_pose
+from exudyn_crawler.views.scenes.track import acting, shoe_pose
 
 SHOE = 5
 
@@ -111,7 +112,7 @@ def picture(by_modes):
 def test_rollers_near_the_shoe_are_where_the_history_has_them(picture, by_modes):
     now = by_modes.dataset.isel(time=[-1])
     place = shoe_pose(now.isel(time=0), SHOE)
-    centers = rollers(by_modes.case, now)[0].origin[0]
+    centers = wheel_solids(by_modes.case, now)[0].origin[0]
     near = centers[np.abs(centers[:, 0] - place.origin[0]) < BESIDE]
     drawn = picture.scene(now).solids[1].at().points.reshape(-1, 2 * SIDES, 3).mean(axis=1)
     assert len(drawn) >= 2

@@ -8,8 +8,8 @@ import pytest
 from exudyn_crawler import History
 from exudyn_crawler.views.pages.packing import SceneArrays
 from exudyn_crawler.views.pages.report import packed_track, write_report
+from exudyn_crawler.views.scenes.gear import wheel_solids
 from exudyn_crawler.views.scenes.shoes import STRESS, TRUST
-from exudyn_crawler.views.scenes.track import rollers
 from fem.trust import VERDICTS
 from tests.views.browser import Reader
 
@@ -167,7 +167,7 @@ def test_rollers_stand_where_the_frame_has_them(reader, rolled):
         }""",
         [packed, shared.packed, len(track["titles"]) - 1],
     )
-    treads, _ = rollers(rolled.case, rolled.dataset.isel(time=[-1]))
+    treads, _ = wheel_solids(rolled.case, rolled.dataset.isel(time=[-1]))
     surface = treads.at()
     assert np.transpose(drawn[:3]) == pytest.approx(surface.points, abs=1e-5)
     triangles = np.transpose(drawn[3:])

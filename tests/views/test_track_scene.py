@@ -5,6 +5,7 @@ import pytest
 
 from exudyn_crawler import simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.views.scenes.gear import wheel_solids
 from exudyn_crawler.views.scenes.pictures import (
     MARGIN,
     ground_figure,
@@ -19,7 +20,6 @@ from exudyn_crawler.views.scenes.track import (
     greatest_shoe_force,
     instants,
     pressing,
-    rollers,
     shoe_forces,
     shoe_pose,
     unloaded_level,
@@ -189,7 +189,7 @@ def test_rollers_roll_without_slip(rolled):
     spokes = []
     for row in (0, -1):
         now = rolled.dataset.isel(time=[row])
-        _, mark = rollers(case, now)
+        _, mark = wheel_solids(case, now)
         ends = mark.at().points[:8].reshape(2, 4, 3).mean(axis=1)
         spokes.append((ends[1] - ends[0])[[0, 2]])
     turned = np.arctan2(*spokes[1]) - np.arctan2(*spokes[0])
@@ -222,7 +222,7 @@ def test_treads_are_seen_from_above_on_their_rails(rolled):
 
 def test_a_tread_is_a_closed_surface_with_the_volume_of_its_disc(rolled):
     frame = rolled.case.undercarriage
-    tread, _ = rollers(rolled.case, last(rolled))
+    tread, _ = wheel_solids(rolled.case, last(rolled))
     points, triangles = tread.points, tread.triangles
     a, b, c = (points[triangles[:, k]] for k in range(3))
     disc = np.pi * frame.radius**2 * frame.tread_width

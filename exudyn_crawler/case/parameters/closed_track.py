@@ -198,6 +198,11 @@ class ClosedTrack(Parameters):
         carriers = [(*place, self.carrier_radius) for place in self.carriers]
         return np.array([*rollers, (x + take_up, z, self.idler.radius), *carriers])
 
+    def idler_circle(self, take_up: float, rise: float, pitch: float) -> tuple[Wheel, float]:
+        """Axis of the idler in the frame, and radius of the pins about it, m: rails touch between pins."""
+        axis = self.idler.place[0] + take_up, self.idler.place[1]
+        return axis, math.hypot(self.idler.radius + rise, 0.5 * pitch)
+
     @property
     def wheel_names(self) -> list[str]:
         """Names of the wheels in their order."""
@@ -261,8 +266,7 @@ def _closed(
     """Take-up, sag of the upper run and chain that closes; `rise` is the rails' height above the pins, m."""
     (x, z), (ix, iz), count = closed.tumbler.place, closed.idler.place, chain.shoe_count
     rollers, carriers = closed.roller_radius + rise, closed.carrier_radius + rise
-    # a shoe's rail touches the idler between its pins
-    on_idler = math.hypot(closed.idler.radius + rise, 0.5 * pitch)
+    _, on_idler = closed.idler_circle(0.0, rise, pitch)
 
     def shape(take_up: float, sag: float = 0.0) -> list[assembly.Piece]:
         wheels = [(x, z, closed.tumbler.radius(chain.pitch))]

@@ -108,6 +108,48 @@ def load_table(history: History) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
+def tension_along_chain(history: History) -> xr.Dataset:
+    """Tension of a closed chain by its links, and by the places on the loop that they come through.
+
+    Place k is where the front pin of shoe k was at t = 0; a link is at the place that it is nearest to by how
+    far the tumbler has turned. Gives `least`, `mean` and `greatest` (N) with the dimension joint, the same of
+    places with names that end so: `least_at`; of places also x and z in the side frame (m) and `part`.
+    """
+    # who asks for names alone does not wait until it is compiled
+    from exudyn_crawler.ground.rotations import rotation_matrices
+
+    case, closed = history.case, history.case.closed_track
+    if closed is None:
+        raise ValueError(f"tension along the chain needs a closed track, {case.name!r} is open")
+    data, track = history.dataset, case.track
+    tension = history.over_time(["link_tension"])["link_tension"].transpose("time", "joint").values
+    count, turned = tension.shape[1], data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi)
+    place = np.rint(np.arange(count) - turned[:, None]).astype(int) % count
+    there = [tension[place == one] for one in range(count)]
+    start, turn = data.isel(time=0), rotation_matrices(data.angles.isel(time=0).values)
+    pins = start.position.values + turn @ [track.pin_ahead, 0.0, track.pin_height]
+    rise = (0.0 if case.shoe.rails is None else case.shoe.rails.height) - track.pin_height
+    x, _, z = (pins - start.side_frame_position.values).T
+    on_tumbler, on_idler = (
+        np.hypot(x - at[0], z - at[1]) < radius + 0.1 * track.pitch
+        for at, radius in (
+            (closed.tumbler.place, closed.tumbler.radius(track.pitch)),
+            closed.idler_circle(case.assembled.take_up, rise, closed.chain_pitch(track)),
+        )
+    )
+    part = np.where(z > closed.tumbler.place[1], "upper run", "lower run")
+    part = np.where(on_tumbler, "tumbler", np.where(on_idler, "idler", part))
+    how: dict[str, Any] = {"least": np.min, "mean": np.mean, "greatest": np.max}
+    unit = {"units": "N"}
+    named = {name: ("joint", of(tension, axis=0), unit) for name, of in how.items()}
+    named |= {
+        f"{name}_at": ("place", np.array([of(one) if one.size else np.nan for one in there]), unit)
+        for name, of in how.items()
+    }
+    at = {"x": ("place", x, {"units": "m"}), "z": ("place", z, {"units": "m"}), "part": ("place", part)}
+    return xr.Dataset(named | at, {"joint": data.joint, "place": np.arange(1, count + 1)})
+
+
 COLUMNS = (
     *("quantity", "axis", "unit", "greatest in A", "greatest in B", "change in %"),
     *("rms difference", "greatest difference", "of", "at in s"),

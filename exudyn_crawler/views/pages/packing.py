@@ -144,6 +144,8 @@ def packed_curves(
     moving, carried = "velocity", "contact force"
     if figures.ROLLER_FORCE in labels:
         moving, carried = figures.PULL, figures.ROLLER_FORCE
+    elif figures.TENSION in labels:
+        moving, carried = figures.DRIVE_MOMENT, figures.TENSION
     first = [figures.HIGHEST_STRESS if figures.HIGHEST_STRESS in labels else moving, carried]
     curves = {"cases": cases, "first": first if found else []}
     return curves, said if most > points else "Every stored time is drawn."

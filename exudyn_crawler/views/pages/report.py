@@ -105,10 +105,11 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
     curves, thinned = packed_curves(histories, stresses)
     shown, first = _pictures(stressed, stress, owner, left_out)
     rolled = any(one.case.is_rolled for one in histories.values())
+    closed = any(one.case.is_closed for one in histories.values())
     sections = [
         Section("comparison", "Paper against computed", _compared(comparison)),
         Section("histories", "Time histories", part("histories", thinned) if histories else Markup()),
-        Section("track", "Track in motion", part("track", rolled) if histories else Markup()),
+        Section("track", "Track in motion", part("track", rolled, closed) if histories else Markup()),
         Section("ground", "Ground", _ground(histories)),
         Section("hot-spots", "Hot spots", _hot_spots(stressed, left_out)),
         Section("shoes", "Flexible shoes in 3D", part("shoes") if "shoe" in scenes else Markup()),

@@ -20,7 +20,7 @@ from exudyn_crawler.results.history.history import History, common_phases
 from exudyn_crawler.results.stress.recovery import surface_stress
 from exudyn_crawler.views import style
 from exudyn_crawler.views.figures import Panel, draw_phases
-from exudyn_crawler.views.scenes import pictures, shoes, track
+from exudyn_crawler.views.scenes import gear, pictures, shoes, track
 from exudyn_crawler.views.scenes.scene import Scene, View
 
 RATE, MOST_PICTURES = 20, 20_000
@@ -116,8 +116,11 @@ class TrackPicture(Picture):
         ground = f"displacement of the ground drawn {self._scale:g} times larger"
         most = track.greatest_shoe_force(self.history) / style.KILO
         greatest = f"contact force on each shoe, the greatest of the run {most:.3g} kN"
-        if track.rolls(self.history.dataset):
+        if gear.rolls(self.history.dataset):
             return f"{ground}; blue arrows: {greatest}; violet: force of each roller"
+        if self.history.case.is_closed:
+            kinds = "blue of the ground, violet of wheels, red of teeth"
+            return f"{ground}; arrows: forces on each shoe, {kinds}, {most:.4g} kN at most"
         return f"{ground}, depth of the shoes in it at true scale; arrows: {greatest}"
 
     def draw(self, now: xr.Dataset) -> list[Artist]:
@@ -149,8 +152,16 @@ def ground_scale(history: History) -> float:
 
 
 def _curves(history: History) -> Panel:
-    """What every roller presses with over time, or the x velocity of both ends of a dragged track."""
-    if track.rolls(history.dataset):
+    """What drives a run over time: force of every roller, tension of a closed chain, speed of both ends."""
+    if gear.goes_round(history.dataset):
+        tension = history.over_time(["link_tension"])["link_tension"] / style.KILO
+        ranges = {
+            "greatest": tension.max("joint"),
+            "mean": tension.mean("joint"),
+            "least": tension.min("joint"),
+        }
+        return Panel("tension of links", "kN", ranges)
+    if gear.rolls(history.dataset):
         pressed = -history.roller_force.sel(axis="z").sum("rail") / style.KILO
         of_rollers = {str(roller): pressed.sel(roller=roller) for roller in history.roller.values}
         return Panel("roller force", "kN", of_rollers)
@@ -190,8 +201,10 @@ class ShoePicture(Picture):
         """Draw what presses on the shoe and its highest stress over time, and a cursor, which is returned."""
         shown = self.stress.frame.values
         quantity, name = "contact_force", "ground on the shoe"
-        if track.rolls(history.dataset):
+        if gear.rolls(history.dataset):
             quantity, name = "rail_force", "rollers on the shoe"
+        elif gear.goes_round(history.dataset):
+            quantity, name = "wheel_load", "wheels on the shoe"
         pressed = abs(history.over_time([quantity])[quantity].sel(shoe=self._shoe, axis="z")) / style.KILO
         ax.plot(history.time, pressed, color=style.ROLLER_FORCE, label=name)
         ax.margins(y=HEADROOM)
@@ -214,9 +227,9 @@ class ShoePicture(Picture):
     def _window(self, view: View) -> pictures.Window:
         """Least and greatest coordinates to the right and upward of what is shown at any time."""
         points, case = self.stress.node_position.values, self.history.case
-        if view is ABOVE and case.is_rolled:
-            (frame, rails), ends = track.frame_on_rails(case), (-shoes.BESIDE, shoes.BESIDE)
-            top = rails.height + 2.0 * frame.radius
+        if view is ABOVE and case.running_gear is not None:
+            (frame, rails), ends = gear.frame_on_rails(case), (-shoes.BESIDE, shoes.BESIDE)
+            top = rails.height + 2.0 * gear.roller_radius(frame)
             points = np.vstack((points, [(x, y, top) for x in ends for y in rails.middles]))
         seen = view.project(points)
         (left, bottom, _), (right, top, _) = seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN

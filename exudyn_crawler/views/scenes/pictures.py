@@ -22,7 +22,7 @@ from matplotlib.patches import Patch
 from exudyn_crawler.case import Case, CellTerrain
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes import cell_ground, track
+from exudyn_crawler.views.scenes import track
 from exudyn_crawler.views.scenes.scene import FLAT, Arrows, Scene, Solid, View, upward
 
 Window = tuple[float, float, float, float]
@@ -114,7 +114,7 @@ def _fine(corners: np.ndarray) -> np.ndarray:
 def windows(history: History) -> tuple[Window, Window]:
     """What a run shows at all times from above, least and greatest x and y, m, and from the side, x and z."""
     x, y, (bottom, top) = track.shown_box(history, MARGIN)
-    return (*x, *y), (*x, bottom, top + (ABOVE if track.rolls(history.dataset) else 0.0))
+    return (*x, *y), (*x, bottom, top + (ABOVE if history.case.running_gear is not None else 0.0))
 
 
 def ground_section(case: Case, dataset: xr.Dataset, at_rest: bool = False) -> Solid:
@@ -124,7 +124,7 @@ def ground_section(case: Case, dataset: xr.Dataset, at_rest: bool = False) -> So
     """
     y = float(track.shoe_poses(dataset)[0][0, :, 1].mean())
     if isinstance(case.terrain, CellTerrain):
-        return cell_ground.section(dataset, y, 2.0 * MARGIN[2], at_rest)
+        return track.cell_section(dataset, y, 2.0 * MARGIN[2], at_rest)
     terrain = case.unit_terrain()
     row = int(np.clip((y - terrain.origin[1]) // terrain.unit_width, 0, terrain.rows - 1))
     units = np.arange(terrain.columns) * terrain.rows + row
@@ -176,7 +176,12 @@ def draw_side(
 def draw_plan(ax: Axes, case: Case, now: xr.Dataset, heave: tuple[float, float]) -> list[Artist]:
     """Draw, and return, what `plan_solids` has, with the numbers of the shoes."""
     drawn: list[Artist] = [paint(ax, plan_solids(case, now, heave), FROM_ABOVE)]
-    for shoe, (x, y, _) in zip(now.shoe.values, track.shoe_poses(now)[0][0], strict=True):
+    places = track.shoe_poses(now)[0][0]
+    # of a closed track the lower run is out of sight
+    lowest = places[:, 2].mean() if case.is_closed else -np.inf
+    for shoe, (x, y, z) in zip(now.shoe.values, places, strict=True):
+        if z < lowest:
+            continue
         drawn.append(ax.text(x, y, str(shoe), ha="center", va="center", fontsize=7, zorder=5, clip_on=True))
     return drawn
 

@@ -221,6 +221,24 @@ def disc(radius: float, width: float, sides: int = SIDES) -> tuple[np.ndarray, t
     return np.concatenate((rim - half, rim + half)), (faces, np.stack((right[::-1], right + sides)))
 
 
+def star(outline: np.ndarray, width: float) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+    """Points (2 n + 2, 3) of a prism about the y axis, m, and its faces.
+
+    Its outline (n, 2), x and z in m, goes clockwise seen from the right, and all of it is seen from the axis.
+    """
+    n, half = len(outline), np.array([0.0, 0.5 * width, 0.0])
+    flat = np.column_stack((outline[:, 0], np.zeros(n), outline[:, 1]))
+    right, after = np.arange(n), np.roll(np.arange(n), -1)
+    rim = np.column_stack((right, after, after + n, right + n))
+    ends = np.concatenate(
+        (
+            np.column_stack((np.full(n, 2 * n), after, right)),
+            np.column_stack((np.full(n, 2 * n + 1), right + n, after + n)),
+        )
+    )
+    return np.concatenate((flat - half, flat + half, [-half, half])), (rim, ends)
+
+
 def upward(heights: np.ndarray) -> np.ndarray:
     """Vectors (..., 3) of heights (...)."""
     return heights[..., None] * np.array([0.0, 0.0, 1.0])

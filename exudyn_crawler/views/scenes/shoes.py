@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes import pictures, track
+from exudyn_crawler.views.scenes import gear, pictures, track
 from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Scene, Solid, View
 from fem.trust import VERDICTS
 
@@ -109,12 +109,9 @@ def stress_scene(stress: xr.Dataset, history: History, scales: Scales) -> Scene:
             padded[:, row, : len(pair[0])] = pair
         how = (style.CONTACT_FORCE, *padded, scales.pair_force, name, float(np.ptp(points[:, 2])))
         arrows.append(Arrows("contact forces", *how))
-    if track.rolls(shown):
-        treads, _ = track.rollers(history.case, shown)
-        x = np.array([one.origin[..., 0] for one in solids])
-        away = (treads.origin[..., 0] < x.min() - BESIDE) | (treads.origin[..., 0] > x.max() + BESIDE)
-        near = np.where(away[..., None], np.nan, treads.origin)
-        solids.append(replace(treads, origin=near, opacity=ROLLER_OPACITY))
+    if history.case.running_gear is not None:
+        near = gear.near_gear(history.case, shown, origin, BESIDE)
+        solids += [replace(one, opacity=ROLLER_OPACITY) for one in near]
     return Scene(tuple(frame_titles(stress)), tuple(solids), tuple(arrows))
 
 
@@ -193,7 +190,10 @@ def stress_picture(
         stress_bar(figure, (0.945, bottom, 0.013, 1.0 - HEAD / tall - bottom), scales)
         title = f"{history.case.name}: von Mises stress at t = {frame:g} s"
         figure.text(0.011, 1.0 - 0.1 / tall, title, va="top", fontsize=13, parse_math=False)
-        acts = "forces of ground and rollers" if track.rolls(history.dataset) else "contact forces"
+        beside = (
+            "forces of ground, wheels and teeth" if history.case.is_closed else "forces of ground and rollers"
+        )
+        acts = "contact forces" if history.case.running_gear is None else beside
         words = (
             f"elastic displacement drawn {scales.displacement:g} times larger; circle: highest stress on the "
             f"shoe's surface, where it is seen\nblue arrows: {acts} on the shoe, "

@@ -1,34 +1,45 @@
 """A whole track in instants of a history: where its parts are, what presses on them, and their solids.
 
-Shoes are boxes, units of the ground boxes or faces; side frame and rollers come with a rolled run. `now` is
-one instant without the dimension time, `dataset` some of them, as of `instants`.
+Shoes are boxes, units of the ground boxes or faces, cells a surface of heights, lowered where shoes have
+been; what carries and drives the track is in `gear`. `now` is one instant without the dimension time,
+`dataset` some of them, as of `instants`.
 """
 
+import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Case, CellTerrain, Rails, Undercarriage
+from exudyn_crawler.case import Case, CellTerrain
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.results.history.ground_map import pressed_depths
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
-from exudyn_crawler.views.scenes import cell_ground
-from exudyn_crawler.views.scenes.scene import Arrows, Colouring, Placement, Scene, Solid, box, disc
+from exudyn_crawler.views.scenes import gear
+from exudyn_crawler.views.scenes.scene import (
+    FLAT,
+    Arrows,
+    Colouring,
+    Placement,
+    Scene,
+    Solid,
+    box,
+    disc,
+    upward,
+)
 
 CONTACTS = ("contact", "axis")
 STRIPS = ("roller", "rail", "strip", "neighbour", "axis")
 """Dimensions of what the ground and what treads press with."""
-BEAM = (0.05, 0.85)
-"""m above the rollers' axes that the drawn beam of the side frame reaches from and to: its parameters say how
-long it is, not how high and wide."""
-GAP = 0.03
-"""m between the beam and the treads beside it."""
 BESIDE = (0.6, 0.4)
 """m beyond the track and beside it of which ground of cells is drawn."""
-PIN, PIN_SIDES, MARK = 0.03, 12, 0.012
-"""m, radius of a drawn link pin; sides of its prism; m, width of the line that shows how far rollers roll."""
+SPACING, MOST_POINTS = 0.25, 4000
+"""m between the points of a surface of cells; of larger ones there are so many."""
+PIN, PIN_SIDES = 0.03, 12
+"""m, radius of a drawn link pin; sides of its prism."""
 
 
 def instants(history: History, times: ArrayLike) -> xr.Dataset:
@@ -37,9 +48,7 @@ def instants(history: History, times: ArrayLike) -> xr.Dataset:
     now, terrain = history.dataset.isel(time=rows).load(), history.case.terrain
     if not isinstance(terrain, CellTerrain):
         return now
-    return cell_ground.with_ground(
-        history, now, rows, cell_ground.grid_of(terrain, *_around(history, BESIDE))
-    )
+    return with_ground(history, now, rows, cell_grid(terrain, *_around(history, BESIDE)))
 
 
 def shoe_poses(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -53,16 +62,6 @@ def shoe_pose(now: xr.Dataset, shoe: int) -> Placement:
     """Place of one shoe."""
     chosen = now.sel(shoe=shoe)
     return Placement(chosen.position.values, rotation_matrices(chosen.angles.values))
-
-
-def frame_poses(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Origins (times, 3), m, and turns (times, 3, 3) of the side frame."""
-    return dataset.side_frame_position.values, rotation_matrices(dataset.side_frame_angles.values)
-
-
-def rolls(dataset: xr.Dataset) -> bool:
-    """Whether a side frame rolls over the track of a history."""
-    return "roller_force" in dataset
 
 
 def touching(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.ndarray]:
@@ -88,11 +87,17 @@ def pressing(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.n
 
 
 def acting(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Contacts with the ground of one shoe or of all, and the treads that press there, as of `touching`."""
-    if not rolls(now):
-        return touching(now, shoe)
-    points, forces = zip(touching(now, shoe), pressing(now, shoe), strict=True)
-    return np.concatenate(points), np.concatenate(forces)
+    """All that presses on one shoe or on all, as of `touching`: ground, treads, teeth of a closed track."""
+    parts = [touching(now, shoe)]
+    if gear.rolls(now):
+        parts.append(pressing(now, shoe))
+    if gear.goes_round(now):
+        chosen = np.ones(now.sizes["shoe"], dtype=bool) if shoe is None else now.shoe.values == shoe
+        for _, _, heads, forces in gear.gear_forces(now):
+            acts = chosen & forces.any(axis=-1)
+            parts.append((heads[acts], forces[acts]))
+    points, pressed = zip(*parts, strict=True)
+    return np.concatenate(points), np.concatenate(pressed)
 
 
 def shoe_forces(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -122,9 +127,9 @@ def _centers(moments: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 
 def greatest_shoe_force(history: History) -> float:
-    """Greatest contact force on a shoe over the run, N."""
-    total = history.over_time(["contact_force"])["contact_force"]
-    return float(np.sqrt((total**2).sum("axis")).max())
+    """Greatest force of the ground on a shoe over the run, in a closed track also of wheels or teeth, N."""
+    names = ["contact_force", *(["wheel_load", "tooth_force"] if history.case.is_closed else [])]
+    return max(float(np.sqrt((one**2).sum("axis")).max()) for one in history.over_time(names).values())
 
 
 def unloaded_level(case: Case) -> float:
@@ -144,8 +149,9 @@ def track_scene(
     tall, on_shoes = case.shoe.load_point[2] - case.shoe.footprint[4], shoe_forces(dataset)
     arrows = [Arrows("contact forces", style.CONTACT_FORCE, *on_shoes, force_scale, through=tall)]
     solids = [*shoe_boxes(case, dataset), ground_faces(case, dataset, units)]
-    if rolls(dataset):
-        solids += [beam(case, dataset), *rollers(case, dataset)]
+    solids += gear.gear_solids(case, dataset)
+    arrows += gear.gear_arrows(dataset, force_scale)
+    if gear.rolls(dataset):
         on_rails = roller_forces(dataset)
         arrows.append(Arrows("forces of rollers", style.ROLLER_FORCE, *on_rails, force_scale))
     titles = tuple(f"t = {time:.2f} s" for time in dataset.time.values)
@@ -189,7 +195,7 @@ def ground_units(case: Case, dataset: xr.Dataset) -> Solid:
 def ground_faces(case: Case, dataset: xr.Dataset, units: np.ndarray | None = None) -> Solid:
     """Top faces of units, coloured by their heave in mm, without what they tilt in a run; or of cells."""
     if isinstance(case.terrain, CellTerrain):
-        return cell_ground.surface(dataset)
+        return cell_surface(dataset)
     terrain = case.unit_terrain()
     chosen = np.arange(terrain.unit_count) if units is None else units
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, 0.0])
@@ -211,45 +217,74 @@ def unit_turns(case: Case, dataset: xr.Dataset | None = None) -> np.ndarray:
     return rotation_matrices(tilt[..., None] * np.eye(3)[case.unit_terrain().tilt_axis])
 
 
-def beam(case: Case, dataset: xr.Dataset) -> Solid:
-    """Beam between the rails that stands for the side frame."""
-    frame, rails = frame_on_rails(case)
-    half = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP
-    (low, high), (origin, turn) = BEAM, frame_poses(dataset)
-    shape = box(np.array([frame.ends[0], -half, low]), np.array([frame.ends[1], half, high]))
-    placed = origin[:, None], turn[:, None]
-    return Solid("side frame", *shape, style.BEAM, *placed, 0.5, style.ROLLER_EDGE)
+@lru_cache(maxsize=4)
+def _heights(terrain: CellTerrain, bounds: tuple[float, float, float, float]) -> tuple[np.ndarray, ...]:
+    """Evenly spaced x and y (m) between bounds, and heights (x, y), m; those not measured are the least."""
+    x0, x1, y0, y1 = bounds
+    spacing = max(SPACING, math.sqrt((x1 - x0) * (y1 - y0) / MOST_POINTS))
+    x, y = (np.linspace(a, b, max(2, math.ceil((b - a) / spacing) + 1)) for a, b in ((x0, x1), (y0, y1)))
+    height = terrain.surface(*np.meshgrid(x, y, indexing="ij"))
+    return x, y, np.nan_to_num(height, nan=np.nanmin(height))
 
 
-def rollers(case: Case, dataset: xr.Dataset) -> list[Solid]:
-    """Treads of all rollers, roller by roller and its right one first, and a line across each."""
-    frame, rails = frame_on_rails(case)
-    origin, turn = frame_poses(dataset)
-    on_frame = np.array([(x, y, 0.0) for x in frame.rollers for y in rails.middles])
-    centers = origin[:, None] + np.einsum("tij,nj->tni", turn, on_frame)
-    # how far rollers have turned counts from upright, whatever the pitch of the frame
-    axle = turn[..., 1]
-    forward = np.cross(axle, [0.0, 0.0, 1.0])
-    forward /= np.linalg.norm(forward, axis=1, keepdims=True)
-    level = np.stack((forward, axle, np.cross(forward, axle)), axis=-1)
-    angle = (origin[:, :1] - frame.start) / frame.radius
-    rolled = level @ rotation_matrices(angle * np.eye(3)[1])
-    placed = centers, np.repeat(rolled[:, None], len(on_frame), axis=1)
-    labels = tuple(f"roller {number}" for number in range(1, len(frame.rollers) + 1) for _ in rails.middles)
-    half = np.array([0.5 * MARK, 0.5 * frame.tread_width + 0.002, frame.radius])
-    tread, edge = disc(frame.radius, frame.tread_width), style.ROLLER_EDGE
-    return [
-        Solid("rollers", *tread, style.ROLLER, *placed, edges=edge, labels=labels),
-        Solid("rollers, marks", *box(-half, half), edge, *placed),
-    ]
+def cell_grid(terrain: CellTerrain, x: tuple[float, float], y: tuple[float, float]) -> tuple[np.ndarray, ...]:
+    """Same within the field, for the least and greatest x and y (m) of what is shown."""
+    (left, right), (low, high) = terrain.bounds
+    return _heights(terrain, (max(x[0], left), min(x[1], right), max(y[0], low), min(y[1], high)))
 
 
-def frame_on_rails(case: Case) -> tuple[Undercarriage, Rails]:
-    """Undercarriage of a rolled case, and the rails that it rolls on."""
-    frame, rails = case.undercarriage, case.shoe.rails
-    if frame is None or rails is None:
-        raise ValueError(f"the case {case.name!r} must have an undercarriage to show one")
-    return frame, rails
+def with_ground(
+    history: History, dataset: xr.Dataset, rows: np.ndarray, grid: tuple[np.ndarray, ...]
+) -> xr.Dataset:
+    """Instants of a history, its stored times of numbers `rows`, with the ground's height and depth, m.
+
+    The depth is how far undersides have been below the height until then.
+    """
+    x, y, height = grid
+    depth = pressed_depths(history, rows, x, y, height)
+    return dataset.assign_coords(ground_x=x, ground_y=y).assign(
+        ground_height=(("ground_x", "ground_y"), height),
+        ground_depth=(("time", "ground_x", "ground_y"), depth),
+    )
+
+
+def cell_surface(dataset: xr.Dataset) -> Solid:
+    """Ground of instants as of `with_ground`, coloured by its height in mm."""
+    x, y = dataset.ground_x.values, dataset.ground_y.values
+    height = dataset.ground_height.transpose("ground_x", "ground_y").values
+    depth = dataset.ground_depth.transpose("time", "ground_x", "ground_y").values
+    depth = depth.reshape(len(depth), -1)
+    places = np.meshgrid(x, y, indexing="ij")
+    points = np.column_stack([one.ravel() for one in (*places, height)])
+    number = np.arange(height.size).reshape(height.shape)
+    faces = np.stack((number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]), axis=-1)
+    now = (points[:, 2] - depth) / style.MILLI
+    colouring = Colouring("height of the ground in mm", now[:, None], now.min(), now.max(), style.HEAVE_MAP)
+    return Solid(
+        "ground",
+        points,
+        (faces.reshape(-1, 4),),
+        style.GROUND,
+        opacity=0.6,
+        edges=FLAT,
+        bend=upward(-depth[:, None]),
+        colourings=(colouring,),
+    )
+
+
+def cell_section(dataset: xr.Dataset, y: float, deep: float, at_rest: bool = False) -> Solid:
+    """Ground of one instant cut along a y (m), strip by strip, down to `deep` m below its points.
+
+    `at_rest` is before any shoe came.
+    """
+    line = dataset.isel(time=0).sel(ground_y=y, method="nearest")
+    x, top = line.ground_x.values, line.ground_height.values - (0.0 if at_rest else line.ground_depth.values)
+    bottom = line.ground_height.values - deep
+    ends = np.stack((x[:-1], x[1:], x[1:], x[:-1]), axis=1)
+    heights = np.stack((bottom[:-1], bottom[1:], top[1:], top[:-1]), axis=1)
+    points = np.stack((ends, np.full_like(ends, y), heights), axis=-1)
+    faces = (np.arange(ends.size).reshape(-1, 4),)
+    return Solid("ground", points.reshape(-1, 3), faces, style.GROUND, edges=style.GROUND)
 
 
 def shown_box(history: History, margin: Sequence[float]) -> list[tuple[float, float]]:
@@ -260,13 +295,15 @@ def shown_box(history: History, margin: Sequence[float]) -> list[tuple[float, fl
     shoe, terrain = history.case.shoe, history.case.terrain
     length, beside = _around(history, margin)
     if isinstance(terrain, CellTerrain):
-        tops = cell_ground.grid_of(terrain, length, beside)[2]
+        tops = cell_grid(terrain, length, beside)[2]
     else:
         near = np.abs(terrain.middles[:, 0] - np.mean(length)) < 0.5 * (np.ptp(length) + terrain.unit_length)
         tops = terrain.top_heights[near]
     top = float(tops.max(initial=0.0)) + 2.0 * (shoe.com_height + shoe.load_point[2])
-    if rolls(history.dataset):
-        top = max(top, float(history.side_frame_position.sel(axis="z").max()) + BEAM[1])
+    if gear.rolls(history.dataset):
+        top = max(top, float(history.side_frame_position.sel(axis="z").max()) + gear.BEAM[1])
+    if gear.goes_round(history.dataset):
+        top = float(history.position.sel(axis="z").max()) - shoe.footprint[4]
     return [length, beside, (float(tops.min(initial=0.0)) - margin[2], top)]
 
 

@@ -1,0 +1,223 @@
+"""Side frame, wheels and drive tumbler as solids, under a rolled track and in a closed one.
+
+`dataset` are instants of a history, as of `track.instants`. How high and wide a side frame is, and how wide
+the teeth are, no parameter says: their drawn size means nothing.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from exudyn_crawler.case import Case, ClosedTrack, Rails, Undercarriage
+from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.views import style
+from exudyn_crawler.views.scenes.scene import Arrows, Solid, box, disc, star
+
+BEAM = (0.05, 0.85)
+"""m above the rollers' axes that the drawn beam of a rolling side frame reaches from and to."""
+GAP, MARK = 0.03, 0.012
+"""m between the beam and the treads beside it; width of the line that shows how far a wheel turns."""
+TEETH, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.3, 16, 7
+"""m, width of drawn teeth and lugs; radius of the tumbler's shaft over that of its pins' circle; sides of a
+drawn lug; points along a gap between two teeth."""
+
+
+class Wheels(NamedTuple):
+    """Wheels of one kind: `places` (n, 3) of the middles of their treads in the frame, and radius, m."""
+
+    name: str
+    labels: tuple[str, ...]
+    places: np.ndarray
+    radius: float
+
+
+def rolls(dataset: xr.Dataset) -> bool:
+    """Whether a side frame rolls over the open track of a history."""
+    return "roller_force" in dataset
+
+
+def goes_round(dataset: xr.Dataset) -> bool:
+    """Whether the track of a history is closed round its side frame."""
+    return "wheel_force" in dataset
+
+
+def frame_poses(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Origins (times, 3), m, and turns (times, 3, 3) of the side frame."""
+    return dataset.side_frame_position.values, rotation_matrices(dataset.side_frame_angles.values)
+
+
+def frame_on_rails(case: Case) -> tuple[Undercarriage | ClosedTrack, Rails]:
+    """Side frame of a rolled or a closed case, and the rails that its wheels run on."""
+    frame, rails = case.running_gear, case.shoe.rails
+    if frame is None or rails is None:
+        raise ValueError(f"the case {case.name!r} must have an undercarriage or a closed track to show one")
+    return frame, rails
+
+
+def roller_radius(frame: Undercarriage | ClosedTrack) -> float:
+    """Radius of the lower rollers, m."""
+    return float(frame.radius if isinstance(frame, Undercarriage) else frame.roller_radius)
+
+
+def gear_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
+    """Side frame and all that turns in it; nothing of a dragged track."""
+    if not (rolls(dataset) or goes_round(dataset)):
+        return []
+    solids = [beam(case, dataset), *wheel_solids(case, dataset)]
+    return [*solids, *tumbler_solids(case, dataset)] if goes_round(dataset) else solids
+
+
+def beam(case: Case, dataset: xr.Dataset) -> Solid:
+    """Beam between the rails that stands for the side frame; of a closed one it carries all axes."""
+    frame, rails = frame_on_rails(case)
+    half = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP
+    (low, high), (origin, turn) = BEAM, frame_poses(dataset)
+    if isinstance(frame, ClosedTrack):
+        idler = frame.wheels(case.assembled.take_up)[len(frame.rollers)]
+        rear, front = frame.tumbler.place[0], float(idler[0])
+        high = min([frame.tumbler.place[1], *(z for _, z in frame.carriers)])
+    else:
+        rear, front = frame.ends
+    shape = box(np.array([rear, -half, low]), np.array([front, half, high]))
+    return Solid("side frame", *shape, style.BEAM, origin[:, None], turn[:, None], 0.5, style.ROLLER_EDGE)
+
+
+def _wheels(case: Case) -> list[Wheels]:
+    """Wheels on both rails, roller by roller and its right tread first."""
+    frame, rails = frame_on_rails(case)
+
+    def treads(name: str, labels: list[str], axes: np.ndarray, radius: float) -> Wheels:
+        places = np.array([(x, y, z) for x, z in axes for y in rails.middles]).reshape(-1, 3)
+        return Wheels(name, tuple(np.repeat(labels, len(rails.middles)).tolist()), places, float(radius))
+
+    if isinstance(frame, Undercarriage):
+        labels = [f"roller {number}" for number in range(1, len(frame.rollers) + 1)]
+        return [treads("rollers", labels, np.array([(x, 0.0) for x in frame.rollers]), frame.radius)]
+    table, labels = frame.wheels(case.assembled.take_up), frame.wheel_names
+    found = []
+    for name in ("rollers", "idler", "carriers"):
+        own = [k for k, label in enumerate(labels) if label.startswith(name.removesuffix("s"))]
+        if own:
+            found.append(treads(name, [labels[k] for k in own], table[own, :2], table[own[0], 2]))
+    return found
+
+
+def wheel_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
+    """Treads of every kind of wheel, and a line across each, which turns as the chain runs over it."""
+    frame, _ = frame_on_rails(case)
+    origin, turn = frame_poses(dataset)
+    # how far wheels have turned counts from upright, whatever the pitch of the frame
+    axle = turn[..., 1]
+    forward = np.cross(axle, [0.0, 0.0, 1.0])
+    forward /= np.linalg.norm(forward, axis=1, keepdims=True)
+    level = np.stack((forward, axle, np.cross(forward, axle)), axis=-1)
+    if isinstance(frame, ClosedTrack):
+        way = dataset.tumbler_angle.values[:, None] * frame.travel_per_angle(case.track)
+    else:
+        way = origin[:, :1] - frame.start
+    solids, edge = [], style.ROLLER_EDGE
+    for kind in _wheels(case):
+        centers = origin[:, None] + np.einsum("tij,nj->tni", turn, kind.places)
+        rolled = level @ rotation_matrices(way / kind.radius * np.eye(3)[1])
+        placed = centers, np.repeat(rolled[:, None], len(kind.places), axis=1)
+        half = np.array([0.5 * MARK, 0.5 * frame.tread_width + 0.002, kind.radius])
+        tread = disc(kind.radius, frame.tread_width)
+        solids += [
+            Solid(kind.name, *tread, style.ROLLER, *placed, edges=edge, labels=kind.labels),
+            Solid(f"{kind.name}, marks", *box(-half, half), edge, *placed),
+        ]
+    return solids
+
+
+def tooth_outline(frame: ClosedTrack, case: Case) -> np.ndarray:
+    """Outline of the tumbler's teeth in its x-z plane: array (n, 2), m, clockwise seen from the right.
+
+    Arcs of the gaps, the first about the x axis, from one corner on the addendum circle to the other.
+    """
+    teeth, center, arc, addendum, _ = frame.tumbler.profile(case.track)
+    end = np.arccos((center**2 + arc**2 - addendum**2) / (2.0 * center * arc))
+    gap = -2.0 * np.pi * np.arange(round(teeth)) / teeth
+    inward = np.stack((-np.cos(gap), -np.sin(gap)), axis=-1)
+    aside = np.stack((-np.sin(gap), np.cos(gap)), axis=-1)
+    along = np.linspace(end, -end, ARC_POINTS)
+    ways = np.cos(along)[:, None] * inward[:, None] + np.sin(along)[:, None] * aside[:, None]
+    return (-center * inward[:, None] + arc * ways).reshape(-1, 2)
+
+
+def tumbler_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
+    """Toothed wheels of the drive tumbler on its shaft, and the lugs of the shoes that run into them."""
+    frame = case.closed_track
+    if frame is None:
+        raise ValueError(f"the case {case.name!r} must have a closed track to show its tumbler")
+    tumbler, centers = frame.tumbler, case.track.joint_centers
+    planes = np.array([[0.0, centers[f"rear {side}"][1], 0.0] for side in SIDES])
+    _, turn = frame_poses(dataset)
+    angle = case.assembled.tumbler[4] + dataset.tumbler_angle.values
+    turned = turn @ rotation_matrices(angle[:, None] * np.eye(3)[1])
+    axis = dataset.tumbler_position.transpose("time", "axis").values[:, None]
+    wheels = axis + np.einsum("tij,nj->tni", turn, planes)
+    both = np.repeat(turned[:, None], len(planes), axis=1)
+    shaft = disc(SHAFT * tumbler.radius(case.track.pitch), float(np.ptp(planes[:, 1])))
+    middle = axis + np.einsum("tij,j->ti", turn, planes.mean(axis=0))[:, None]
+    worn = frame.pitch_growth * case.track.pitch
+    places = tumbler.lugs or [(centers["rear right"][0] - worn, case.track.pin_height)]
+    lugs = np.array([(x, plane[1], z) for plane in planes for x, z in places])
+    pose = (dataset[name].transpose("time", "shoe", "axis").values for name in ("position", "angles"))
+    origin, shoes = next(pose), rotation_matrices(next(pose))
+    at = (origin[:, :, None] + np.einsum("tsij,lj->tsli", shoes, lugs)).reshape(len(origin), -1, 3)
+    edge = style.ROLLER_EDGE
+    return [
+        Solid("shaft of the tumbler", *shaft, style.BEAM, middle, turned[:, None], edges=edge),
+        Solid("tumbler", *star(tooth_outline(frame, case), TEETH), style.TUMBLER, wheels, both, edges=edge),
+        Solid(
+            "lugs",
+            *disc(tumbler.lug_radius, TEETH, LUG_SIDES),
+            style.LUG,
+            at,
+            np.repeat(shoes, len(lugs), axis=1),
+            edges=edge,
+        ),
+    ]
+
+
+def gear_forces(dataset: xr.Dataset) -> list[tuple[str, str, np.ndarray, np.ndarray]]:
+    """Forces of a closed track's wheels and of its teeth on every shoe, of one instant or of several.
+
+    Names, colours, places (..., shoes, 3), m, where the lines that they act on are nearest to the COM, not a
+    number where there is no force, and forces (..., shoes, 3), N.
+    """
+    names = (("wheels", "wheel_load", "wheel_moment"), ("teeth", "tooth_force", "tooth_moment"))
+    found = []
+    for (name, force, moment), colour in zip(names, (style.ROLLER_FORCE, style.TOOTH_FORCE), strict=True):
+        place, f, m = (
+            dataset[one].transpose(..., "shoe", "axis").values for one in ("position", force, moment)
+        )
+        size = np.sum(f * f, axis=-1, keepdims=True)
+        off = np.divide(np.cross(f, m), size, out=np.full_like(f, np.nan), where=size > 0.0)
+        found.append((f"forces of {name}", colour, place + off, f))
+    return found
+
+
+def gear_arrows(dataset: xr.Dataset, scale: float) -> list[Arrows]:
+    """The same as arrows, `scale` m long for 1 N; none of an open track."""
+    if not goes_round(dataset):
+        return []
+    return [Arrows(*one, scale) for one in gear_forces(dataset)]
+
+
+def near_gear(case: Case, dataset: xr.Dataset, shoes: np.ndarray, beside: float) -> list[Solid]:
+    """Wheels and tumbler, as far as they are within some m of shoes with origins (times, shoes, 3)."""
+    if rolls(dataset):
+        treads, _ = wheel_solids(case, dataset)
+        x = treads.origin[..., 0]
+        away = (x < shoes[..., 0].min() - beside) | (x > shoes[..., 0].max() + beside)
+        return [replace(treads, origin=np.where(away[..., None], np.nan, treads.origin))]
+    kept = []
+    for one in [*wheel_solids(case, dataset)[::2], *tumbler_solids(case, dataset)[1:2]]:
+        apart = np.linalg.norm((one.origin[:, :, None] - shoes[:, None])[..., [0, 2]], axis=-1).min(axis=2)
+        away = apart > beside + np.linalg.norm(one.points[:, [0, 2]], axis=1).max()
+        kept.append(replace(one, origin=np.where(away[..., None], np.nan, one.origin)))
+    return kept
