@@ -18,7 +18,8 @@ from exudyn_crawler.views.scenes.scene import Colouring, Solid, View
 from exudyn_crawler.views.tables import write_table
 from fem.stress import von_mises
 
-PEAKS, MOMENTS, CYCLES, PICTURES = "peaks.csv", "moments.csv", "cycles.csv", "pictures"
+PEAKS, MOMENTS, CYCLES, HERTZ = "peaks.csv", "moments.csv", "cycles.csv", "hertz.csv"
+PICTURES = "pictures"
 BENT = 0.05  # m, at which the greatest elastic displacement is drawn at most
 VIEWS = {"from ahead and above": (25.0, 30.0), "from ahead and below": (25.0, -30.0)}  # azimuth, elevation
 WINDOW = (-2.0, 2.0, -0.8, 0.8)  # m
@@ -60,12 +61,13 @@ def check_cases(
     warn_of(out_of_range(check))
     folder = None if out is None else Path(out)
     if folder is not None:
-        for name in (PEAKS, MOMENTS, CYCLES):
+        for name in (PEAKS, MOMENTS, CYCLES, HERTZ):
             refuse_existing(folder / name, overwrite)
     found = solve_cases(check, CheckedShoe.of(check), say)
     if folder is not None:
         writable_folder(folder)
-        for name, table in ((PEAKS, found.table), (MOMENTS, found.moments), (CYCLES, found.cycles)):
+        tables = {PEAKS: found.table, MOMENTS: found.moments, CYCLES: found.cycles, HERTZ: found.hertz}
+        for name, table in tables.items():
             write_table(table, folder / name, overwrite)
         if pictures:
             say(f"pictures of {len(found.cases)} cases")

@@ -11,12 +11,14 @@ from itertools import pairwise
 from typing import Any, Self
 
 import matplotlib as mpl
+import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.ground.cells.law import CellLaw
+from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, link_name, select
 from exudyn_crawler.results.history.history import History, RunPhase, common_phases
 from exudyn_crawler.results.history.summary import tension_along_chain
@@ -64,6 +66,8 @@ OF_FLEXIBLE_SHOES = ("displacement", "velocity", "angular velocity", "contact fo
 """Figures of the flexible shoes."""
 OF_PINS = {"revolute joint reaction": "pin force", "revolute joint torque": "pin torque"}
 """Same of the pins, a figure for each side."""
+ROLLER_PATH = "roller_path"
+"""Name of its table and its figure."""
 MODES_DRAWN = 6
 """Lowest modal coordinates in the figure."""
 TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}
@@ -356,6 +360,31 @@ def stress_figures(history: History, results: StressResults) -> dict[str, Figure
     curves = {item: highest.values.sel(item=item, axis="") for item in highest.items}
     panels[HIGHEST_STRESS] = [Panel(item, highest.unit, {item: one}) for item, one in curves.items()]
     return _figures(f"{history.case.name}, flexible shoes", panels, history)
+
+
+def roller_path_figure(table: pd.DataFrame, name: str) -> Figure:
+    """Pressure of the treads along the rail as of `roller_path.roller_path`, beside what materials bear."""
+    with mpl.rc_context(style.STYLE):
+        figure = Figure(figsize=(PANEL_WIDTH, 0.5 * PANEL_WIDTH))
+        ax = figure.subplots()
+        on_rail = table["place"] == roller_path.RAIL
+        for column, label in (
+            (roller_path.PRESSURE, "greatest"),
+            (roller_path.TYPICAL, "median of the passes"),
+        ):
+            (line,) = ax.plot(roller_path.MIDDLE, column, data=table[on_rail], marker="o", label=label)
+            ends = table[~on_rail]
+            ax.plot(ends[roller_path.MIDDLE], ends[column], "s", color=line.get_color(), mfc="none")
+        for number, material in enumerate(roller_path.MATERIALS):
+            limits = zip(roller_path.limits(material), ("first yield", "shakedown"), ("--", "-"), strict=True)
+            for limit, words, dash in limits:
+                label = f"{words} of {material.name}"
+                ax.axhline(limit / style.MEGA, ls=dash, lw=0.7, color=f"C{number + 2}", label=label)
+        ax.set(xlabel="x in the shoe in m; squares: a disc on the rail's very end", ylabel="pressure in MPa")
+        ax.set_ylim(bottom=0.0)
+        figure.legend(loc="outside right upper")
+        figure.suptitle(f"{name}: roller path", x=0.01, ha="left", parse_math=False)
+    return figure
 
 
 def _figures(title: str, panels: Mapping[str, Sequence[Panel]], history: History) -> dict[str, Figure]:

@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import meshio
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.case import Case, CellTerrain, Outputs
@@ -18,6 +19,7 @@ from exudyn_crawler.files import (
     write_netcdf,
     write_netcdf_along,
 )
+from exudyn_crawler.results.checks.roller_path import roller_path
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.ground_map import ground_map
 from exudyn_crawler.results.history.history import History
@@ -42,7 +44,7 @@ SERIES, PARTS = "track.pvd", "track_parts"
 
 
 def write_tables(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
-    """Extremes, loads at the ends of the phases; highest stresses by phase, by region and over the run."""
+    """Extremes, loads at the ends of phases, the roller path; highest stresses by phase, region and run."""
     found = {"extremes": extremes(history), "loads": load_table(history)}
     if stresses is not None:
         dataset = stresses.dataset
@@ -50,6 +52,8 @@ def write_tables(history: History, stresses: StressResults | None, folder: Path,
         found["highest_by_region"] = hot_spots.region_table(stresses.by_region, dataset)
         for shoe, spots in stresses.hot_spots.items():
             found[f"hot_spots_shoe_{shoe}"] = hot_spots.hot_spot_table(spots, dataset)
+    if history.case.is_rolled and history.tread_force.any():
+        found[figures.ROLLER_PATH] = roller_path(history)
     for name, table in found.items():
         tables.write_table(table, folder / f"{name}.csv", overwrite=True)
 
@@ -84,6 +88,8 @@ def write_figures(history: History, stresses: StressResults | None, folder: Path
     if stresses is not None:
         found = figures.stress_figures(history, stresses)
         drawn |= {f"flexible {name}": one for name, one in found.items()}
+    if (path := folder / f"{figures.ROLLER_PATH}.csv").is_file():
+        drawn[figures.ROLLER_PATH] = figures.roller_path_figure(pd.read_csv(path), history.case.name)
     # curves of a long run would not fit into memory, and no figure shows them at every step
     thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
     drawn |= figures.run_figures(thinned, outputs.drawn_shoes(history.case.track.shoe_count))

@@ -197,7 +197,7 @@ def test_a_check_leaves_tables_and_a_picture_of_each_case_of_its_file(tmp_path):
         'treads = [{ side = "left", force = 4e6, width = 0.06 }, { side = "right", force = 4e6 }]\n'
     )
     result = check_cases(tmp_path / "mine.toml", tmp_path / "out")
-    names = {"peaks.csv", "moments.csv", "cycles.csv", "pictures"}
+    names = {"peaks.csv", "moments.csv", "cycles.csv", "hertz.csv", "pictures"}
     assert {path.name for path in (tmp_path / "out").iterdir()} == names
     assert [path.name for path in (tmp_path / "out" / "pictures").iterdir()] == ["001_flange.png"]
     assert result.table.set_index("region")["above yield"]["roller path"] == "yes"

@@ -9,9 +9,11 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
+from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters.base import (
     Component,
     Errors,
+    Length,
     Name,
     Parameters,
     Place,
@@ -134,6 +136,12 @@ class ShoeCheck(Parameters):
     )
     material: FatigueMaterial = option("against cyclic stress", default=FatigueMaterial.cast_nicrmo())
     spider: Literal["averaging", "rigid"] = option("how pins hold their bores", default="averaging")
+    roller_radius: Length = quantity(
+        "m", "of the treads", (0.05, 1.5), default=ph4100c.UNDERCARRIAGE["radius"]
+    )
+    tread_width: Length = quantity(
+        "m", "of a tread that bears on all of it", (0.02, 1.0), default=ph4100c.UNDERCARRIAGE["tread_width"]
+    )
     hours: float = quantity("h", "machine hours in which no crack shall be", gt=0, le=1e9, default=25_000.0)
     levels: tuple[RollerForce, ...] = option(
         "at which the ready cases are checked; () for none", default=LEVELS

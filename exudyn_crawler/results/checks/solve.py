@@ -15,6 +15,7 @@ from exudyn_crawler.case.parameters.track import Track
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases as ready
 from exudyn_crawler.results.checks.cases import CheckCase, Facing, Pressure, ShoeCheck, TreadForce
+from exudyn_crawler.results.checks.roller_path import hertz_table
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
 from fem import ElasticBody, Mesh, Partition, Shapes, trust
 from fem.interfaces import Spider, rigid_motion_of_centers
@@ -187,7 +188,8 @@ class CheckResults:
 
     `stress` (cases, nodes, 6) in Pa and `displacement` (cases, nodes, 3) in m are those of the surface's
     nodes, `forces` (n, 3, cases) in N those of loads and ground on all nodes, without pins. `table` has a row
-    for each case and region, `moments` one for each case, `cycles` one for each cycle and region.
+    for each case and region, `moments` one for each case, `cycles` one for each cycle and region, `hertz` one
+    for each force, width and tilt of a tread.
     """
 
     check: ShoeCheck
@@ -199,6 +201,7 @@ class CheckResults:
     table: pd.DataFrame
     moments: pd.DataFrame
     cycles: pd.DataFrame
+    hertz: pd.DataFrame
 
     def cycle(self, first: str, second: str) -> pd.DataFrame:
         """Cycles to a crack in every region between two cases, or `UNLOADED` and one."""
@@ -264,6 +267,7 @@ def solve_cases(
         _peaks(check, shoe, names, stress, answers),
         _moments(shoe, cases, forces + below, centers),
         cycle_table(check, shoe, by_name, pairs),
+        hertz_table(check, cases),
     )
 
 

@@ -20,6 +20,7 @@ from exudyn_crawler.results.history.ground_map import ground_map
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.summary import BAND, bouncing, key_results
 from exudyn_crawler.views import style
+from exudyn_crawler.views.figures import ROLLER_PATH, roller_path_figure
 from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.pages.packing import SceneArrays, packed_curves, packed_scene
 from exudyn_crawler.views.pages.page import Section, part, table, together
@@ -111,6 +112,7 @@ def report_page(folder: Path, say: Callable[[str], None] = lambda _text: None) -
         Section("histories", "Time histories", part("histories", thinned) if histories else Markup()),
         Section("track", "Track in motion", part("track", rolled, closed) if histories else Markup()),
         Section("ground", "Ground", _ground(histories)),
+        Section("roller-path", "Roller path", _roller_paths(homes, left_out)),
         Section("hot-spots", "Hot spots", _hot_spots(stressed, left_out)),
         Section("shoes", "Flexible shoes in 3D", part("shoes") if "shoe" in scenes else Markup()),
         Section("pictures", "Stress pictures", shown),
@@ -146,6 +148,17 @@ def _ground(histories: Mapping[str, History]) -> Markup:
         for name, one in on_cells.items()
     )
     return together(*drawn)
+
+
+def _roller_paths(homes: Mapping[str, Path], left_out: LeftOut) -> Markup:
+    """Pressure of treads along the rails, of rolled runs whose table is there."""
+    paths = {name: home / f"{ROLLER_PATH}.csv" for name, home in homes.items()}
+
+    def drawn(path: Path) -> Markup:
+        name = next(one for one, other in paths.items() if other == path)
+        return page.figure_picture(f"roller path, {name}", roller_path_figure(pd.read_csv(path), name))
+
+    return together(*left_out.of_all([path for path in paths.values() if path.is_file()], drawn))
 
 
 def packed_shoes(

@@ -1,0 +1,196 @@
+"""Roller path: line contact of treads on rails, of check cases and of every pass of a rolled run.
+
+Hertz gives pressure and stress below the surface, shakedown is Melan's (`fem.line_contact`). Left out are
+the hardened layer, plastic flow itself, sliding across (with a coefficient of 0.3 it lowers the limit of 4 k
+to about 3.3 k), and the free edges of rails, where a contact is no half space's and lips flow earlier.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler.case.case import Case
+from exudyn_crawler.files import blocks
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.results.checks.cases import CheckCase, ShoeCheck
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.life.duty import FatigueMaterial
+from exudyn_crawler.results.loads.actions import frame_of
+from exudyn_crawler.results.stress.basis import stress_basis
+from fem.elasticity import Material
+from fem.line_contact import (
+    LineContact,
+    PathStress,
+    greatest_line_load,
+    line_contact,
+    path_stress,
+    tilted_moment,
+)
+from meshes import STEEL
+from meshes.rails import rail_nodes
+
+MEGA, KILO, MILLI = 1e6, 1e3, 1e-3
+TILTS = (0.0, 0.5e-3, 1e-3, 2e-3)
+"""rad across the rail of a tread that check cases press with."""
+PLACE = 0.05
+"""m, about, of the rail's length that a row of a run's table stands for."""
+AT_END = 1e-4
+"""m from a rail's end within which a disc stands on its edge."""
+INSTANTS = 400
+"""Of a run, at most, over which the range of the structure's stress is looked for."""
+MATERIALS = (FatigueMaterial.cast_nicrmo(), FatigueMaterial.cast_manganese(), FatigueMaterial.a36())
+PASSES, PRESSURE, TYPICAL = "passes", "pressure in MPa", "median of the passes in MPa"
+MIDDLE, RAIL = "x of its middle in m", "rail"
+
+
+def limits(material: FatigueMaterial) -> tuple[float, float]:
+    """Pressures of a level contact alone at first yield and at shakedown, Pa."""
+    contact = LineContact(np.array(MEGA), np.array(MILLI))
+    found = path_stress(contact, material.yield_strength, STEEL.poissons_ratio)
+    return MEGA * found.to_yield, MEGA * found.to_shakedown
+
+
+def plane_modulus(material: Material) -> float:
+    """Modulus of two bodies of a material in line contact, Pa."""
+    return material.youngs_modulus / (2.0 * (1.0 - material.poissons_ratio**2))
+
+
+def hertz_table(check: ShoeCheck, cases: Iterable[CheckCase]) -> pd.DataFrame:
+    """Line contact of the treads of check cases: a row for every force, width and tilt."""
+    treads: dict[tuple[float, float], str] = {}
+    for case in cases:
+        for one in case.treads:
+            treads.setdefault((one.force, min(one.width or check.tread_width, check.tread_width)), case.name)
+    rows = []
+    for (force, width), first in sorted(treads.items()):
+        for tilt in TILTS:
+            line_load = float(greatest_line_load(force, tilted_moment(force, tilt, width), width))
+            contact = line_contact(line_load, check.roller_radius, plane_modulus(STEEL))
+            stress = path_stress(contact, check.material.yield_strength, STEEL.poissons_ratio)
+            row = {"force in kN": force / KILO, "width in m": width, "tilt in mrad": tilt / MILLI}
+            row |= {"edge over mean": line_load * width / force} | _contact_columns(contact, stress)
+            row |= {"to yield": stress.to_yield, "to shakedown": stress.to_shakedown}
+            rows.append(row | {"path": stress.verdict, "first case": first})
+    return pd.DataFrame(rows)
+
+
+def _contact_columns(contact: LineContact, stress: PathStress) -> dict[str, float]:
+    """Pressure, half width, and shear with its depth."""
+    return {
+        PRESSURE: float(contact.pressure) / MEGA,
+        "half width in mm": float(contact.half_width) / MILLI,
+        "greatest shear in MPa": stress.shear / MEGA,
+        "its depth in mm": stress.depth / MILLI,
+    }
+
+
+def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIALS) -> pd.DataFrame:
+    """Line contact of all treads that passed over the shoes of a rolled run, by place on the rail.
+
+    A row each for the rear and the front end and for the parts between: how many treads passed (of every
+    roller, rail and shoe), their greatest pressure and its median, the shear below it, and by what the
+    stresses may grow until yield and until ratchetting. If treads press on flexible shoes, these alone count,
+    and the stress of the structure within the surface is superposed: that of the instant, and what comes and
+    goes over the run. A ValueError if the case is not rolled, or no tread ever pressed.
+    """
+    case, frame = history.case, frame_of(history)
+    steel = STEEL
+    if (bent := case.flexible) is not None:
+        steel = replace(STEEL, youngs_modulus=bent.youngs_modulus, poissons_ratio=bent.poissons_ratio)
+    passes = _passes(history)
+    worst = passes.loc[passes.groupby("place")["line load"].idxmax()].set_index("place")
+    medians = passes.groupby("place")["line load"].median()
+    beside = _beside(history, worst)
+    rows = []
+    for place, tread in worst.iterrows():
+        contact, typical = (
+            line_contact(q, frame.radius, plane_modulus(steel)) for q in (tread["line load"], medians[place])
+        )
+        stress = path_stress(contact, MEGA, steel.poissons_ratio, beside.get(place))
+        row = _place_columns(case, place)
+        row |= {PASSES: int((passes["place"] == place).sum()), "greatest force in kN": tread["force"] / KILO}
+        row |= {"edge over mean": tread["line load"] * frame.tread_width / tread["force"]}
+        row |= _contact_columns(contact, stress) | {TYPICAL: float(typical.pressure) / MEGA}
+        names = ("along", "across")
+        at = beside[place][0] / MEGA if place in beside else (np.nan, np.nan)
+        row |= {f"structure {name} in MPa": float(one) for name, one in zip(names, at, strict=False)}
+        for one in materials:
+            own = stress.of_strength(one.yield_strength / MEGA)
+            row |= {f"{one.name} to yield": own.to_yield, f"{one.name} to shakedown": own.to_shakedown}
+            row |= {one.name: own.verdict}
+        row |= {"shoe": int(tread["shoe"]), "roller": int(tread["roller"]), "time in s": tread["time"]}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _places(case: Case) -> np.ndarray:
+    """Edges (n + 1,) of the parts of a rail along x in the shoe's frame, m; part 0 and n + 1 are its ends."""
+    rails = case.shoe.rails
+    assert rails is not None  # of a rolled case
+    return np.linspace(rails.rear, rails.front, 1 + max(1, round((rails.front - rails.rear) / PLACE)))
+
+
+def _place_columns(case: Case, place: int) -> dict[str, object]:
+    """Name and middle of a part of the rail."""
+    edges = _places(case)
+    if place in (0, len(edges)):
+        return {"place": "rear end" if place == 0 else "front end", MIDDLE: edges[0 if place == 0 else -1]}
+    return {"place": RAIL, MIDDLE: 0.5 * (edges[place - 1] + edges[place])}
+
+
+def _passes(history: History) -> pd.DataFrame:
+    """Greatest force per width (N/m) of every shoe, roller, rail and place of a run: a row each.
+
+    Beside it when (s and row), where on the rail (m), the tread's force (N) and to which side it leans.
+    """
+    frame, edges = frame_of(history), _places(history.case)
+    names = ["tread_force", "tread_foot", "roller_shoe", "position", "angles"]
+    keys, found, done = ["shoe", "roller", "rail", "place"], [], 0
+    for part in blocks(history.dataset[names]):
+        size = np.linalg.norm(part.tread_force.values, axis=-1)
+        force = size.sum(axis=3)
+        row, roller, rail, ahead = np.nonzero(force)
+        shoe = part.roller_shoe.values[row, roller] - 1 + ahead
+        at = (row, roller, rail, slice(None), ahead)
+        total, moment = force[row, roller, rail, ahead], size[at] @ frame.strip_places
+        foot = np.einsum("ps,psi->pi", size[at], part.tread_foot.values[at]) / total[:, None]
+        axes = rotation_matrices(part.angles.values)[row, shoe, :, 0]
+        x = np.einsum("pi,pi->p", foot - part.position.values[row, shoe], axes)
+        place = np.searchsorted(edges[1:-1], x) + 1
+        place[x <= edges[0] + AT_END], place[x >= edges[-1] - AT_END] = 0, len(edges)
+        line_load = greatest_line_load(total, moment, frame.tread_width)
+        columns = {"shoe": shoe + 1, "roller": roller + 1, "rail": rail, "place": place, "x": x}
+        columns |= {"row": done + row, "time": part.time.values[row], "force": total}
+        table = pd.DataFrame(columns | {"leans": np.sign(moment), "line load": line_load})
+        found.append(table.loc[table.groupby(keys)["line load"].idxmax()])
+        done += part.sizes["time"]
+    whole = pd.concat(found, ignore_index=True)
+    if whole.empty:
+        raise ValueError("a tread must press on a shoe at a stored instant, none does")
+    bent = whole["shoe"].isin(() if history.case.flexible is None else history.case.flexible.shoes)
+    whole = whole[bent] if bent.any() else whole
+    return whole.loc[whole.groupby(keys)["line load"].idxmax()].reset_index(drop=True)
+
+
+def _beside(history: History, worst: pd.DataFrame) -> Mapping[int, np.ndarray]:
+    """Stress of the structure xx, yy, xy (5, 3), Pa, by place: with the tread, and corners of its range."""
+    case = history.case
+    if case.flexible is None or not set(worst["shoe"]) <= set(case.flexible.shoes):
+        return {}
+    even = np.linspace(0, history.time.size - 1, min(INSTANTS, history.time.size)).astype(int)
+    rows = np.union1d(even, worst["row"])
+    basis = stress_basis(History(case, history.dataset.isel(time=rows)), sorted(set(worst["shoe"])))
+    mesh, found = basis.shapes.mesh, {}
+    sides = rail_nodes(mesh)
+    for place, tread in worst.iterrows():
+        nodes = sides[int(tread["rail"])]
+        y = mesh.nodes[nodes, 1].mean() + 0.5 * tread["leans"] * frame_of(history).tread_width
+        node = nodes[np.hypot(*(mesh.nodes[nodes, :2] - (tread["x"], y)).T).argmin()]
+        stress = basis.coordinates[int(tread["shoe"])] @ basis.shapes.stress_modes[node][[0, 1, 3]].T
+        here = stress[np.searchsorted(rows, tread["row"])]
+        low, high = stress.min(axis=0), stress.max(axis=0)
+        corners = [(a, b, 0.0) for a in (low[0], high[0]) for b in (low[1], high[1])]
+        found[int(place)] = np.array([here, *corners])
+    return found
