@@ -45,7 +45,7 @@ def test_every_tread_of_a_run_is_counted_by_its_place(rolled):
     k = 690e6 / 3.0**0.5
     assert worst["cast NiCrMo to yield"] == pytest.approx(3.106 * k / worst[PRESSURE] / 1e6, rel=5e-3)
     assert worst["cast NiCrMo to shakedown"] == pytest.approx(4.0 * k / worst[PRESSURE] / 1e6, rel=5e-3)
-    assert table.filter(like="structure").isna().all(axis=None)
+    assert table.filter(like="structure").empty
 
 
 @pytest.mark.simulation
@@ -62,15 +62,13 @@ def test_stress_of_the_structure_is_that_of_the_node_below_the_tread(bent):
     table = roller_path(bent)
     assert set(table["shoe"]) <= set(bent.case.flexible.shoes)
     row = table.loc[table[PRESSURE].idxmax()]
-    rails = bent.case.shoe.rails
-    near = [
-        node_stress(bent, int(row["shoe"]), (row[MIDDLE], y, rails.height)).sel(time=row["time in s"])
-        for y in rails.middles
-    ]
-    along = [float(one.stress.sel(component="xx")) / 1e6 for one in near]
-    # of the same place within a part of the rail, on one of the rails
-    assert min(abs(one - row["structure along in MPa"]) for one in along) < 0.5 * max(map(abs, along))
+    stress = node_stress(bent, int(row["shoe"]), node=int(row["node"])).sel(time=row["time in s"]).stress
+    for component, name in (("xx", "along"), ("yy", "across")):
+        assert float(stress.sel(component=component)) / 1e6 == pytest.approx(row[f"structure {name} in MPa"])
     assert np.isfinite(table[["structure along in MPa", "structure across in MPa"]]).all(axis=None)
+    # what comes and goes lowers no limit that the contact alone has, but for what it adds to the shear
+    alone = 4.0 * 690.0 / 3.0**0.5 / table[PRESSURE]
+    assert (table["cast NiCrMo to shakedown"] <= alone * (1.0 + 5e-3)).all()
 
 
 def test_a_track_without_rollers_has_no_roller_path(translation):

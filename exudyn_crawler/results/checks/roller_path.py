@@ -7,6 +7,7 @@ to about 3.3 k), and the free edges of rails, where a contact is no half space's
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -108,14 +109,15 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
         contact, typical = (
             line_contact(q, frame.radius, plane_modulus(steel)) for q in (tread["line load"], medians[place])
         )
-        stress = path_stress(contact, MEGA, steel.poissons_ratio, beside.get(place))
+        below = beside.get(place)
+        stress = path_stress(contact, MEGA, steel.poissons_ratio, None if below is None else below.stress)
         row = _place_columns(case, place)
         row |= {PASSES: int((passes["place"] == place).sum()), "greatest force in kN": tread["force"] / KILO}
         row |= {"edge over mean": tread["line load"] * frame.tread_width / tread["force"]}
         row |= _contact_columns(contact, stress) | {TYPICAL: float(typical.pressure) / MEGA}
-        names = ("along", "across")
-        at = beside[place][0] / MEGA if place in beside else (np.nan, np.nan)
-        row |= {f"structure {name} in MPa": float(one) for name, one in zip(names, at, strict=False)}
+        if below is not None:
+            along, across, _ = below.stress[0] / MEGA
+            row |= {"structure along in MPa": along, "structure across in MPa": across, "node": below.node}
         for one in materials:
             own = stress.of_strength(one.yield_strength / MEGA)
             row |= {f"{one.name} to yield": own.to_yield, f"{one.name} to shakedown": own.to_shakedown}
@@ -174,8 +176,15 @@ def _passes(history: History) -> pd.DataFrame:
     return whole.loc[whole.groupby(keys)["line load"].idxmax()].reset_index(drop=True)
 
 
-def _beside(history: History, worst: pd.DataFrame) -> Mapping[int, np.ndarray]:
-    """Stress of the structure xx, yy, xy (5, 3), Pa, by place: with the tread, and corners of its range."""
+class Beside(NamedTuple):
+    """Stress of the structure beside a tread at a node: xx, yy, xy (5, 3), Pa, and corners of its range."""
+
+    node: int
+    stress: np.ndarray
+
+
+def _beside(history: History, worst: pd.DataFrame) -> Mapping[int, Beside]:
+    """Stress of the structure by place, at the surface's node nearest to the tread's more loaded edge."""
     case = history.case
     if case.flexible is None or not set(worst["shoe"]) <= set(case.flexible.shoes):
         return {}
@@ -192,5 +201,5 @@ def _beside(history: History, worst: pd.DataFrame) -> Mapping[int, np.ndarray]:
         here = stress[np.searchsorted(rows, tread["row"])]
         low, high = stress.min(axis=0), stress.max(axis=0)
         corners = [(a, b, 0.0) for a in (low[0], high[0]) for b in (low[1], high[1])]
-        found[int(place)] = np.array([here, *corners])
+        found[int(place)] = Beside(int(node), np.array([here, *corners]))
     return found
