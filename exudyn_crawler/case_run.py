@@ -1,9 +1,12 @@
 """One case into one folder: simulate what is missing, recover stresses, then a list of writers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple, Self
 
 from exudyn_crawler.case import Case, CaseFile, CellTerrain
 from exudyn_crawler.case.case_file import check_case_file
@@ -12,12 +15,13 @@ from exudyn_crawler.files import move_file, note_written
 from exudyn_crawler.model.flexible_shoes import check_shoe, whole_reduction
 from exudyn_crawler.model.reductions import reductions_in
 from exudyn_crawler.results.history.history import MOST_IN_MEMORY, History
+from exudyn_crawler.results.stress.basis import static_loads
 from exudyn_crawler.results.stress.recovery import StressResults, recover_stresses
+from exudyn_crawler.run.folder import progress as parts
 from exudyn_crawler.run.folder import record
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.folder.folder import held_of, matching_history, run_in
-from exudyn_crawler.run.folder.progress import heartbeat
-from exudyn_crawler.run.solve.simulation import simulate
+from exudyn_crawler.run.solve.simulation import compiled, simulate
 from exudyn_crawler.views.outputs import write_outputs
 
 
@@ -88,7 +92,7 @@ def run_case(
     reuse : path, optional
         Folder of an earlier run whose history takes the place of the simulation.
     progress : bool, optional
-        Show a progress bar; None shows one on a terminal and a line every 10 s elsewhere.
+        Show a progress bar of each part; None shows one on a terminal and a line every 10 s elsewhere.
     say : callable
         Gets a line on each thing that goes on.
     reductions : path, optional
@@ -118,51 +122,99 @@ def run_case(
         if path is not None and take_finished and held_of(path, case_file) is record.Holds.FINISHED:
             say(f"{case.name}: finished already, in {path}")
             history = matching_history(path, case_file)
-            return CaseRun(history, _stresses(history, case_file, record.RunFolder(report=say)), path)
+            work = _Work(record.RunFolder(report=say), case_file, progress)
+            return CaseRun(history, _stresses(history, work), path)
         with run_in(path, case_file, overwrite, say) as folder:
+            work = _Work.begun(folder, case_file, progress, reused is not None)
             if case.flexible is not None:
-                with folder.timed("reduce the flexible shoe"):
-                    stored = whole_reduction(case)
-                if stored.found:
-                    folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
+                _reduce(case, work)
             if reused is None:
-                history = _history(case_file, progress, folder)
+                history = _history(work)
             else:
                 folder.say(f"{case.name}: reusing the history in {reuse}, whose parameters are the same")
                 history = reused
                 if path is not None:
                     history.save(path / record.HISTORY, overwrite=True)
-            stresses = _stresses(history, case_file, folder)
+            stresses = _stresses(history, work)
             if path is not None:
-                with folder.timed("tables and figures"), heartbeat(f"{case.name}: tables and figures"):
+                with work.part(parts.WRITE):
                     write_outputs(history, stresses, path, outputs)
+            work.note_times()
     return CaseRun(history, stresses, path)
 
 
-def _stresses(history: History, case_file: CaseFile, folder: record.RunFolder) -> StressResults | None:
+class _Work(NamedTuple):
+    """A run at work: its folder, what it is to do, and how long its parts are expected to take, s."""
+
+    folder: record.RunFolder
+    case_file: CaseFile
+    progress: bool | None
+    expected: Mapping[str, float] = MappingProxyType({})
+
+    @classmethod
+    def begun(
+        cls, folder: record.RunFolder, case_file: CaseFile, progress: bool | None, simulated: bool
+    ) -> Self:
+        """Run that begins, and says how long that will take."""
+        times = parts.RunTimes(case_file)
+        there = simulated or folder.holds is record.Holds.HISTORY
+        without = {parts.SIMULATE, parts.COMPILE} if there else set()
+        if folder.path is None:
+            without.add(parts.WRITE)
+        folder.say(times.line(without))
+        return cls(folder, case_file, progress, times.expected(without))
+
+    def note_times(self) -> None:
+        """Note what the parts took for later runs, but for a simulation that only went on."""
+        if self.progress is not False:
+            whole = self.folder.holds is record.Holds.NOTHING
+            taken = self.folder.stages.items()
+            noted = {part: time for part, time in taken if whole or part != parts.SIMULATE}
+            parts.RunTimes(self.case_file).note(noted)
+
+    @contextmanager
+    def part(self, name: str) -> Iterator[None]:
+        """Take the time of a part, and show its progress."""
+        title = f"{self.case_file.case.name}: {name}"
+        with self.folder.timed(name), parts.heartbeat(title, self.expected.get(name), self.progress):
+            yield
+
+
+def _reduce(case: Case, work: _Work) -> None:
+    """Reduce the flexible shoe, unless that is cached."""
+    with work.part(parts.REDUCE):
+        stored = whole_reduction(case)
+    if stored.found:
+        work.folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
+
+
+def _stresses(history: History, work: _Work) -> StressResults | None:
     """Stresses of the flexible shoes, if there are any."""
-    case = history.case
-    if case.flexible is None:
+    if history.case.flexible is None:
         return None
-    with folder.timed("recover stresses"), heartbeat(f"{case.name}: recovering stresses"):
-        return recover_stresses(history, case_file.outputs.picture_times)
+    if history.case.flexible.static_fields:
+        with work.part(parts.FIELDS):
+            static_loads(history.case)
+    with work.part(parts.RECOVER):
+        return recover_stresses(history, work.case_file.outputs.picture_times)
 
 
-def _history(case_file: CaseFile, progress: bool | None, folder: record.RunFolder) -> History:
+def _history(work: _Work) -> History:
     """Simulate a case, or what is missing of it in the folder that the run holds; raises as `simulate`.
 
     ValueError, naming it, if what is there was altered or comes from other parameters.
     """
+    folder, case_file = work.folder, work.case_file
     case, path = case_file.case, folder.path
     if path is None:
-        with folder.timed("simulate"):
-            return simulate(case, case_file.duration, progress)
+        with _simulating(work):
+            return simulate(case, case_file.duration, work.progress)
     checkpoints = Checkpoints(path / record.CHECKPOINTS, folder.say)
     if folder.simulated:
         folder.say(f"{case.name}: simulated already, going on with what is made of it")
         history = matching_history(path, case_file)
     else:
-        history = _simulated(folder, path, case_file, progress, checkpoints)
+        history = _simulated(work, path, checkpoints)
     checkpoints.settle(case, path / record.END)
     # these are the run's, also where it was stopped after them
     for one in (path / record.HISTORY, path / record.END):
@@ -170,17 +222,25 @@ def _history(case_file: CaseFile, progress: bool | None, folder: record.RunFolde
     return history
 
 
-def _simulated(
-    folder: record.RunFolder, path: Path, case_file: CaseFile, progress: bool | None, checkpoints: Checkpoints
-) -> History:
+@contextmanager
+def _simulating(work: _Work) -> Iterator[None]:
+    """Take the time of a simulation, whose equations are compiled before if they are not yet."""
+    with work.folder.timed(parts.COMPILE):
+        compiled(work.case_file.case, work.progress, work.expected.get(parts.COMPILE))
+    with work.folder.timed(parts.SIMULATE):
+        yield
+
+
+def _simulated(work: _Work, path: Path, checkpoints: Checkpoints) -> History:
     """Simulate what is missing."""
+    folder, case_file = work.folder, work.case_file
     case, end, whole = case_file.case, path / record.END, path / record.HISTORY
     is_shorter = folder.holds is not record.Holds.NOTHING and end.is_file() and whole.is_file()
     if is_shorter and not checkpoints.load(case):
         checkpoints.begin_from(end, whole)
-    with folder.timed("simulate"):
+    with _simulating(work):
         try:
-            history = simulate(case, case_file.duration, progress, checkpoints)
+            history = simulate(case, case_file.duration, work.progress, checkpoints)
         except SimulationStopped as stop:
             if stop.history is not None:
                 move_file(checkpoints.history, path / record.STOPPED_HISTORY, overwrite=True)

@@ -12,7 +12,7 @@ import typer
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.application import CASES, RESULTS, Changes, Overwrite, Run
-from exudyn_crawler.run.folder.progress import heartbeat
+from exudyn_crawler.run.folder.progress import RunTimes, heartbeat
 from exudyn_crawler.views.tables import print_rows, print_table
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def info(
     columns = ("key", "value", "in the base", "meaning")
     title = f"{case}: {differing} of {len(rows)} values differ from the case {base!r}"
     print_rows(columns, rows, title, keys=columns[:3], whole="in the file that init writes")
-    typer.echo("\n".join(run_lines(case_file)))
+    typer.echo("\n".join([*run_lines(case_file), RunTimes(case_file).line()]))
     if weights := shoe_weights(case_file.case):
         typer.echo(weights)
     checks.warn_implausible(case_file.case, case_file.duration)
@@ -140,13 +140,8 @@ def run(
     out = out or RESULTS / case.stem
     refuse_occupied(out, case_file, overwrite)
     from exudyn_crawler.case.case_file import run_lines
-    from exudyn_crawler.sweep.running import TIMES, in_units, run_time
 
-    seconds = in_units(run_time(case_file), TIMES, 2)
-    flexible = (
-        "" if case_file.case.flexible is None else "; a new flexible shoe is reduced once, half a minute"
-    )
-    typer.echo("\n".join([*run_lines(case_file), f"time: about {seconds} by a rule of thumb{flexible}"]))
+    typer.echo("\n".join(run_lines(case_file)))
     done = crawler.run_case(case_file, out, overwrite=overwrite, reuse=reuse, say=typer.echo)
     show_answers(done)
     name, duration = case_file.case.name, done.history.duration

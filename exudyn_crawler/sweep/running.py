@@ -13,7 +13,7 @@ from exudyn_crawler.case import CaseFile, write_case
 from exudyn_crawler.case.case_file import NUMBER, stored_numbers
 from exudyn_crawler.case.parameters.fields import in_units
 from exudyn_crawler.files import whole_file, writable_folder, write_netcdf
-from exudyn_crawler.run.folder.progress import progress_bar
+from exudyn_crawler.run.folder.progress import RECOVER, SIMULATE, TIMES, progress_bar, rule_of_thumb
 from exudyn_crawler.run.folder.record import RunFolder, held, quiet, recorded
 from exudyn_crawler.sweep import results
 from exudyn_crawler.sweep.answers import ANSWERS
@@ -24,14 +24,6 @@ RUNS = "runs"  # folder of the folders of runs, where a sweep names no other sto
 BASE_CASE, DEFINITION = "base.toml", "sweep.json"
 TABLE, COLUMNS, DATASET = "results.csv", "results.parquet", "results.nc"
 REDUCTIONS = "reductions"
-# rules of thumb for the wall time of a run (docs/speed.md, docs/sweeps.md)
-BEGIN, BEGIN_CLOSED = 0.5, 2.5  # s of a run beside its steps: rest, files, record; rest of a closed track
-SHOES = 13
-STEP = {True: 0.6e-3, False: 1.2e-3}  # s a step of so many rigid shoes, with compiled equations and without
-STEP_FLEXIBLE = {True: 0.1e-3, False: 2.0e-3}  # s more of a flexible one
-ROLLED, ROLLED_FLEXIBLE = 2.5, 1.0e-3  # times that of rigid shoes, and s more of a flexible one, if rolled
-RECOVERY = 1.0e-3  # s a stored time of a flexible shoe, whose stresses are recovered
-TIMES = {"days": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
 PACKED = 0.75  # size of a history on disk to that in memory
 
 
@@ -169,15 +161,9 @@ def tasks_of(
 
 
 def run_time(case_file: CaseFile) -> float:
-    """Wall time of a run by a rule of thumb, s; a reduction, done once, is not in it."""
-    case, solver = case_file.case, case_file.case.solver
-    flexible = 0 if case.flexible is None else len(case.flexible.shoes)
-    step, more = STEP[case.is_compiled] * case.track.shoe_count / SHOES, STEP_FLEXIBLE[case.is_compiled]
-    if case.is_rolled:
-        step, more = ROLLED * step, ROLLED_FLEXIBLE
-    recovered = RECOVERY * flexible * solver.stored_times(case_file.duration)
-    begin = BEGIN_CLOSED if case.is_closed else BEGIN
-    return begin + case_file.duration / solver.step * (step + more * flexible) + recovered
+    """Wall time of a run by a rule of thumb, s, without what is done once and what is written of it."""
+    times = rule_of_thumb(case_file)
+    return sum(times[part] for part in (SIMULATE, RECOVER) if part in times)
 
 
 def run_bytes(case_file: CaseFile) -> float:

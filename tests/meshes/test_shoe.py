@@ -6,7 +6,7 @@ import pytest
 import fem
 import meshes
 from meshes import STEEL
-from meshes.geometry import VOLUMES
+from meshes.geometry import NODES, VOLUMES
 
 
 @pytest.fixture(scope="module", params=["coarse", "study"])
@@ -15,9 +15,11 @@ def shoe(request: pytest.FixtureRequest) -> fem.ElasticBody:
 
 
 @pytest.mark.parametrize("size", meshes.SHOE_SIZES)
-def test_volumes_are_those_of_the_files(size: str) -> None:
-    assert list(VOLUMES) == list(meshes.SHOE_SIZES)
-    assert meshes.shoe_mesh(size).volume == pytest.approx(VOLUMES[size], rel=1e-12)
+def test_volumes_and_nodes_are_those_of_the_files(size: str) -> None:
+    assert list(VOLUMES) == list(NODES) == list(meshes.SHOE_SIZES)
+    mesh = meshes.shoe_mesh(size)
+    assert mesh.volume == pytest.approx(VOLUMES[size], rel=1e-12)
+    assert len(mesh.nodes) == NODES[size]
 
 
 def test_mass_and_center(shoe: fem.ElasticBody) -> None:

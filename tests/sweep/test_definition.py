@@ -8,10 +8,11 @@ import pytest
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, write_case
 from exudyn_crawler.case import Outputs
 from exudyn_crawler.errors import CaseFileError, ImplausibleWarning
+from exudyn_crawler.run.folder.progress import BEGIN, SIMULATE, rule_of_thumb
 from exudyn_crawler.sweep import definition
 from exudyn_crawler.sweep.answers import Answer, HotSpot
 from exudyn_crawler.sweep.definition import Sweep, design_rows, read_sweep, run_digest
-from exudyn_crawler.sweep.running import BEGIN, RECOVERY, estimate, run_bytes, run_time
+from exudyn_crawler.sweep.running import estimate, run_bytes, run_time
 from exudyn_crawler.sweep.vary import Vary
 from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_case, small_sweep
 
@@ -224,8 +225,8 @@ def test_a_rolled_second_takes_what_was_measured():
     flexible = rigid.with_(flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(11,)))
     for case, measured in ((rigid, 2.4e-3), (flexible, 3.7e-3)):
         steps = 1.0 / case.solver.step
-        recovery = 0.0 if case.flexible is None else RECOVERY / case.solver.output_interval
-        found = run_time(CaseFile(case=case, duration=1.0)) - BEGIN - recovery
+        one, two = (rule_of_thumb(CaseFile(case=case, duration=duration)) for duration in (1.0, 2.0))
+        found = two[SIMULATE] - one[SIMULATE]
         assert found == pytest.approx(steps * measured, rel=0.2)
 
 

@@ -20,7 +20,7 @@ from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
-from exudyn_crawler.run.folder.progress import note, progress_bar
+from exudyn_crawler.run.folder.progress import COMPILE, REDUCE, heartbeat, note, progress_bar
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.stages import Recorder, RunStages, is_quiet, stage_times
 from fem.compiling import notify_compiling
@@ -180,6 +180,20 @@ COMPILING = (
 """Rolled, dragged and closed tracks have equations of their own."""
 
 
+def compiled(case: Case, progress: bool | None = None, expected: float | None = None) -> None:
+    """Compile what a case needs, once on a machine; says so unless `progress` is false."""
+    if not case.is_compiled:
+        return
+    line = COMPILING.format(kind_of(case))
+    told = nullcontext() if progress is False else notify_compiling(EQUATIONS, lambda: note(line))
+    with (
+        told,
+        heartbeat(f"{case.name}: {COMPILE}", expected, progress),
+        threadpool_limits(1, user_api="blas"),
+    ):
+        compile_equations(kind_of(case))
+
+
 def simulate(
     case: Case, duration: float, progress: bool | None = None, checkpoints: Checkpoints | None = None
 ) -> History:
@@ -221,14 +235,12 @@ def simulate(
     warn_implausible(case, duration)
     if checkpoints is not None:
         checkpoints.load(case)
-    compiling = COMPILING.format(kind_of(case))
-    told = nullcontext() if progress is False else notify_compiling(EQUATIONS, lambda: note(compiling))
     if case.flexible is not None:
-        whole_reduction(case)  # large enough for several threads, as nothing behind it is
+        with heartbeat(f"{case.name}: {REDUCE}", show=progress):
+            whole_reduction(case)  # large enough for several threads, as nothing behind it is
+    compiled(case, progress)
     # matrices of a step are so small that threads wait for each other, and round by how many they are
-    with told, threadpool_limits(1, user_api="blas"):
-        if case.is_compiled:
-            compile_equations(kind_of(case))
+    with threadpool_limits(1, user_api="blas"):
         system = track_system(case)
         system.set_initial(static_equilibrium(case))
         return integrate(system, duration, progress, checkpoints=checkpoints)
