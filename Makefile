@@ -87,8 +87,9 @@ format: $(INSTALLED)  ## put the code into its standard form
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-docs: $(INSTALLED)  ## the API reference, into site/; docs/ holds the handbook
-	$(BIN)/python -W error -m docs.build_api site
+docs: $(INSTALLED)  ## handbook, tutorial, gallery and API reference as one site with a search, into site/
+	$(BIN)/sphinx-build -q -W --keep-going -j auto -c docs . site
+	@echo "site/index.html: open it in a browser"
 
 notebooks: $(INSTALLED)  ## execute the handbook's notebooks anew, in their places
 	$(BIN)/python -m docs.notebooks
@@ -102,4 +103,4 @@ lock: $(INSTALLED)  ## resolve the versions anew into requirements.lock
 		--no-annotate --no-emit-find-links --no-emit-index-url pyproject.toml --output-file requirements.lock
 
 clean:  ## remove the environment and the caches
-	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache *.egg-info
+	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache *.egg-info docs/api

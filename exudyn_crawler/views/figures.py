@@ -56,6 +56,7 @@ DEPTH, DEPTH_ON_CELLS = QUANTITIES["penetration"].label, "sinkage"
 HIGHEST_STRESS = QUANTITIES["highest_von_mises"].label
 ROLLER_FORCE, RAIL_FORCE = QUANTITIES["roller_force"].label, QUANTITIES["rail_force"].label
 ON_RAILS = f"{ROLLER_FORCE} on the {{}} rails".format
+"""Its name on one rail."""
 PULL = QUANTITIES["drive_pull"].label
 TENSION, WHEEL_FORCE, WHEEL_LOAD, TOOTH_FORCE, DRIVE_MOMENT = (
     QUANTITIES[name].label

@@ -123,7 +123,7 @@ class CellGround:
         self._held = commit(tuple(self.tiles), self.arrays, self._held)
 
     def coarse_forces(self, frames: np.ndarray) -> np.ndarray:
-        """Forces of the last `press` on a grid of each underside: (shoes, *COARSE, 3), N, shoes' axes."""
+        """Forces of the last `press` on a grid of each underside: ``(shoes, *COARSE, 3)``, N, shoes' axes."""
         out = np.zeros((len(self.shoes.counts), *COARSE, 3))
         coarse_forces(self.arrays, frames, out)
         return out

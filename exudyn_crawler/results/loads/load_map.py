@@ -3,14 +3,14 @@
 Modal loads, coordinates of static fields and nodal forces are products with these coordinates; an action that
 enters in a new way is a case of `shares_of`.
 
-| family | coordinates |
-|---|---|
-| joints | (joint, 6): force and moment on each joint centre |
-| machine | (2, 3): force spread evenly over the loaded surface; force times its shift to the left, N m |
-| ground | (point, 3): tractions over the rectangles from a corner of the underside to the points of a grid |
-| rails | (station, 3): forces at stations along each strip of the treads; under a side frame |
-| drive | (3,): force on the pulled node; lacking where none is |
-| inertia | (mode,): momentum of the modes that are integrated |
+Coordinates of each family:
+
+- joints: (joint, 6): force and moment on each joint centre
+- machine: (2, 3): force spread evenly over the loaded surface; force times its shift to the left, N m
+- ground: (point, 3): tractions over the rectangles from a corner of the underside to the points of a grid
+- rails: (station, 3): forces at stations along each strip of the treads; under a side frame
+- drive: (3,): force on the pulled node; lacking where none is
+- inertia: (mode,): momentum of the modes that are integrated
 
 The ground's grid and the rails' cubics are those of the equations of motion: an even traction over any
 rectangle is the sum of 16 rectangles from the corner, a force between stations is shared by four of a cubic.
