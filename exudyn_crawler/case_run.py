@@ -208,7 +208,7 @@ def _history(work: _Work) -> History:
     case, path = case_file.case, folder.path
     if path is None:
         with _simulating(work):
-            return simulate(case, case_file.duration, work.progress)
+            return simulate(case, case_file.duration, work.progress, None, case_file.outputs.ground_times)
     checkpoints = Checkpoints(path / record.CHECKPOINTS, folder.say)
     if folder.simulated:
         folder.say(f"{case.name}: simulated already, going on with what is made of it")
@@ -240,7 +240,8 @@ def _simulated(work: _Work, path: Path, checkpoints: Checkpoints) -> History:
         checkpoints.begin_from(end, whole)
     with _simulating(work):
         try:
-            history = simulate(case, case_file.duration, work.progress, checkpoints)
+            times = case_file.outputs.ground_times
+            history = simulate(case, case_file.duration, work.progress, checkpoints, times)
         except SimulationStopped as stop:
             if stop.history is not None:
                 move_file(checkpoints.history, path / record.STOPPED_HISTORY, overwrite=True)

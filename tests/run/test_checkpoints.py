@@ -91,10 +91,13 @@ def flexible():
 def test_a_run_that_goes_on_from_checkpoints_gives_the_same_numbers(tmp_path, case):
     case = case()
     case = case.with_(solver=case.solver.with_(checkpoint_interval=INTERVAL / 5))
-    whole = simulate(case, 3 * INTERVAL / 5, checkpoints=Checkpoints(tmp_path))
+    # of ground that remembers: in a stage that is there, at the end of it, and in one that is computed anew
+    times = tuple(share * INTERVAL / 5 for share in (0.5, 1.0, 1.5))
+    whole = simulate(case, 3 * INTERVAL / 5, None, Checkpoints(tmp_path), times)
     (tmp_path / "stage_0001.npz").unlink()
-    resumed = simulate(case, 3 * INTERVAL / 5, checkpoints=Checkpoints(tmp_path))
+    resumed = simulate(case, 3 * INTERVAL / 5, None, Checkpoints(tmp_path), times)
     assert resumed.dataset.identical(whole.dataset)
+    assert whole.has("cell_sinkage_then") == (case.terrain.model == "cells")
 
 
 @pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
@@ -212,13 +215,15 @@ def test_a_longer_run_on_cells_goes_on_behind_one_of_two_stages(tmp_path):
         tmp_path / "end.npz",
         tmp_path / "history.nc",
     )
-    simulate(case, 1.5 * INTERVAL / 5, checkpoints=checkpoints).save(history)
+    times = tuple(share * INTERVAL / 5 for share in (0.5, 1.2, 2.0))
+    simulate(case, 1.5 * INTERVAL / 5, None, checkpoints, times).save(history)
     checkpoints.settle(case, end)
     checkpoints.begin_from(end, history)
-    longer = simulate(case, 2.5 * INTERVAL / 5, checkpoints=checkpoints)
-    # cells and what they remember among all else
+    longer = simulate(case, 2.5 * INTERVAL / 5, None, checkpoints, times)
+    # cells and what they remember among all else, also at times of the shorter run's end
     assert longer.cell_sinkage.size > 0
-    assert longer.dataset.identical(simulate(case, 2.5 * INTERVAL / 5).dataset)
+    assert longer.ground_time.values == pytest.approx(times, abs=case.solver.step)
+    assert longer.dataset.identical(simulate(case, 2.5 * INTERVAL / 5, ground_times=times).dataset)
 
 
 def test_a_longer_run_goes_on_behind_one_that_has_ended(three_stages, copied, tmp_path):

@@ -87,9 +87,9 @@ def test_the_map_has_what_the_cells_remember(folders, histories, name):
     assert units == dict.fromkeys(found.variables, "m") | {"time": "s"}
     assert all(found[one].attrs["long_name"] for one in found.data_vars)
     assert found.time.values == pytest.approx([0.0, 0.01])
-    growing = found.depth.values
-    assert (growing[1] >= growing[0]).all()
-    assert growing[0].max() > 0.01
+    for growing in (found.depth.values, found.sinkage_then.values):
+        assert (growing[1] >= growing[0]).all()
+        assert growing[0].max() > 0.01
     terrain, soil = history.case.terrain, history.case.contact.law
     cell = history.dataset.isel(cell=int(history.cell_sinkage.values.argmax()))
     x, y = ((float(one) + 0.5) * terrain.cell for one in (cell.cell_column, cell.cell_row))
@@ -100,6 +100,25 @@ def test_the_map_has_what_the_cells_remember(folders, histories, name):
     assert float(deepest.rut) == pytest.approx(float(deepest.sinkage) - springs_back, rel=1e-9)
     shorter = history.case.shoe.length
     assert soil.sinkage(float(cell.cell_pressure), shorter) == pytest.approx(float(deepest.sinkage), rel=0.02)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_cells_at_a_chosen_time_are_those_of_a_run_that_ends_then(histories, name):
+    history = histories[name]
+    ended = simulate(history.case, 0.01, False)
+    then = history.dataset.isel(ground_time=1)
+    assert float(then.ground_time) == ended.duration
+    pressed = (then.cell_sinkage_then > 0.0).values
+    for one in ("sinkage", "pressure"):
+        np.testing.assert_array_equal(then[f"cell_{one}_then"][pressed], ended.dataset[f"cell_{one}"])
+    # a history whose run was not asked to keep it has the undersides' depth alone
+    other = ground_map(ended, (0.01,))
+    assert np.isnan(other.sinkage_then).all()
+    label = pictures.map_figure(ended, other, 0.01).axes[1].get_ylabel()
+    assert label == "greatest depth so far in mm"
+    kept = ground_map(history, (0.01,))
+    label = pictures.map_figure(history, kept, 0.01).axes[1].get_ylabel()
+    assert label == "greatest sinkage in mm until then"
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -120,7 +139,10 @@ def test_undersides_have_been_as_deep_as_cells_remember(histories, name):
 
 def test_rock_keeps_no_rut():
     case = small_case().on_cells(RockFloor.hard_floor())
-    found = ground_map(simulate(case, 4e-3, False))
+    history = simulate(case, 4e-3, False, ground_times=(2e-3,))
+    found = ground_map(history, (2e-3,))
+    assert float(found.sinkage_then.max()) > 0.0
+    assert float(found.rut_then.max()) == 0.0
     assert 0.0 < float(found.sinkage.max()) < 2e-3
     assert float(found.rut.max()) == 0.0
 

@@ -1,7 +1,7 @@
 """Oil-sand terrain as a grid of units on spring-dampers."""
 
 import math
-from typing import Literal, Self
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -30,6 +30,12 @@ class Ground(Parameters):
     Gravity leans in these axes.
     """
 
+    # what takes the place of keys that there were, for errors
+    former: ClassVar = dict.fromkeys(
+        ("heights", "profile"),
+        'terrain.relief has the heights: [[terrain.relief.parts]] with model = "ramp", x, flank and height '
+        "for each rise of a profile, or terrain.relief.measured.file",
+    )
     grade: Slope = quantity("1", "rise over horizontal run along x; + is uphill", (-0.3, 0.3), default=0.0)
     side_slope: Slope = quantity("1", "the same along y; + rises to the left", (-0.3, 0.3), default=0.0)
     relief: Heights = Field(default=Heights(), description="heights of the ground before any shoe came")

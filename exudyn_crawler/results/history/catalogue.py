@@ -37,6 +37,7 @@ NEEDS = {
     "closed": "a closed_track, the case has none",
     "units": "a terrain of units, the case has one of cells",
     "cells": "a terrain of cells, the case has one of units",
+    "chosen": "outputs.ground_times, the run had none",
 }
 """What a quantity may need, and why a case does not do."""
 
@@ -88,6 +89,7 @@ class Quantity:
         has = {"flexible": case.flexible is not None, "rolled": case.is_rolled, "dragged": not gear}
         has |= {"frame": gear, "closed": case.is_closed}
         has |= {model: case.terrain.model == model for model in ("units", "cells")}
+        has["chosen"] = True  # by the run, of which a case says nothing
         return " and ".join(NEEDS[need] for need in self.needs if not has[need])
 
 

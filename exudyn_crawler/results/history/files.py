@@ -220,7 +220,7 @@ def save_joined(
     """
     parts = _parts(chunks)
     if end is not None:
-        parts = (part.drop_dims("cell", errors="ignore").assign(end) for part in parts)
+        parts = (part.drop_dims(("cell", "ground_time"), errors="ignore").assign(end) for part in parts)
     whole = (with_case(packed(part), case) for part in parts)
     times = sum(chunk.times for chunk in chunks)
     return write_netcdf_along("time", times, whole, path, overwrite)

@@ -1,15 +1,16 @@
-"""Map of ground of cells: what its memory holds as a run ends, and how deep shoes had pressed it at any time.
+"""Map of ground of cells: what its memory holds as a run ends and at chosen times, and how deep shoes were.
 
-The memory is the ground's own and exact. At other times the map is that of the shoes' motion: how deep their
-undersides have been, as stiff ones, at stored states.
+The memory is the ground's own and exact. At times that were not chosen before the run the map is that of the
+shoes' motion: how deep their undersides have been, as stiff ones, at stored states.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import xarray as xr
 
+from exudyn_crawler.case import Case
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.frames import compiled
 from exudyn_crawler.ground.rotations import FloatArray, rotation_matrices
@@ -23,16 +24,36 @@ MOST_STATES = 4000
 """Stored states whose undersides are looked at, evenly spread."""
 
 
-def end_memory(system: "TrackSystem") -> xr.Dataset:
-    """Cells that remember something, by column and row, as a history has them; nothing of other ground."""
+THEN = 5
+"""Numbers of a cell then: the time (s), column, row, greatest sinkage (m), pressure there (Pa)."""
+
+
+def memory_now(memory: Mapping[str, np.ndarray], time: float) -> np.ndarray:
+    """Cells that a ground's memory, as of `CellGround.state`, holds at a time (s): array (cells, THEN)."""
+    count = len(memory["cells"])
+    return np.column_stack((np.full(count, time), memory["cells"], memory["memory"][:, :2]))
+
+
+def end_memory(system: "TrackSystem", then: np.ndarray) -> xr.Dataset:
+    """Cells that remember something, by column and row, as a history has them; nothing of other ground.
+
+    With what they remembered at chosen times, `then` (cells of all times, THEN).
+    """
     memory = system.memory()
     if not memory:
         return xr.Dataset()
+    times, when = np.unique(then[:, 0], return_inverse=True)
     # cells are stored in the order in which their tiles were made, another one in a run that went on
-    order = np.lexsort(memory["cells"].T[::-1])
-    column, row = memory["cells"][order].T
-    sinkage, pressure = memory["memory"][order, :2].T
-    named = {"cell_column": column, "cell_row": row, "cell_sinkage": sinkage, "cell_pressure": pressure}
+    every = np.concatenate((memory["cells"], then[:, 1:3].astype(int)))
+    cells, which = np.unique(every, axis=0, return_inverse=True)
+    which, count = which.ravel(), len(memory["cells"])
+    pressed, before = np.zeros((2, len(cells))), np.zeros((2, len(times), len(cells)))
+    pressed[:, which[:count]] = memory["memory"][:, :2].T
+    before[:, when, which[count:]] = then[:, 3:].T
+    named = {"cell_column": cells[:, 0], "cell_row": cells[:, 1]}
+    named |= {"cell_sinkage": pressed[0], "cell_pressure": pressed[1]}
+    if len(times):
+        named |= {"ground_time": times, "cell_sinkage_then": before[0], "cell_pressure_then": before[1]}
     return xr.Dataset({name: variable(name, values) for name, values in named.items()})
 
 
@@ -44,14 +65,15 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
     history : History
     times : sequence of float
         s, at which the map has also how deep undersides had pressed the ground until then, as of
-        `pressed_depths`, at the nearest stored times.
+        `pressed_depths`, at the nearest stored times; and what cells remembered, of times of `ground_times`.
 
     Returns
     -------
     xarray.Dataset
         Dimensions x and y (m, global, middles of cells): height before any shoe came, greatest sinkage along
         the normal of a cell, and the rut, what stays of that where nothing presses; m. With times also
-        `depth` (time, x, y), m, vertical.
+        `depth` (time, x, y), m, vertical, and `sinkage_then` and `rut_then` as of the end, NaN at times at
+        which the run has not kept the memory.
 
     Raises
     ------
@@ -59,22 +81,24 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
         If the case has no ground of cells.
     """
     case = history.case
-    terrain, law = case.cell_terrain(), cast(CellLaw, case.cell_contact().law)
+    terrain = case.cell_terrain()
     cells = np.column_stack((history.cell_column, history.cell_row))
     first, last = cells.min(axis=0), cells.max(axis=0)
     x, y = ((np.arange(first[k], last[k] + 1) + 0.5) * terrain.cell for k in range(2))
-    sinkage, pressure = history.cell_sinkage.values, history.cell_pressure.values
-    constants = law.constants(min(case.shoe.length, case.shoe.width))
-    pairs = zip(sinkage.tolist(), pressure.tolist(), strict=True)
-    modulus = np.array([law.kernel.prepare(constants, z, p)[0] for z, p in pairs])
-    springs_back = np.divide(pressure, modulus, out=sinkage.copy(), where=modulus > 0.0)
-    rut = np.zeros_like(sinkage) if law.kernel.forgets else np.maximum(sinkage - springs_back, 0.0)
-    maps = np.zeros((2, len(x), len(y)))
-    maps[:, *(cells - first).T] = sinkage, rut
+    place = tuple((cells - first).T)
+
+    def mapped(sinkage: xr.DataArray, pressure: xr.DataArray) -> np.ndarray:
+        maps = np.zeros((2, len(x), len(y)))
+        maps[:, *place] = sinkage, ruts(case, sinkage.values, pressure.values)
+        return maps
+
+    at_end = mapped(history.cell_sinkage, history.cell_pressure)
+    greatest = "greatest sinkage along the normal of the ground"
+    stays = "sinkage that stays where nothing presses"
     fields = {
         "height": (terrain.surface(*np.meshgrid(x, y, indexing="ij")), "height before any shoe came"),
-        "sinkage": (maps[0], "greatest sinkage along the normal of the ground"),
-        "rut": (maps[1], "sinkage that stays where nothing presses"),
+        "sinkage": (at_end[0], greatest),
+        "rut": (at_end[1], stays),
     }
     named = {"x": (x, "x of the cells' middles, global"), "y": (y, "y of the cells' middles, global")}
     ground = xr.Dataset(
@@ -87,9 +111,37 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
     stored = history.time.values
     rows = np.unique([np.abs(stored - time).argmin() for time in times])
     depth = pressed_depths(history, rows, x, y, ground.height.values)
-    kept = {"units": "m", "long_name": "how deep undersides had pressed the ground until then"}
+    then = np.full((2, *depth.shape), np.nan)
+    if "ground_time" in history.dataset:
+        kept, within = history.ground_time.values, max(case.solver.step, case.solver.quiet_step)
+        for row, time in enumerate(stored[rows]):
+            nearest = int(np.abs(kept - time).argmin())
+            if abs(kept[nearest] - time) <= within:
+                now = history.dataset.isel(ground_time=nearest)
+                then[:, row] = mapped(now.cell_sinkage_then, now.cell_pressure_then)
+    over = {
+        "depth": (depth, "how deep undersides had pressed the ground until then"),
+        "sinkage_then": (then[0], f"{greatest} until then"),
+        "rut_then": (then[1], f"{stays}, of then"),
+    }
     ground = ground.assign_coords(time=("time", stored[rows], {"units": "s"}))
-    return ground.assign(depth=(("time", "x", "y"), depth.astype(np.float32), kept))
+    dimensions = ("time", "x", "y")
+    meant = {name: {"units": "m", "long_name": text} for name, (_, text) in over.items()}
+    return ground.assign(
+        {name: (dimensions, one.astype(np.float32), meant[name]) for name, (one, _) in over.items()}
+    )
+
+
+def ruts(case: Case, sinkage: np.ndarray, pressure: np.ndarray) -> np.ndarray:
+    """What of greatest sinkages (m), with pressures there (Pa), stays where nothing presses: array, m."""
+    law = cast(CellLaw, case.cell_contact().law)
+    if law.kernel.forgets:
+        return np.zeros_like(sinkage)
+    constants = law.constants(min(case.shoe.length, case.shoe.width))
+    pairs = zip(sinkage.tolist(), pressure.tolist(), strict=True)
+    modulus = np.array([law.kernel.prepare(constants, z, p)[0] for z, p in pairs])
+    springs_back = np.divide(pressure, modulus, out=sinkage.copy(), where=modulus > 0.0)
+    return np.maximum(sinkage - springs_back, 0.0)
 
 
 def pressed_depths(

@@ -1,7 +1,7 @@
 """Run of a case from its static equilibrium: time integration, stage by stage, and what ends it early."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -70,6 +70,7 @@ def integrate(
     progress: bool | None = None,
     settings: "exu.SimulationSettings | None" = None,
     checkpoints: Checkpoints | None = None,
+    ground_times: Sequence[float] = (),
 ) -> History:
     """Integrate a built system from its initial state; see `simulate`.
 
@@ -78,7 +79,7 @@ def integrate(
     case = system.case
     if settings is None:
         settings = solver_settings(case.solver)
-    recorder = Recorder(system, duration)
+    recorder = Recorder(system, duration, ground_times)
     ends = stage_times(case, duration)
     stages = RunStages(system, recorder, ends, checkpoints)
     reason = None
@@ -195,7 +196,11 @@ def compiled(case: Case, progress: bool | None = None, expected: float | None = 
 
 
 def simulate(
-    case: Case, duration: float, progress: bool | None = None, checkpoints: Checkpoints | None = None
+    case: Case,
+    duration: float,
+    progress: bool | None = None,
+    checkpoints: Checkpoints | None = None,
+    ground_times: Sequence[float] = (),
 ) -> History:
     """Run a case from static equilibrium, or from the last of the checkpoints.
 
@@ -212,6 +217,8 @@ def simulate(
         Show a progress bar; None shows one on a terminal and a line every 10 s elsewhere.
     checkpoints : Checkpoints, optional
         Keeps every stage but the last; the run goes on behind those that are there.
+    ground_times : sequence of float
+        s, rising, at which the history has what ground of cells remembers, beside its end.
 
     Raises
     ------
@@ -243,4 +250,4 @@ def simulate(
     with threadpool_limits(1, user_api="blas"):
         system = track_system(case)
         system.set_initial(static_equilibrium(case))
-        return integrate(system, duration, progress, checkpoints=checkpoints)
+        return integrate(system, duration, progress, None, checkpoints, ground_times)

@@ -1,14 +1,14 @@
 """Stages of a run, each of which the solver starts anew: times, stored states, history."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.track_system import TrackSystem
 from exudyn_crawler.results.history.files import Chunk, joined
-from exudyn_crawler.results.history.ground_map import end_memory
+from exudyn_crawler.results.history.ground_map import THEN, end_memory, memory_now
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.folder.checkpoints import Checkpoint, Checkpoints
@@ -42,29 +42,50 @@ def is_quiet(case: Case, start: float) -> bool:
     return case.drive.off_since(start) >= SETTLING * (1.0 - TIME_TOLERANCE)
 
 
-class Recorder:
-    """Keeps the state at the start, unless it goes on behind another one's end, and every output interval."""
+KEPT = "then"
+"""Name of what cells remembered at chosen times, in a memory."""
 
-    def __init__(self, system: TrackSystem, duration: float) -> None:
+
+class Recorder:
+    """Keeps the state at the start, unless it goes on behind another one's end, and every output interval.
+
+    At the first steps behind `ground_times` (s) also what the ground remembers, in `then` (cells, THEN).
+    """
+
+    def __init__(self, system: TrackSystem, duration: float, ground_times: Sequence[float] = ()) -> None:
         self._system = system
         self._interval = system.case.solver.output_interval
         self._duration = duration
+        self._tolerance = TIME_TOLERANCE * max(1.0, duration)
         self._next = 0.0
         self._states: list[np.ndarray] = []
+        self._ground_times = list(ground_times)
+        self.then = np.zeros((0, THEN))
         self.time = 0.0
 
-    def go_on(self, time: float) -> None:
-        """Go on behind a time, s, of which the state is stored."""
+    def go_on(self, time: float, memory: Mapping[str, np.ndarray] | None = None) -> None:
+        """Go on behind a time, s, of which the state is stored, in another process with a stored memory."""
         self.time = time
         self._next = (math.floor(time / self._interval + 1e-6) + 1) * self._interval
+        if memory is not None:
+            self.then = memory.get(KEPT, self.then)
+            self._ground_times = [one for one in self._ground_times if one > time + self._tolerance]
+
+    def memory(self) -> dict[str, np.ndarray]:
+        """Memory of the ground, with that of chosen times."""
+        memory = self._system.memory()
+        return memory | {KEPT: self.then} if memory else memory
 
     def store(self, time: float) -> None:
         """Store the state if its turn has come; the last one always."""
         self.time = time
-        tolerance = TIME_TOLERANCE * max(1.0, self._duration)
-        if time >= self._next - tolerance or time >= self._duration - tolerance:
+        if time >= min(self._next, self._duration) - self._tolerance:
             self._states.append(self._system.state())
             self.go_on(time)
+        if self._ground_times and time >= self._ground_times[0] - self._tolerance:
+            self._ground_times = [one for one in self._ground_times if one > time + self._tolerance]
+            if memory := self._system.memory():
+                self.then = np.concatenate((self.then, memory_now(memory, time)))
 
     def end_stage(self) -> None:
         """Store the state at the end of a stage shorter than the output interval: each has one at least."""
@@ -112,8 +133,9 @@ class RunStages:
         if self._kept:
             last = self._kept[-1]
             self.first = last.number + 1
-            self._system.set_state(*last.end())
-            self._recorder.go_on(last.time)
+            state, memory = last.end()
+            self._system.set_state(state, memory)
+            self._recorder.go_on(last.time, memory)
             checkpoints.say(f"{self._system.case.name}: going on from the checkpoint at t = {last.time:g} s")
 
     def end(self, number: int) -> None:
@@ -127,7 +149,7 @@ class RunStages:
             return
         layout = self._system.layout.to_json()
         case, time = self._system.case, self._recorder.time
-        memory = self._system.memory()
+        memory = self._recorder.memory()
         self._kept.append(self._checkpoints.save(case, number, time, layout, state, memory, history))
 
     @property
@@ -143,7 +165,7 @@ class RunStages:
         """
         rows = self._recorder.taken()
         unfinished = [Chunk.of(system_history(self._system, rows).dataset)] if len(rows) else []
-        chunks, end = self._in_memory + unfinished, end_memory(self._system)
+        chunks, end = self._in_memory + unfinished, end_memory(self._system, self._recorder.then)
         if self._checkpoints is None:
             return History(self._system.case, joined(chunks).assign(end))
         return History.load(self._checkpoints.save_history(self._system.case, self._kept, chunks, end))

@@ -237,15 +237,21 @@ def ground_figure(history: History, time: float) -> Figure:
 def map_figure(history: History, ground: xr.Dataset, time: float | None = None) -> Figure:
     """Ground of cells from above, as of `ground_map`, in mm, with the outlines of the shoes.
 
-    At the end its greatest sinkage; at another of the map's times (s) how deep shoes had pressed it.
+    At the end its greatest sinkage; at another of the map's times (s) that of then or, where the run has not
+    kept it, how deep shoes had pressed it.
     """
     case, shown = history.case, history.duration if time is None else time
     end = history.dataset.sel(time=shown, method="nearest")
     x0, x1, y0, y1, z0 = case.shoe.footprint
     corners = np.array([[x0, y0, z0], [x1, y0, z0], [x1, y1, z0], [x0, y1, z0]])
     outlines = [track.shoe_pose(end, shoe).place(corners)[:, :2] for shoe in end.shoe.values]
-    half, rut = 0.5 * case.cell_terrain().cell, ground.rut.values
-    sinkage = ground.sinkage.values if time is None else ground.depth.sel(time=time, method="nearest").values
+    half = 0.5 * case.cell_terrain().cell
+    sinkage, rut, label = ground.sinkage.values, ground.rut.values, "greatest sinkage in mm"
+    if time is not None:
+        then = ground.sel(time=time, method="nearest")
+        sinkage, rut, label = then.sinkage_then.values, then.rut_then.values, f"{label} until then"
+        if np.isnan(sinkage).any():
+            sinkage, rut, label = then.depth.values, None, "greatest depth so far in mm"
     (left, right), (low, high) = (
         (one[0] - half, one[-1] + half) for one in (ground.x.values, ground.y.values)
     )
@@ -264,9 +270,8 @@ def map_figure(history: History, ground: xr.Dataset, time: float | None = None) 
         ax.grid(False)
         ax.set(xlabel="x in m; numbers are those of the shoes", ylabel="y in m", aspect="equal")
         ax.set_title(f"{case.name}: ground at t = {shown:.3g} s", loc="left", parse_math=False)
-        if time is None:
+        if rut is not None:
             stays = f"where nothing presses, ruts of at most {rut.max() / style.MILLI:.3g} mm stay"
             ax.set_title(stays, loc="right", fontsize=8)
-        label = "greatest sinkage in mm" if time is None else "greatest depth so far in mm"
         figure.colorbar(image, ax=ax, label=label, fraction=0.025, pad=0.01, shrink=0.75)
     return figure
