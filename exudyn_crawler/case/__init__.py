@@ -17,6 +17,7 @@ from exudyn_crawler.case.parameters.loads import LoadCycle, Phase
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import (
+    CarBody,
     MachineCycle,
     MachinePhase,
     Pose,

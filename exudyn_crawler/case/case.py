@@ -17,8 +17,8 @@ from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.terrain import Terrain
-from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
-from exudyn_crawler.case.parameters.undercarriage import MachineCycle, Undercarriage
+from exudyn_crawler.case.parameters.track import SIDES, Rails, Shoe, Track
+from exudyn_crawler.case.parameters.undercarriage import CarBody, MachineCycle, Part, Undercarriage
 
 
 def _kind_of_terrain(values: Any) -> str:
@@ -72,6 +72,11 @@ class Case(Parameters):
         "side frame with a drive tumbler, idler and rollers that the track is closed round; none: it is open",
         None,
     )
+    car_body: CarBody | None = option(
+        "of a machine on two closed tracks, whose shoes, the right track's first, share `track.shoe_count`; "
+        "none: there is one track",
+        None,
+    )
 
     def _errors(self) -> Errors:
         count, shoe, terrain, contact = self.track.shoe_count, self.shoe, self.terrain, self.contact
@@ -108,8 +113,11 @@ class Case(Parameters):
                 "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
                 "not go with an undercarriage, which the compiled equations alone carry"
             )
-        if self.machine is not None and self.undercarriage is None:
-            yield "machine must be None without an undercarriage, on which it acts"
+        if self.machine is not None and self.undercarriage is None and self.car_body is None:
+            yield "machine must be None without an undercarriage or a car_body, on which it acts"
+        if self.car_body is not None and (self.closed_track is None or count % 2):
+            yield "car_body needs a closed_track, and shoes for two tracks: an even track.shoe_count"
+            return
         if self.closed_track is not None:
             yield from self._closed_errors(self.closed_track)
         if self.formulation == "compiled" and not self.is_compiled:
@@ -147,13 +155,18 @@ class Case(Parameters):
                 "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
                 "not go with a closed_track, which the compiled equations alone carry"
             )
-        if self.drive.turn_rate is not None or self.drive.on is not None:
-            yield "drive.turn_rate and drive.on must be None with a closed_track, which is always driven"
+        if self.drive.on is not None or (self.drive.turn_rate is not None and self.car_body is None):
+            yield (
+                "drive.on must be None with a closed_track, which is always driven, and drive.turn_rate "
+                "without a car_body: one track does not turn"
+            )
+        if self.car_body is not None and closed.support == "posts":
+            yield "closed_track.support must be 'ground' with a car_body, which stands on both tracks"
         if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
             yield "loads must be zero on every shoe with a closed_track, whose rollers carry the machine"
         if self.flexible is not None:
             yield "flexible must be None with a closed_track, of whose wheels and teeth no stress is made yet"
-        yield from closed_errors(closed, self.shoe, self.track)
+        yield from closed_errors(closed, self.shoe, self.loop)
 
     def _sphere_errors(self, radius: float) -> Errors:
         """Spheres that cannot carry the shoes."""
@@ -177,7 +190,58 @@ class Case(Parameters):
         """Where a closed track starts; raises `ValueError` if the track is open."""
         if self.closed_track is None:
             raise ValueError(f"closed_track must be given, got a case of an open track, {self.name!r}")
-        return assembled(self.closed_track, self.shoe, self.track)
+        return assembled(self.closed_track, self.shoe, self.loop)
+
+    @property
+    def tracks(self) -> int:
+        """Number of tracks; of two the right one comes first."""
+        return 1 if self.car_body is None else 2
+
+    @property
+    def loop(self) -> Track:
+        """Track with the shoes of one of them."""
+        return self.track.with_(shoe_count=self.track.shoe_count // self.tracks)
+
+    @property
+    def track_middles(self) -> np.ndarray:
+        """Y of the middles of the tracks in the axes of the side frame or of the machine: (tracks,), m."""
+        return np.zeros(1) if self.car_body is None else np.array(self.car_body.middles)
+
+    @property
+    def links(self) -> np.ndarray:
+        """Shoes behind and ahead of every link: array (links, 2), numbers as of `joints`."""
+        rear = self.joints
+        if self.closed_track is None:
+            return np.column_stack((rear, rear + 1))
+        count = self.loop.shoe_count
+        return np.column_stack((rear, np.where(rear % count, rear + 1, rear + 1 - count)))
+
+    @property
+    def wheel_names(self) -> list[str]:
+        """Names of the wheels of closed tracks, "right idler" where there are two; none of open ones."""
+        names = [] if self.closed_track is None else self.closed_track.wheel_names
+        return names if self.car_body is None else [f"{side} {name}" for side in SIDES for name in names]
+
+    @property
+    def frame_parts(self) -> list[Part]:
+        """Rigid parts of the side frame, or of the machine on two tracks."""
+        gear = self.running_gear
+        if gear is None:
+            return []
+        frame = Part(gear.mass, np.array(gear.com), gear.inertia_tensor)
+        return [frame] if self.car_body is None else self.car_body.parts(frame)
+
+    @property
+    def tumbler_reference(self) -> np.ndarray:
+        """Centres of the tumblers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
+        return self._beside(self.assembled.tumbler[None])
+
+    def _beside(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (n, 6) of one track, global, for every track: array (tracks n, 6)."""
+        middles = self.track_middles
+        beside = np.tile(rows, (self.tracks, 1))
+        beside[:, 1] += np.repeat(middles - middles[0], len(rows))
+        return beside
 
     @property
     def running_gear(self) -> Undercarriage | ClosedTrack | None:
@@ -188,7 +252,7 @@ class Case(Parameters):
     def shoe_reference(self) -> np.ndarray:
         """Positions of the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
         if self.closed_track is not None:
-            return self.assembled.shoes
+            return self._beside(self.assembled.shoes)
         coms = self.track.com_positions(self.shoe.com_height)
         return np.hstack((coms, np.zeros_like(coms)))
 
@@ -199,9 +263,9 @@ class Case(Parameters):
 
     @property
     def frame_start(self) -> np.ndarray:
-        """Origin of the side frame at t = 0, on rails that have not settled: array (3,), m."""
+        """Origin of the side frame, or the machine, at t = 0, on rails that have not settled: (3,), m."""
         if self.closed_track is not None:
-            return self.assembled.frame
+            return self.assembled.frame - np.array([0.0, self.track_middles[0], 0.0])
         frame, rails = self.undercarriage, self.shoe.rails
         if frame is None or rails is None:
             raise ValueError("the case has no undercarriage")
@@ -278,7 +342,8 @@ class Case(Parameters):
         coms = self.shoe_reference
         rear, front = frame.rollers[0] + start[0], frame.rollers[-1] + start[0]
         under = (coms[:, 0] >= rear - half) & (coms[:, 0] <= front + half) & (coms[:, 2] < start[2])
-        return loads + under * frame.mass * self.gravity / max(1, under.sum())
+        carried = sum(part.mass for part in self.frame_parts)
+        return loads + under * carried * self.gravity / max(1, under.sum())
 
     def machine_wrench(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Force (N) and moment (N m) on a side frame's origin beside its weight, global: (times, 3) each."""
@@ -402,6 +467,33 @@ class Case(Parameters):
             closed_track=ClosedTrack.ph4100c(),
         )
 
+    @classmethod
+    def shovel(cls, shoe_count: int = ph4100c.CLOSED_SHOES) -> Self:
+        """Straight propel of the whole machine on two closed tracks of rigid shoes.
+
+        The tracks go at `drive.speed` more or less half of `track_distance` times `drive.turn_rate`.
+
+        Parameters
+        ----------
+        shoe_count : int
+            Of each track.
+        """
+        one = cls.closed(shoe_count)
+        assert one.closed_track is not None
+        return one.with_(
+            name="shovel",
+            track=one.track.with_(shoe_count=2 * shoe_count),
+            loads=LoadCycle.constant([0.0] * (2 * shoe_count)),
+            closed_track=one.closed_track.with_(
+                mass=ph4100c.SIDE_FRAME_MASS,
+                inertia=tuple(
+                    value * ph4100c.SIDE_FRAME_MASS / one.closed_track.mass
+                    for value in one.closed_track.inertia
+                ),
+            ),
+            car_body=CarBody.ph4100c(),
+        )
+
     def on_cells(self, law: SoilLaw, heights: Heights | None = None, cell: float = 0.1) -> Self:
         """Same case on ground of cells in place of its units, as large as these and with their slopes.
 
@@ -434,7 +526,7 @@ class Case(Parameters):
         """
         footprint, coms = self.shoe.footprint, self.shoe_reference
         rear, front = coms[:, 0].min() + footprint[0], coms[:, 0].max() + footprint[1]
-        right, left = coms[0, 1] + footprint[2:4]
+        right, left = coms[:, 1].min() + footprint[2], coms[:, 1].max() + footprint[3]
         corners = np.array([[rear, right], [front, right], [front, left], [rear, left]])
         middle, angle = corners.mean(axis=0), self.drive.turn(time)
         c, s = np.cos(angle), np.sin(angle)

@@ -274,6 +274,23 @@ CLOSED_TRACK: Mapping[str, Any] = {
 }
 """Side frame with its wheels in a closed track."""
 
+# machine on two closed tracks
+SIDE_FRAME_MASS, _UPPER_MASS = 100e3, 650e3  # kg. Open: each side frame with its wheels; upper structure
+_CAR_BODY_MASS = 2.0 * CLOSED_TRACK["mass"] - 2.0 * SIDE_FRAME_MASS - _UPPER_MASS
+CAR_BODY: Mapping[str, Any] = {
+    "track_distance": TRACK_DISTANCE,
+    "mass": _CAR_BODY_MASS,  # kg: what is left of the machine
+    # kg m2. Open: radii of gyration of 3 m in yaw, 2.5 m in roll and pitch
+    "inertia": (_CAR_BODY_MASS * 2.5**2, _CAR_BODY_MASS * 2.5**2, _CAR_BODY_MASS * 3.0**2, 0.0, 0.0, 0.0),
+    "com": (0.0, 0.0, 0.5),  # m. Open
+    "upper_mass": _UPPER_MASS,
+    # kg m2. Open: radii of gyration of 4.5 m in roll, 6 m in pitch, 6.5 m in yaw
+    "upper_inertia": (_UPPER_MASS * 4.5**2, _UPPER_MASS * 6.0**2, _UPPER_MASS * 6.5**2, 0.0, 0.0, 0.0),
+    # m. Open: the counterweight outweighs an empty dipper
+    "upper_com": (-1.0, 0.0, 4.5),
+}
+"""Car body and upper structure. The side frame's radii of gyration stay those of `UNDERCARRIAGE`."""
+
 # flexible shoes
 DAMPING_FREQUENCIES, DAMPING_RATIOS = (1000.0, 10000.0), (0.005, 1.0)
 """Hz and 1, modal damping (S-paper): 0.005 up to the first frequency, a STEP to 1 at the second."""

@@ -1,7 +1,6 @@
 """From a case to the tables of its system."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -95,8 +94,9 @@ class _Builder:
         self.modes = 0 if floating is None else floating.mode_count
         self.markers = _MarkerList(self.modes)
         self.frame, self.closed = case.undercarriage, case.closed_track
-        # a side frame, in a closed track and its tumbler
-        self.count = self.shoes + (2 if self.closed else int(self.frame is not None))
+        # a side frame, or the machine on two tracks, and the tumblers of closed ones
+        self.tumblers = self.shoes + 1 + np.arange(case.tracks if self.closed else 0)
+        self.count = self.shoes + len(case.frame_parts[:1]) + len(self.tumblers)
 
     @property
     def first_terrain(self) -> int:
@@ -114,7 +114,7 @@ class _Builder:
         return self.first_modal + int(self.flexible.sum()) * self.modes
 
     def bodies(self) -> tuple[Bodies, Modes]:
-        """Shoes, then the side frame and the tumbler of a closed track."""
+        """Shoes, then the side frame or the machine, and the tumblers of closed tracks."""
         case, shoe, n = self.case, self.case.shoe, self.shoes
         none = np.zeros(3)
         mass, first = np.full(self.count, float(shoe.mass)), np.zeros((self.count, 3))
@@ -127,17 +127,16 @@ class _Builder:
             mass[chosen], first[chosen], second[chosen] = body.mass, own_first, own_second
         reference = np.zeros((self.count, 6))
         reference[:n] = case.shoe_reference
-        frame = case.running_gear
-        if frame is not None:
-            com = np.array(frame.com)
-            mass[n], first[n] = frame.mass, frame.mass * com
-            second[n] = second_moment(frame.mass, frame.inertia_tensor, com)
+        if parts := case.frame_parts:
+            mass[n] = sum(part.mass for part in parts)
+            first[n] = sum(part.mass * part.com for part in parts)
+            second[n] = sum(second_moment(part.mass, part.inertia, part.com) for part in parts)
             reference[n, :3] = case.frame_start
         if self.closed is not None:
-            tumbler = self.closed.tumbler
-            mass[n + 1], first[n + 1] = tumbler.mass, none
-            second[n + 1] = second_moment(tumbler.mass, inertia_tensor(tumbler.inertia), none)
-            reference[n + 1] = case.assembled.tumbler
+            tumbler, own = self.closed.tumbler, self.tumblers
+            mass[own], first[own] = tumbler.mass, none
+            second[own] = second_moment(tumbler.mass, inertia_tensor(tumbler.inertia), none)
+            reference[own] = case.tumbler_reference
         modal = np.full(self.count, -1)
         chosen = np.flatnonzero(self.flexible)
         modal[chosen] = self.first_modal + self.modes * np.arange(len(chosen))
@@ -170,10 +169,9 @@ class _Builder:
         return self.markers.add(shoe, *pin_middle(self.case.track, reduced, end))
 
     def joints(self) -> tuple[Joints, list[tuple[int, str]]]:
-        """Joints, and of each pin the link's number (from 1) and its side."""
+        """Joints, and of each pin the link's number (from 1), or that of a bearing (-1, -2), and its side."""
         pins, names, closed = [], [], self.closed
-        chain = [*range(self.shoes), *([0] if closed is not None else [])]
-        for rear, front in pairwise(chain):
+        for rear, front in (self.case.links - 1).tolist():
             bends = self.flexible[rear] or self.flexible[front]
             for side in SIDES if bends else SIDES[:1]:
                 # in a tight chain a joint beside the middle would bear a moment of the whole tension
@@ -181,12 +179,13 @@ class _Builder:
                 pins.append((self._pin(rear, f"front {where}"), self._pin(front, f"rear {where}")))
                 names.append((rear + 1, side))
         last, gear = self.shoes - 1, self.case.running_gear
-        bodies = [(link - 1, link % self.shoes) for link, _ in names for _ in range(ROWS)]
-        if closed is not None:
-            axis = self.case.assembled.tumbler[:3] - self.case.frame_start
-            pins.append((self.markers.add(self.shoes, axis), self.markers.add(self.shoes + 1, np.zeros(3))))
-            names.append((0, SIDES[0]))
-            bodies += [(self.shoes, self.shoes + 1)] * ROWS
+        joined = self.case.links - 1
+        bodies = [tuple(joined[link - 1].tolist()) for link, _ in names for _ in range(ROWS)]
+        for tumbler in self.tumblers.tolist():
+            axis = self.case.tumbler_reference[tumbler - self.shoes - 1, :3] - self.case.frame_start
+            pins.append((self.markers.add(self.shoes, axis), self.markers.add(tumbler, np.zeros(3))))
+            names.append((self.shoes - tumbler, SIDES[0]))
+            bodies += [(self.shoes, tumbler)] * ROWS
         if gear is not None:
             drive = self.markers.add(self.shoes, np.zeros(3))
         else:
@@ -194,7 +193,7 @@ class _Builder:
                 last, self.point.place, self.point.rows if self.point.rows.size else None
             )
         on_posts = closed is not None and closed.support == "posts"
-        held = range(6) if on_posts else FRAME_HOLDS
+        held = range(6) if on_posts else FRAME_HOLDS if self.case.car_body is None else ()
         holds = [] if gear is None else [(self.shoes, k) for k in held]
         bodies += [(self.shoes if gear is not None else last, -1), (last, -1)]
         bodies += [(body, -1) for body, _ in holds]
@@ -251,13 +250,15 @@ class _Builder:
         closed = self.closed
         if closed is None:
             return None
-        # the bearing of the tumbler, which comes last, is no part of the chain
-        pins = sum(2 if a or b else 1 for a, b in zip(self.flexible, np.roll(self.flexible, -1), strict=True))
+        # the bearings of the tumblers, which come last, are no part of the chains
+        pins = int((1 + self.flexible[self.case.links - 1].any(axis=1)).sum())
+        tracks = len(self.tumblers)
+        compliance = [*[closed.compliance] * pins, *[0.0] * tracks]
         return ClosedJoints(
-            compliance=np.outer([*[closed.compliance] * pins, 0.0], ACROSS_CHAIN),
-            motors=np.array([[self.shoes, self.shoes + 1]]),
-            limit=np.array([np.inf if closed.torque_limit is None else closed.torque_limit]),
-            lag=np.array([closed.torque_speed]),
+            compliance=np.outer(compliance, ACROSS_CHAIN),
+            motors=np.column_stack((np.full(tracks, self.shoes), self.tumblers)),
+            limit=np.full(tracks, np.inf if closed.torque_limit is None else closed.torque_limit),
+            lag=np.full(tracks, closed.torque_speed),
         )
 
     def teeth(self) -> Teeth | None:
@@ -277,7 +278,7 @@ class _Builder:
         half = 0.5  # of the guide at each gear plane
         return Teeth(
             markers=np.array(markers),
-            tumblers=np.full(len(markers), self.shoes + 1),
+            tumblers=np.repeat(self.tumblers, len(markers) // len(self.tumblers)),
             side=np.array(sides),
             profile=tumbler.profile(track),
             law=(tumbler.stiffness, tumbler.exponent, tumbler.damping, tumbler.damping_depth),
@@ -290,13 +291,16 @@ class _Builder:
         if closed is None or rails is None:
             return None
         wheels, lines = closed.wheels(self.case.assembled.take_up), strip_lines(closed, rails)
+        middles, count = self.case.track_middles, self.case.loop.shoe_count
+        first = count * np.repeat(np.arange(len(middles)), len(wheels))
         rows = self._rails(closed, rails, np.zeros((0, len(lines), 3)), 0.0)
         guides = np.array([closed.guide_stiffness, closed.guide_damping]) / len(lines)
         return Wheels(
-            frames=np.full(len(wheels), self.shoes),
-            shoes=np.tile([0, self.shoes], (len(wheels), 1)),
-            places=np.array([[(x, y, z) for y in lines] for x, z, _ in wheels]),
-            radii=np.ascontiguousarray(wheels[:, 2]),
+            frames=np.full(len(first), self.shoes),
+            shoes=np.column_stack((first, first + count)),
+            places=np.array([[(x, y + m, z) for y in lines] for m in middles for x, z, _ in wheels]),
+            middles=np.repeat(middles, len(wheels)),
+            radii=np.tile(wheels[:, 2], len(middles)),
             law=rows.law,
             flange=(closed.guide_play, *guides.tolist()),
             height=closed.guide_height,

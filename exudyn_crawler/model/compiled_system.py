@@ -34,7 +34,7 @@ from exudyn_crawler.model.state import (
     MOTOR,
     RATES,
     SIDE_FRAME,
-    TUMBLER,
+    TUMBLERS,
     StateLayout,
     pin_name,
 )
@@ -60,7 +60,8 @@ SETTLING, SETTLING_LIMITS = 4.0, (1e-2, MANY)
 def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateLayout:
     """Layout of the states of a case; `pins` name link (from 1) and side of each."""
     others: tuple[str, ...] = () if case.running_gear is None else (SIDE_FRAME,)
-    others += (TUMBLER,) if case.is_closed else ()
+    tumblers = TUMBLERS[case.tracks] if case.is_closed else ()
+    others += tumblers
     names = [f"shoe {number}" for number in case.track.shoes] + list(others)
     return StateLayout(
         shoes=case.track.shoe_count,
@@ -69,11 +70,14 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateL
         modes=len(tables.modes.stiffness),
         contact=0 if tables.cells is None else RESULTS + (tables.cells.nodes.size if case.flexible else 0),
         multipliers=(
-            *((pin_name(side, link) if link else BEARING, ROWS) for link, side in pins),
+            *(
+                (pin_name(side, link) if link > 0 else BEARING.format(tumblers[-link - 1]), ROWS)
+                for link, side in pins
+            ),
             ("drive", 1),
             ("turn", 1),
             *((f"hold of {names[b]} ({BODY_COORDINATES[k]})", 1) for b, k in tables.joints.holds.tolist()),
-            *([(MOTOR, 1)] if case.is_closed else []),
+            *((MOTOR.format(tumbler), 1) for tumbler in tumblers),
         ),
         bodies=others,
     )
@@ -435,18 +439,22 @@ class CompiledSystem(TrackSystem):
         values_at(self._speeds, time, speeds)
         loads = np.zeros((len(self.tables.loads.marker), 6))
         loads[: len(shoes), :3] = np.outer(shoes, self._down)
-        frame, gear, drag, motors = self.case.undercarriage, self.case.running_gear, 0.0, np.zeros(0)
+        frame, gear, drag, motors = self.case.undercarriage, self.case.running_gear, np.zeros(1), np.zeros(0)
+        # a turn makes the right track faster than the left one
+        of_tracks = speeds[0] - speeds[1] * self.case.track_middles
         if gear is not None:
             loads[len(shoes)] = np.concatenate(self.case.machine_wrench(time), axis=1)[0]
-            drag = gear.rolling_resistance * speeds[0] / np.hypot(speeds[0], gear.resistance_speed)
+            drag = gear.rolling_resistance * of_tracks / np.hypot(of_tracks, gear.resistance_speed)
         if frame is not None:
             loads[len(shoes) + 1 :, 0] = -frame.end_tension, frame.end_tension
         turning = self._driven and self.case.drive.turn_rate is not None
         active = np.array([self._driven, turning], dtype=float)
         if self.case.closed_track is not None:
             active[:] = 0.0
-            motors = speeds[:1] / self.case.closed_track.travel_per_angle(self.case.track)
-        return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], float(drag), motors)
+            motors = of_tracks / self.case.closed_track.travel_per_angle(self.case.track)
+        if self.tables.wheels is not None:
+            drag = np.repeat(drag, len(self.tables.wheels.frames) // len(drag))
+        return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], drag, motors)
 
     def _accelerate(self, time: float) -> None:
         """Accelerations and multipliers of a track that starts."""

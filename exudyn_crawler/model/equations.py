@@ -167,7 +167,7 @@ def residual(
     work.counts[0] = unit_contacts(
         bodies, tables.flexible, tables.terrain, tables.contact, state, weights, units
     )
-    work.counts[1] = tread_contacts(tables.rollers, bodies, state, inputs.drag, weights, work.treads)
+    work.counts[1] = tread_contacts(tables.rollers, bodies, state, inputs.drag[0], weights, work.treads)
     cell_forces(tables.cells, bodies, state, weights, work.cells)
     work.counts[2] = teeth_contacts(tables.teeth, bodies, tables.markers, state, weights, work.teeth)
     work.counts[3] = wheel_contacts(tables.wheels, bodies, state, inputs.drag, weights, work.wheels)

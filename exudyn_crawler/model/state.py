@@ -24,10 +24,12 @@ RATES = ("", " rate", " acceleration")
 
 BODY_COORDINATES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
-SIDE_FRAME, TUMBLER = "side frame", "tumbler"
-"""Body that rolls over the track, and the drive wheel of a closed one."""
-BEARING, MOTOR = "bearing of the tumbler", "motor"
-"""Joints between the two."""
+SIDE_FRAME = "side frame"
+"""Body that rolls over the track; of a machine on two tracks all of it but shoes and tumblers."""
+TUMBLERS = {1: ("tumbler",), 2: ("right tumbler", "left tumbler")}
+"""Drive wheels of closed tracks, by the number of these."""
+BEARING, MOTOR = "bearing of the {}", "motor of the {}"
+"""Joints between frame and a tumbler."""
 
 
 def pin_name(side: str, link: int) -> str:

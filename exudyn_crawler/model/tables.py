@@ -69,7 +69,7 @@ class Inputs(NamedTuple):
     shift: float  # how far those that shift act to the left of their places, m
     active: FloatArray  # (2,): whether drive and turn act, 1 or 0
     speeds: FloatArray  # (2,): of drive and turn, m/s and rad/s
-    drag: float  # rolling resistance over normal force, with the sign of the speed
+    drag: FloatArray  # (wheels or 1,): rolling resistance over normal force, with the sign of the speed
     motors: FloatArray = np.zeros(0)  # (motors,): speeds of the tumblers against their frames, rad/s
 
 

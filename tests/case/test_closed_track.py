@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case import read_case
+from exudyn_crawler.case import Drive, LoadCycle, read_case
 from exudyn_crawler.case.parameters import assembly
+from exudyn_crawler.case.ph4100c import MACHINE_MASS
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
 
@@ -18,7 +19,8 @@ def openings(case):
     turn, pitch = rotation_matrices(shoes[:, 3:]), case.closed_track.chain_pitch(track)
     front = shoes[:, :3] + turn @ [track.pin_ahead, 0.0, track.pin_height]
     rear = shoes[:, :3] + turn @ [track.pin_ahead - pitch, 0.0, track.pin_height]
-    return np.linalg.norm(front - np.roll(rear, -1, axis=0), axis=1)
+    behind, ahead = case.links.T - 1
+    return np.linalg.norm(front[behind] - rear[ahead], axis=1)
 
 
 @pytest.mark.parametrize("changes", [
@@ -103,3 +105,49 @@ def test_travel_of_the_chain_is_that_of_its_pitches():
     travel = case.closed_track.travel_per_angle(case.track)
     # a polygon's side is shorter than its arc: 0.9836 of the radius at 10 gaps
     assert travel / radius == pytest.approx(math.sin(math.pi / 10) / (math.pi / 10), rel=1e-12)
+
+
+def test_machine_has_two_closed_loops_side_by_side():
+    case = Case.shovel()
+    assert openings(case).max() < 1e-12
+    right, left = case.shoe_reference.reshape(2, 38, 6)
+    assert left - right == pytest.approx(
+        np.tile([0.0, case.car_body.track_distance, 0.0, 0.0, 0.0, 0.0], (38, 1))
+    )
+    assert case.frame_start[1] == pytest.approx(0.5 * (right + left)[0, 1])
+    assert case.links[[37, 75]].tolist() == [[38, 1], [76, 39]]
+    assert case.wheel_names[0] == "right roller 1"
+
+
+def test_parts_of_the_machine_weigh_what_it_weighs():
+    case = Case.shovel()
+    mass = sum(part.mass for part in case.frame_parts)
+    assert mass + 76 * case.shoe.mass + 2 * case.closed_track.tumbler.mass == pytest.approx(MACHINE_MASS)
+
+
+def test_upper_structure_takes_its_weight_and_inertia_along_as_it_slews():
+    body = Case.shovel().car_body
+    com, inertia = body.upper_at(0.5 * math.pi)
+    ahead, straight = body.upper_at(0.0)
+    assert com == pytest.approx([0.0, ahead[0], ahead[2]])
+    assert np.diag(inertia) == pytest.approx(straight[[1, 0, 2], [1, 0, 2]])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"track.shoe_count": 75}, "even track.shoe_count"),
+        ({"closed_track": None}, "car_body needs a closed_track"),
+        ({"closed_track.support": "posts"}, "must be 'ground' with a car_body"),
+        ({"track.shoe_count": 72}, "a chain of 36 shoes"),
+    ],
+)
+def test_what_does_not_go_with_two_tracks_is_refused(changes, message):
+    count = changes.get("track.shoe_count", 76)
+    with pytest.raises(ParameterError, match=message):
+        Case.shovel().with_(changes, loads=LoadCycle.constant([0.0] * count))
+
+
+def test_one_track_does_not_turn():
+    with pytest.raises(ParameterError, match=r"drive.turn_rate without a car_body"):
+        Case.closed().with_(drive=Drive.turning())

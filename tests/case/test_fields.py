@@ -110,7 +110,7 @@ def test_each_table_comes_before_its_values_and_those_before_its_tables():
     paths = [entry.path for entry in walk(WHOLE)]
     assert len(set(paths)) == len(paths)
     assert paths[:4] == ["name", "terrain_formulation", "formulation", "gravity"]
-    assert paths[4:8] == ["undercarriage", "machine", "closed_track", "duration"]
+    assert paths[4:9] == ["undercarriage", "machine", "closed_track", "car_body", "duration"]
     drive = paths.index("drive")
     assert paths[drive : drive + 4] == ["drive", "drive.speed", "drive.turn_rate", "drive.on"]
     loads = paths.index("loads")

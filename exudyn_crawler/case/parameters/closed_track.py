@@ -122,7 +122,11 @@ class ClosedTrack(Parameters):
 
     support: Literal["ground", "posts"] = base.option("what carries the frame", "ground")
     mass: float = quantity(
-        "kg", "half of the machine without its shoes and tumbler", (1e2, 2e6), ge=1, le=1e9
+        "kg",
+        "half of the machine without its shoes and tumbler; with a car_body that of the side frame alone",
+        (1e2, 2e6),
+        ge=1,
+        le=1e9,
     )
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
     com: base.Three = quantity("m", "its COM", (-10.0, 10.0))

@@ -84,7 +84,11 @@ def _steps(
 
 
 class Drive(Parameters):
-    """Velocity of a point of the front shoe along x, in a turn the rate about its z axis, and when."""
+    """Velocity of a point of the front shoe along x, in a turn the rate about its z axis, and when.
+
+    On closed tracks it is the speed of their chains against the frame, and on two of them they differ by the
+    turn rate times their distance.
+    """
 
     speed: StepProfile = quantity("m/s", "velocity along global x", (-1.5, 1.5))
     turn_rate: StepProfile | None = quantity(

@@ -197,7 +197,7 @@ class Track(Parameters):
     an axis kept parallel at the other.
     """
 
-    shoe_count: int = quantity("1", "number of shoes", (2, 60), ge=2, le=MOST_SHOES)
+    shoe_count: int = quantity("1", "number of shoes, of all tracks", (2, 120), ge=2, le=MOST_SHOES)
     first_com: base.Two = quantity("m", "x and y of the COM of shoe 1 at t = 0")
     pitch: Length = quantity("m", "distance of the COMs of neighbours in x", (0.1, 2.0))
     pin_ahead: Length = quantity("m", "x of the front pins ahead of the COM", (0.02, 2.0))

@@ -91,6 +91,62 @@ def tread_strips(count: int, width: float) -> np.ndarray:
     return 0.5 * width * points
 
 
+class Part(NamedTuple):
+    """Rigid part of a body."""
+
+    mass: float  # kg
+    com: np.ndarray  # (3,), m, in the body's axes
+    inertia: np.ndarray  # (3, 3): tensor about its COM, kg m2
+
+
+class CarBody(Parameters):
+    """Machine on two closed tracks: its car body, which both side frames are fixed to, and upper structure.
+
+    All of it is one rigid body: the upper structure stands still at its slew angle. Places are in the
+    machine's axes: x along the travel, y to the left, z up, from the middle between the tracks at the height
+    of the lower rollers' axes. Track 1 is the right one, whose middle is at `track.first_com`.
+    """
+
+    track_distance: base.Length = quantity("m", "of the tracks' middles", (1.0, 20.0))
+    mass: float = quantity("kg", "of the car body without side frames", (1e2, 1e6), ge=1, le=1e9)
+    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
+    com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
+    upper_mass: float = quantity("kg", "of the upper structure with dipper", (1e2, 2e6), ge=1, le=1e9)
+    upper_inertia: base.Inertia = quantity("kg m2", "the same of it about its COM, straight ahead (tensor)")
+    upper_com: base.Three = quantity("m", "its COM, straight ahead", (-20.0, 20.0))
+    swing_axis: Place = quantity("m", "x of the axis it turns about", (-5.0, 5.0), default=0.0)
+    slew: float = quantity("rad", "its angle, to the left", (-3.2, 3.2), ge=-10, le=10, default=0.0)
+
+    @classmethod
+    def ph4100c(cls) -> Self:
+        """Car body of the P&H 4100C BOSS; `case.ph4100c` says what is open, which is nearly all."""
+        return cls(**ph4100c.CAR_BODY)
+
+    @property
+    def middles(self) -> tuple[float, float]:
+        """Y of the tracks' middles, right and left, m."""
+        return -0.5 * self.track_distance, 0.5 * self.track_distance
+
+    def upper_at(self, angle: float) -> tuple[np.ndarray, np.ndarray]:
+        """COM of the upper structure at a slew angle (rad), (3,), m, and its inertia tensor, kg m2."""
+        c, s, axis = math.cos(angle), math.sin(angle), np.array([self.swing_axis, 0.0, 0.0])
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        inertia = turn @ base.inertia_tensor(self.upper_inertia) @ turn.T
+        return axis + turn @ (np.array(self.upper_com) - axis), inertia
+
+    def parts(self, side_frame: Part) -> list[Part]:
+        """Rigid parts of the machine, `side_frame` being the right one's in its own axes."""
+        com, inertia = self.upper_at(self.slew)
+        mirror = np.diag([1.0, -1.0, 1.0])
+        right, left = (np.array([0.0, y, 0.0]) for y in self.middles)
+        return [
+            Part(side_frame.mass, right + side_frame.com, side_frame.inertia),
+            Part(side_frame.mass, left + mirror @ side_frame.com, mirror @ side_frame.inertia @ mirror),
+            Part(self.mass, np.array(self.com), base.inertia_tensor(self.inertia)),
+            Part(self.upper_mass, com, inertia),
+        ]
+
+
 def ground_below(chain: track.Track, terrain: Terrain) -> Terrain:
     """Terrain with as many units along x as a track of any length needs."""
     end = chain.first_com[0] + chain.shoe_count * chain.pitch + MARGIN

@@ -24,6 +24,8 @@ from exudyn_crawler.model.joints import Markers, end_of
 
 SLACK = 0.02
 """m, more than a lug ever bends away from its place."""
+ASIDE = 0.1
+"""m, by which a shoe beside the middle of its tumbler is farther from it than in its plane, at most."""
 
 
 class Profile(NamedTuple):
@@ -140,9 +142,10 @@ def _teeth_contacts(
         b = markers.body[marker]
         first, other = bodies.coordinate[b], bodies.coordinate[t]
         dx = bodies.reference[b, 0] + state[0, first] - bodies.reference[t, 0] - state[0, other]
+        dy = bodies.reference[b, 1] + state[0, first + 1] - bodies.reference[t, 1] - state[0, other + 1]
         dz = bodies.reference[b, 2] + state[0, first + 2] - bodies.reference[t, 2] - state[0, other + 2]
         lever = math.sqrt(markers.position[marker, 0] ** 2 + markers.position[marker, 2] ** 2) + SLACK
-        if math.sqrt(dx * dx + dz * dz) > profile.addendum + profile.lug + lever:
+        if math.sqrt(dx * dx + dy * dy + dz * dz) > profile.addendum + profile.lug + lever + ASIDE:
             continue
         at, own = attitude_of(bodies, t, state[0]), attitude_of(bodies, b, state[0])
         tumbler, shoe = frame_of(bodies, t, state, at), frame_of(bodies, b, state, own)

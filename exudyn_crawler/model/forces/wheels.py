@@ -32,6 +32,8 @@ from exudyn_crawler.model.forces.treads import (
 
 SLOTS = 2
 """Wheels that may be on one shoe at once."""
+ASIDE = 0.3
+"""m, more than a shoe that touches a wheel is ever beside its track's middle."""
 
 
 class Wheels(NamedTuple):
@@ -40,6 +42,7 @@ class Wheels(NamedTuple):
     frames: IntArray  # (wheels,): body that carries each
     shoes: IntArray  # (wheels, 2): first and last but one shoe of its track
     places: FloatArray  # (wheels, strips, 3): middle of every strip's axis in the frame's axes, m
+    middles: FloatArray  # (wheels,): y of the middle of its track in the frame's axes, m
     radii: FloatArray  # (wheels,): m
     law: tuple[float, float, float, float]  # `Impact` of a strip
     flange: tuple[float, float, float]  # `Flange` of a strip
@@ -83,23 +86,28 @@ class Strip(NamedTuple):
 
 @solving_within
 def wheel_contacts(
-    wheels: tuple | None, bodies: Bodies, state: FloatArray, drag: float, weights: Weights, work: tuple
+    wheels: tuple | None, bodies: Bodies, state: FloatArray, drag: FloatArray, weights: Weights, work: tuple
 ) -> int:
     """Find the strips that touch at a state and give their number; none where there are no wheels.
 
-    `wheels` and `work` are `Wheels` and `WheelWorkspace` as plain tuples, `drag` is rolling resistance over
-    normal force with the sign of the travel.
+    `wheels` and `work` are `Wheels` and `WheelWorkspace` as plain tuples, `drag` (wheels,) is rolling
+    resistance over normal force with the sign of the travel.
     """
     if wheels is None:
         return 0
-    frames, shoes, places, radii, law, flange, height, rollers = wheels
-    named = Wheels(frames, shoes, places, radii, law, flange, height, Rollers(*rollers))
+    frames, shoes, places, middles, radii, law, flange, height, rollers = wheels
+    named = Wheels(frames, shoes, places, middles, radii, law, flange, height, Rollers(*rollers))
     return _wheel_contacts(named, bodies, state, drag, weights, WheelWorkspace(*work))
 
 
 @solving_within
 def _wheel_contacts(
-    wheels: Wheels, bodies: Bodies, state: FloatArray, drag: float, weights: Weights, work: WheelWorkspace
+    wheels: Wheels,
+    bodies: Bodies,
+    state: FloatArray,
+    drag: FloatArray,
+    weights: Weights,
+    work: WheelWorkspace,
 ) -> int:
     count, strips = 0, wheels.places.shape[1]
     values = np.zeros((2, 6 + work.modes.shape[1]))
@@ -111,16 +119,17 @@ def _wheel_contacts(
         at = attitude_of(bodies, wheels.frames[w], state[0])
         frame = frame_of(bodies, wheels.frames[w], state, at)
         place = wheels.places[w]
-        axis = along(frame.r, 1.0, turned(frame.R, (place[0, 0], 0.0, place[0, 2])))
+        axis = along(frame.r, 1.0, turned(frame.R, (place[0, 0], wheels.middles[w], place[0, 2])))
         rail = wheels.rollers.rail
         reach = math.sqrt(max(rail[0] ** 2, rail[1] ** 2) + rail[2] ** 2) + RISE
         reach += wheels.radii[w] + wheels.height
         for s in range(wheels.shoes[w, 0], wheels.shoes[w, 1]):
             first = bodies.coordinate[s]
-            dx = bodies.reference[s, 0] + state[0, first] - axis[0]
-            dz = bodies.reference[s, 2] + state[0, first + 2] - axis[2]
+            apart = 0.0
+            for c in range(3):
+                apart += (bodies.reference[s, c] + state[0, first + c] - axis[c]) ** 2
             slot = 0 if work.wheel[s, 0] < 0 else 1
-            if dx * dx + dz * dz > reach * reach or work.wheel[s, slot] >= 0:
+            if apart > reach * reach + ASIDE**2 or work.wheel[s, slot] >= 0:
                 continue
             shoe_at = attitude_of(bodies, s, state[0])
             shoe = frame_of(bodies, s, state, shoe_at)
@@ -129,7 +138,7 @@ def _wheel_contacts(
                 read_body(bodies, s, state[1], values[1])
             for k in range(strips):
                 flexible = bodies.modal[s] >= 0
-                strip = _touch(wheels, w, k, frame, shoe, drag, flexible, values, work.modes)
+                strip = _touch(wheels, w, k, frame, shoe, drag[w], flexible, values, work.modes)
                 if strip.tread.depth <= 0.0 and strip.side == 0.0:
                     continue
                 work.wheel[s, slot] = w
@@ -164,7 +173,9 @@ def _touch(
     engaged = step(tread.depth, -wheels.height, 0.0, 0.0, 1.0)
     side = stiffness = damping = 0.0
     if engaged > 0.0:
-        force, stiffness, damping = flange_force(Flange(*wheels.flange), center[1] - place[1], rates[1])
+        force, stiffness, damping = flange_force(
+            Flange(*wheels.flange), center[1] - place[1] + wheels.middles[w], rates[1]
+        )
         side, stiffness, damping = engaged * force, engaged * stiffness, engaged * damping
     foot = turned(shoe.R, (tread.foot[0], center[1], tread.foot[1]))
     return Strip(tread, side, stiffness, damping, foot)

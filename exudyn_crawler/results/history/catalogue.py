@@ -24,7 +24,10 @@ CONTACT_KEYS = ("contact_shoe", "contact_unit", "contact_finger")
 """Coordinates along the contacts: numbers of shoe and unit, and of a finger, 0 for a whole underside."""
 OPEN_LINKS = "link of shoes i and i + 1"
 CLOSED_LINKS = f"{OPEN_LINKS}, the last one of the last shoe and the first"
+PAIR_OF_LOOPS = f"{OPEN_LINKS}, the last one of each of two tracks of its last shoe and its first"
 """What the dimension of the links says of itself."""
+TRACK = "track"
+"""Dimension after time of what a machine on two tracks has twice, and a case of one track once."""
 CATALOGUE = Path(__file__).with_name("quantities.csv")
 """Columns as the fields of `Quantity`; several words in one with spaces between."""
 SEVERAL = ("dimensions", "files", "derived_from", "needs", "curve_axes")  # columns of several words
@@ -120,22 +123,29 @@ def select(**columns: str | bool | tuple[str, ...]) -> dict[str, Quantity]:
 
 
 def variable(name: str, values: np.ndarray, without: tuple[str, ...] = ()) -> Variable:
-    """Variable of a dataset with its quantity's dimensions, but for those it goes `without`."""
+    """Variable of a dataset with its quantity's dimensions, but for those it goes `without`.
+
+    Values with one more axis, their second, are of two tracks.
+    """
     quantity = QUANTITIES[name]
-    return tuple(dim for dim in quantity.dimensions if dim not in without), values, quantity.attributes
+    dims = [dim for dim in quantity.dimensions if dim not in without]
+    if np.ndim(values) > len(dims):
+        dims.insert(1, TRACK)
+    return tuple(dims), values, quantity.attributes
 
 
 def link_name(links: xr.DataArray, link: int) -> str:
     """Name of one of the links of a coordinate, by the shoes that it joins."""
-    closes = links.attrs.get("long_name") == CLOSED_LINKS and link == int(links.max())
-    return f"link {link}-{1 if closes else link + 1}"
+    loops = {CLOSED_LINKS: 1, PAIR_OF_LOOPS: 2}.get(links.attrs.get("long_name", ""), 0)
+    count = int(links.max()) // loops if loops else link + 1
+    return f"link {link}-{link + 1 if link % count else link + 1 - count}"
 
 
 def check_dimensions(dataset: xr.Dataset) -> None:
     """Refuse a dataset of which a variable does not have its quantity's dimensions, by a ValueError."""
     for name, one in dataset.data_vars.items():
         quantity = QUANTITIES.get(str(name))
-        if quantity is not None and set(one.dims) != set(quantity.dimensions):
+        if quantity is not None and {*one.dims} - {TRACK} != {*quantity.dimensions}:
             raise ValueError(f"{name} has dimensions {one.dims}, not {quantity.dimensions}")
 
 

@@ -12,7 +12,7 @@ from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.ground.terrain import ReducedCoordinates
-from exudyn_crawler.model.state import MOTOR, RATES, SIDE_FRAME, TUMBLER, VERSION, pin_name
+from exudyn_crawler.model.state import MOTOR, RATES, SIDE_FRAME, TUMBLERS, VERSION, pin_name
 from exudyn_crawler.results.history import catalogue, files
 from exudyn_crawler.results.history.history import History
 
@@ -23,7 +23,7 @@ AXES = ["x", "y", "z"]
 
 CONTACTS = catalogue.select(per="pair", files="history")  # variables of every contact
 
-LINKS = (catalogue.OPEN_LINKS, catalogue.CLOSED_LINKS)
+LINKS = (catalogue.OPEN_LINKS, catalogue.CLOSED_LINKS, catalogue.PAIR_OF_LOOPS)
 
 NEIGHBOURS = ("behind", "ahead")
 """Shoes that a roller may be on at once: the last one whose COM its axis has passed, and the next."""
@@ -58,7 +58,7 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
         coords={
             "time": ("time", time, {"units": "s"}),
             "shoe": case.track.shoes,
-            "joint": ("joint", case.joints, {"long_name": LINKS[case.is_closed]}),
+            "joint": ("joint", case.joints, {"long_name": LINKS[case.is_closed * case.tracks]}),
             **({"unit": case.terrain.units} if len(case.terrain.units) else {}),
             "axis": AXES,
             **motion,
@@ -107,7 +107,7 @@ def _pins(states: _States) -> tuple[np.ndarray, np.ndarray]:
     if case.is_closed:
         angles = angles + case.shoe_reference[:, 3:]
     frames = rotation_matrices(angles)
-    rear, front = frames[:, : len(joints)], np.roll(frames, -1, axis=1)[:, : len(joints)]
+    rear, front = np.moveaxis(frames[:, case.links - 1], 2, 0)
     y0, x1, z1 = rear[..., 1], front[..., 0], front[..., 2]
     level = np.stack((np.cos(angles[..., 2]), np.sin(angles[..., 2]), np.zeros(angles.shape[:2])), axis=-1)
     about_x, about_z = np.cross(x1, y0), np.cross(z1, y0)
@@ -223,14 +223,23 @@ def _closed(states: _States, forces: Callable[..., tuple[np.ndarray, ...]]) -> d
         np.array(one) for one in zip(*(forces(*state) for state in zip(*parts, strict=True)), strict=True)
     )
     case = states.system.case
+    names, start = TUMBLERS[case.tracks], case.tumbler_reference
+    place = np.stack([states.part(name) for name in names], axis=1)[..., :3] + start[:, :3]
+    torque = np.stack([-states.part(MOTOR.format(name))[:, 0] for name in names], axis=1)
     pitch, rate = (
-        (states.part(f"{TUMBLER}{after}") - states.part(f"{SIDE_FRAME}{after}"))[:, 4] for after in RATES[:2]
+        np.stack(
+            [(states.part(f"{name}{after}") - states.part(f"{SIDE_FRAME}{after}"))[:, 4] for name in names],
+            axis=1,
+        )
+        for after in RATES[:2]
     )
+    if case.tracks == 1:
+        place, torque, pitch, rate = (one[:, 0] for one in (place, torque, pitch, rate))
     return _motion(states, SIDE_FRAME, case.frame_start, "side_frame_") | {
-        "tumbler_position": states.part(TUMBLER)[:, :3] + case.assembled.tumbler[:3],
+        "tumbler_position": place,
         "tumbler_angle": pitch,
         "tumbler_speed": rate,
-        "drive_moment": -states.part(MOTOR)[:, 0],
+        "drive_moment": torque,
         "wheel_force": on_wheels,
         "wheel_load": wheels[..., :3],
         "wheel_moment": wheels[..., 3:],
@@ -249,7 +258,10 @@ def _coordinates(system: "TrackSystem") -> dict[str, object]:
         named["frequency"] = ("mode", system.frequencies, {"units": "Hz"})
         named["pin"] = list(SIDES)
     if system.case.closed_track is not None:
-        named["wheel"] = system.case.closed_track.wheel_names
+        named["wheel"] = system.case.wheel_names
+    if system.case.tracks > 1:
+        side = np.repeat(SIDES, system.case.loop.shoe_count)
+        named |= {catalogue.TRACK: list(SIDES), "shoe_track": ("shoe", side), "joint_track": ("joint", side)}
     frame = system.case.undercarriage
     if frame is None:
         return named

@@ -143,9 +143,9 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
 def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
     """Joints of both links; a link of two rigid shoes has one, at its right pin, in a closed track midway."""
     track, closed = history.case.track, history.case.closed_track
-    behind = (shoe - 2) % track.shoe_count + 1 if closed is not None else shoe - 1
+    ends = dict(zip(history.case.links[:, 1].tolist(), history.case.joints.tolist(), strict=True))
     # the link ahead acts on its rear shoe as stored, the link behind with the opposite
-    for end, joint, sign in (("front", shoe, 1.0), ("rear", behind, -1.0)):
+    for end, joint, sign in (("front", shoe, 1.0), ("rear", ends.get(shoe, 0), -1.0)):
         if joint not in history.case.joints:
             continue
         link = history.dataset.sel(joint=joint)

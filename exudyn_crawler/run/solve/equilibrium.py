@@ -33,7 +33,7 @@ RESIDUAL, ITERATIONS = 1e-3, 50
 
 PORTIONS = 8
 """Steps in which a relief rises where Newton's method finds no rest on all of it at once."""
-OIL_SPEEDS = (0.02, 0.1, 0.5)
+OIL_SPEEDS = (0.02, 0.1, 0.5, 2.0)
 """m/s, tried in this order: up to which friction holds creeping shoes in proportion to their slip. With more
 oil shoes creep further and Newton's method fails less."""
 
