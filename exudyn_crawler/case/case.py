@@ -207,6 +207,24 @@ class Case(Parameters):
         """Y of the middles of the tracks in the axes of the side frame or of the machine: (tracks,), m."""
         return np.zeros(1) if self.car_body is None else np.array(self.car_body.middles)
 
+    def of_track(self, side: str) -> "Case":
+        """One of two closed tracks, "right" or "left", with its own side frame and without a turn."""
+        apart = self.track_middles[SIDES.index(side)] - self.track_middles[0]
+        track, count = self.track, self.loop.shoe_count
+        return self.with_(
+            name=f"{self.name}, {side} track",
+            track=track.with_(
+                shoe_count=count,
+                first_com=(track.first_com[0], track.first_com[1] + apart),
+                spherical_y=track.spherical_y + apart,
+                parallel_y=track.parallel_y + apart,
+            ),
+            loads=LoadCycle.constant([0.0] * count),
+            drive=self.drive.with_(turn_rate=None),
+            machine=None,
+            car_body=None,
+        )
+
     @property
     def links(self) -> np.ndarray:
         """Shoes behind and ahead of every link: array (links, 2), numbers as of `joints`."""

@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case import CellTerrain
+from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, link_name, select
@@ -289,11 +290,16 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
         panels[TOOTH_FORCE] = _panels(found, [TOOTH_FORCE], items)
         panels[WHEEL_LOAD] = _panels(found, [WHEEL_LOAD], items)
         wheels = found[WHEEL_FORCE].items
-        lower = [one for one in wheels if one.startswith("roller")]
+        lower = [one for one in wheels if "roller" in one]
         panels["force on the rollers"] = _panels(found, [WHEEL_FORCE], lower)
-        panels["force on idler and carriers"] = _panels(found, [WHEEL_FORCE], wheels[len(lower) :])
+        others = [one for one in wheels if one not in lower]
+        panels["force on idler and carriers"] = _panels(found, [WHEEL_FORCE], others)
         panels["drive torque"] = _panels(found, [DRIVE_MOMENT, QUANTITIES["tumbler_speed"].label])
-        figures = {"tension along the chain": chain_figure(history)}
+        if case.tracks == 1:
+            figures = {"tension along the chain": chain_figure(history)}
+        else:
+            by_side = ((side, chain_figure(history.of_track(side))) for side in SIDES)
+            figures = {f"tension along the {side} chain": figure for side, figure in by_side}
     return _figures(case.name, panels, history) | figures
 
 

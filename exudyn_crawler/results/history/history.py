@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case, LoadCycle, MachineCycle
+from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.results.history import catalogue, files
 from fem.interrupts import interrupts_wait
 
@@ -112,6 +113,31 @@ class History:
             (N m), area (m2), penetration (m), penetration_rate and slip_velocity (m/s).
         """
         return catalogue.by_shoe(self.case, self.dataset, catalogue.BY_SHOE)
+
+    def of_track(self, side: str) -> "History":
+        """One of two tracks of a machine, "right" or "left", as the history of a closed track.
+
+        Its shoes, links and contacts alone, numbered from 1; its side frame is the machine's place in the
+        middle of the track.
+        """
+        # who asks for names alone does not wait until it is compiled
+        from exudyn_crawler.ground.rotations import rotation_matrices
+
+        case, own = self.case.of_track(side), self.dataset.sel(track=side, drop=True)
+        number, count = SIDES.index(side), case.track.shoe_count
+        mine, wheels = slice(number * count, (number + 1) * count), case.wheel_names
+        turn = rotation_matrices(own.side_frame_angles.transpose(..., "axis").values)
+        arm = self.case.track_middles[number] * turn[..., 1]
+        place = own.side_frame_position.transpose(..., "axis")
+        own = own.isel(shoe=mine, joint=mine, wheel=slice(number * len(wheels), (number + 1) * len(wheels)))
+        if "contact" in own.dims:
+            own = own.isel(contact=np.isin(own.contact_shoe, own.shoe))
+            own = own.assign_coords(contact_shoe=own.contact_shoe - mine.start)
+        joint = ("joint", case.joints, {"long_name": catalogue.CLOSED_LINKS})
+        own = own.drop_vars(["shoe_track", "joint_track"]).assign_coords(
+            shoe=case.track.shoes, joint=joint, wheel=wheels
+        )
+        return History(case, own.assign(side_frame_position=place.copy(data=place.values + arm)))
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
         """Write everything to one NetCDF file, as of `results.history.files`: contacts in single precision.

@@ -4,6 +4,7 @@
 the teeth are, no parameter says: their drawn size means nothing.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ import xarray as xr
 from exudyn_crawler.case import Case, ClosedTrack, Rails, Undercarriage
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.results.history.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes.scene import Arrows, Solid, box, disc, star
 
@@ -63,11 +65,33 @@ def roller_radius(frame: Undercarriage | ClosedTrack) -> float:
 
 
 def gear_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
-    """Side frame and all that turns in it; nothing of a dragged track."""
+    """Side frames and all that turns in them, and the car body; nothing of a dragged track."""
     if not (rolls(dataset) or goes_round(dataset)):
         return []
-    solids = [beam(case, dataset), *wheel_solids(case, dataset)]
-    return [*solids, *tumbler_solids(case, dataset)] if goes_round(dataset) else solids
+    solids = [] if case.car_body is None else [car_body(case, dataset)]
+    for name, one, own in each_track(case, dataset):
+        found = [beam(one, own), *wheel_solids(one, own)]
+        found += tumbler_solids(one, own) if goes_round(own) else []
+        solids += [replace(solid, name=f"{name}{solid.name}") for solid in found]
+    return solids
+
+
+def each_track(case: Case, dataset: xr.Dataset) -> Iterator[tuple[str, Case, xr.Dataset]]:
+    """Every track by itself, before whose names of bodies its side stands where there are two."""
+    if case.tracks == 1:
+        yield "", case, dataset
+        return
+    for side in SIDES:
+        one = History(case, dataset).of_track(side)
+        yield f"{side} ", one.case, one.dataset
+
+
+def car_body(case: Case, dataset: xr.Dataset) -> Solid:
+    """Block that stands for the car body, from one side frame to the other."""
+    (low, high), (right, left), (origin, turn) = BEAM, case.track_middles, frame_poses(dataset)
+    half = 0.2 * (left - right)
+    shape = box(np.array([-half, right, low]), np.array([half, left, high]))
+    return Solid("car body", *shape, style.BEAM, origin[:, None], turn[:, None], 0.5, style.ROLLER_EDGE)
 
 
 def beam(case: Case, dataset: xr.Dataset) -> Solid:
@@ -215,8 +239,10 @@ def near_gear(case: Case, dataset: xr.Dataset, shoes: np.ndarray, beside: float)
         x = treads.origin[..., 0]
         away = (x < shoes[..., 0].min() - beside) | (x > shoes[..., 0].max() + beside)
         return [replace(treads, origin=np.where(away[..., None], np.nan, treads.origin))]
-    kept = []
-    for one in [*wheel_solids(case, dataset)[::2], *tumbler_solids(case, dataset)[1:2]]:
+    kept, found = [], []
+    for _, own, instants in each_track(case, dataset):
+        found += [*wheel_solids(own, instants)[::2], tumbler_solids(own, instants)[1]]
+    for one in found:
         apart = np.linalg.norm((one.origin[:, :, None] - shoes[:, None])[..., [0, 2]], axis=-1).min(axis=2)
         away = apart > beside + np.linalg.norm(one.points[:, [0, 2]], axis=1).max()
         kept.append(replace(one, origin=np.where(away[..., None], np.nan, one.origin)))
