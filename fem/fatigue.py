@@ -43,6 +43,8 @@ class SNCurve:
         Survival probability of the curve, inside (0, 1).
     miner : str
         One of `MINERS`.
+    residual_stress : float
+        Pa, which adds to the mean of every cycle.
 
     Raises
     ------
@@ -57,6 +59,7 @@ class SNCurve:
     scatter: float = 1.0
     survival: float = 0.5
     miner: Miner = "elementary"
+    residual_stress: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("strength", "knee"):
@@ -109,7 +112,7 @@ class SNCurve:
 
     def damage(self, amplitude: Floats, mean: Floats, survivals: Sequence[float]) -> Floats:
         """Damage (s, n) of cycles of positive amplitudes (n,) and their means, by survival."""
-        equivalent = self.equivalent(amplitude, mean)
+        equivalent = self.equivalent(amplitude, mean + self.residual_stress)
         scales = [self.strength / self.strength_at(survival) for survival in survivals]
         loads = np.multiply.outer(scales, equivalent)
         return 1.0 / self._woehler.cycles(loads.ravel()).reshape(loads.shape)

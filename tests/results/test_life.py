@@ -9,6 +9,7 @@ from exudyn_crawler.results.life.life import BETWEEN, BEYOND, in_words, life_hou
 from exudyn_crawler.results.stress.basis import TOLERANCE
 from exudyn_crawler.results.stress.hot_spots import REGIONS
 from exudyn_crawler.results.stress.recovery import node_stress
+from fem.defects import equivalent_amplitude, murakami_limit
 from fem.trust import HELD, OPEN, VERDICTS
 
 HALF = 0.03
@@ -125,6 +126,32 @@ def test_cycles_of_a_node_make_its_matrix_and_history(found):
         assert last.to_numpy() == pytest.approx(each.reindex(last.index).to_numpy())
         criterion = found.duty.criterion
         assert node.by_criterion[criterion] == pytest.approx(cycles["damage an hour"].sum(), rel=1e-9)
+
+
+def test_castings_change_the_life_of_their_region_alone(flexible_run):
+    history = flexible_run[0]
+    bare = changed(history, flexible=history.case.flexible.with_(static_fields=False))
+    sound = life_of(duty(FIRST).with_(plane_nodes=0), [bare])
+    wings = {"region": "wings", "residual_stress": 60e6, "defect_size": 5e-4}
+    material = WEAK.with_(castings=(wings, {"region": "web", "defect_size": 5e-3}))
+    cast = life_of(duty(FIRST).with_(plane_nodes=0, material=material), [bare])
+    before, after = sound.table.set_index("region"), cast.table.set_index("region")
+    last = "life in h that 97.5 % survive"
+    assert after.loc["wings", last] < before.loc["wings", last]
+    others = [region for region in before.index if region != "wings"]
+    assert after.loc[others, last].to_numpy() == pytest.approx(before.loc[others, last].to_numpy(), rel=1e-3)
+    assert after.loc["wings", "residual stress in MPa"] == 60.0
+    assert after.loc[["wings", "web"], "defect in mm"].tolist() == [0.5, 5.0]
+    assert after["life in h, defect"].isna().tolist() == [one not in ("wings", "web") for one in after.index]
+    # counted again: cycles of the node, with its residual stress, by the limit of its defect
+    node = int(after.loc["wings", "node"])
+    cycles = cast.nodes[node].cycles
+    ends = np.sort(cycles[["begin in Pa", "end in Pa"]].to_numpy(), axis=1) + 60e6
+    amplitude, mean = 0.5 * (ends[:, 1] - ends[:, 0]), ends.mean(axis=1)
+    equal = equivalent_amplitude(125.0, amplitude, mean)
+    strength = min(murakami_limit(5e-4, 125.0), WEAK.curve().strength)
+    damage = np.sum(cycles["times an hour"] * (equal / strength) ** 5 / 1e6)
+    assert after.loc["wings", "life in h, defect"] == pytest.approx(min(1.0 / damage, BEYOND), rel=1e-6)
 
 
 def test_no_damage_is_a_life_beyond_what_is_told(flexible_run, found):

@@ -369,8 +369,8 @@ def cycle_table(
     The amplitude is half the von Mises stress of the difference of both states, the mean stress that of
     their mean with the sign of its hydrostatic part.
     """
-    curve, none = check.material.curve(), np.zeros((len(shoe.regions), 6))
-    rows = []
+    none, rows = np.zeros((len(shoe.regions), 6)), []
+    curves = {region: check.material.curve("elementary", region) for region in REGIONS}
     for first, second in pairs:
         if wrong := {first, second} - {*stress, UNLOADED}:
             raise ValueError(f"cycles: no case {sorted(wrong)}; there are {[*stress]}")
@@ -383,7 +383,7 @@ def cycle_table(
             own = np.flatnonzero((shoe.regions == region) & (amplitude > 1.0))
             if not len(own):
                 continue
-            damage = curve.damage(amplitude[own], signed[own], (SURVIVAL,))[0]
+            damage = curves[region].damage(amplitude[own], signed[own], (SURVIVAL,))[0]
             at = own[np.argmax(damage)]
             often = 1.0 / float(damage.max())
             rows.append(
@@ -392,4 +392,8 @@ def cycle_table(
                 | {"an hour": often / check.hours, "node": int(shoe.mesh.surface_nodes[at])}
                 | {"above yield": "yes" if highest[at] > check.material.yield_strength else ""}
             )
+            if check.material.castings:
+                ends = signed[[at]] - amplitude[[at]], signed[[at]] + amplitude[[at]]
+                once = check.material.defect_life(region, "elementary", ends, np.ones(1), SURVIVAL)
+                rows[-1] |= {"cycles to a crack, defect": once}
     return pd.DataFrame(rows)

@@ -7,11 +7,14 @@ Forschungskuratorium Maschinenbau, 6th ed., 2012), whose formulas are pyLife's.
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
+import numpy as np
 import pandas as pd
 from pydantic import Field, model_validator
 
-from exudyn_crawler.case.parameters.base import Name, Parameters, quantity
+from exudyn_crawler.case.parameters.base import Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.reading import read_parameters, with_base
+from exudyn_crawler.results.stress.hot_spots import Region
+from fem.defects import Defect, defect_life
 from fem.fatigue import Miner, SNCurve
 
 FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless steel", "cast steel"]
@@ -19,6 +22,24 @@ PYLIFE_CLASSES = ("Steel", "Forg_Steel", "CaseHard_Steel", "Stainless_Steel", "G
 """PyLife's names of them."""
 CASTINGS: dict[str, Any] = {"fkm_class": "cast steel", "casting_factor": 1.25, "scatter": 1.4}
 MEGA, MICRO, MILLI = 1e6, 1e-6, 1e-3
+HARDNESS = 3.2  # tensile strength in MPa over Vickers hardness of steel
+
+
+class Casting(Parameters):
+    """What of the casting differs in a region of a shoe."""
+
+    region: Literal["all"] | Region = option("of the shoe, or all that have no such table", default="all")
+    residual_stress: float = quantity(
+        "Pa",
+        "that adds to the mean of every cycle, tension positive",
+        (-6e8, 4e8),
+        ge=-3e9,
+        le=3e9,
+        default=0,
+    )
+    defect_size: float = quantity(
+        "m", "sqrt(area) of a surface defect; 0: none", (0.0, 0.02), ge=0, le=0.1, default=0
+    )
 
 
 class FatigueMaterial(Parameters):
@@ -59,6 +80,18 @@ class FatigueMaterial(Parameters):
     mean_sensitivity: float | None = quantity(
         "1", "M of mean stresses; none: FKM 4.4.2.1.2", plausible=(0.0, 0.8), ge=0, lt=1, default=None
     )
+    hardness: float | None = quantity(
+        "1",
+        "Vickers, HV; none: R_m / 3.2 MPa (ISO 18265)",
+        plausible=(100, 700),
+        ge=50,
+        le=2000,
+        default=None,
+    )
+    crack_size: float = quantity(
+        "m", "sqrt(area) to which a defect grows until it counts as a crack", gt=1e-3, le=0.5, default=0.06
+    )
+    castings: tuple[Casting, ...] = option("defects and residual stress by region", default=())
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -67,6 +100,9 @@ class FatigueMaterial(Parameters):
                 f"yield_strength must not exceed tensile_strength = {self.tensile_strength:g} Pa, "
                 f"got {self.yield_strength:g} Pa"
             )
+        regions = [one.region for one in self.castings]
+        if double := sorted({one for one in regions if regions.count(one) > 1}):
+            raise ValueError(f"castings: regions must differ, got {double} twice")
         return self
 
     @classmethod
@@ -137,8 +173,29 @@ class FatigueMaterial(Parameters):
         own = {name: getattr(self, name) for name in ("fatigue_strength", "mean_sensitivity")}
         return single | {name: value for name, value in own.items() if value is not None}
 
-    def curve(self, miner: Miner = "elementary") -> SNCurve:
-        """S-N curve of the part's surface by local stresses."""
+    def casting(self, region: str) -> Casting:
+        """Casting of a region."""
+        known: dict[str, Casting] = {one.region: one for one in self.castings}
+        return known.get(region, known.get("all", Casting()))
+
+    def defect_life(
+        self,
+        region: str,
+        miner: Miner,
+        ends: tuple[np.ndarray, np.ndarray],
+        rate: np.ndarray,
+        survival: float,
+    ) -> float:
+        """Time to a crack from a region's defect by cycles between two stresses (Pa); NaN without one."""
+        size = self.casting(region).defect_size
+        if not size:
+            return np.nan
+        hardness = self.tensile_strength / MEGA / HARDNESS if self.hardness is None else self.hardness
+        sound = self.with_(casting_factor=1.0).curve(miner, region)
+        return defect_life(Defect(size, hardness, self.crack_size), sound, *ends, rate, survival)
+
+    def curve(self, miner: Miner = "elementary", region: str = "") -> SNCurve:
+        """S-N curve of the part's surface by local stresses, in a region with its residual stress."""
         factors = self.factors()
         return SNCurve(
             strength=factors["fatigue_strength"] / factors["design"] / self.casting_factor,
@@ -148,6 +205,7 @@ class FatigueMaterial(Parameters):
             scatter=self.scatter,
             survival=self.survival,
             miner=miner,
+            residual_stress=self.casting(region).residual_stress,
         )
 
 

@@ -148,22 +148,21 @@ class NodeLife:
         return summed
 
 
-def node_lives(
-    duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, nodes: Sequence[int]
-) -> dict[int, NodeLife]:
-    """Cycles and causes at some nodes, with stresses at full rank."""
+def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve]) -> dict[int, NodeLife]:
+    """Cycles and causes at some nodes with their S-N curves, with stresses at full rank."""
+    nodes = list(curves)
     cycles: dict[int, list[pd.DataFrame]] = {node: [] for node in nodes}
     by_criterion = {node: dict.fromkeys(map(str, SIGNED_CRITERIA), 0.0) for node in nodes}
     for one in runs:
         often = one.times_an_hour / len(one.basis.coordinates)
-        counting = one.counting(curve, duty.survivals[-1:])
         for shoe, q in one.basis.coordinates.items():
             loads = one.basis.by_load(shoe)
             for node in nodes:
                 modes = one.basis.shapes.stress_modes[node]
                 by_load = {load: part @ modes.T for load, part in loads.items()}
                 stress = q @ modes.T
-                cycles[node].append(_cycles(duty, curve, one, shoe, often, stress, by_load))
+                counting = one.counting(curves[node], duty.survivals[-1:])
+                cycles[node].append(_cycles(duty, curves[node], one, shoe, often, stress, by_load))
                 for criterion in SIGNED_CRITERIA:
                     found = counting.damage(signed_signals(criterion, stress.T[None])).sum()
                     by_criterion[node][criterion] += often * float(found)

@@ -8,6 +8,8 @@ import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -23,6 +25,7 @@ from fem.damage import damage_between, recover_damage
 
 BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
 BETWEEN = "between runs"  # part of the damage that no run has alone
+MEGA, MILLI = 1e6, 1e-3
 LIFE = "life in h"  # what the columns of lives begin with
 
 
@@ -65,20 +68,20 @@ def life_of(
     inside = sorted(set(duty.nodes) - set(whole.mesh.surface_nodes.tolist()))
     if inside:
         raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
-    curve = duty.material.curve(duty.miner)
+    regions = hot_spots.shoe_regions(whole, runs[0].history.case.track)
+    groups = _groups(duty, regions, whole.mesh.surface_nodes)
     at_places = []
     for shoe in positions:
         say(f"shoe {shoe}: counting cycles of {len(whole.mesh.surface_nodes)} nodes")
-        at_places.append(_at_place(duty, runs, curve, shoe))
+        at_places.append(_at_place(duty, runs, groups, shoe))
     damage, parts, amplitude = (np.array(one) for one in zip(*at_places, strict=True))
     mean = damage.mean(axis=0)
-    regions = hot_spots.shoe_regions(whole, runs[0].history.case.track)
     known = pd.Series(mean[-1]).dropna().sort_values(ascending=False, kind="stable")
     shortest = known.groupby(regions[known.index], sort=False).head(1).index.tolist()
     shown = list(dict.fromkeys([*shortest, *duty.nodes]))
     worst = np.union1d(known.index[known > 0.0][: duty.plane_nodes], shown)
     say(f"critical planes of the {len(worst)} worst nodes")
-    on_plane, directions = _on_critical_planes(duty, runs, curve, worst)
+    on_plane, directions = _on_critical_planes(duty, runs, groups, worst)
     say("what the mesh leaves open")
     values = {
         "place_damage": damage,
@@ -87,7 +90,7 @@ def life_of(
         "part_damage": np.where(np.isnan(mean[-1]), np.nan, parts.mean(axis=0)),
         "plane_damage": on_plane,
         "plane_normal": directions,
-        **_life_trust(runs, curve, damage[:, -1], amplitude, spreads),
+        **_life_trust(runs, groups[0].curve, damage[:, -1], amplitude, spreads),
     }
     names = [f"{one.run.name}: {phase}" for one in runs for phase in one.phases]
     names += [BETWEEN] if len(runs) > 1 else []
@@ -97,17 +100,61 @@ def life_of(
         shoe=positions, survival=list(duty.survivals), part=np.array(names, dtype=object)
     )
     say(f"causes at {len(shown)} nodes")
-    nodes = node_lives(duty, runs, curve, shown)
+    nodes = node_lives(duty, runs, {node: duty.material.curve(duty.miner, regions[node]) for node in shown})
     bounded = all(one.basis.bound is not None for one in runs)
-    return LifeResults(duty, dataset, shortest_lives(dataset, nodes, whole, regions, bounded), nodes, whole)
+    table = shortest_lives(dataset, nodes, whole, regions, bounded)
+    if duty.material.castings:
+        table = pd.concat((table, _castings(duty, table, nodes)), axis=1)
+    return LifeResults(duty, dataset, table, nodes, whole)
+
+
+class _Group(NamedTuple):
+    """Surface nodes with the same S-N curve."""
+
+    curve: SNCurve
+    nodes: np.ndarray
+
+
+def _groups(duty: Duty, regions: np.ndarray, surface: np.ndarray) -> list[_Group]:
+    """Nodes of the surface by the S-N curve of their region."""
+    curves = {region: duty.material.curve(duty.miner, region) for region in dict.fromkeys(regions[surface])}
+    return [
+        _Group(curve, surface[np.isin(regions[surface], [one for one in curves if curves[one] == curve])])
+        for curve in dict.fromkeys(curves.values())
+    ]
+
+
+def _castings(duty: Duty, table: pd.DataFrame, nodes: Mapping[int, NodeLife]) -> pd.DataFrame:
+    """Residual stress, defect and life with it of the nodes of a table, without what goes between runs."""
+    rows = []
+    for region, node in zip(table["region"], table["node"], strict=True):
+        casting, cycles = duty.material.casting(region), nodes[node].cycles
+        ends = (cycles["begin in Pa"].to_numpy(), cycles["end in Pa"].to_numpy())
+        often = cycles["times an hour"].to_numpy()
+        life = duty.material.defect_life(region, duty.miner, ends, often, duty.survivals[-1])
+        row = {"residual stress in MPa": casting.residual_stress / MEGA}
+        rows.append(row | {"defect in mm": casting.defect_size / MILLI, f"{LIFE}, defect": min(life, BEYOND)})
+    return pd.DataFrame(rows)
 
 
 def _at_place(
-    duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, shoe: int
+    duty: Duty, runs: Sequence[UsedRun], groups: Sequence[_Group], shoe: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Damage an hour (survivals, nodes), also (parts, nodes), and amplitude (nodes,), Pa, of a shoe."""
-    whole = runs[0].basis.shapes
-    surface = whole.mesh.surface_nodes
+    whole, surface = runs[0].basis.shapes, np.concatenate([one.nodes for one in groups])
+    found = zip(*(_of_group(duty, runs, group, shoe) for group in groups), strict=True)
+    damage, parts, amplitude = (np.concatenate(one, axis=-1) for one in found)
+    pulled = np.any([hot_spots.near_pull(one.history, one.basis.shapes, shoe) for one in runs], axis=0)
+    values = (np.where(pulled[surface], np.nan, damage), parts, amplitude)
+    at_all, in_parts, at_most = (_spread(one, surface, len(whole.nodes)) for one in values)
+    return at_all, in_parts, at_most
+
+
+def _of_group(
+    duty: Duty, runs: Sequence[UsedRun], group: _Group, shoe: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Same of the nodes of a group alone."""
+    curve, surface = group
     damage = np.zeros((len(duty.survivals), len(surface)))
     parts, highest, lowest = [], np.full(len(surface), -np.inf), np.full(len(surface), np.inf)
     for one in runs:
@@ -124,10 +171,7 @@ def _at_place(
         each = often * damage_between(curve, highest, lowest, duty.survivals)
         damage += each
         parts.append(each[-1])
-    pulled = np.any([hot_spots.near_pull(one.history, one.basis.shapes, shoe) for one in runs], axis=0)
-    values = (np.where(pulled[surface], np.nan, damage), np.array(parts), 0.5 * (highest - lowest))
-    at_all, in_parts, amplitude = (_spread(one, surface, len(whole.nodes)) for one in values)
-    return at_all, in_parts, amplitude
+    return damage, np.array(parts), 0.5 * (highest - lowest)
 
 
 def _spread(values: np.ndarray, nodes: np.ndarray, count: int) -> np.ndarray:
@@ -138,7 +182,7 @@ def _spread(values: np.ndarray, nodes: np.ndarray, count: int) -> np.ndarray:
 
 
 def _on_critical_planes(
-    duty: Duty, runs: Sequence[UsedRun], curve: SNCurve, nodes: np.ndarray
+    duty: Duty, runs: Sequence[UsedRun], groups: Sequence[_Group], nodes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Damage an hour (survivals, nodes) on the critical planes of some nodes, and normals (nodes, 3)."""
     mesh = runs[0].basis.shapes.mesh
@@ -146,12 +190,13 @@ def _on_critical_planes(
 
     def damage_on(nodes: np.ndarray, angles: np.ndarray) -> np.ndarray:
         found = np.zeros((*angles.shape, len(duty.survivals)))
-        for one in runs:
-            counting = one.counting(curve, duty.survivals, 1.0 / BEYOND / len(runs))
+        for one, group in product(runs, groups):
+            own = np.isin(nodes, group.nodes)
+            counting = one.counting(group.curve, duty.survivals, 1.0 / BEYOND / len(runs))
             modes, coordinates = one.basis.shapes.stress_modes, one.basis.coordinates
-            for q in coordinates.values():
-                each = critical_plane.damage_on_planes(modes, q, normals, angles, counting, nodes)
-                found += one.times_an_hour / len(coordinates) * each
+            for q in coordinates.values() if own.any() else ():
+                each = critical_plane.damage_on_planes(modes, q, normals, angles[own], counting, nodes[own])
+                found[own] += one.times_an_hour / len(coordinates) * each
         return found
 
     planes = critical_plane.critical_planes(damage_on, nodes)
