@@ -19,6 +19,8 @@ SMALL = 1e-3
 """m, sqrt(area) up to which Murakami's limit holds."""
 GEOMETRY = 0.65
 """Of a surface defect: stress intensity over stress sqrt(pi sqrt(area)) (Murakami)."""
+DEPTHS = np.sqrt(0.5 * np.pi)
+"""sqrt(area) of a half disc over its depth, of which the law is."""
 MM15 = 1e6 * 1e-3**0.5
 """Pa m^0.5 in 1 N/mm^1.5."""
 RATE, EXPONENT = 5.21e-13 * 1e-3 / MM15**3, 3.0
@@ -84,7 +86,8 @@ def growth_time(low: Floats, high: Floats, rate: Floats, start: float, end: floa
     if not len(sizes) or sizes[0] > start or end <= start:
         return np.inf if end > start else 0.0
     edges = np.concatenate(([start], sizes[(sizes > start) & (sizes < end)], [end]))
-    speed = RATE * (GEOMETRY * np.sqrt(np.pi)) ** EXPONENT * sums[sizes.searchsorted(edges[:-1], "right") - 1]
+    each = DEPTHS * RATE * (GEOMETRY * np.sqrt(np.pi)) ** EXPONENT
+    speed = each * sums[sizes.searchsorted(edges[:-1], "right") - 1]
     # of d size / dt = speed size^1.5, exactly
     return float(np.sum(2.0 / speed * (edges[:-1] ** -0.5 - edges[1:] ** -0.5)))
 

@@ -61,28 +61,30 @@ def test_thresholds_are_those_of_bs_7910():
 
 
 def by_scipy(low, high, rate, start, end) -> float:
-    """Time from integrating d size / dt as an initial-value problem."""
-    stress, bound = high - low, threshold(low / high)
+    """Time from integrating d depth / dt of a half disc as an initial-value problem."""
+    stress, bound, depths = high - low, threshold(low / high), np.sqrt(0.5 * np.pi)
 
-    def speed(_time, size):
-        range_ = GEOMETRY * stress * np.sqrt(np.pi * size[0])
+    def speed(_time, depth):
+        range_ = GEOMETRY * stress * np.sqrt(np.pi * depths * depth[0])
         grown = 5.21e-13 * 1e-3 * (range_ / MM15) ** 3
         return [float(rate[range_ > bound] @ grown[range_ > bound])]
 
-    def whole(_time, size):
-        return size[0] - end
+    def whole(_time, depth):
+        return depth[0] - end / depths
 
     whole.terminal = True
-    found = solve_ivp(
-        speed, (0.0, 1e12), [start], events=whole, rtol=1e-8, atol=1e-12, first_step=1.0, max_step=2e4
-    )
+    steps = {"rtol": 1e-8, "atol": 1e-12, "first_step": 1.0, "max_step": 2e4}
+    found = solve_ivp(speed, (0.0, 1e12), [start / depths], events=whole, **steps)
     return float(found.t_events[0][0])
 
 
 def test_growth_of_one_range_is_the_closed_form():
-    """2 (s0^-1/2 - s1^-1/2) / (C (0.65 dS)^3 pi^1.5)."""
-    low, high = np.zeros(1), np.array([200e6])
-    expected = 2.0 * (0.01**-0.5 - 0.06**-0.5) / (1.6475e-11 * (0.65 * 200.0) ** 3 * np.pi**1.5)
+    """Half a disc of depth a, K = 0.728 S sqrt(pi a): N = 2 (a0^-1/2 - a1^-1/2) / (C (0.728 dS)^3 pi^1.5)."""
+    low, high, depths = np.zeros(1), np.array([200e6]), np.sqrt(0.5 * np.pi)
+    geometry = 0.65 * np.sqrt(depths)
+    assert geometry == pytest.approx(0.728, abs=1e-3)
+    way = (0.01 / depths) ** -0.5 - (0.06 / depths) ** -0.5
+    expected = 2.0 * way / (1.6475e-11 * (geometry * 200.0) ** 3 * np.pi**1.5)
     assert growth_time(low, high, np.ones(1), 0.01, 0.06) == pytest.approx(expected, rel=1e-3)
     # 0.65 dS sqrt(pi s) = 5.376 MPa m^0.5
     asleep = 5.376 / 0.65 / np.sqrt(np.pi * 0.01)
