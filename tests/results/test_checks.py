@@ -21,7 +21,8 @@ from exudyn_crawler.results.checks.cases import (
     read_check,
     ready_cases,
 )
-from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, solve_cases
+from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, cycle_table, solve_cases
+from fem.defects import growth_time
 from fem.stress import von_mises
 from fem.supports import section, surface_points
 from meshes import ShoeDimensions
@@ -208,3 +209,23 @@ def test_a_check_leaves_tables_and_a_picture_of_each_case_of_its_file(tmp_path):
     with pytest.raises(CaseFileError, match="names must differ"):
         read_check(tmp_path / "mine.toml")
     assert RollerForce(name="x", force=1.0).force == 1.0
+
+
+@pytest.mark.simulation
+def test_a_defect_in_tension_counts_where_it_is_worst_in_its_region(found, shoe):
+    material = found.check.material.with_(
+        castings=({"defect_size": 3e-3}, {"region": "web", "residual_stress": 100e6})
+    )
+    stress = dict(zip([one.name for one in found.cases], found.stress, strict=True))
+    table = cycle_table(found.check.with_(material=material), shoe, stress, [(UNLOADED, "ends")])
+    unloaded = found.cycles[(found.cycles["from"] == UNLOADED) & (found.cycles["to"] == "ends")]
+    plain = unloaded.set_index("region")["cycles to a crack"]
+    own = table.set_index("region")
+    assert own.loc["web", "cycles to a crack"] < plain["web"]
+    assert own.loc["wings", "cycles to a crack"] == pytest.approx(plain["wings"])
+    assert np.isnan(own.loc["web", "cycles to a crack, defect"])
+    wings = stress["ends"][shoe.regions == "wings"]
+    mises, opens = von_mises(wings), wings[:, :3].sum(axis=1) >= 0.0
+    highest = mises[opens].max()
+    expected = growth_time(np.zeros(1), np.array([highest]), np.ones(1), 3e-3, 0.06)
+    assert own.loc["wings", "cycles to a crack, defect"] == pytest.approx(expected, rel=1e-6)
