@@ -133,8 +133,8 @@ NUMBERS = {
     "verify": ["-2 146 000", "3e-09"],
     "run case.toml": ["655.1", "33.53"],
     "stress --mesh coarse": ["133.9", "33.53", "386.4"],
-    "sweep sweep.toml --dry-run": ["10 000 000", "30 000 000"],
-    "sweep sweep.toml": ["700 000", "1a2b"],
+    "sweep sweep.toml --dry-run": ["10 MN/m", "30 MN/m"],
+    "sweep sweep.toml": ["700", "kN", "1a2b"],
     "info": ["100"],
 }
 """Of them, as they are written, that have to be seen at any width."""

@@ -11,6 +11,8 @@ from exudyn_crawler.cli.commands import command
 from exudyn_crawler.views.tables import print_rows, print_table
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from exudyn_crawler.sweep.definition import Sweep
     from exudyn_crawler.sweep.running import SweepRun
 
@@ -18,6 +20,8 @@ NEEDED = ("distributed", "SALib", "pyarrow")
 """Modules of the extra `sweep`."""
 SHOWN = 60
 """Rows of the table of runs that are printed."""
+QUANTILES = ["value", "least", "most", "of a quarter", "of half"]
+"""Columns of a table of quantiles that have its unit."""
 
 
 SweepFile = Annotated[Path, typer.Argument(help="sweep file", metavar="SWEEP.toml")]
@@ -56,11 +60,16 @@ def sweep(
     run = _swept(_planned(file), out or RESULTS / file.stem, dry_run, how)
     if run is None:
         return
+    from exudyn_crawler.results.history.catalogue import READ_IN
     from exudyn_crawler.sweep.results import best_and_worst
 
     units, columns = run.table.attrs["units"], ("answer", "which", "run", "value", "unit", "folder")
     rows = best_and_worst(run.sweep, run.table)
-    best = [(*one[:3], one.value, units[one.answer], one.folder) for one in rows]
+    read = [READ_IN.get(units[one.answer], (units[one.answer], 1.0)) for one in rows]
+    best = [
+        (*one[:3], factor * one.value, unit, one.folder)
+        for one, (unit, factor) in zip(rows, read, strict=True)
+    ]
     print_rows(columns, best, "Best and worst runs", ("run", "value"))
     typer.echo(_end_of(run))
 
@@ -91,8 +100,19 @@ def scatter(
     tables = scatter_tables(run.sweep, run.table)
     titles = {"quantiles": "Quantiles over the runs", "failures": "Shoes that crack"}
     for name in (one for one in titles if one in tables and len(tables[one])):
-        print_table(tables[name], titles[name])
+        print_table(_for_reading(tables[name]), titles[name])
     typer.echo(_end_of(run))
+
+
+def _for_reading(table: "pd.DataFrame") -> "pd.DataFrame":
+    """Table with a unit a row, if it has one, with its other numbers in units for reading."""
+    from exudyn_crawler.results.history.catalogue import READ_IN
+
+    made = table.copy()
+    for row, unit in table.get("unit", {}).items():
+        made.loc[row, "unit"], factor = READ_IN.get(unit, (unit, 1.0))
+        made.loc[row, QUANTILES] *= factor
+    return made
 
 
 def _planned(file: Path) -> "Sweep":
@@ -113,11 +133,13 @@ def _swept(plan: "Sweep", out: Path, dry_run: bool, how: dict[str, Any]) -> "Swe
 
     if not dry_run:
         return run_sweep(plan, out, say=typer.echo, **how)
-    table = plan.table()
+    from exudyn_crawler.case.parameters.fields import value_text
+
+    table, units = plan.table(), plan.units()
     shown = f", the first {SHOWN}" if len(table) > SHOWN else ""
-    units = plan.units()
-    varied = ", ".join(f"{name} in {units[name]}" if units[name] else name for name in plan.columns)
-    print_table(table.head(SHOWN), f"{len(table)} runs{shown}; {varied}")
+    read = {name: [value_text(one, units[name]) for one in table[name].head(SHOWN)] for name in plan.columns}
+    title = f"{len(table)} runs{shown}; {', '.join(plan.columns)}"
+    print_table(table.head(SHOWN).assign(**read), title)
     del how["scheduler"]
     typer.echo(folder_state(plan, out, **how))
     return None

@@ -6,6 +6,7 @@ import json
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -17,9 +18,10 @@ from scipy.stats import qmc
 
 from exudyn_crawler.case import CaseFile, Outputs
 from exudyn_crawler.case.files import case_of
-from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.case.parameters import checks, fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.reading import Content, read_parameters, with_base
+from exudyn_crawler.case.parameters.units import number_of
 from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import ANSWERS, Answers, Damage, Life, Often
 from exudyn_crawler.sweep.vary import Varied, Vary, checked_case, idle
@@ -38,6 +40,7 @@ FOLDER_DIGITS = 16  # of a digest, in the name of a run's folder
 OWN_COLUMNS = ("run", "folder", "status", "reason", "wall_time_s")
 """Columns of a sweep's table beside those of what varies and of the answers."""
 MESH = "flexible.mesh"
+MEASURED = ("low", "high", "values")  # of what varies, in the unit of the case
 LIVES = (*Damage.model_fields, *Often.model_fields, "survival")
 """What of an answer of life may vary; it is that of all of them."""
 
@@ -279,12 +282,30 @@ def read_sweep(path: str | Path) -> Sweep:
     path = Path(path)
 
     def values(content: Content) -> Content:
-        case = case_of(content.pop("case", None), path).model_dump(mode="json")
+        case = case_of(content.pop("case", None), path)
         for one in content["vary"] if isinstance(content.get("vary"), list) else ():
             _resolve_meshes(one, path.parent)
-        return with_base(content, Sweep) | {"case": case}
+            _measured(one, case)
+        return with_base(content, Sweep) | {"case": case.model_dump(mode="json")}
 
     return read_parameters(path, Sweep, "sweep file", values)
+
+
+def _measured(varied: Any, case_file: CaseFile) -> None:
+    """Put numbers of the case's unit in place of texts with units, which say that the numbers are meant."""
+    if not isinstance(varied, dict) or varied.get("factor") or varied.get("settings"):
+        return
+    keys = varied.get("key")
+    key = keys[0] if isinstance(keys, list) and keys else keys
+    unit = ""
+    # paths that lead nowhere are refused with all else
+    with suppress(ValueError):
+        entry = fields.entry_at(case_file, fields.parse_path(key)) if isinstance(key, str) else None
+        unit = "" if entry is None else entry.unit
+    for name in MEASURED:
+        number = number_of(varied.get(name), unit)
+        if number != varied.get(name):
+            varied |= {name: number, "unit": varied.get("unit", unit)}
 
 
 def _resolve_meshes(varied: Any, folder: Path) -> None:

@@ -20,7 +20,7 @@ from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.results.checks import roller_path
-from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, link_name, select
+from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, for_reading, link_name, select
 from exudyn_crawler.results.history.history import History, RunPhase, common_phases
 from exudyn_crawler.results.history.summary import tension_along_chain
 from exudyn_crawler.results.stress.recovery import StressResults
@@ -87,7 +87,7 @@ class Panel:
     @classmethod
     def of(cls, label: str, curves: Mapping[str, xr.DataArray]) -> Self:
         """Panel of one quantity in the unit for reading; `curves` have the catalogue's attributes."""
-        read = {name: style.in_figure_unit(values) for name, values in curves.items()}
+        read = {name: for_reading(values) for name, values in curves.items()}
         return cls(label, next(iter(read.values())).attrs["units"], read)
 
     def draw(self, ax: Axes) -> None:
@@ -213,7 +213,7 @@ def overlay(found: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
 
 def _series(quantity: Quantity, values: xr.DataArray) -> Iterator[Series]:
     """Series of a quantity; forces on rails of both sides together, and of each."""
-    values = style.in_figure_unit(values)
+    values = for_reading(values)
     unit, axes = values.attrs["units"], list(quantity.curve_axes)
     if axes:
         # the friction torque turns about the normal, which is z but for the units' tilt

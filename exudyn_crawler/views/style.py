@@ -5,7 +5,6 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import xarray as xr
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
@@ -24,16 +23,6 @@ PHASE_BANDS, PHASE_NAME = ("#eef2f6", "#fbfaf4"), "#66727d"
 """Bands of a run's phases, in turn, behind curves over time, and the names of the phases."""
 
 MEGA, KILO, MILLI = 1e6, 1e3, 1e-3
-READ_IN = {
-    "N": ("kN", 1.0 / KILO),
-    "N m": ("kN m", 1.0 / KILO),
-    "Pa": ("MPa", 1.0 / MEGA),
-    "m/s2": ("m/s²", 1.0),
-    "rad": ("deg", float(np.degrees(1.0))),
-    "rad/s": ("deg/s", float(np.degrees(1.0))),
-    "rad/s2": ("deg/s²", float(np.degrees(1.0))),
-}
-"""Units in which quantities are read, and factors to them, by those of the catalogue; others stay."""
 NEGLIGIBLE, NEGLIGIBLE_FORCE = 1e-6, 1e-3
 """Half the least range of an axis in units for reading: rounding must not look like motion or a force."""
 
@@ -49,13 +38,6 @@ STYLE: dict[Any, Any] = {
     "lines.linewidth": 0.9,
     "savefig.dpi": 130,
 }
-
-
-def in_figure_unit(values: xr.DataArray) -> xr.DataArray:
-    """Values of a quantity in the unit for reading, which stands among their attributes."""
-    unit = values.attrs.get("units", "")
-    drawn, factor = READ_IN.get(unit, (unit, 1.0))
-    return values if drawn == unit else (factor * values).assign_attrs(values.attrs | {"units": drawn})
 
 
 def negligible(unit: str) -> float:

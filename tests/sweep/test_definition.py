@@ -347,3 +347,17 @@ def test_files_that_are_not_there_are_told(tmp_path):
         read_sweep(tmp_path / "sweep.toml")
     with pytest.raises(FileNotFoundError, match=r"no case file .*other\.toml"):
         read_sweep(written(tmp_path, f'case = "other.toml"\n{VARIED}{ANSWERED}'))
+
+
+def test_bounds_and_values_may_have_units(tmp_path):
+    path = tmp_path / "sweep.toml"
+    bounds = f'[[vary]]\nkey = "{STIFFNESS}"\nlow = "5 N/m"\nhigh = "80 MN/m"\ncount = 2\n'
+    listed = f'[[vary]]\nkey = "{DAMPING}"\nvalues = ["1 kN s/m", 2e3]\n'
+    path.write_text(f'[case]\nbase = "translation"\n{bounds}{listed}{ANSWERED}')
+    first, second = read_sweep(path).vary
+    # a unit in words says that 5 N/m are meant
+    assert (first.low, first.high, first.unit) == (5.0, 80e6, "N/m")
+    assert second.values == (1e3, 2e3)
+    path.write_text(path.read_text().replace("5 N/m", "5 MPa"))
+    with pytest.raises(CaseFileError, match=r"low: must be a number, or such as '3 %', got '5 MPa'"):
+        read_sweep(path)

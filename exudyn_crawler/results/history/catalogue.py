@@ -43,6 +43,16 @@ NEEDS = {
     "chosen": "outputs.ground_times, the run had none",
 }
 """What a quantity may need, and why a case does not do."""
+READ_IN = {
+    "N": ("kN", 1e-3),
+    "N m": ("kN m", 1e-3),
+    "Pa": ("MPa", 1e-6),
+    "m/s2": ("m/s²", 1.0),
+    "rad": ("deg", float(np.degrees(1.0))),
+    "rad/s": ("deg/s", float(np.degrees(1.0))),
+    "rad/s2": ("deg/s²", float(np.degrees(1.0))),
+}
+"""Units in which quantities are read, and factors to them, by those of the catalogue; others stay."""
 
 
 @dataclass(frozen=True)
@@ -242,3 +252,10 @@ def by_shoe(case: Case, dataset: xr.Dataset, names: Iterable[str]) -> xr.Dataset
 
 
 BY_SHOE = tuple(select(by_shoe=True))  # quantities of contacts that can be taken by shoe
+
+
+def for_reading(values: xr.DataArray) -> xr.DataArray:
+    """Values of a quantity in the unit for reading, which stands among their attributes."""
+    unit = values.attrs.get("units", "")
+    drawn, factor = READ_IN.get(unit, (unit, 1.0))
+    return values if drawn == unit else (factor * values).assign_attrs(values.attrs | {"units": drawn})

@@ -10,11 +10,11 @@ import xarray as xr
 from scipy.signal import welch
 
 from exudyn_crawler.files import blocks
-from exudyn_crawler.results.history.catalogue import link_name, select
+from exudyn_crawler.results.history.catalogue import READ_IN, for_reading, link_name, select
 from exudyn_crawler.results.history.history import History, phases
 
-READ_IN = {"N": ("kN", 1e3), "m": ("mm", 1e-3), "Pa": ("MPa", 1e6)}
-"""Unit in which key results are read, and its size, by that of the catalogue."""
+KEY_UNITS = READ_IN | {"m": ("mm", 1e3)}
+"""Units in which key results are read, which are small in m."""
 
 
 def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFrame:
@@ -27,9 +27,9 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     named = {one.name: one for one in ranked if history.has(one.name, stress)}
     rows: list[dict[str, object]] = []
     for name, values in history.over_time(named, stress).items():
-        unit, size = READ_IN.get(named[name].unit, (named[name].unit, 1.0))
+        unit, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
         result = named[name].key_result.partition(" ")[2]
-        sizes = _size(values) / size
+        sizes = _size(values) * factor
         at, of, time = _extreme(sizes)
         rows.append({"result": result, "value": float(sizes.isel(at)), "of": of, "at": time, "unit": unit})
     # of the front shoe, or of the side frame that rolls over the shoes
@@ -162,13 +162,9 @@ ROUNDING = 1e-12
 
 
 def compared(history: History, stress: xr.Dataset | None = None) -> dict[str, xr.DataArray]:
-    """Quantities over time of a run that are compared with another's; contacts by shoe, stresses in MPa."""
+    """Quantities over time of a run to compare with another's; contacts by shoe, in units for reading."""
     named = [name for name in select(compared=True) if history.has(name, stress)]
-    found = history.over_time(named, stress)
-    mega = {name: one for name, one in found.items() if one.attrs.get("units") == "Pa"}
-    return found | {
-        name: (one / 1e6).assign_attrs(one.attrs | {"units": "MPa"}) for name, one in mega.items()
-    }
+    return {name: for_reading(one) for name, one in history.over_time(named, stress).items()}
 
 
 def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.DataArray]) -> pd.DataFrame:
@@ -177,7 +173,7 @@ def difference_table(first: Mapping[str, xr.DataArray], second: Mapping[str, xr.
     Shoes, links and units that both have are compared, over the time that both have; the second is read
     between its stored times, linearly, where the first has others. Only what differs beyond rounding has a
     row: greatest magnitude in each over that time and its change, root mean square and greatest magnitude of
-    B less A, and what that is of and when. Stresses are in MPa, all else in SI units.
+    B less A, and what that is of and when.
     """
     rows = []
     for name in [name for name in first if name in second]:

@@ -9,8 +9,8 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 from plotly.subplots import make_subplots
 
+from exudyn_crawler.results.history.catalogue import READ_IN
 from exudyn_crawler.views.pages import page
-from exudyn_crawler.views.style import READ_IN
 from exudyn_crawler.views.tables import cell_text
 
 LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
