@@ -82,6 +82,7 @@ def test_chain_that_does_not_fit_is_refused_with_the_missing_length():
         ({"closed_track.idler.range": (0.2, 0.1)}, "least and greatest take-up in this order"),
         ({"loads.phases[0].loads": tuple([1e5] * 38)}, "loads must be zero"),
         ({"closed_track.idler.take_up": 0.3}, "too short by"),
+        ({"closed_track.fold_limit": 0.6}, "fold_limit must be greater than 2 pi / teeth = 0.6283 rad"),
     ],
 )
 def test_what_does_not_go_with_a_closed_track_is_refused(changes, message):

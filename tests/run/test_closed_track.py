@@ -7,6 +7,7 @@ import pytest
 
 from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import Drive
+from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
@@ -133,3 +134,49 @@ def test_all_that_acts_on_a_shoe_is_its_mass_times_its_acceleration():
         energies(history)
     assert link_name(history.joint, 38) == "link 38-1"
     assert link_name(history.joint, 37) == "link 37-38"
+
+
+@pytest.mark.parametrize(
+    ("changes", "speed", "message"),
+    [
+        ({"tension_limit": 2.8e6}, 0.3, r"link \d+-\d+ broke: its tension of 2\.[89]\d*e\+06 N.*too taut"),
+        # wheels that are packed with dirt hold a slack chain back, which piles up on them
+        (
+            {"idler.slack": 0.05, "rolling_resistance": 0.7},
+            2.0,
+            r"the chain folded: shoes \d+ and \d+ are at .* beyond closed_track.fold_limit = 1 rad; likely",
+        ),
+        # teeth that reach 10 mm beyond the pins
+        (
+            {"tumbler.reach": 0.01, "idler.slack": 0.1},
+            5.0,
+            r"shoe \d+ jumped a tooth of the tumbler.*pulled harder than such teeth hold",
+        ),
+        # on a side slope it lies 73 mm aside on soft flanges, and loses their hold as it goes faster
+        (
+            {
+                "idler.slack": 0.05,
+                "guide_play": 0.05,
+                "guide_stiffness": 1e6,
+                "guide_height": 0.005,
+                "offset_limit": 0.0735,
+            },
+            3.0,
+            r"shoe \d+ came off sideways: it is -0\.07\d+ m beside the track's middle.*flanges do not hold",
+        ),
+    ],
+    ids=["breaks", "folds", "jumps", "comes off"],
+)
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+def test_chain_that_fails_ends_the_run_with_shoe_time_and_cause(changes, speed, message):
+    case = Case.closed().with_({"closed_track.support": "posts"})
+    case = case.with_({f"closed_track.{name}": value for name, value in changes.items()})
+    if "offset_limit" in changes:
+        case = case.with_({"terrain.side_slope": 0.2})
+    profile = StepProfile(times=(0.0, 0.2), values=(0.0, speed))
+    with pytest.raises(SimulationStopped, match=message) as stopped:
+        simulate(case.with_(drive=Drive(speed=profile)), 0.6, progress=False)
+    # what was computed is kept
+    assert 0.0 < stopped.value.time < 0.6
+    assert stopped.value.history.duration == pytest.approx(stopped.value.time, abs=2e-3)
+    assert np.isfinite(stopped.value.history.link_tension.values).all()

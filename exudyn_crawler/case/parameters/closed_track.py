@@ -159,6 +159,21 @@ class ClosedTrack(Parameters):
         "m/N", "of a pin across the chain, and in rad/(N m) in yaw and roll", (1e-12, 1e-8), gt=0, le=1e-3,
         default=1e-10,
     )  # fmt: skip
+    tension_limit: Annotated[float, Field(gt=0, le=1e12)] | None = quantity(
+        "N", "of a link, beyond which it breaks and the run ends; none: it bears all", default=None
+    )
+    fold_limit: float = quantity(
+        "rad",
+        "between neighbours, beyond which the chain folds and the run ends",
+        (0.3, 1.6),
+        gt=0.0,
+        le=3.0,
+        default=1.0,
+    )
+    offset_limit: base.Length = quantity(
+        "m", "of a shoe beside the frame's middle or its neighbour, where it comes off and the run ends",
+        (0.02, 0.5), default=0.1,
+    )  # fmt: skip
     torque_limit: Annotated[float, Field(gt=0, le=1e12)] | None = quantity(
         "N m", "greatest torque of the drive; none: it keeps its speed, whatever it takes", default=None
     )
@@ -176,6 +191,12 @@ class ClosedTrack(Parameters):
             yield (
                 f"carriers must stand in order and apart by their diameter {2.0 * self.carrier_radius:g} m "
                 f"at least, got {list(self.carriers)}: they overlap"
+            )
+        turn = 2.0 * math.pi / self.tumbler.teeth
+        if self.fold_limit <= turn:
+            yield (
+                f"fold_limit must be greater than 2 pi / teeth = {turn:.4g} rad, the angle of neighbours "
+                f"on the tumbler, got {self.fold_limit}"
             )
         if not self.tumbler.place[0] < self.rollers[0] < self.rollers[-1] < self.idler.place[0]:
             yield "the tumbler must be behind the rollers and the idler in front of them"
