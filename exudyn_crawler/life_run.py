@@ -1,4 +1,4 @@
-"""One duty into one folder: life in machine hours from the folders of its runs, and its files."""
+"""One duty into one folder: life in machine hours from folders of runs and check cases, and its files."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -9,9 +9,19 @@ import xarray as xr
 
 from exudyn_crawler.case.parameters.checks import out_of_range, warn_of
 from exudyn_crawler.files import refuse_existing, whole_file, writable_folder, write_netcdf
+from exudyn_crawler.results.checks.cases import ShoeCheck, read_check
+from exudyn_crawler.results.checks.solve import case_shapes
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty, read_duty
-from exudyn_crawler.results.life.life import LifeResults, in_words, life_of, relative_spread
+from exudyn_crawler.results.life.duty_runs import check_cases_of
+from exudyn_crawler.results.life.life import (
+    LifeResults,
+    in_words,
+    life_of,
+    life_of_stages,
+    life_words,
+    relative_spread,
+)
 from exudyn_crawler.run.folder.folder import spread_beside
 from exudyn_crawler.run.folder.progress import heartbeat
 from exudyn_crawler.run.folder.record import HISTORY
@@ -20,8 +30,9 @@ from exudyn_crawler.views.tables import write_table
 from fem import write_vtu
 
 LIFE, FIELDS, PAGE = "life.nc", "life.vtu", "life.html"
-TABLE, MATRICES, GROWTH = "shortest_lives.csv", "rainflow_matrices.csv", "damage_histories.csv"
-FILES = (LIFE, FIELDS, PAGE, TABLE, MATRICES, GROWTH)  # what a duty leaves
+TABLE, CAUSES = "shortest_lives.csv", "causes.csv"
+MATRICES, GROWTH = "rainflow_matrices.csv", "damage_histories.csv"
+FILES = (LIFE, FIELDS, PAGE, TABLE, CAUSES, MATRICES, GROWTH)  # what a duty leaves
 
 
 def life(
@@ -49,8 +60,9 @@ def life(
     FileNotFoundError
         If there is no such file, or no history in the folder of a run.
     ValueError
-        Before anything is counted, if the duty or its runs do not fit together, as of `read_duty` and
-        `results.life.duty_runs.used_runs`; or if a spread beside a run is of another case.
+        Before anything is counted, if the duty or its runs do not fit together, as of `read_duty`,
+        `results.life.duty_runs.used_runs` and `results.checks.solve.case_shapes`; or if a spread beside a run
+        is of another case.
     FileExistsError
         Before anything is counted, if results are there and `overwrite` is false.
     """
@@ -60,12 +72,25 @@ def life(
     if folder is not None:
         for name in FILES:
             refuse_existing(folder / name, overwrite)
+    inputs = [(one, _histories(one)) for one in duty.by_stage()]
     with heartbeat(f"life of {duty.name}"):
-        histories = _histories(duty)
-        found = life_of(duty, histories, say, _spreads(duty, histories))
+        lives = [_life_of(one, histories, say) for one, histories in inputs]
+        found = lives[0]
+        if duty.stages:
+            found = life_of_stages(duty, lives, lambda last: _life_of(last, inputs[-1][1], say))
         if folder is not None:
             write_life(found, writable_folder(folder), overwrite)
     return found
+
+
+def _life_of(duty: Duty, histories: Sequence[History], say: Callable[[str], None]) -> LifeResults:
+    """Life over a duty without stages."""
+    shapes = None
+    if duty.cases:
+        is_file = Path(duty.check).suffix == ".toml"
+        check = read_check(duty.check) if is_file else ShoeCheck(name=duty.check, mesh=duty.check)
+        shapes = case_shapes(check, check_cases_of(duty), say)
+    return life_of(duty, histories, say, _spreads(duty, histories), shapes)
 
 
 def _histories(duty: Duty) -> list[History]:
@@ -93,6 +118,7 @@ def write_life(found: LifeResults, folder: Path, overwrite: bool = False) -> Non
     """Write all that there is of a life into a folder: dataset, tables, fields and a page with it in 3D."""
     write_netcdf(found.dataset, folder / LIFE, overwrite)
     write_table(in_words(found.table), folder / TABLE, overwrite)
+    write_table(found.causes().map(life_words).reset_index(), folder / CAUSES, overwrite)
     for name, tables in (
         (MATRICES, {node: own.rainflow_matrix() for node, own in found.nodes.items()}),
         (GROWTH, {node: own.damage_history() for node, own in found.nodes.items()}),

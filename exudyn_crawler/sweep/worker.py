@@ -27,7 +27,7 @@ DONE, FAILED = "done", "failed"
 OUTCOME = "outcome.json"  # what became of a run of a sweep, in its folder
 Outcome = dict[str, Any]
 """Of a run: digest, status ("done" or "failed"), reason, answers by name, asked (definitions of the answers),
-wall_time_s, host, process and finished."""
+wall_time_s, processor_time_s, host, process and finished."""
 
 
 class VersionsDiffer(CrawlerError, ValueError):  # noqa: N818 - it says what is the matter
@@ -66,15 +66,18 @@ def check_versions(wanted: Mapping[str, str], there: Mapping[str, str], where: s
 def run_task(task: Task) -> Outcome:
     """Run a case into its folder, or what is missing of it, and answer; raises `VersionsDiffer` alone."""
     check_versions(task.versions, own_versions(), platform.node())
-    begun = time.perf_counter()
+    begun, computed = time.perf_counter(), time.process_time()
     failed_before = (read_outcome(task.runs, task.digest) or {}).get("status") == FAILED
     error, answers = None, {}
     try:
         answers = _answered(task, overwrite=task.again and failed_before)
     except Exception as raised:
         error = raised
-    here = {"host": platform.node(), "process": os.getpid()}
-    outcome = write_outcome(task, error, answers, **here, wall_time_s=round(time.perf_counter() - begun, 3))
+    taken = {"wall_time_s": time.perf_counter() - begun, "processor_time_s": time.process_time() - computed}
+    here = {"host": platform.node(), "process": os.getpid()} | {
+        name: round(s, 3) for name, s in taken.items()
+    }
+    outcome = write_outcome(task, error, answers, **here)
     note_file(folder_of(task.runs, task.digest) / OUTCOME)
     return outcome
 

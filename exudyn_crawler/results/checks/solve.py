@@ -16,6 +16,7 @@ from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases as ready
 from exudyn_crawler.results.checks.cases import CheckCase, Facing, Pressure, ShoeCheck, TreadForce
 from exudyn_crawler.results.checks.roller_path import hertz_table
+from exudyn_crawler.results.life.duty import UNLOADED
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
 from fem import ElasticBody, Mesh, Partition, Shapes, trust
 from fem.interfaces import Spider, rigid_motion_of_centers
@@ -40,7 +41,7 @@ NORMALS: dict[Facing, tuple[int, float]] = {
     "down": (2, -1.0),
 }
 """Axis and sign of the way that a face looks."""
-UNLOADED, MEGA = "unloaded", 1e6
+MEGA = 1e6
 SURVIVAL = 0.975
 WIDEST = 10  # nodes of a region with the widest cycles in tension, at which a defect is looked at
 
@@ -232,22 +233,7 @@ def solve_cases(
     A ValueError names a case that is not in balance or that ground cannot carry.
     """
     cases = all_cases(check, shoe)
-    loads = []
-    for case in cases:
-        with _named(case):
-            loads.append(shoe.loads(case))
-    say(f"{len(cases)} cases in balance: answers of {len(shoe.mesh.nodes)} nodes")
-    forces, centers = (np.stack(one, axis=-1) for one in zip(*loads, strict=True))
-    answers = _answers(shoe, forces, centers)
-    below = np.zeros_like(forces)
-    for k, case in enumerate(cases):
-        if case.ground is not None:
-            with _named(case):
-                below[..., k] = _ground_forces(shoe, case, loads[k], answers[..., k])
-    say("answers to what the ground pushes with")
-    carried = [k for k, case in enumerate(cases) if case.ground is not None]
-    if carried:
-        answers[..., carried] += _answers(shoe, below[..., carried], np.zeros((len(centers), len(carried))))
+    forces, centers, answers = _solved(shoe, cases, say)
     say("stresses, peaks and cycles")
     surface = shoe.mesh.surface_nodes
     stress = np.ascontiguousarray(np.moveaxis(shoe.body.stress(answers, surface), 2, 0))
@@ -264,12 +250,51 @@ def solve_cases(
         cases,
         stress,
         np.moveaxis(answers[surface], 2, 0),
-        forces + below,
+        forces,
         _peaks(check, shoe, names, stress, answers),
-        _moments(shoe, cases, forces + below, centers),
+        _moments(shoe, cases, forces, centers),
         cycle_table(check, shoe, by_name, pairs),
         hertz_table(check, cases),
     )
+
+
+def case_shapes(
+    check: ShoeCheck, names: Sequence[str], say: Callable[[str], None] = lambda _text: None
+) -> Shapes:
+    """Displacement and stress of a shoe under some of its check cases, a column each.
+
+    A ValueError names a case that there is not, and what there is; or is as of `solve_cases`.
+    """
+    shoe = CheckedShoe.of(check)
+    known = {case.name: case for case in all_cases(check, shoe)}
+    if wrong := sorted(set(names) - set(known)):
+        raise ValueError(f"{check.name}: no check case {wrong}; there are {[*known]}")
+    _, _, answers = _solved(shoe, [known[name] for name in names], say)
+    interfaces = tuple(shoe.partition.interfaces)
+    return Shapes(shoe.mesh, STEEL, interfaces, answers, shoe.body.stress(answers))
+
+
+def _solved(
+    shoe: CheckedShoe, cases: Sequence[CheckCase], say: Callable[[str], None]
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Forces (n, 3, k) on nodes, the ground's too, and on joint centres (24, k); answers (n, 3, k)."""
+    loads = []
+    for case in cases:
+        with _named(case):
+            loads.append(shoe.loads(case))
+    say(f"{len(cases)} cases in balance: answers of {len(shoe.mesh.nodes)} nodes")
+    forces, centers = (np.stack(one, axis=-1) for one in zip(*loads, strict=True))
+    answers = _answers(shoe, forces, centers)
+    below = np.zeros_like(forces)
+    for k, case in enumerate(cases):
+        if case.ground is not None:
+            with _named(case):
+                below[..., k] = _ground_forces(shoe, case, loads[k], answers[..., k])
+    say("answers to what the ground pushes with")
+    carried = [k for k, case in enumerate(cases) if case.ground is not None]
+    if carried:
+        answers[..., carried] += _answers(shoe, below[..., carried], np.zeros((len(centers), len(carried))))
+    return forces + below, centers, answers
 
 
 @contextmanager

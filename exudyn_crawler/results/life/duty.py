@@ -1,4 +1,4 @@
-"""Duty of a shovel: the runs of its hours, how often each happens, and the fatigue strength of its shoes.
+"""Duty of a shovel: runs and check cases of its hours, how often each happens, and its shoes' strength.
 
 The strength is by local stresses of the FKM guideline ("Analytical Strength Assessment of Components",
 Forschungskuratorium Maschinenbau, 6th ed., 2012), whose formulas are pyLife's.
@@ -210,6 +210,8 @@ class FatigueMaterial(Parameters):
 
 
 HOUR = 3600.0  # s
+UNLOADED = "unloaded"
+"""Name of a shoe without loads, among those of check cases."""
 Survival = Annotated[float, Field(gt=0.0, lt=1.0)]
 
 
@@ -226,10 +228,33 @@ class Often(Parameters):
     )
 
 
+class DutyStage(Parameters):
+    """Hours in which the shoes are as a check file has them, such as worn by so much."""
+
+    name: Name = Field(description="of the stage")
+    hours: float = quantity("h", "machine hours that it lasts; the last goes on", gt=0, le=1e9)
+    check: str | None = Field(
+        default=None, description="check file, or ready mesh, of its shoes; none: that of the duty"
+    )
+
+
+class DutyCase(Parameters):
+    """Check case that happens in a shovel's hours."""
+
+    name: Name = Field(description="of what happens")
+    case: Name = Field(description="name of a check case of the shoes, such as 'even, sand, pass'")
+    after: Name = Field(
+        default=UNLOADED, description="check case from which the shoe comes and to which it returns"
+    )
+    an_hour: float = quantity("1/h", "times a machine hour that a shoe has it", gt=0, le=1e6)
+    stage: Name | None = Field(default=None, description="stage in which it happens; none: in all")
+
+
 class DutyRun(Often):
     """Run, or a part of one, that is repeated in a shovel's hours."""
 
     name: Name = Field(description="of what happens in it")
+    stage: Name | None = Field(default=None, description="stage in which it happens; none: in all")
     folder: str = Field(
         min_length=1, description="folder of the run; in a file it counts from that of the file"
     )
@@ -264,10 +289,17 @@ class Damage(Parameters):
 
 
 class Duty(Damage):
-    """Mix of runs that a shovel's hours are made of, its shoes' material and how damage is summed up."""
+    """Mix of runs and check cases that a shovel's hours are made of, its shoes' material and their wear."""
 
     name: Name = Field(default="duty", description="of the duty")
-    runs: Annotated[tuple[DutyRun, ...], Field(min_length=1)]
+    runs: tuple[DutyRun, ...] = Field(default=(), description="of flexible shoes")
+    cases: tuple[DutyCase, ...] = Field(default=(), description="static cases, each a cycle")
+    check: str = Field(
+        default="study", description="check file of the shoes, or ready mesh, whose check cases these are"
+    )
+    stages: tuple[DutyStage, ...] = Field(
+        default=(), description="of wear, one after the other from new shoes on; none: they stay as they are"
+    )
     survivals: tuple[Survival, ...] = Field(
         default=(0.5, 0.9, 0.975),
         min_length=1,
@@ -290,13 +322,37 @@ class Duty(Damage):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        names = [run.name for run in self.runs]
-        if len(set(names)) != len(names):
-            raise ValueError(f"the runs' names must differ, got {names}")
+        names, stages = [one.name for one in self.parts], [stage.name for stage in self.stages]
+        if not names:
+            raise ValueError("runs or cases must be given, got neither")
+        for what, several in (("runs'", names), ("stages'", stages)):
+            if len(set(several)) != len(several):
+                raise ValueError(f"the {what} names must differ, got {several}")
+        if unknown := {one.stage for one in self.parts} - {*stages, None}:
+            raise ValueError(f"stage must be one of {stages}, got {sorted(map(str, unknown))}")
         if list(self.survivals) != sorted(set(self.survivals)):
             raise ValueError(f"survivals must be different and rise, got {self.survivals}")
-        _check_shares({run.name: run.share for run in self.runs if run.share is not None})
+        for one in self.by_stage() if self.stages else [self]:
+            _check_shares({run.name: run.share for run in one.runs if run.share is not None})
         return self
+
+    @property
+    def parts(self) -> tuple[DutyRun | DutyCase, ...]:
+        """Runs and cases."""
+        return (*self.runs, *self.cases)
+
+    def by_stage(self) -> "list[Duty]":
+        """Duty of each stage alone, which is named as the stage; ValueError if nothing happens in one."""
+
+        def of(stage: DutyStage) -> "Duty":
+            here = (None, stage.name)
+            parts = {
+                kind: tuple(one.with_(stage=None) for one in getattr(self, kind) if one.stage in here)
+                for kind in ("runs", "cases")
+            }
+            return self.with_(name=stage.name, stages=(), check=stage.check or self.check, **parts)
+
+        return [of(stage) for stage in self.stages] if self.stages else [self]
 
     def times_an_hour(self, durations: list[float]) -> list[float]:
         """How often an hour each run happens, at durations in s; ValueError if all take more than an hour."""
@@ -315,7 +371,7 @@ def _check_shares(shares: dict[str, float]) -> None:
 
 
 def read_duty(path: str | Path) -> Duty:
-    """Read a duty file (TOML); folders of runs count from the file's folder.
+    """Read a duty file (TOML); folders of runs and check files count from the file's folder.
 
     Raises
     ------
@@ -327,5 +383,13 @@ def read_duty(path: str | Path) -> Duty:
     path = Path(path)
     named = {"name": path.stem}
     duty = read_parameters(path, Duty, "duty file", lambda content: with_base(named | content, Duty))
-    runs = [run.with_(folder=str((path.parent / run.folder).resolve())) for run in duty.runs]
-    return duty.with_(runs=tuple(runs))
+
+    def found(check: str) -> str:
+        own = path.parent / check
+        return str(own.resolve()) if own.is_file() else check
+
+    return duty.with_(
+        runs=tuple(run.with_(folder=str((path.parent / run.folder).resolve())) for run in duty.runs),
+        stages=tuple(stage.with_(check=found(stage.check or duty.check)) for stage in duty.stages),
+        check=found(duty.check),
+    )

@@ -1,35 +1,45 @@
-"""Runs of a duty as damage is counted over them: parts that are repeated, and the cycles of single nodes."""
+"""Runs and check cases of a duty as damage is counted over them: repeated parts, cycles of single nodes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from scipy.sparse import csr_array
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.history.history import History, phases
-from exudyn_crawler.results.life.duty import Duty, DutyRun
+from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
 from exudyn_crawler.results.stress.basis import StressBasis, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
+from fem import Shapes
 from fem.damage import SIGNED_CRITERIA, Counting, signed_signals
 from fem.fatigue import SNCurve
 
 SAME_TIME = 1e-9  # relative, by which times may differ and be the same
 LEAST_TIMES = 3  # stored times that can hold a cycle
 CLASSES = 32  # of a rainflow matrix, along either side
+STATIC = "check cases"  # load to which these count
 
 
 @dataclass(frozen=True)
 class UsedRun:
-    """Part of a run that is repeated."""
+    """Part of a run that is repeated, or a check case: its state before, its own, and that before."""
 
-    run: DutyRun
-    history: History
+    run: DutyRun | DutyCase
+    history: History | None  # None: a check case
     basis: StressBasis
     times_an_hour: float
     phases: tuple[str, ...]  # names of those that it reaches
     phase: np.ndarray  # (times,), place of each time's phase among them
+    time: np.ndarray  # (times,), s
+
+    @property
+    def parts(self) -> list[str]:
+        """Names of its parts of the damage."""
+        of_run = [f"{self.run.name}: {phase}" for phase in self.phases]
+        return of_run if isinstance(self.run, DutyRun) else [self.run.name]
 
     def counting(self, curve: SNCurve, survivals: tuple[float, ...], negligible: float = 0.0) -> Counting:
         """How its cycles are counted; what is left out does a negligible damage an hour at most."""
@@ -49,8 +59,37 @@ def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
     used = []
     for run, whole, part, often in zip(duty.runs, histories, parts, times, strict=True):
         names, phase = _phases(whole, part)
-        used.append(UsedRun(run, part, stress_basis(part), often, names, phase))
+        used.append(UsedRun(run, part, stress_basis(part), often, names, phase, part.time.values))
     return used
+
+
+def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[UsedRun]:
+    """Check cases of a duty, at all places of its runs, by the shapes of `check_cases_of`.
+
+    ValueError if the runs' shoes have another mesh.
+    """
+    places, columns = [*runs[0].basis.coordinates] if runs else [1], check_cases_of(duty)
+    if runs and runs[0].basis.shapes.mesh.digest != shapes.mesh.digest:
+        raise ValueError(
+            f"runs and check cases must have the same mesh, got {len(runs[0].basis.shapes.nodes)} nodes of "
+            f"{runs[0].run.name!r} and {len(shapes.nodes)} of {duty.check!r}"
+        )
+    used = []
+    for case in duty.cases:
+        q = np.zeros((3, len(columns)))
+        q[1, columns.index(case.case)] = 1.0
+        if case.after != UNLOADED:
+            q[::2, columns.index(case.after)] = 1.0
+        loads = {place: {STATIC: csr_array(q)} for place in places}
+        basis = StressBasis(shapes, loads, np.eye(len(columns)), dict.fromkeys(places, q), 0.0)
+        used.append(UsedRun(case, None, basis, case.an_hour, (case.case,), np.zeros(3, int), np.arange(3.0)))
+    return used
+
+
+def check_cases_of(duty: Duty) -> list[str]:
+    """Names of the check cases that a duty needs, each once."""
+    both = [name for case in duty.cases for name in (case.case, case.after)]
+    return [name for name in dict.fromkeys(both) if name != UNLOADED]
 
 
 def _part(run: DutyRun, history: History) -> History:
@@ -180,7 +219,7 @@ def _cycles(
 ) -> pd.DataFrame:
     """Cycles of a node's stress (t, 6) over a run, that of single loads beside it."""
     found = one.counting(curve, duty.survivals[-1:]).cycles(signed_signals(duty.criterion, stress.T[None])[0])
-    phase, time = np.array(one.phases, dtype=object)[one.phase], one.history.time.values
+    phase, time = np.array(one.phases, dtype=object)[one.phase], one.time
     begin, end = found.begin_row, found.end_row
     columns = {
         "run": one.run.name,

@@ -1,12 +1,13 @@
 """Life of the shoes in machine hours, at every node of their surface, over the runs of a duty.
 
 A shoe takes every place in the track in turn: its damage is the mean over those of the flexible shoes. Each
-run repeats itself; from one to another goes a cycle between their extremes, as often as the duty says.
+run repeats itself, each check case is a cycle; from one to another goes a cycle between their extremes, as
+often as the duty says. Stages of wear add up by Miner's rule.
 """
 
 import operator
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import product
 from typing import NamedTuple
@@ -14,11 +15,13 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 import xarray as xr
+from scipy.spatial import cKDTree
 
+from exudyn_crawler.case.parameters.track import Track
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty
-from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, used_runs
+from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, used_cases, used_runs
 from exudyn_crawler.results.stress import hot_spots
 from fem import Shapes, SNCurve, critical_plane, trust
 from fem.damage import damage_between, recover_damage
@@ -43,8 +46,20 @@ class LifeResults:
     duty: Duty
     dataset: xr.Dataset
     table: pd.DataFrame  # of `shortest_lives`: the shortest life of every region; then the chosen nodes
-    nodes: Mapping[int, NodeLife]  # cycles and causes at the nodes of the table
+    nodes: Mapping[int, NodeLife]  # cycles and causes at the nodes of the table, in the last stage
     whole: Shapes  # modes, and static fields, that the stresses are made of
+    regions: np.ndarray  # (nodes,) of str
+    bounded: bool  # whether it is known what left-out static fields may do
+
+    def causes(self) -> pd.DataFrame:
+        """Shortest life in h of each region (columns) by each part of the damage alone; 1e9 for all beyond.
+
+        The shortest first. With stages a part counts by its damage until the crack.
+        """
+        greatest = pd.DataFrame(self.dataset.part_damage.values.T).groupby(self.regions).max().T
+        lives = greatest.set_axis(self.dataset.part.values, axis="index").map(life_hours)
+        lives = lives.loc[lives.min(axis=1).sort_values(kind="stable").index]
+        return lives[lives.min(axis=0).sort_values(kind="stable").index].rename_axis(index="part")
 
     def _repr_html_(self) -> str:
         """Shortest lives and the dataset, for notebooks."""
@@ -56,19 +71,23 @@ def life_of(
     histories: Sequence[History],
     say: Callable[[str], None] = lambda _text: None,
     spreads: Sequence[xr.DataArray | None] = (),
+    shapes: Shapes | None = None,
 ) -> LifeResults:
-    """Life over a duty whose runs have these histories, in its order.
+    """Life over a duty without stages, whose runs have these histories, in its order.
 
     `say` gets a line on what is going on. `spreads` (shoe, node) of each run's peaks over themselves are
-    those of `relative_spread`, None where not known. ValueError as of `duty_runs.used_runs`; or if a chosen
-    node is not of the surface.
+    those of `relative_spread`, None where not known; `shapes` those of `check_cases_of` the duty. ValueError
+    as of `duty_runs.used_runs` and `used_cases`; or if a chosen node is not of the surface.
     """
-    runs = used_runs(duty, histories)
+    runs = used_runs(duty, histories) if duty.runs else []
+    if shapes is not None:
+        runs += used_cases(duty, shapes, runs)
     whole, positions = runs[0].basis.shapes, list(runs[0].basis.coordinates)
     inside = sorted(set(duty.nodes) - set(whole.mesh.surface_nodes.tolist()))
     if inside:
         raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
-    regions = hot_spots.shoe_regions(whole, runs[0].history.case.track)
+    history = runs[0].history
+    regions = hot_spots.shoe_regions(whole, Track.ph4100c() if history is None else history.case.track)
     groups = _groups(duty, regions, whole.mesh.surface_nodes)
     at_places = []
     for shoe in positions:
@@ -76,9 +95,8 @@ def life_of(
         at_places.append(_at_place(duty, runs, groups, shoe))
     damage, parts, amplitude = (np.array(one) for one in zip(*at_places, strict=True))
     mean = damage.mean(axis=0)
+    shown = _shown(mean[-1], regions, duty)
     known = pd.Series(mean[-1]).dropna().sort_values(ascending=False, kind="stable")
-    shortest = known.groupby(regions[known.index], sort=False).head(1).index.tolist()
-    shown = list(dict.fromkeys([*shortest, *duty.nodes]))
     worst = np.union1d(known.index[known > 0.0][: duty.plane_nodes], shown)
     say(f"critical planes of the {len(worst)} worst nodes")
     on_plane, directions = _on_critical_planes(duty, runs, groups, worst)
@@ -92,7 +110,7 @@ def life_of(
         "plane_normal": directions,
         **_life_trust(runs, groups[0].curve, damage[:, -1], amplitude, spreads),
     }
-    names = [f"{one.run.name}: {phase}" for one in runs for phase in one.phases]
+    names = [part for one in runs for part in one.parts]
     names += [BETWEEN] if len(runs) > 1 else []
     variables = {name: variable(name, value) for name, value in values.items()}
     dataset = hot_spots.mesh_dataset(whole).assign(variables)
@@ -102,10 +120,21 @@ def life_of(
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, {node: duty.material.curve(duty.miner, regions[node]) for node in shown})
     bounded = all(one.basis.bound is not None for one in runs)
+    table = _table(duty, dataset, nodes, whole, regions, bounded)
+    return LifeResults(duty, dataset, table, nodes, whole, regions, bounded)
+
+
+def _table(
+    duty: Duty,
+    dataset: xr.Dataset,
+    nodes: Mapping[int, NodeLife],
+    whole: Shapes,
+    regions: np.ndarray,
+    bounded: bool,
+) -> pd.DataFrame:
+    """Shortest lives, with castings' columns where the material has any."""
     table = shortest_lives(dataset, nodes, whole, regions, bounded)
-    if duty.material.castings:
-        table = pd.concat((table, _castings(duty, table, nodes)), axis=1)
-    return LifeResults(duty, dataset, table, nodes, whole)
+    return pd.concat((table, _castings(duty, table, nodes)), axis=1) if duty.material.castings else table
 
 
 class _Group(NamedTuple):
@@ -137,6 +166,92 @@ def _castings(duty: Duty, table: pd.DataFrame, nodes: Mapping[int, NodeLife]) ->
     return pd.DataFrame(rows)
 
 
+def _shown(damage: np.ndarray, regions: np.ndarray, duty: Duty) -> list[int]:
+    """Worst node of every region, the worst first, and a duty's own, by damage (nodes,)."""
+    known = pd.Series(damage).dropna().sort_values(ascending=False, kind="stable")
+    shortest = known.groupby(regions[known.index], sort=False).head(1).index.tolist()
+    return list(dict.fromkeys([*shortest, *duty.nodes]))
+
+
+def life_of_stages(
+    duty: Duty,
+    stages: Sequence[LifeResults],
+    again: Callable[[Duty], LifeResults],
+) -> LifeResults:
+    """Life over stages of wear from the lives of each alone: damage adds up until a node's is 1.
+
+    On the mesh of the last stage; a node of it stands for the nearest one of the same region before. Its
+    `damage_an_hour` is the mean until the crack, and so are the parts of it, which have the names of their
+    stages; planes, what is open of the stress, and cycles at nodes are those of the last stage. `again` gives
+    the last stage's life with nodes of a changed duty. ValueError if stages have other places in the track.
+    """
+    last = stages[-1]
+    if any(one.dataset.shoe.values.tolist() != last.dataset.shoe.values.tolist() for one in stages):
+        raise ValueError("all stages must have flexible shoes at the same places in the track")
+    nearest = [_nearest(one, last) for one in stages]
+    damage = np.stack(
+        [one.dataset.damage_an_hour.values[:, k] for one, k in zip(stages, nearest, strict=True)]
+    )
+    spent = hours_in_stages(damage, [stage.hours for stage in duty.stages])
+    share = spent / spent.sum(axis=0)
+    of_place = sum(
+        part[None] * one.dataset.place_damage.values[:, :, k]
+        for part, one, k in zip(share, stages, nearest, strict=True)
+    )
+    parts = [
+        part[-1] * one.dataset.part_damage.values[:, k]
+        for part, one, k in zip(share, stages, nearest, strict=True)
+    ]
+    mean = (share * damage).sum(axis=0)
+    names = [
+        f"{stage.name}, {p}"
+        for stage, one in zip(duty.stages, stages, strict=True)
+        for p in one.dataset.part.values
+    ]
+    values = {
+        "place_damage": of_place,
+        "damage_an_hour": mean,
+        "life": life_hours(mean),
+        "part_damage": np.concatenate(parts),
+    }
+    shown = _shown(mean[-1], last.regions, duty)
+    if set(shown) - set(last.nodes):
+        last = again(last.duty.with_(nodes=tuple(shown)))
+    dataset = last.dataset.drop_dims("part").assign_coords(part=np.array(names, dtype=object))
+    dataset = dataset.assign({name: variable(name, value) for name, value in values.items()})
+    dataset = dataset.assign_attrs(duty=duty.model_dump_json())
+    nodes = {node: last.nodes[node] for node in shown}
+    table = _table(duty, dataset, nodes, last.whole, last.regions, last.bounded)
+    return replace(last, duty=duty, dataset=dataset, table=table, nodes=nodes)
+
+
+def hours_in_stages(damage: np.ndarray, hours: Sequence[float]) -> np.ndarray:
+    """Hours (stages, ...) that are spent in each stage until damages an hour (stages, ...) add up to 1.
+
+    The last stage goes on, `BEYOND` at most.
+    """
+    rest, spent = np.ones(damage.shape[1:]), np.zeros(damage.shape)
+    for k, own in enumerate(damage):
+        until = rest / np.maximum(own, 1.0 / BEYOND)
+        spent[k] = until if k == len(damage) - 1 else np.minimum(until, hours[k])
+        rest = np.maximum(rest - spent[k] * own, 0.0)
+    return spent
+
+
+def _nearest(one: LifeResults, last: LifeResults) -> np.ndarray:
+    """Node of a stage's mesh nearest to each of the last stage's (nodes,), of the same region's surface."""
+    found = np.arange(len(last.whole.nodes))
+    if one.whole.mesh.digest == last.whole.mesh.digest:
+        return found
+    surface = one.whole.mesh.surface_nodes
+    for region in np.unique(last.regions):
+        here = np.flatnonzero(last.regions == region)
+        own = surface[one.regions[surface] == region]
+        own = own if len(own) else surface
+        found[here] = own[cKDTree(one.whole.nodes[own]).query(last.whole.nodes[here])[1]]
+    return found
+
+
 def _at_place(
     duty: Duty, runs: Sequence[UsedRun], groups: Sequence[_Group], shoe: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -144,7 +259,8 @@ def _at_place(
     whole, surface = runs[0].basis.shapes, np.concatenate([one.nodes for one in groups])
     found = zip(*(_of_group(duty, runs, group, shoe) for group in groups), strict=True)
     damage, parts, amplitude = (np.concatenate(one, axis=-1) for one in found)
-    pulled = np.any([hot_spots.near_pull(one.history, one.basis.shapes, shoe) for one in runs], axis=0)
+    near = [hot_spots.near_pull(one.history, whole, shoe) for one in runs if one.history is not None]
+    pulled = np.any([np.zeros(len(whole.nodes), bool), *near], axis=0)
     values = (np.where(pulled[surface], np.nan, damage), parts, amplitude)
     at_all, in_parts, at_most = (_spread(one, surface, len(whole.nodes)) for one in values)
     return at_all, in_parts, at_most

@@ -23,6 +23,11 @@ SHARES = (
     "has a negative one. Lives by single criteria leave out what goes from run to run."
 )
 
+CAUSES = (
+    "Machine hours after which each thing that happens would crack a region by itself: the darker, the "
+    "sooner. With stages of wear a thing counts by its damage until the crack."
+)
+
 
 def write_life_page(found: LifeResults, path: Path, overwrite: bool = False) -> Path:
     """Write one self-contained page of a life, to be read offline in a browser; raises as `write_page`."""
@@ -30,10 +35,13 @@ def write_life_page(found: LifeResults, path: Path, overwrite: bool = False) -> 
     scene = packed_scene(Scene(("",), (life_solid(found),)), arrays)
     shortest, parts = (page.table(one, digits=5) for one in (in_words(found.table), damage_parts(found)))
     said, titled = page.paragraph(SHARES), page.part("titled", "Parts of the damage at these nodes", parts)
+    causes = page.together(page.paragraph(CAUSES), page.plot(causes_figure(found)))
+    runs = found.duty.by_stage()[-1].runs
     sections = [
         page.Section("life", "Life in 3D", page.part("life")),
+        page.Section("causes", "What cracks which region", causes),
         page.Section("shortest", "Shortest lives by region", page.together(said, shortest, titled)),
-        page.Section("damage", "Damage as it grows", page.plot(damage_curves(found))),
+        *([page.Section("damage", "Damage as it grows", page.plot(damage_curves(found)))] if runs else []),
         page.Section("duty", "Duty", page.table(pd.DataFrame(case_rows(found.duty)))),
     ]
     data = {"scenes": {"life": {"": scene}}, "arrays": arrays.packed, "first": []}
@@ -45,13 +53,15 @@ def life_lines(found: LifeResults) -> list[str]:
     """Shortest life and how far to trust it, and what it is counted by."""
     shortest = float(np.nanmin(found.dataset.life[-1]))
     survival, places = 100.0 * float(found.dataset.survival[-1]), found.dataset.shoe.values.tolist()
+    mean = f", the mean over the places {places} that a shoe takes in turn" if found.duty.runs else ""
+    worn = "".join(f", {one.hours:g} h {one.name}" for one in found.duty.stages)
     worst, material = found.table.iloc[0], found.duty.material
     low, high = (life_words(worst[f"{LIFE} at {end}"]) for end in ("least", "most"))
     factors = material.factors()
     strength = material.curve(found.duty.miner).strength
     return [
         f"{survival:g} % of the shoes see no crack at their worst node before {life_words(shortest)} "
-        f"machine hours, the mean over the places {places} that a shoe takes in turn",
+        f"machine hours{mean}{worn and f'; stages{worn[1:]}, the last goes on'}",
         f"given the uncertainty of the stress there, {low} to {high} h; stress {worst['verdict']}",
         f"{found.duty.criterion}, Miner {found.duty.miner}; {material.name}: strength at the "
         f"surface {strength / MEGA:.4g} MPa at R = -1 (of {factors['fatigue_strength'] / MEGA:.4g} MPa), "
@@ -85,13 +95,40 @@ def life_solid(found: LifeResults) -> Solid:
     return Solid("shoe", *surface, "white", colourings=tuple(colourings), nodes=used)
 
 
+def causes_figure(found: LifeResults) -> go.Figure:
+    """Life by each part of the damage alone, a row each, in every region: colours and hours."""
+    lives = found.causes()
+    words, decades = lives.map(lambda hours: "" if hours >= BEYOND else life_words(hours)), np.log10(lives)
+    low, high = float(decades.min().min()), float(np.log10(BEYOND))
+    ticks = np.arange(np.floor(low), high + 1.0)
+    figure = go.Figure(
+        go.Heatmap(
+            x=lives.columns,
+            y=lives.index,
+            z=decades,
+            zmin=min(low, high - LEAST_DECADES),
+            zmax=high,
+            text=words,
+            texttemplate="%{text}",
+            hovertemplate="%{y}<br>%{x}: %{text} h<extra></extra>",
+            colorscale="YlOrRd_r",
+            colorbar={"title": "h", "tickvals": ticks, "ticktext": [f"1e{one:g}" for one in ticks]},
+        )
+    )
+    figure.update_yaxes(autorange="reversed", automargin=True)
+    figure.update_xaxes(side="top")
+    height, margin = 120 + 26 * len(lives), {"l": 10, "r": 10, "t": 40, "b": 10}
+    return figure.update_layout(height=height, margin=margin)
+
+
 def damage_curves(found: LifeResults) -> go.Figure:
     """Damage of the worst nodes of the table as it grows over the runs, each at its worst place."""
-    figure = go.Figure()
+    figure, runs = go.Figure(), [run.name for run in found.duty.runs]
     for _, row in found.table.head(DRAWN).iterrows():
         node, place = int(row["node"]), row["worst place"]
         history = found.nodes[node].damage_history()
-        for run, rows in history[history["shoe"] == place].groupby("run", sort=False):
+        chosen = history[(history["shoe"] == place) & history["run"].isin(runs)]
+        for run, rows in chosen.groupby("run", sort=False):
             shown = rows.iloc[np.unique(np.linspace(0, len(rows) - 1, POINTS).astype(int))]
             time, damage = (shown[name].to_numpy() for name in ("time in s", "damage an hour"))
             name = f"{row['region']}, node {node}, place {place}: {run}"
