@@ -53,8 +53,13 @@ def _local(workers: int | None) -> Iterator[Client]:
         # Dask puts the environment of its workers into this process, too, which would go on with one thread
         patch.dict(os.environ),
         dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),
+        # a process a run: two in one would wait for each other, and write into each other's logs
         LocalCluster(
-            count, 1, processes=True, dashboard_address="127.0.0.1:0", silence_logs=logging.CRITICAL
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address="127.0.0.1:0",
+            silence_logs=logging.CRITICAL,
         ) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):

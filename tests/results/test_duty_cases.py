@@ -110,6 +110,7 @@ def test_damage_of_stages_adds_up_at_the_nearest_nodes(mesh):
     assert found.dataset.part.values.tolist() == ["new, stones", "worn, stones"]
     shares = found.dataset.part_damage.values[:, surface[7]] * lasts
     np.testing.assert_allclose(shares, [1000.0 * new, 1.0 - 1000.0 * new], rtol=1e-6)
+    assert found.causes().loc["stones", "web"] == pytest.approx(lasts)
     assert found.duty == whole
     assert found.table["life in h that 97.5 % survive"].iloc[0] == pytest.approx(lasts)
     assert found.table["main part"].iloc[0] == "worn, stones"

@@ -5,8 +5,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from exudyn_crawler import FatigueMaterial, History, LoadCycle
+from exudyn_crawler import FatigueMaterial, History, LoadCycle, read_duty
 from exudyn_crawler.case import Phase
+from exudyn_crawler.results.checks.cases import LEVELS, ShoeOutline, ready_cases
+from exudyn_crawler.results.life.duty_runs import check_cases_of
+from meshes import mesh_named
+from meshes.rails import rail_outline
 from studies import life as life_study
 from studies.rollers import study_cases
 
@@ -44,3 +48,14 @@ def test_rolled_runs_are_those_of_the_rollers_study(tmp_path):
     assert {folder.name for folder in folders} < set(study_cases("coarse"))
     assert {folder.parent for folder in folders} == {tmp_path}
     assert duty.times_an_hour([137.0, 25.0]) == pytest.approx([0.07 * 3600.0 / 137.0, 70.0])
+
+
+def test_the_ready_duty_has_shoes_that_wear_and_cases_that_there_are():
+    duty = read_duty(Path(life_study.__file__).with_name("duty.toml"))
+    stages = [mesh_named(one.check) for one in duty.by_stage()]
+    heights = [rail_outline(mesh).height for mesh in stages]
+    assert [heights[0] - one for one in heights] == pytest.approx([0.0, 0.0125, 0.025], abs=1e-6)
+    assert sum(stage.hours for stage in duty.stages) == 25_000.0
+    names = {case.name for case in ready_cases(ShoeOutline.of(stages[0]), 1e6)}
+    known = {f"{name}, {level.name}" for name in names for level in LEVELS}
+    assert set(check_cases_of(duty)) <= known

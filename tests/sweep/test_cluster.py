@@ -72,8 +72,10 @@ def settings_of_the_process():
 
 def test_a_cluster_leaves_the_process_as_it_was(tmp_path):
     before = settings_of_the_process()
-    with connected(None, 1, tmp_path, print) as client:
-        assert client.submit(os.getpid).result() != os.getpid()
+    with connected(None, 2, tmp_path, print) as client:
+        # two runs in one process would take turns
+        assert [*client.nthreads().values()] == [1, 1]
+        assert len({os.getpid(), *client.run(os.getpid).values()}) == 3
         assert client.submit(os.environ.get, "OMP_NUM_THREADS").result() == "1"
     assert settings_of_the_process() == before
     with pytest.raises(ValueError, match="No global client"):

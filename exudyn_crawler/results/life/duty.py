@@ -234,7 +234,7 @@ class DutyStage(Parameters):
     name: Name = Field(description="of the stage")
     hours: float = quantity("h", "machine hours that it lasts; the last goes on", gt=0, le=1e9)
     check: str | None = Field(
-        default=None, description="check file, or ready mesh, of its shoes; none: that of the duty"
+        default=None, description="check file, or mesh, of its shoes; none: that of the duty"
     )
 
 
@@ -295,7 +295,7 @@ class Duty(Damage):
     runs: tuple[DutyRun, ...] = Field(default=(), description="of flexible shoes")
     cases: tuple[DutyCase, ...] = Field(default=(), description="static cases, each a cycle")
     check: str = Field(
-        default="study", description="check file of the shoes, or ready mesh, whose check cases these are"
+        default="study", description="check file of the shoes, or a mesh, whose check cases these are"
     )
     stages: tuple[DutyStage, ...] = Field(
         default=(), description="of wear, one after the other from new shoes on; none: they stay as they are"

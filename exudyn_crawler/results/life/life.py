@@ -54,10 +54,13 @@ class LifeResults:
     def causes(self) -> pd.DataFrame:
         """Shortest life in h of each region (columns) by each part of the damage alone; 1e9 for all beyond.
 
-        The shortest first. With stages a part counts by its damage until the crack.
+        The shortest first. With stages a part is that of all of them, by its damage until the crack.
         """
-        greatest = pd.DataFrame(self.dataset.part_damage.values.T).groupby(self.regions).max().T
-        lives = greatest.set_axis(self.dataset.part.values, axis="index").map(life_hours)
+        names = list(self.dataset.part.values)
+        for stage in self.duty.stages:
+            names = [name.removeprefix(f"{stage.name}, ") for name in names]
+        damage = pd.DataFrame(self.dataset.part_damage.values).groupby(names, sort=False).sum()
+        lives = damage.T.groupby(self.regions).max().T.map(life_hours)
         lives = lives.loc[lives.min(axis=1).sort_values(kind="stable").index]
         return lives[lives.min(axis=0).sort_values(kind="stable").index].rename_axis(index="part")
 

@@ -25,7 +25,7 @@ SHARES = (
 
 CAUSES = (
     "Machine hours after which each thing that happens would crack a region by itself: the darker, the "
-    "sooner. With stages of wear a thing counts by its damage until the crack."
+    "sooner. With stages of wear it is what a thing does in all of them until the crack."
 )
 
 
