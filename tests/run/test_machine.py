@@ -6,12 +6,17 @@ import pytest
 from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import CarBody, Drive, LoadCycle
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.results.history.catalogue import link_name
+from exudyn_crawler.results.loads.balance import shoe_imbalance
+from exudyn_crawler.views.scenes.gear import gear_solids
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
 
 PINS = 0.7
 """m, of the pins' middles beside that of the shoe."""
+FRICTION = 0.3
 
 
 def twice(case):
@@ -50,3 +55,95 @@ def test_straight_each_of_two_tracks_is_a_single_one():
     torque = two.drive_moment.sel(track="left").values
     assert torque == pytest.approx(one.drive_moment.values, abs=1e-5 * torque.max())
     assert np.abs(two.side_frame_angles.values[:, [0, 2]]).max() < 1e-9
+
+
+@pytest.fixture(scope="module")
+def spot():
+    """Turn on the spot, on rollers that are a pitch apart: shoes come under all of them alike."""
+    case = Case.shovel()
+    closed, pitch, count, radius = case.closed_track, case.track.pitch, 12, 0.32
+    up = closed.roller_radius - radius
+    places = {
+        "closed_track.rollers": tuple(pitch * (k - 0.5 * (count - 1)) for k in range(count)),
+        "closed_track.roller_radius": radius,
+        "closed_track.tumbler.place[1]": closed.tumbler.place[1] + up,
+        "closed_track.idler.place[1]": closed.idler.place[1] + up,
+        "closed_track.carriers": tuple((x, z + up) for x, z in closed.carriers),
+        "car_body.upper_com": (0.0, 0.0, 4.5),
+        "contact.static_friction": FRICTION,
+        "contact.dynamic_friction": FRICTION,
+        "solver.output_interval": 0.01,
+    }
+    turn = StepProfile(times=(0.0, 0.8), values=(0.0, 0.05))
+    drive = Drive(speed=StepProfile.constant(0.0), turn_rate=turn)
+    return simulate(case.with_(places, drive=drive), 2.4, progress=False)
+
+
+def in_machine(history, vectors):
+    """Components of global vectors (times, n, 3) ahead and to the left of the machine, (times, n) each."""
+    ahead, left = (rotation_matrices(history.side_frame_angles.values)[..., k] for k in (0, 1))
+    return np.einsum("tnc,tc->tn", vectors, ahead), np.einsum("tnc,tc->tn", vectors, left)
+
+
+def test_moment_of_turning_on_the_spot(spot):
+    """Across the tracks mu G L / 4, less what slip along them takes of the friction's direction."""
+    late = spot.time.values > 1.2
+    data, case = spot.dataset, spot.case
+    arm = np.where(data.area.values[..., None] > 0.0, data.point.values, np.nan)
+    arm = np.nan_to_num(arm - data.side_frame_position.values[:, None])
+    along, _ = in_machine(spot, arm)
+    pull, across = in_machine(spot, data.friction_force.values)
+    pressed = np.linalg.norm(data.normal_force.values, axis=-1)
+    length = len(case.closed_track.rollers) * case.track.pitch
+    even = FRICTION * pressed[late].sum(axis=1).mean() * length / 4.0
+    # pressure is even enough that it has this moment where tracks slip across alone
+    assert FRICTION * (pressed * abs(along))[late].sum(axis=1).mean() == pytest.approx(even, rel=0.05)
+    moment = -(across * along)[late].sum(axis=1).mean()
+    assert moment == pytest.approx(even, rel=0.1)
+    # slip along the tracks over that across at their ends
+    rate = data.side_frame_angular_velocity.values[late, 2].mean()
+    slip = (0.05 - rate) * 0.5 * case.car_body.track_distance / (0.5 * rate * length)
+    share = np.sqrt(1.0 + slip**2) - slip**2 * np.arcsinh(1.0 / slip)
+    assert moment == pytest.approx(share * even, rel=0.03)
+    # both tracks pull against each other
+    right = data.contact_shoe.values <= 38
+    pulls = [pull[late][:, side].sum(axis=1).mean() for side in (right, ~right)]
+    assert pulls[0] == pytest.approx(-pulls[1], rel=0.1)
+
+
+def test_all_forces_on_the_machine_are_the_rate_of_its_momentum(spot):
+    data, case = spot.dataset, spot.case
+    outside = (data.normal_force + data.friction_force).sum("contact").values
+    turn = rotation_matrices(data.side_frame_angles.values)
+    spin, change = data.side_frame_angular_velocity.values, data.side_frame_angular_acceleration.values
+    parts = [(part.mass, part.com) for part in case.frame_parts]
+    tumblers = case.tumbler_reference[:, :3] - case.frame_start
+    parts += [(case.closed_track.tumbler.mass, place) for place in tumblers]
+    rate = case.shoe.mass * data.acceleration.sum("shoe").values
+    mass = case.shoe.mass * case.track.shoe_count
+    for own, place in parts:
+        arm = turn @ place
+        swung = np.cross(change, arm) + np.cross(spin, np.cross(spin, arm))
+        rate = rate + own * (data.side_frame_acceleration.values + swung)
+        mass += own
+    weight = mass * case.gravity_vector()
+    assert abs(rate - outside - weight).max() < 2e-6 * mass * case.gravity
+    # each shoe by itself, with the links of its own loop
+    left = shoe_imbalance(spot)
+    assert float(abs(left.force).max()) < 2e-6 * mass * case.gravity
+    assert float(abs(left.moment).max()) < 2e-6 * mass * case.gravity
+
+
+def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
+    left = spot.of_track("left")
+    assert left.link_tension.values == pytest.approx(spot.link_tension.values[:, 38:])
+    assert link_name(spot.joint, 76) == "link 76-39"
+    assert link_name(left.joint, 38) == "link 38-1"
+    assert spot.shoe_track.sel(shoe=39) == spot.joint_track.sel(joint=76) == "left"
+    apart = left.side_frame_position.values - spot.side_frame_position.values
+    assert np.linalg.norm(apart, axis=-1) == pytest.approx(0.5 * spot.case.car_body.track_distance)
+    place = (left.tumbler_position - left.side_frame_position).values
+    start = left.case.tumbler_reference[0, :3] - left.case.frame_start
+    assert np.linalg.norm(place, axis=1) == pytest.approx(np.linalg.norm(start), rel=1e-3)
+    names = {one.name for one in gear_solids(spot.case, spot.dataset.isel(time=[0, -1]))}
+    assert {"car body", "right tumbler", "left tumbler", "left lugs"} <= names
