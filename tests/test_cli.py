@@ -7,6 +7,7 @@ import runpy
 import subprocess
 import sys
 import tomllib
+import zipfile
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -17,7 +18,7 @@ import pytest
 from exudyn_crawler import Case, History, __main__, cli
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.parameters.fields import case_rows
-from exudyn_crawler.cli import sweeps
+from exudyn_crawler.cli import starting, sweeps
 from exudyn_crawler.cli.application import COMMANDS as GROUP
 from exudyn_crawler.cli.application import registered
 
@@ -33,6 +34,7 @@ COMMANDS = (
     "demo",
     "scatter",
     "schema",
+    "fmu",
     "check",
     "init",
     "run",
@@ -114,6 +116,7 @@ def test_every_command_is_among_those_tested(call):
         "info",
         "run",
         "check",
+        "fmu",
         "ground",
         "life",
         "schema",
@@ -667,3 +670,17 @@ def test_sweeps_without_what_they_need_say_how_to_get_it(call, soils, monkeypatc
     code, _, told = call("sweep", soils.name)
     assert code == 2
     assert_one_line(told, "pip install 'exudyn-crawler[sweep]'")
+
+
+def test_a_unit_of_co_simulation_is_written_where_what_it_needs_is_there(call, monkeypatch):
+    assert call("init", "mine", "--study", "demo")[0] == 0
+    code, out, _ = call("fmu", "mine.toml")
+    assert (code, out.split(":")[0]) == (0, "mine.fmu")
+    assert zipfile.is_zipfile("mine.fmu")
+    code, _, err = call("fmu", "mine.toml")
+    assert code == 2
+    assert "mine.fmu" in err
+    monkeypatch.setattr(starting, "find_spec", lambda name: None)
+    code, _, told = call("fmu", "mine.toml")
+    assert code == 2
+    assert_one_line(told, "pip install 'exudyn-crawler[fmu]'")

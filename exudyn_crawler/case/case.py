@@ -559,7 +559,7 @@ class Case(Parameters):
 
     def _support_errors(self, time: float) -> Errors:
         if self.undercarriage is not None:
-            yield from rolled.length_errors(self.undercarriage, self.track, self.drive, time)
+            yield from rolled.length_errors(self.undercarriage, self.track, self.drive.travel(time), time)
         corners = self.outline(time)
         for name, places, (least, greatest) in zip("xy", corners.T, self.terrain.bounds, strict=True):
             low, high = places.min(), places.max()

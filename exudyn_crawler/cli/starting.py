@@ -1,6 +1,7 @@
-"""The commands that a newcomer begins with: a demo, and what an editor knows of case files."""
+"""The commands that a newcomer begins with, and those that hand a case to editors and other programs."""
 
 import json
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -8,7 +9,7 @@ import typer
 
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
-from exudyn_crawler.cli.application import RESULTS, Out, Overwrite
+from exudyn_crawler.cli.application import RESULTS, Changes, Out, Overwrite
 from exudyn_crawler.cli.commands import command, show_answers
 
 DEMO = "demo"
@@ -56,6 +57,26 @@ def schema(
     with whole_file(out, overwrite) as temporary:
         temporary.write_text(json.dumps(case_schema(), indent=1) + "\n", encoding="utf-8")
     typer.echo(f"{out}: begin a case file beside it with the line '#:schema {out.name}'")
+
+
+@command
+def fmu(
+    case: Annotated[Path, typer.Argument(help="case file of a machine on its track", metavar="CASE.toml")],
+    changes: Changes = None,
+    out: Annotated[Path | None, typer.Option(help="file to write; CASE.fmu, if not given")] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Write a case as a unit of co-simulation (FMU, FMI 2.0) that other programs step.
+
+    Example: exudyn-crawler fmu mine.toml
+    """
+    if find_spec("pythonfmu") is None:
+        raise ValueError("units of co-simulation need pythonfmu: pip install 'exudyn-crawler[fmu]'")
+    case_file = crawler.read_case(case, changes or ())
+    from exudyn_crawler.co_simulation import write_fmu
+
+    written = write_fmu(case_file, out or case.with_suffix(".fmu"), overwrite)
+    typer.echo(f"{written}: in speed, force and moment; out motion of the frame, forces of pins and ground")
 
 
 def _prepare(case_file: "crawler.CaseFile") -> None:

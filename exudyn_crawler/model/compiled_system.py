@@ -120,6 +120,8 @@ class CompiledSystem(TrackSystem):
         self._gravity, self._down = tuple(case.gravity_vector().tolist()), case.terrain.down
         self._limits = (0.0, 0)
         self._singular = False
+        # speed (m/s) and wrench on the side frame (6,) at a time (s) in place of the case's
+        self.commands: Callable[[float], tuple[float, np.ndarray]] | None = None
 
     @property
     def treads(
@@ -440,10 +442,13 @@ class CompiledSystem(TrackSystem):
         loads = np.zeros((len(self.tables.loads.marker), 6))
         loads[: len(shoes), :3] = np.outer(shoes, self._down)
         frame, gear, drag, motors = self.case.undercarriage, self.case.running_gear, np.zeros(1), np.zeros(0)
+        machine = np.concatenate(self.case.machine_wrench(time), axis=1)[0]
+        if self.commands is not None:
+            speeds[0], machine = self.commands(time)
         # a turn makes the right track faster than the left one
         of_tracks = speeds[0] - speeds[1] * self.case.track_middles
         if gear is not None:
-            loads[len(shoes)] = np.concatenate(self.case.machine_wrench(time), axis=1)[0]
+            loads[len(shoes)] = machine
             drag = gear.rolling_resistance * of_tracks / np.hypot(of_tracks, gear.resistance_speed)
         if frame is not None:
             loads[len(shoes) + 1 :, 0] = -frame.end_tension, frame.end_tension

@@ -180,8 +180,8 @@ def rolled_errors(
         yield "loads must be zero on every shoe with an undercarriage, whose rollers carry the machine"
 
 
-def length_errors(frame: Undercarriage, chain: track.Track, drive: Drive, time: float) -> Errors:
-    """Rollers or tumbler off the track at a time (s)."""
+def length_errors(frame: Undercarriage, chain: track.Track, travel: float, time: float) -> Errors:
+    """Rollers or tumbler off the track after a travel (m), at a time (s)."""
     first, last = chain.first_com[0], chain.first_com[0] + (chain.shoe_count - 1) * chain.pitch
     rear_pin, front_pin = first + chain.pin_ahead, last - chain.pitch + chain.pin_ahead
     for name, place, least, greatest in (
@@ -189,7 +189,7 @@ def length_errors(frame: Undercarriage, chain: track.Track, drive: Drive, time: 
         ("front roller", frame.rollers[-1], first, last),
         ("tumbler", frame.tumbler, rear_pin, front_pin),
     ):
-        x = frame.start + drive.travel(time) + place
+        x = frame.start + travel + place
         if not least <= x <= greatest:
             yield (
                 f"track must be long enough for the drive: at t = {time:.3g} s the {name} is at "

@@ -1,0 +1,245 @@
+"""A machine on its track as a unit of co-simulation (FMU, FMI 2.0) that other programs step.
+
+pythonfmu makes the unit and carries it: the program that runs it needs this package in its Python.
+"""
+
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Slave, FmuBuilder, Real
+from threadpoolctl import threadpool_limits
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.case.case_file import CaseFile
+from exudyn_crawler.case.files import read_case, write_case
+from exudyn_crawler.case.parameters.undercarriage import MachineCycle, MachinePhase, length_errors
+from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.files import whole_file
+from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.model.formulation import compile_equations, kind_of
+from exudyn_crawler.model.track_system import NewtonError
+from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.states import system_history
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from exudyn_crawler.run.solve.simulation import set_times, solver_settings
+
+AXES = "xyz"
+STEP = 0.01
+"""s, step of communication that a unit proposes."""
+CASE, SCRIPT = "case.toml", "machine_on_track"
+"""Files within a unit: the case, and the module that pythonfmu looks for."""
+LINES = f"from {__name__} import MachineOnTrack, hold\n\nhold(globals())\n"
+FRAME = {
+    "position": "m, position of the side frame's origin",
+    "velocity": "m/s, its velocity",
+    "angles": "rad, its roll, pitch and yaw",
+    "angular_velocity": "rad/s, its angular velocity",
+}
+
+
+_held: list[dict[str, Any]] = []
+
+
+def hold(names: dict[str, Any]) -> None:
+    """Keep the names of a unit's script, which pythonfmu 0.7 releases once more than it takes them."""
+    _held.append(names)
+
+
+def _check_machine(case: Case) -> None:
+    if case.running_gear is None:
+        raise ValueError("the case must have a machine: rolled (undercarriage) or a closed_track")
+
+
+class SteppedRun:
+    """Run of a machine on its track from rest, whose speed and load come from outside, step by step.
+
+    Over a step both run straight from what they were to what they are to be at its end: what comes from
+    outside is late by a step at most, and has no jumps.
+
+    Parameters
+    ----------
+    case : Case
+        Rolled or closed. Its drive and machine are those from outside.
+    wrench : array (6,)
+        Force (N) and moment (N m) on the side frame's origin beside its weight, global, at rest.
+
+    Raises
+    ------
+    ValueError
+        If the case has no machine, or the machine tips.
+    EquilibriumError
+        If the track finds no rest.
+    """
+
+    @threadpool_limits.wrap(limits=1, user_api="blas")
+    def __init__(self, case: Case, wrench: ArrayLike) -> None:
+        _check_machine(case)
+        force, moment = np.asarray(wrench, dtype=float).reshape(2, 3).tolist()
+        phase = MachinePhase(name="rest", end=0.0, force=tuple(force), moment=tuple(moment))
+        self.case = case.with_(machine=MachineCycle(phases=(phase,)))
+        compile_equations(kind_of(case))
+        self._system = compiled_system(self.case)
+        self._system.set_initial(static_equilibrium(self.case))
+        self._system.commands = self._at
+        self._settings = solver_settings(case.solver)
+        self._span = (0.0, 1.0)
+        self._before = self._after = np.array([0.0, *force, *moment])
+        self._settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
+        self.time, self.travel = 0.0, 0.0
+        # a step at rest before the start gives the start its forces
+        self.advance(case.solver.step, 0.0, wrench)
+        self.time = 0.0
+
+    def _at(self, time: float) -> tuple[float, np.ndarray]:
+        """Speed and wrench at a time within the step, s."""
+        start, end = self._span
+        share = min(max((time - start) / (end - start), 0.0), 1.0)
+        values = (1.0 - share) * self._before + share * self._after
+        return float(values[0]), values[1:]
+
+    @threadpool_limits.wrap(limits=1, user_api="blas")
+    def advance(self, step: float, speed: float, wrench: ArrayLike) -> None:
+        """Integrate a step (s) to a speed (m/s) and a wrench (6,) at its end.
+
+        Raises
+        ------
+        ValueError
+            If the rollers would leave the track.
+        SimulationStopped
+            If a step fails at its least size.
+        """
+        end, travel = self.time + step, self.travel + 0.5 * step * (self._after[0] + speed)
+        if self.case.undercarriage is not None:
+            for error in length_errors(self.case.undercarriage, self.case.track, travel, end):
+                raise ValueError(error)
+        self._span, self._before = (self.time, end), self._after
+        self._after = np.array([speed, *np.asarray(wrench, dtype=float)])
+        set_times(self._settings, self.case.solver, self.time, end)
+        try:
+            self._system.solve(self._settings)
+        except NewtonError as failed:
+            reason = f"Newton's method failed at the least step; {failed.fault(self._system.layout)}"
+            raise SimulationStopped(self.time, reason, self.history()) from None
+        self.time, self.travel = end, travel
+        self._system.set_state(self._system.state())
+
+    def history(self) -> History:
+        """History of the instant at which the run is."""
+        return system_history(self._system, self._system.state()[None])
+
+
+def outputs(history: History) -> dict[str, float]:
+    """What a unit says of an instant, by name: frame, drive, links and the ground under every shoe."""
+    data = history.dataset.isel(time=-1)
+    names = _drives(history.case)
+    drives = data[names[0].partition("[")[0]].values
+    found = dict(zip(names, np.atleast_1d(drives).tolist(), strict=True))
+    for name in FRAME:
+        found |= _by_axis(f"side_frame_{name}", data[f"side_frame_{name}"].values)
+    for link, force in zip(data.joint.values, data.joint_force.values, strict=True):
+        found |= _by_axis(f"joint_force[{link}]", force)
+    ground = history.contacts_by_shoe().contact_force.isel(time=-1).transpose("shoe", "axis")
+    for shoe, force in zip(data.shoe.values, ground.values, strict=True):
+        found |= _by_axis(f"ground_force[{shoe}]", force)
+    return found
+
+
+def _by_axis(name: str, values: np.ndarray) -> dict[str, float]:
+    return {f"{name}.{axis}": float(value) for axis, value in zip(AXES, values, strict=True)}
+
+
+def _drives(case: Case) -> list[str]:
+    """Names of what the drive does; of two closed tracks one each, right and left."""
+    if not case.is_closed:
+        return ["drive_pull"]
+    return ["drive_moment"] if case.tracks == 1 else ["drive_moment[1]", "drive_moment[2]"]
+
+
+def _output_names(case: Case) -> dict[str, str]:
+    """Names of `outputs` and what they are."""
+    named = dict.fromkeys(_drives(case), "N m, on the tumbler" if case.is_closed else "N, on the chain")
+    vectors = {f"side_frame_{name}": meaning for name, meaning in FRAME.items()}
+    for link in case.joints:
+        vectors[f"joint_force[{link}]"] = f"N, of the joint ahead of shoe {link} on this shoe"
+    for shoe in case.track.shoes:
+        vectors[f"ground_force[{shoe}]"] = f"N, of the ground on shoe {shoe}"
+    return named | {f"{name}.{axis}": told for name, told in vectors.items() for axis in AXES}
+
+
+class MachineOnTrack(Fmi2Slave):
+    """Unit of a case: inputs are the speed of the drive and the load on the side frame, beside its weight."""
+
+    author = "exudyn-crawler"
+    description = "Crawler track of a mining shovel: side frame, rollers, shoes, links and ground"
+
+    def __init__(self, **about: Any) -> None:
+        super().__init__(**about)
+        self._case = read_case(Path(self.resources) / CASE).case
+        self._run: SteppedRun | None = None
+        self._outputs = dict.fromkeys(_output_names(self._case), 0.0)
+        force, moment = self._case.machine_wrench(0.0)
+        self._inputs = {"speed": 0.0} | _by_axis("force", force[0]) | _by_axis("moment", moment[0])
+        self.default_experiment = DefaultExperiment(start_time=0.0, step_size=STEP)
+        units = {"speed": "m/s, of the drive, at the end of a step"}
+        units |= {f"force.{axis}": "N, on the side frame's origin beside its weight" for axis in AXES}
+        units |= {f"moment.{axis}": "N m, about the side frame's origin" for axis in AXES}
+        for name, meaning in units.items():
+            self._add(name, meaning, self._inputs, Fmi2Causality.input)
+        for name, meaning in _output_names(self._case).items():
+            self._add(name, meaning, self._outputs, Fmi2Causality.output)
+
+    def _add(self, name: str, meaning: str, values: dict[str, float], causality: Fmi2Causality) -> None:
+        """Register a variable that is kept in `values`."""
+
+        def write(value: float) -> None:
+            values[name] = value
+
+        ways = {"getter": lambda: values[name], "setter": write}
+        self.register_variable(Real(name, causality=causality, description=meaning, **ways), nested=False)
+
+    def _commands(self) -> tuple[float, np.ndarray]:
+        speed, *wrench = self._inputs.values()
+        return speed, np.array(wrench)
+
+    def exit_initialization_mode(self) -> None:
+        """Bring the track to rest under the load that the inputs have."""
+        self._run = SteppedRun(self._case, self._commands()[1])
+        self._outputs.update(outputs(self._run.history()))
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Integrate a step of communication, s."""
+        assert self._run is not None
+        self._run.advance(step_size, *self._commands())
+        self._outputs.update(outputs(self._run.history()))
+        return True
+
+
+def write_fmu(case_file: CaseFile, path: str | Path, overwrite: bool = False) -> Path:
+    """Write the unit of a case, a file with the ending ``.fmu``.
+
+    Raises
+    ------
+    ValueError
+        If the case has no machine.
+    FileExistsError
+        If the file is there and is not to be replaced.
+    """
+    path = Path(path)
+    _check_machine(case_file.case)
+    with whole_file(path, overwrite) as temporary, tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / f"{SCRIPT}.py"
+        script.write_text(LINES, encoding="utf-8")
+        case = write_case(case_file, Path(folder) / CASE)
+        made = Path(folder) / "unit.fmu"
+        try:
+            FmuBuilder.build_FMU(script, made, project_files={case})
+        finally:
+            # pythonfmu leaves the folder there
+            sys.path[:] = [one for one in sys.path if one != folder]
+        shutil.copyfile(made, temporary)
+    return path

@@ -1,0 +1,88 @@
+"""A case as a unit of co-simulation: the same numbers as a plain run, late by a step of communication."""
+
+import numpy as np
+import pytest
+from fmpy import read_model_description, simulate_fmu
+
+from exudyn_crawler import Case, CaseFile, Drive, StepProfile, simulate
+from exudyn_crawler.case.parameters.undercarriage import MachineCycle, MachinePhase
+from exudyn_crawler.co_simulation import SteppedRun, outputs, write_fmu
+
+pytestmark = pytest.mark.simulation
+
+WRENCH = np.array([0.0, 0.0, -5e5, 0.0, 4e5, 0.0])
+SPEED, DURATION = 0.03, 0.2
+RISEN = StepProfile(times=(0.0, DURATION), values=(0.0, SPEED))
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    phase = MachinePhase(name="digging", end=0.0, force=tuple(WRENCH[:3]), moment=tuple(WRENCH[3:]))
+    return Case.rolled().with_(machine=MachineCycle(phases=(phase,)), drive=Drive(speed=RISEN))
+
+
+@pytest.fixture(scope="module")
+def plain(loaded):
+    return outputs(simulate(loaded, DURATION, progress=False))
+
+
+@pytest.fixture(scope="module")
+def unit(loaded, tmp_path_factory):
+    return write_fmu(CaseFile(case=loaded, duration=DURATION), tmp_path_factory.mktemp("unit") / "mine.fmu")
+
+
+def stepped(unit, step):
+    """Last outputs of a unit in a host that asks for the drive's speed at the begin of each step."""
+    time = np.linspace(0.0, DURATION, round(DURATION / step) + 1)
+    inputs = np.rec.fromarrays([time, RISEN.value(time)], names=["time", "speed"])
+    names = [one.name for one in read_model_description(unit).modelVariables if one.causality == "output"]
+    run = simulate_fmu(
+        unit, stop_time=DURATION, step_size=step, output_interval=step, input=inputs, output=names
+    )
+    return dict(zip(names, run[-1].tolist()[1:], strict=True))
+
+
+def test_a_unit_gives_the_numbers_of_a_run_late_by_a_step(unit, plain):
+    coarse, fine = stepped(unit, 0.02), stepped(unit, 0.01)
+    assert coarse.keys() == fine.keys() == plain.keys()
+    for run, step in ((coarse, 0.02), (fine, 0.01)):
+        late = plain["side_frame_position.x"] - run["side_frame_position.x"]
+        speeds = RISEN.value(np.arange(0.0, DURATION - 0.5 * step, step))
+        by_hand = RISEN.integral(DURATION) - np.trapezoid(speeds, dx=step)
+        np.testing.assert_allclose(late, by_hand, atol=1e-6)  # m, the integration's
+        # a step's way, but for the curve of the speed within the steps
+        np.testing.assert_allclose(late, step * SPEED, rtol=2e-2)
+    for name in ("side_frame_position.z", "joint_force[18].x", "ground_force[10].z", "side_frame_angles.y"):
+        errors = [abs(one[name] - plain[name]) for one in (coarse, fine)]
+        assert errors[0] < 0.01 * abs(plain[name]), name
+        # half the step, half the error: within a third, since rounding joins in
+        assert errors[1] < 0.67 * errors[0] + 1e-6 * abs(plain[name]), name
+
+
+def test_steps_of_constant_load_are_those_of_a_run(loaded):
+    still = loaded.with_(drive=Drive(speed=StepProfile.constant(0.0)))
+    run = SteppedRun(still, WRENCH)
+    for _ in range(5):
+        run.advance(0.01, 0.0, WRENCH)
+    same, other = outputs(run.history()), outputs(simulate(still, 0.05, progress=False))
+    for name in ("side_frame_position.z", "side_frame_angles.y", "joint_force[18].x", "ground_force[10].z"):
+        np.testing.assert_allclose(same[name], other[name], rtol=2e-3, err_msg=name)
+
+
+def test_a_unit_starts_at_rest_under_its_load_and_sinks_under_more(loaded):
+    run, under = SteppedRun(loaded, 0.0 * WRENCH), SteppedRun(loaded, WRENCH)
+    free, rest = outputs(run.history()), outputs(under.history())
+    carried = [sum(one[f"ground_force[{shoe}].z"] for shoe in loaded.track.shoes) for one in (free, rest)]
+    np.testing.assert_allclose(carried[1] - carried[0], -WRENCH[2], rtol=2e-2)
+    for _ in range(5):
+        run.advance(0.02, 0.0, WRENCH)
+    assert outputs(run.history())["side_frame_position.z"] < free["side_frame_position.z"] - 1e-4
+
+
+def test_refuses_what_has_no_machine_and_rollers_off_the_track(tmp_path, loaded):
+    with pytest.raises(ValueError, match="must have a machine"):
+        write_fmu(CaseFile(case=Case.translation(), duration=1.0), tmp_path / "none.fmu")
+    with pytest.raises(ValueError, match="must have a machine"):
+        SteppedRun(Case.translation(), WRENCH)
+    with pytest.raises(ValueError, match="track must be long enough"):
+        SteppedRun(loaded, WRENCH).advance(100.0, 1.0, WRENCH)
