@@ -164,8 +164,11 @@ class Case(Parameters):
             yield "closed_track.support must be 'ground' with a car_body, which stands on both tracks"
         if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
             yield "loads must be zero on every shoe with a closed_track, whose rollers carry the machine"
-        if self.flexible is not None:
-            yield "flexible must be None with a closed_track, of whose wheels and teeth no stress is made yet"
+        if self.flexible is not None and closed.tumbler.lugs:
+            yield (
+                "closed_track.tumbler.lugs must be empty with flexible shoes, which take the teeth at their "
+                f"rear pins, got {closed.tumbler.lugs}"
+            )
         yield from closed_errors(closed, self.shoe, self.loop)
 
     def _sphere_errors(self, radius: float) -> Errors:

@@ -77,8 +77,9 @@ class _MarkerList:
 
     def table(self) -> Markers:
         """All of them."""
-        body, position, displacement, rotation = zip(*self._rows, strict=True)
-        return Markers(np.array(body), *(np.array(one) for one in (position, displacement, rotation)))
+        body, position, moved, turned = (np.array(one) for one in zip(*self._rows, strict=True))
+        bends = moved.any(axis=(1, 2)) | turned.any(axis=(1, 2))
+        return Markers(body, position, moved, turned, np.where(bends, self._modes, 0))
 
 
 class _Builder:
@@ -149,10 +150,10 @@ class _Builder:
         if self.floating is None or not self.flexible[shoe]:
             return self.markers.add(shoe, self._worn(name))
         joint = self.floating.joints.index(name)
-        pilot = self.floating.reduced.pilots[joint]
+        moved, turned = self.floating.reduced.pilots[joint, :3], self.floating.reduced.pilots[joint, 3:]
         worn = self._worn(name) - self.case.track.joint_centers[name]
         center = self.floating.reduced.interfaces[joint].center + worn
-        return self.markers.add(shoe, center, pilot[:3], pilot[3:])
+        return self.markers.add(shoe, center, moved + np.cross(turned.T, worn).T, turned)
 
     def _worn(self, name: str) -> np.ndarray:
         """Joint centre of a shoe, or the middle of two; the pins of a worn chain are farther apart."""

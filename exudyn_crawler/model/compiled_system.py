@@ -15,7 +15,7 @@ from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.pairs import RESULTS
-from exudyn_crawler.ground.rotations import Weights, moments_on_angles, rotation_matrices
+from exudyn_crawler.ground.rotations import Weights, moments_on_angles
 from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
@@ -41,6 +41,8 @@ from exudyn_crawler.model.state import (
 from exudyn_crawler.model.tables import Inputs, Tables, Workspace
 from exudyn_crawler.model.track_system import NewtonError, TrackSystem
 
+STRIPS, LUGS = ("wheel", "force", "foot", "guide"), ("force", "guide")
+"""What of wheels and lugs is read for flexible shoes."""
 AT_REST = Weights(0.0, 0.0, 0.0, False, 1.0)
 """Of a residual alone."""
 DRAG, CLOSED_DRAG = 100.0, 8.0
@@ -122,6 +124,10 @@ class CompiledSystem(TrackSystem):
         self._singular = False
         # speed (m/s) and wrench on the side frame (6,) at a time (s) in place of the case's
         self.commands: Callable[[float], tuple[float, np.ndarray]] | None = None
+        self._bending = np.flatnonzero(self.tables.bodies.modal >= 0)
+        if self.tables.teeth is not None:
+            lugs = np.arange(len(self.tables.teeth.markers)).reshape(self.layout.shoes, -1)
+            self._lugs = lugs[self._bending]
 
     @property
     def treads(
@@ -141,34 +147,24 @@ class CompiledSystem(TrackSystem):
         return forces.reshape(shape), feet.reshape(shape), treads.rear.copy()
 
     @property
-    def closed_forces(
-        self,
-    ) -> Callable[[float, np.ndarray, np.ndarray], tuple[np.ndarray, ...]] | None:
+    def closed_forces(self) -> Callable[[float, np.ndarray, np.ndarray], dict[str, np.ndarray]] | None:
         """As of `TrackSystem`."""
         return None if self.tables.closed is None else self._closed_forces
 
-    def _closed_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _closed_forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> dict[str, np.ndarray]:
         self.residual(np.stack((q, q_t, np.zeros_like(q))), self.inputs(time))
-        work, n = Workspace(*self._workspace), self.layout.shoes
+        work, n, bending = Workspace(*self._workspace), self.layout.shoes, self._bending
         wheels, teeth = WheelWorkspace(*(work.wheels or ())), TeethWorkspace(*(work.teeth or ()))
-        assert self.tables.wheels is not None
-        assert self.tables.teeth is not None
-        coms = self.tables.bodies.reference[:n] + q[: 6 * n].reshape(-1, 6)
-        origin, turn = coms[:, :3], rotation_matrices(coms[:, 3:])
-        on_shoes, on_wheels = np.zeros((2, n, 6)), np.zeros((len(self.tables.wheels.frames), 3))
-        arms = wheels.foot - origin[:, None, None]
-        moments = np.where(wheels.force.any(axis=-1, keepdims=True), np.cross(arms, wheels.force), 0.0)
-        on_shoes[0] = np.concatenate((wheels.force, moments), axis=-1).sum(axis=(1, 2))
-        for slot in range(wheels.wheel.shape[1]):
-            on = wheels.wheel[:, slot] >= 0
-            np.add.at(on_wheels, wheels.wheel[on, slot], -wheels.force[on, slot].sum(axis=1))
-        marker = self.tables.teeth.markers
-        shoe, place = self.tables.markers.body[marker], self.tables.markers.position[marker]
-        moment = np.cross(np.einsum("lij,lj->li", turn[shoe], place), teeth.force)
-        np.add.at(on_shoes[1], shoe, np.hstack((teeth.force, moment)))
-        guide = wheels.guide.copy()
-        np.add.at(guide, shoe, teeth.guide)
-        return on_shoes[0], on_shoes[1], guide, on_wheels
+        forces = {
+            "wheel": wheels.on_shoes.copy(),
+            "on_wheels": wheels.on_wheels.copy(),
+            "tooth": np.hstack((teeth.force, teeth.moment)).reshape(n, -1, 6).sum(axis=1),
+            "guide": wheels.guide.sum(axis=(1, 2)) + teeth.guide.reshape(n, -1).sum(axis=1),
+        }
+        if bending.size:
+            forces |= {f"strip_{name}": getattr(wheels, name)[bending] for name in STRIPS}
+            forces |= {f"lug_{name}": getattr(teeth, name)[self._lugs] for name in LUGS}
+        return forces
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free; a side frame is always moved."""

@@ -88,7 +88,7 @@ def check_shoe(case: Case) -> None:
     flexible = case.flexible_shoes()
     body, _ = shoe_model(flexible, case.track)
     check_footprint(body.mesh, flexible.mesh, case.shoe)
-    if case.is_rolled and case.shoe.rails is not None:
+    if case.running_gear is not None and case.shoe.rails is not None:
         check_rails(body.mesh, flexible.mesh, case.shoe.rails)
 
 

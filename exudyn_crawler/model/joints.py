@@ -33,6 +33,7 @@ class Markers(NamedTuple):
     position: FloatArray  # (k, 3): in the body's frame, m
     displacement: FloatArray  # (k, 3, m): by the body's modes, in its frame; zero where it is rigid
     rotation: FloatArray  # (k, 3, m): the same
+    modes: IntArray  # (k,): number of modes that move it, none where its body is rigid
 
 
 class Joints(NamedTuple):
@@ -71,6 +72,8 @@ class End(NamedTuple):
 def end_of(markers: Markers, k: int, at: Attitude, row: FloatArray) -> End:
     """Marker k at the coordinates of its body and its modes (6 + m,)."""
     position = (markers.position[k, 0], markers.position[k, 1], markers.position[k, 2])
+    if markers.modes[k] == 0:
+        return End(turned(at.R, position), (0.0, 0.0, 0.0))
     lever = turned(at.R, moved(position, markers.displacement[k], row))
     return End(lever, moved((0.0, 0.0, 0.0), markers.rotation[k], row))
 
@@ -118,11 +121,16 @@ def direction(
     sign: float,
     out: FloatArray,
 ) -> None:
-    """Write the generalized force (6 + m,) of a force and a moment (global) at marker k, times a sign."""
+    """Write the generalized force (6 + m,) of a force and a moment (global) at marker k, times a sign.
+
+    Of a rigid body the latter m stay as they are.
+    """
     turning = turned(at.axes, along(moment, 1.0, cross(end.lever, force)))
     for c in range(3):
         out[c] = sign * force[c]
         out[3 + c] = sign * turning[c]
+    if markers.modes[k] == 0:
+        return
     push, twist = turned_back(at.R, force), _by_rotation(end, turned_back(at.R, moment))
     displacement, rotation = markers.displacement[k], markers.rotation[k]
     for m in range(displacement.shape[1]):

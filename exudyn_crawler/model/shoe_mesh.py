@@ -86,7 +86,7 @@ class RailRows(NamedTuple):
 
     rear: float  # x of the first station, m, the shoe's frame
     spacing: float  # distance of neighbours, m
-    # (lines, STATIONS + 2, 2, m): along x and z, at the stations and extrapolated evenly by one on each side
+    # (lines, STATIONS + 2, 3, m): at the stations and extrapolated evenly by one on each side
     rows: np.ndarray
 
 
@@ -124,12 +124,12 @@ def rail_rows(reduced: ReducedBody | None, case: Case) -> RailRows:
     frame, rails = case.running_gear, case.shoe.rails
     modes = 0 if reduced is None else len(reduced.frequencies)
     if frame is None or rails is None:
-        return RailRows(0.0, 1.0, np.zeros((0, STATIONS + 2, 2, modes)))
+        return RailRows(0.0, 1.0, np.zeros((0, STATIONS + 2, 3, modes)))
     if reduced is None:
         lines = len(strip_lines(frame, rails))
-        return RailRows(rails.rear, station_spacing(rails), np.zeros((lines, STATIONS + 2, 2, 0)))
+        return RailRows(rails.rear, station_spacing(rails), np.zeros((lines, STATIONS + 2, 3, 0)))
     nodes, weights = strip_weights(reduced.mesh, frame, rails)
-    rows = np.einsum("lsn,nck->lsck", weights, reduced.modes[nodes][:, [0, 2]])
+    rows = np.einsum("lsn,nck->lsck", weights, reduced.modes[nodes])
     return RailRows(rails.rear, station_spacing(rails), extended(rows))
 
 
@@ -171,7 +171,9 @@ class DrivePoint:
 def pulled_node(case: Case, mesh: Mesh) -> int | None:
     """Node of the flexible shoes' mesh that has all of the drive's force; None where none has."""
     flexible = case.flexible
-    if flexible is None or case.track.shoe_count not in flexible.shoes or case.drive.point != "com node":
+    if flexible is None or case.is_closed or case.drive.point != "com node":
+        return None
+    if case.track.shoe_count not in flexible.shoes:
         return None
     return int(np.argmin(np.linalg.norm(mesh.nodes - np.array(flexible.com_node), axis=1)))
 

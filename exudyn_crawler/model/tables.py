@@ -123,7 +123,7 @@ class Workspace(NamedTuple):
                 np.zeros((motors, 2, 3)),
                 np.zeros((0 if tables.closed is None else len(tables.joints.pins), 2, 3, 3)),
                 teeth and TeethWorkspace.allocate(len(teeth.markers), m),
-                wheels and WheelWorkspace.allocate(int(wheels.shoes.max()), wheels.places.shape[1], m),
+                wheels and WheelWorkspace.allocate(wheels, m),
             )
         )
 

@@ -69,14 +69,15 @@ class TrackSystem(ABC):
         return None
 
     @property
-    def closed_forces(
-        self,
-    ) -> Callable[[float, np.ndarray, np.ndarray], tuple[np.ndarray, ...]] | None:
+    def closed_forces(self) -> Callable[[float, np.ndarray, np.ndarray], dict[str, np.ndarray]] | None:
         """Reads what the gear of a closed track does to its shoes at a time (s), coordinates and rates.
 
-        Gives force (N) and moment about the COM (N m) of all wheels and of the teeth on every shoe, both
-        (shoes, 6), the part of both across the track (shoes,), and the force on every wheel (wheels, 3),
-        global; None without a closed track.
+        Gives "wheel" and "tooth", force (N) and moment about the COM (N m) of all wheels and of the teeth on
+        every shoe, both (shoes, 6), global; "guide", the part of both across the track (shoes,); "on_wheels",
+        the force on every wheel (wheels, 3); and of f flexible shoes "strip_wheel" (f, slots), "strip_force"
+        and "strip_foot" (f, slots, strips, 3), "strip_guide" (f, slots, strips), "lug_force" (f, lugs, 3) and
+        "lug_guide" (f, lugs), as of `forces.wheels.WheelWorkspace` and `forces.teeth.TeethWorkspace`. None
+        without a closed track.
         """
         return None
 

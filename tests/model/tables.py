@@ -50,7 +50,7 @@ def hinged(masses, inertias, pins, held=()):
             ),
         ),
         modes=Modes.none(),
-        markers=Markers(np.array(bodies), places, zeros, zeros),
+        markers=Markers(np.array(bodies), places, zeros, zeros, np.zeros(len(bodies), dtype=np.int64)),
         joints=Joints(
             np.array([(2 * k + 1, 2 * k + 2) for k in range(len(pins))], dtype=np.int64).reshape(-1, 2),
             0,

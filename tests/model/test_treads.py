@@ -15,7 +15,7 @@ PLACES = {"on the rail": (0.1, 0.6195), "over the gap": (0.32, 0.619), "past an 
 
 
 def force(center, rates=(0.0, 0.0), bending=LEVEL, drag=0.0):
-    return tread_force(LAW, RAIL, (RADIUS, drag), center, rates, bending)
+    return tread_force(LAW, RAIL, (RADIUS, drag), center, rates, bending, True)
 
 
 def test_presses_straight_up_by_its_law_on_a_level_rail():

@@ -84,6 +84,8 @@ def add_loads(
     row = np.empty((2, 6 + markers.displacement.shape[2]))
     for k in range(loads.marker.shape[0]):
         place, beside = loads.marker[k], loads.beside[k]
+        if not wrenches[k].any():
+            continue
         b = markers.body[place]
         read_body(bodies, b, state[0], row[0])
         at = attitude_of(bodies, b, state[0])

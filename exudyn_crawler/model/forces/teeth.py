@@ -17,7 +17,7 @@ import numpy as np
 from exudyn_crawler.ground.frames import Vector, along, cross, dot, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
-from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
+from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, moved, read_body
 from exudyn_crawler.model.elimination import solving, solving_within
 from exudyn_crawler.model.forces.treads import law_slopes, write_point
 from exudyn_crawler.model.joints import Markers, end_of
@@ -63,13 +63,14 @@ class TeethWorkspace(NamedTuple):
     rows: tuple  # `ForceRows` of those that touch as a plain tuple: force on the shoe, N, global
     depth: FloatArray  # (l,): m; no touch unless positive
     force: FloatArray  # (l, 3): on the shoe, N, global
-    guide: FloatArray  # (l,): part of it across the tumbler, N
+    moment: FloatArray  # (l, 3): of it about the shoe's COM, N m, global
+    guide: FloatArray  # (l,): part of the force across the tumbler, N
 
     @classmethod
     def allocate(cls, lugs: int, modes: int) -> "TeethWorkspace":
         """Workspace for so many lugs."""
         rows = tuple(ForceRows.allocate(lugs, 3, modes))
-        return cls(rows, np.zeros(lugs), np.zeros((lugs, 3)), np.zeros(lugs))
+        return cls(rows, np.zeros(lugs), np.zeros((lugs, 3)), np.zeros((lugs, 3)), np.zeros(lugs))
 
 
 @solving
@@ -135,9 +136,11 @@ def _teeth_contacts(
 ) -> int:
     rows, count, profile = ForceRows(*work.rows), 0, Profile(*teeth.profile)
     values = np.zeros((2, 6 + markers.displacement.shape[2]))
+    derive = weights.position != 0.0 or weights.velocity != 0.0
     for k in range(teeth.markers.shape[0]):
         work.depth[k], work.guide[k] = 0.0, 0.0
-        work.force[k].fill(0.0)
+        for c in range(3):
+            work.force[k, c] = work.moment[k, c] = 0.0
         marker, t = teeth.markers[k], teeth.tumblers[k]
         b = markers.body[marker]
         first, other = bodies.coordinate[b], bodies.coordinate[t]
@@ -149,8 +152,9 @@ def _teeth_contacts(
             continue
         at, own = attitude_of(bodies, t, state[0]), attitude_of(bodies, b, state[0])
         tumbler, shoe = frame_of(bodies, t, state, at), frame_of(bodies, b, state, own)
-        read_body(bodies, b, state[0], values[0])
-        read_body(bodies, b, state[1], values[1])
+        if markers.modes[marker] > 0:
+            read_body(bodies, b, state[0], values[0])
+            read_body(bodies, b, state[1], values[1])
         arm = end_of(markers, marker, own, values[0]).lever
         place = along(shoe.r, 1.0, arm)
         from_axis = along(place, -1.0, tumbler.r)
@@ -160,7 +164,9 @@ def _teeth_contacts(
             continue
         depth, nx, nz, turn = tooth(profile, local[0], local[2])
         velocity = along(shoe.v, 1.0, cross(shoe.omega, arm))
-        velocity = along(velocity, 1.0, turned(shoe.R, _moving(markers, marker, values[1])))
+        if markers.modes[marker] > 0:
+            bent = moved((0.0, 0.0, 0.0), markers.displacement[marker], values[1])
+            velocity = along(velocity, 1.0, turned(shoe.R, bent))
         velocity = along(along(velocity, -1.0, tumbler.v), -1.0, cross(tumbler.omega, from_axis))
         normal, across = turned(tumbler.R, (nx, 0.0, nz)), at.axes[1]
         force, by_depth, by_rate = law_slopes(Impact(*teeth.law), depth, -dot(normal, velocity))
@@ -174,41 +180,32 @@ def _teeth_contacts(
         work.depth[k], work.guide[k] = max(depth, 0.0), sideways
         rows.bodies[count, 0], rows.bodies[count, 1], rows.unit[count] = b, t, -1
         _write_jacobian(markers, marker, own, arm, rows.jacobian[count, 0])
-        rows.jacobian[count, 1].fill(0.0)
         write_point(at, from_axis, -1.0, rows.jacobian[count, 1])
-        along_normal = weights.position * by_depth + weights.velocity * by_rate
-        along_tangent = weights.position * force * turn
-        along_axis = weights.position * stiff + weights.velocity * damped
+        moment = cross(arm, whole)
         for r in range(3):
             rows.wrench[count, r] = work.force[k, r] = whole[r]
-            for c in range(3):
-                rows.tangent[count, r, c] = (
-                    along_normal * normal[r] * normal[c]
-                    + along_tangent * tangential[r] * tangential[c]
-                    + along_axis * across[r] * across[c]
-                )
+            work.moment[k, r] = moment[r]
+        if derive:
+            along_normal = weights.position * by_depth + weights.velocity * by_rate
+            along_tangent = weights.position * force * turn
+            along_axis = weights.position * stiff + weights.velocity * damped
+            for r in range(3):
+                for c in range(3):
+                    rows.tangent[count, r, c] = (
+                        along_normal * normal[r] * normal[c]
+                        + along_tangent * tangential[r] * tangential[c]
+                        + along_axis * across[r] * across[c]
+                    )
         count += 1
     return count
 
 
 @solving_within
-def _moving(markers: Markers, k: int, rates: FloatArray) -> Vector:
-    """Velocity (m/s, the body's frame) of a marker by the rates of its body's modes."""
-    x = y = z = 0.0
-    for m in range(markers.displacement.shape[2]):
-        x += markers.displacement[k, 0, m] * rates[6 + m]
-        y += markers.displacement[k, 1, m] * rates[6 + m]
-        z += markers.displacement[k, 2, m] * rates[6 + m]
-    return x, y, z
-
-
-@solving_within
 def _write_jacobian(markers: Markers, k: int, at: Attitude, arm: Vector, jacobian: FloatArray) -> None:
     """Write how a marker moves."""
-    jacobian.fill(0.0)
     write_point(at, arm, 1.0, jacobian)
     shapes = markers.displacement[k]
-    for m in range(shapes.shape[1]):
+    for m in range(markers.modes[k]):
         move = turned(at.R, (shapes[0, m], shapes[1, m], shapes[2, m]))
         for r in range(3):
             jacobian[r, 6 + m] = move[r]

@@ -35,11 +35,13 @@ class Rail(NamedTuple):
 
 
 class Bending(NamedTuple):
-    """How a rail is bent where a tread is: rise (m), slope and rate of the rise (m/s)."""
+    """How a rail is bent where a tread is: rise (m), slope and rate of the rise (m/s); aside, m and m/s."""
 
     rise: float
     slope: float
     rate: float
+    aside: float = 0.0
+    aside_rate: float = 0.0
 
 
 class Tread(NamedTuple):
@@ -78,8 +80,10 @@ def law_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float, fl
 
 
 @solving
-def tread_force(law: Impact, rail: Rail, disc: Pair, center: Pair, rates: Pair, bending: Bending) -> Tread:
-    """Force of a rail on a strip whose normal law this is.
+def tread_force(
+    law: Impact, rail: Rail, disc: Pair, center: Pair, rates: Pair, bending: Bending, derive: bool
+) -> Tread:
+    """Force of a rail on a strip whose normal law this is; with its derivatives, or with zeros for these.
 
     `disc` is its radius (m), and rolling resistance over normal force with the sign of the travel; `center`
     and `rates` are x and z of its centre in the shoe's frame (m) and their rates (m/s).
@@ -96,12 +100,16 @@ def tread_force(law: Impact, rail: Rail, disc: Pair, center: Pair, rates: Pair, 
     depth = radius - distance
     rate = ez * bending.rate - nx * rates[0] - nz * rates[1]
     force, by_depth, by_rate = law_slopes(law, depth, rate)
+    push, foot = (force * (nx - drag * nz), force * (nz + drag * nx)), (x, rail.height + bending.rise)
+    if not derive:
+        none = (0.0, 0.0)
+        return Tread(push, foot, depth, inside, (none, none, none, none), (none, none, none))
     found = Slopes(force, by_depth, by_rate, drag)
     speeds = (rates[0], rates[1], outside * bending.rate)
     turn = outside / distance
     return Tread(
-        (force * (nx - drag * nz), force * (nz + drag * nx)),
-        (x, rail.height + bending.rise),
+        push,
+        foot,
         depth,
         inside,
         (
@@ -149,7 +157,7 @@ class Rollers(NamedTuple):
     radius: float  # m
     law: tuple[float, float, float, float]  # `Impact` of a strip
     rail: tuple[float, float, float]  # `Rail`
-    rows: FloatArray  # (strips, stations + 2, 2, m): as of `shoe_mesh.RailRows`
+    rows: FloatArray  # (strips, stations + 2, 3, m): as of `shoe_mesh.RailRows`
     spacing: float  # of the stations, m
     pitch: float  # of the chain, m
 
@@ -162,7 +170,7 @@ class TreadWorkspace(NamedTuple):
     depth: FloatArray  # (t,): m; no touch unless positive
     force: FloatArray  # (t, 3): on the frame, N, global
     foot: FloatArray  # (t, 3): where, m, global
-    modes: FloatArray  # (3, m): scratch, as of `rows_at`
+    modes: FloatArray  # (4, m): scratch, as of `rows_at`
 
     @classmethod
     def allocate(cls, rollers: int, strips: int, modes: int) -> "TreadWorkspace":
@@ -174,13 +182,13 @@ class TreadWorkspace(NamedTuple):
             np.zeros(touches),
             np.zeros((touches, 3)),
             np.zeros((touches, 3)),
-            np.zeros((3, modes)),
+            np.zeros((4, modes)),
         )
 
 
 @solving_within
 def rows_at(rollers: Rollers, strip: int, x: float, out: FloatArray) -> None:
-    """Write displacement along x and z of a rail by the modes, and the slope of the latter: (3, m).
+    """Write displacement along x, y and z of a rail by the modes, and the slope of the last: (4, m).
 
     Between stations by the cubic through the two nearest on either side with the slopes that their neighbours
     give (Catmull and Rom, 1974), which has no kinks at stations.
@@ -202,22 +210,25 @@ def rows_at(rollers: Rollers, strip: int, x: float, out: FloatArray) -> None:
     )
     table = rollers.rows[strip]
     for k in range(out.shape[1]):
-        out[0, k] = out[1, k] = out[2, k] = 0.0
+        out[0, k] = out[1, k] = out[2, k] = out[3, k] = 0.0
         for n in range(4):
             out[0, k] += values[n] * table[i + n, 0, k]
             out[1, k] += values[n] * table[i + n, 1, k]
-            out[2, k] += slopes[n] * table[i + n, 1, k]
+            out[2, k] += values[n] * table[i + n, 2, k]
+            out[3, k] += slopes[n] * table[i + n, 2, k]
 
 
 @solving_within
 def bending(rows: FloatArray, own: FloatArray) -> Bending:
-    """How modes bend a rail: rows (3, m) of `rows_at` times coordinates and rates (2, 6 + m)."""
-    rise = slope = rate = 0.0
+    """How modes bend a rail: rows (4, m) of `rows_at` times coordinates and rates (2, 6 + m)."""
+    rise = slope = rate = aside = aside_rate = 0.0
     for k in range(rows.shape[1]):
-        rise += rows[1, k] * own[0, 6 + k]
-        slope += rows[2, k] * own[0, 6 + k]
-        rate += rows[1, k] * own[1, 6 + k]
-    return Bending(rise, slope, rate)
+        rise += rows[2, k] * own[0, 6 + k]
+        slope += rows[3, k] * own[0, 6 + k]
+        rate += rows[2, k] * own[1, 6 + k]
+        aside += rows[1, k] * own[0, 6 + k]
+        aside_rate += rows[1, k] * own[1, 6 + k]
+    return Bending(rise, slope, rate, aside, aside_rate)
 
 
 @solving_within
@@ -241,8 +252,10 @@ def motion_against(frame: Frame, shoe: Frame, place: Vector) -> tuple[Vector, Ve
 
 
 @solving_within
-def _touch(rollers: Rollers, strip: tuple[Vector, float], frame: Frame, shoe: Frame, bent: Bending) -> Tread:
-    """Force of a shoe's rail on a strip, in the shoe's axes.
+def _touch(
+    rollers: Rollers, strip: tuple[Vector, float], frame: Frame, shoe: Frame, bent: Bending, derive: bool
+) -> Tread:
+    """Force of a shoe's rail on a strip, in the shoe's axes, as of `tread_force`.
 
     `strip` is its middle in the frame's axes (m), and rolling resistance over normal force with the sign of
     the travel.
@@ -251,7 +264,7 @@ def _touch(rollers: Rollers, strip: tuple[Vector, float], frame: Frame, shoe: Fr
     center, rates = motion_against(frame, shoe, place)
     disc = (rollers.radius, drag)
     law, rail = Impact(*rollers.law), Rail(*rollers.rail)
-    return tread_force(law, rail, disc, (center[0], center[2]), (rates[0], rates[2]), bent)
+    return tread_force(law, rail, disc, (center[0], center[2]), (rates[0], rates[2]), bent, derive)
 
 
 @solving_within
@@ -287,19 +300,20 @@ def write_rows(
     arms: tuple[Vector, Vector],
     frames: tuple[Attitude, Attitude],
     modes: FloatArray,
+    flexible: bool,
 ) -> None:
     """Write a tread that pushes the frame with a force (N, global), and the shoe with the opposite.
 
-    `arms` (m, global) lead from the origins of frame and shoe to the foot, `frames` are their attitudes.
+    `arms` (m, global) lead from the origins of frame and shoe to the foot, `frames` are their attitudes;
+    `modes` of a flexible shoe are as of `rows_at`.
     """
     rows.unit[p] = -1
     for k in range(2):
-        sign, at, jacobian = 1.0 - 2.0 * k, frames[k], rows.jacobian[p, k]
-        write_point(at, arms[k], sign, jacobian)
-        for m in range(modes.shape[1]):
-            move = turned(at.R, (modes[0, m], 0.0, modes[1, m]))
-            for r in range(3):
-                jacobian[r, 6 + m] = sign * move[r] if k == 1 else 0.0
+        write_point(frames[k], arms[k], 1.0 - 2.0 * k, rows.jacobian[p, k])
+    for m in range(modes.shape[1] if flexible else 0):
+        move = turned(frames[1].R, (modes[0, m], modes[1, m], modes[2, m]))
+        for r in range(3):
+            rows.jacobian[p, 1, r, 6 + m] = -move[r]
     for r in range(3):
         rows.wrench[p, r] = force[r]
 
@@ -349,7 +363,8 @@ def _tread_contacts(
                     read_body(bodies, s, state[0], values[0])
                     read_body(bodies, s, state[1], values[1])
                     rows_at(rollers, k, min(max(local[0], rollers.rail[0]), rollers.rail[1]), work.modes)
-                tread = _touch(rollers, (place, drag), frame, shoe, bending(work.modes, values))
+                bent = bending(work.modes, values)
+                tread = _touch(rollers, (place, drag), frame, shoe, bent, derive)
                 if tread.depth <= 0.0:
                     continue
                 shoe_arm = turned(shoe.R, (tread.foot[0], local[1], tread.foot[1]))
@@ -357,7 +372,7 @@ def _tread_contacts(
                 force = turned(shoe.R, (tread.force[0], 0.0, tread.force[1]))
                 rows.bodies[count, 0], rows.bodies[count, 1] = rollers.frame, s
                 arms = (along(foot, -1.0, frame.r), shoe_arm)
-                write_rows(rows, count, force, arms, (at, shoe_at), work.modes)
+                write_rows(rows, count, force, arms, (at, shoe_at), work.modes, bodies.modal[s] >= 0)
                 if derive:
                     write_tangent(tread, shoe.R, weights, rows.tangent[count])
                 work.depth[t] = tread.depth

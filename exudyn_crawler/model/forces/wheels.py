@@ -9,14 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.ground.frames import Frame, Vector, along, turned
+from exudyn_crawler.ground.frames import Frame, Vector, along, cross, turned, turned_back
 from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
 from exudyn_crawler.model.elimination import solving_within
 from exudyn_crawler.model.forces.teeth import Flange, flange_force
 from exudyn_crawler.model.forces.treads import (
-    RISE,
     Bending,
     Pair,
     Rail,
@@ -34,6 +33,8 @@ SLOTS = 2
 """Wheels that may be on one shoe at once."""
 ASIDE = 0.3
 """m, more than a shoe that touches a wheel is ever beside its track's middle."""
+ROLLED = 0.05
+"""m, more than bending and roll against a wheel move a rail."""
 
 
 class Wheels(NamedTuple):
@@ -57,20 +58,24 @@ class WheelWorkspace(NamedTuple):
     wheel: IntArray  # (shoes, SLOTS): wheel that is on a shoe, -1 for none
     force: FloatArray  # (shoes, SLOTS, strips, 3): on the shoe, N, global
     foot: FloatArray  # (shoes, SLOTS, strips, 3): where, m, global
-    guide: FloatArray  # (shoes,): force of flanges along the shoe's y, N
-    modes: FloatArray  # (3, m): scratch, as of `rows_at`
+    guide: FloatArray  # (shoes, SLOTS, strips): part of the force along the shoe's y, N
+    on_shoes: FloatArray  # (shoes, 6): force (N) and moment about the COM (N m) of all wheels, global
+    on_wheels: FloatArray  # (wheels, 3): force of all shoes, N, global
+    modes: FloatArray  # (4, m): scratch, as of `rows_at`
 
     @classmethod
-    def allocate(cls, shoes: int, strips: int, modes: int) -> "WheelWorkspace":
-        """Workspace for so many shoes."""
-        shape = (shoes, SLOTS, strips, 3)
+    def allocate(cls, wheels: Wheels, modes: int) -> "WheelWorkspace":
+        """Workspace for these wheels."""
+        shoes, strips = int(wheels.shoes.max()), wheels.places.shape[1]
         return cls(
             tuple(ForceRows.allocate(shoes * SLOTS * strips, 3, modes)),
             np.full((shoes, SLOTS), -1),
-            np.zeros(shape),
-            np.zeros(shape),
-            np.zeros(shoes),
-            np.zeros((3, modes)),
+            np.zeros((shoes, SLOTS, strips, 3)),
+            np.zeros((shoes, SLOTS, strips, 3)),
+            np.zeros((shoes, SLOTS, strips)),
+            np.zeros((shoes, 6)),
+            np.zeros((len(wheels.frames), 3)),
+            np.zeros((4, modes)),
         )
 
 
@@ -112,17 +117,20 @@ def _wheel_contacts(
     count, strips = 0, wheels.places.shape[1]
     values = np.zeros((2, 6 + work.modes.shape[1]))
     work.wheel.fill(-1)
+    for array in (work.force, work.foot):
+        array.fill(0.0)
     work.guide.fill(0.0)
-    work.force.fill(0.0)
-    work.foot.fill(0.0)
+    work.on_shoes.fill(0.0)
+    work.on_wheels.fill(0.0)
+    derive = weights.position != 0.0 or weights.velocity != 0.0
     for w in range(wheels.frames.shape[0]):
         at = attitude_of(bodies, wheels.frames[w], state[0])
         frame = frame_of(bodies, wheels.frames[w], state, at)
         place = wheels.places[w]
         axis = along(frame.r, 1.0, turned(frame.R, (place[0, 0], wheels.middles[w], place[0, 2])))
         rail = wheels.rollers.rail
-        reach = math.sqrt(max(rail[0] ** 2, rail[1] ** 2) + rail[2] ** 2) + RISE
-        reach += wheels.radii[w] + wheels.height
+        near = wheels.radii[w] + wheels.height + ROLLED
+        reach = math.sqrt(max(rail[0] ** 2, rail[1] ** 2) + rail[2] ** 2) + near
         for s in range(wheels.shoes[w, 0], wheels.shoes[w, 1]):
             first = bodies.coordinate[s]
             apart = 0.0
@@ -133,16 +141,21 @@ def _wheel_contacts(
                 continue
             shoe_at = attitude_of(bodies, s, state[0])
             shoe = frame_of(bodies, s, state, shoe_at)
-            if bodies.modal[s] >= 0:
+            center = turned_back(shoe.R, along(axis, -1.0, shoe.r))
+            dx, dz = center[0] - min(max(center[0], rail[0]), rail[1]), center[2] - rail[2]
+            if dx * dx + dz * dz > near * near:
+                continue
+            flexible = bodies.modal[s] >= 0
+            if flexible:
                 read_body(bodies, s, state[0], values[0])
                 read_body(bodies, s, state[1], values[1])
             for k in range(strips):
-                flexible = bodies.modal[s] >= 0
-                strip = _touch(wheels, w, k, frame, shoe, drag[w], flexible, values, work.modes)
+                strip = _touch(wheels, (w, k), frame, shoe, drag[w], (flexible, derive), values, work.modes)
                 if strip.tread.depth <= 0.0 and strip.side == 0.0:
                     continue
                 work.wheel[s, slot] = w
-                _keep(wheels, strip, (frame, shoe), (at, shoe_at), (w, s, slot, k), weights, work, count)
+                numbers = w, s, slot, k, count
+                _keep(wheels, strip, (frame, shoe), (at, shoe_at), numbers, weights, work, flexible)
                 count += 1
     return count
 
@@ -150,32 +163,35 @@ def _wheel_contacts(
 @solving_within
 def _touch(
     wheels: Wheels,
-    w: int,
-    k: int,
+    numbers: tuple[int, int],
     frame: Frame,
     shoe: Frame,
     drag: float,
-    flexible: bool,
+    flags: tuple[bool, bool],
     values: FloatArray,
     modes: FloatArray,
 ) -> Strip:
-    """Strip k of a wheel against a shoe's rail; `modes` gets the rows of the rail below it."""
+    """Strip of a wheel, by the numbers of wheel and strip, against a shoe's rail.
+
+    `flags` are whether the shoe is flexible and whether derivatives are wanted; `modes` gets the rows of the
+    rail below the strip.
+    """
+    (w, k), (flexible, derive) = numbers, flags
     place = (wheels.places[w, k, 0], wheels.places[w, k, 1], wheels.places[w, k, 2])
     center, rates = motion_against(frame, shoe, place)
     rail = Rail(*wheels.rollers.rail)
-    modes.fill(0.0)
-    bent = Bending(0.0, 0.0, 0.0)
+    bent = Bending(0.0, 0.0, 0.0, 0.0, 0.0)
     if flexible:
         rows_at(wheels.rollers, k, min(max(center[0], rail.rear), rail.front), modes)
         bent = bending(modes, values)
     disc: Pair = (wheels.radii[w], drag)
-    tread = tread_force(Impact(*wheels.law), rail, disc, (center[0], center[2]), (rates[0], rates[2]), bent)
+    middle, speeds = (center[0], center[2]), (rates[0], rates[2])
+    tread = tread_force(Impact(*wheels.law), rail, disc, middle, speeds, bent, derive)
     engaged = step(tread.depth, -wheels.height, 0.0, 0.0, 1.0)
     side = stiffness = damping = 0.0
     if engaged > 0.0:
-        force, stiffness, damping = flange_force(
-            Flange(*wheels.flange), center[1] - place[1] + wheels.middles[w], rates[1]
-        )
+        off, rate = center[1] - place[1] + wheels.middles[w] - bent.aside, rates[1] - bent.aside_rate
+        force, stiffness, damping = flange_force(Flange(*wheels.flange), off, rate)
         side, stiffness, damping = engaged * force, engaged * stiffness, engaged * damping
     foot = turned(shoe.R, (tread.foot[0], center[1], tread.foot[1]))
     return Strip(tread, side, stiffness, damping, foot)
@@ -187,24 +203,35 @@ def _keep(
     strip: Strip,
     frames: tuple[Frame, Frame],
     attitudes: tuple[Attitude, Attitude],
-    numbers: tuple[int, int, int, int],
+    numbers: tuple[int, int, int, int, int],
     weights: Weights,
     work: WheelWorkspace,
-    count: int,
+    flexible: bool,
 ) -> None:
-    """Write a strip that touches, `numbers` of wheel, shoe, slot and strip, as an element and a result."""
-    w, s, slot, k = numbers
+    """Write a strip that touches as an element and a result.
+
+    `numbers` are those of wheel, shoe, slot and strip, and of the element.
+    """
+    w, s, slot, k, count = numbers
     rows, (frame, shoe) = ForceRows(*work.rows), frames
     tread, foot = strip.tread, along(shoe.r, 1.0, strip.arm)
     pressed = (tread.force[0], tread.force[1]) if tread.depth > 0.0 else (0.0, 0.0)
     force = turned(shoe.R, (pressed[0], strip.side, pressed[1]))
     rows.bodies[count, 0], rows.bodies[count, 1] = wheels.frames[w], s
-    write_rows(rows, count, force, (along(foot, -1.0, frame.r), strip.arm), attitudes, work.modes)
+    arms = along(foot, -1.0, frame.r), strip.arm
+    write_rows(rows, count, force, arms, attitudes, work.modes, flexible)
+    moment = cross(strip.arm, force)
+    for r in range(3):
+        work.force[s, slot, k, r], work.foot[s, slot, k, r] = -force[r], foot[r]
+        work.on_shoes[s, r] -= force[r]
+        work.on_shoes[s, 3 + r] -= moment[r]
+        work.on_wheels[w, r] += force[r]
+    work.guide[s, slot, k] = -strip.side
+    if not (weights.position != 0.0 or weights.velocity != 0.0):
+        return
     tangent = rows.tangent[count]
     write_tangent(tread, shoe.R, weights, tangent)
     across = weights.position * strip.stiffness + weights.velocity * strip.damping
     for r in range(3):
         for c in range(3):
             tangent[r, c] += across * shoe.R[r][1] * shoe.R[c][1]
-        work.force[s, slot, k, r], work.foot[s, slot, k, r] = -force[r], foot[r]
-    work.guide[s] -= strip.side

@@ -216,12 +216,11 @@ def _rolled(
     }
 
 
-def _closed(states: _States, forces: Callable[..., tuple[np.ndarray, ...]]) -> dict[str, np.ndarray]:
+def _closed(states: _States, forces: Callable[..., dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
     """Motion of side frame and tumbler of a closed track, drive, wheels and teeth."""
     parts = (states.part(name) for name in ("time", "coordinates", "coordinates rate"))
-    wheels, teeth, guide, on_wheels = (
-        np.array(one) for one in zip(*(forces(*state) for state in zip(*parts, strict=True)), strict=True)
-    )
+    each = [forces(*state) for state in zip(*parts, strict=True)]
+    found = {name: np.array([one[name] for one in each]) for name in each[0]}
     case = states.system.case
     names, start = TUMBLERS[case.tracks], case.tumbler_reference
     place = np.stack([states.part(name) for name in names], axis=1)[..., :3] + start[:, :3]
@@ -235,17 +234,40 @@ def _closed(states: _States, forces: Callable[..., tuple[np.ndarray, ...]]) -> d
     )
     if case.tracks == 1:
         place, torque, pitch, rate = (one[:, 0] for one in (place, torque, pitch, rate))
-    return _motion(states, SIDE_FRAME, case.frame_start, "side_frame_") | {
+    named = _motion(states, SIDE_FRAME, case.frame_start, "side_frame_") | {
         "tumbler_position": place,
         "tumbler_angle": pitch,
         "tumbler_speed": rate,
         "drive_moment": torque,
-        "wheel_force": on_wheels,
-        "wheel_load": wheels[..., :3],
-        "wheel_moment": wheels[..., 3:],
-        "tooth_force": teeth[..., :3],
-        "tooth_moment": teeth[..., 3:],
-        "guide_force": guide,
+        "wheel_force": found["on_wheels"],
+        "wheel_load": found["wheel"][..., :3],
+        "wheel_moment": found["wheel"][..., 3:],
+        "tooth_force": found["tooth"][..., :3],
+        "tooth_moment": found["tooth"][..., 3:],
+        "guide_force": found["guide"],
+    }
+    return named | (_on_flexible_shoes(states, found) if states.system.layout.flexible_shoes else {})
+
+
+def _on_flexible_shoes(states: _States, found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Every strip of a wheel and every lug of the flexible shoes of a closed track."""
+    case = states.system.case
+    shoes = np.array(states.system.layout.flexible_shoes) - 1
+    angles = states.part("shoes")[:, shoes, 3:] + case.shoe_reference[shoes, 3:]
+    across = rotation_matrices(angles)[..., 1]
+    names, of_track = TUMBLERS[case.tracks], shoes // case.loop.shoe_count
+    turned = np.stack([states.part(name)[:, 3:] for name in names], axis=1) + case.tumbler_reference[:, 3:]
+    axis = rotation_matrices(turned[:, of_track])[..., 1]
+    times, count, slots, strips = found["strip_guide"].shape
+    split = (times, count, slots, len(SIDES), strips // len(SIDES), 3)
+    guide = found["strip_guide"][..., None] * across[:, :, None, None]
+    return {
+        "strip_wheel": found["strip_wheel"] + 1,
+        "strip_force": found["strip_force"].reshape(split),
+        "strip_foot": found["strip_foot"].reshape(split),
+        "strip_guide": guide.reshape(split),
+        "lug_force": found["lug_force"],
+        "lug_guide": found["lug_guide"][..., None] * axis[:, :, None],
     }
 
 
@@ -262,14 +284,18 @@ def _coordinates(system: "TrackSystem") -> dict[str, object]:
     if system.case.tracks > 1:
         side = np.repeat(SIDES, system.case.loop.shoe_count)
         named |= {catalogue.TRACK: list(SIDES), "shoe_track": ("shoe", side), "joint_track": ("joint", side)}
-    frame = system.case.undercarriage
-    if frame is None:
+    frame, gear = system.case.undercarriage, system.case.running_gear
+    if gear is None or (frame is None and system.frequencies is None):
         return named
-    rollers, strips = np.arange(1, len(frame.rollers) + 1), np.arange(1, frame.strips + 1)
-    under = "shoe under a roller's axis, or the next"
-    return named | {
-        "roller": ("roller", rollers, {"long_name": "from rear to front"}),
+    strips = np.arange(1, gear.strips + 1)
+    named |= {
         "rail": list(SIDES),
         "strip": ("strip", strips, {"long_name": "of a tread, from right to left"}),
+    }
+    if frame is None:
+        return named
+    rollers, under = np.arange(1, len(frame.rollers) + 1), "shoe under a roller's axis, or the next"
+    return named | {
+        "roller": ("roller", rollers, {"long_name": "from rear to front"}),
         "neighbour": ("neighbour", list(NEIGHBOURS), {"long_name": under}),
     }

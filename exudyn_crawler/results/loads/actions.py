@@ -73,6 +73,7 @@ class Action:
 
     Kinds on shoes are "joint", "weight", "load", "contact" and "drive", under a side frame also "roller" and
     "chain" (pull of the drive, tension of the ends), in a closed track "wheel" and "tooth", each with its
+    flanges, on its flexible shoes "roller", "idler", "carrier" and "tooth" without, and "guide" of all
     flanges; on the frame "weight", "machine", "roller" and "pull".
     """
 
@@ -131,7 +132,10 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
         yield from _grid(history, shoe, position, frames)
     else:
         yield from _contacts(history, shoe)
-    if history.case.is_closed:
+    if history.case.is_closed and "strip_force" in history.dataset and shoe in history.flexible_shoe:
+        yield from _strips(history, shoe, position, frames)
+        yield from _lugs(history, shoe, position, frames)
+    elif history.case.is_closed:
         yield from _wheels_and_teeth(history, shoe, position)
     elif shoe == history.case.track.shoe_count:
         yield from _drive(history, shoe, position, frames)
@@ -155,14 +159,20 @@ def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarra
         force, torque = (sign * one.reshape(len(position), -1, 3) for one in reactions)
         for side in range(force.shape[1]):
             where = f"{end} {SIDES[side]}"
-            place = np.array(track.joint_centers[where])
-            if closed is not None:
+            place, pushed = np.array(track.joint_centers[where]), force[:, side]
+            if closed is not None and force.shape[1] == 1:
                 centers = [c for name, c in track.joint_centers.items() if name.startswith(end)]
                 place = np.mean(centers, axis=0)
-                # the rear pins of a worn chain are farther back
-                place[0] += (track.pitch - closed.chain_pitch(track)) * (end == "rear")
+            moment = torque[:, side] + _by_wear(history.case, where, frames, pushed)
             point = position + frames @ place
-            yield Action("joint", shoe, where, point, force[:, side], torque[:, side], AtInterface(where))
+            yield Action("joint", shoe, where, point, pushed, moment, AtInterface(where))
+
+
+def _by_wear(case: Case, where: str, frames: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Moment (times, 3) about a joint centre of a force at its pin; worn rear pins are farther back."""
+    if case.closed_track is None or where.startswith("front"):
+        return np.zeros_like(force)
+    return np.cross((case.track.pitch - case.closed_track.chain_pitch(case.track)) * frames[:, :, 0], force)
 
 
 def _weight_and_load(
@@ -228,6 +238,47 @@ def _wheels_and_teeth(history: History, shoe: int, position: np.ndarray) -> Iter
     on_shoe = history.dataset.sel(shoe=shoe)
     yield Action("wheel", shoe, "COM", position, on_shoe.wheel_load.values, on_shoe.wheel_moment.values)
     yield Action("tooth", shoe, "COM", position, on_shoe.tooth_force.values, on_shoe.tooth_moment.values)
+
+
+def _strips(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
+    """Every strip of a wheel of a closed track that was ever on a flexible shoe, and its flange."""
+    on_shoe = history.dataset.sel(flexible_shoe=shoe)
+    numbers, zero = np.asarray(on_shoe.strip_wheel), np.zeros_like(position)
+    force, foot, guide = (on_shoe[f"strip_{name}"].values for name in ("force", "foot", "guide"))
+    _, _, rails, strips, _ = force.shape
+    for wheel, name in enumerate(history.wheel.values.tolist()):
+        here = np.isin(numbers, wheel + 1)
+        if not here.any():
+            continue
+        for rail, strip in np.ndindex(rails, strips):
+            pressed, sideways, point = zero.copy(), zero.copy(), position.copy()
+            for slot in range(here.shape[1]):
+                on, at = here[:, slot], (here[:, slot], slot, rail, strip)
+                sideways[on], point[on] = guide[at], foot[at]
+                pressed[on] = force[at] - guide[at]
+            still = ~np.any((pressed != 0.0) | (sideways != 0.0), axis=1)
+            point[still] = position[still]
+            x = np.einsum("ti,ti->t", point - position, frames[:, :, 0])
+            entry, where = OnRail(rail * strips + strip, x, wheel), f"{name} {SIDES[rail]}"
+            if pressed.any():
+                # with two tracks wheels are "right idler" and so on
+                kind = next(kind for kind in ("roller", "idler", "carrier") if kind in name)
+                yield Action(kind, shoe, where, point, pressed, zero, entry)
+            if sideways.any():
+                yield Action("guide", shoe, f"flange of {where}", point, sideways, zero, entry)
+
+
+def _lugs(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
+    """Teeth of the tumbler on the lugs of a flexible shoe, about its rear pins, and their flange."""
+    on_shoe = history.dataset.sel(flexible_shoe=shoe)
+    guide = on_shoe.lug_guide.values
+    for kind, forces in (("tooth", on_shoe.lug_force.values - guide), ("guide", guide)):
+        for side, name in enumerate(SIDES):
+            force, where = forces[:, side], f"rear {name}"
+            if force.any():
+                point = position + frames @ np.array(history.case.track.joint_centers[where])
+                moment = _by_wear(history.case, where, frames, force)
+                yield Action(kind, shoe, where, point, force, moment, AtInterface(where))
 
 
 def _rollers(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:

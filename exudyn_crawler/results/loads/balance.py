@@ -17,7 +17,7 @@ from exudyn_crawler.results.loads import actions as acting
 
 KINDS = ("weight", "load", "contact", "drive", "joint")
 ROLLED_KINDS = (*KINDS, "roller", "chain")
-CLOSED_KINDS = ("weight", "load", "contact", "joint", "wheel", "tooth")
+CLOSED_KINDS = ("weight", "load", "contact", "joint", "wheel", "tooth", "roller", "idler", "carrier", "guide")
 """Kinds of actions on shoes, in the order in which they are added; under a side frame; in a closed track."""
 
 

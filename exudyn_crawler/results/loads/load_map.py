@@ -8,7 +8,7 @@ Coordinates of each family:
 - joints: (joint, 6): force and moment on each joint centre
 - machine: (2, 3): force spread evenly over the loaded surface; force times its shift to the left, N m
 - ground: (point, 3): tractions over the rectangles from a corner of the underside to the points of a grid
-- rails: (station, 3): forces at stations along each strip of the treads; under a side frame
+- rails: (station, 3): forces at stations along each strip of the treads; under wheels
 - drive: (3,): force on the pulled node; lacking where none is
 - inertia: (mode,): momentum of the modes that are integrated
 
@@ -30,7 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array, hstack
 
-from exudyn_crawler.case import Case, FlexibleShoes, Shoe, Track, Undercarriage
+from exudyn_crawler.case import Case, ClosedTrack, FlexibleShoes, Shoe, Track, Undercarriage
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.model import shoe_mesh
 from exudyn_crawler.model.flexible_shoes import integrated_in, shoe_model, weights_a_metre, whole_reduction
@@ -136,7 +136,7 @@ def unit_loads(case: Case) -> ShoeUnitLoads:
     body, _ = shoe_model(flexible, case.track)
     node, whole = shoe_mesh.pulled_node(case, body.mesh), whole_reduction(case).body
     cells = case.terrain.model == "cells"
-    return _unit_loads(flexible, case.track, case.shoe, case.undercarriage, whole, node, cells)
+    return _unit_loads(flexible, case.track, case.shoe, case.running_gear, whole, node, cells)
 
 
 @lru_cache(maxsize=2)
@@ -144,7 +144,7 @@ def _unit_loads(
     flexible: FlexibleShoes,
     track: Track,
     shoe: Shoe,
-    frame: Undercarriage | None,
+    frame: ClosedTrack | Undercarriage | None,
     whole: ReducedBody,
     node: int | None,
     cells: bool,

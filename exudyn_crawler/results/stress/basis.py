@@ -28,6 +28,7 @@ TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
 MOST_FIELDS = 0.4  # greatest number of fields over that of modes
 LOADS = {"joint": "pins", "load": "machine load", "contact": "ground", "roller": "rollers", "chain": "drive"}
+LOADS |= {"carrier": "carriers"}
 """Words for kinds of actions; others are their own. The chain pulls for the drive and at its ends."""
 GROUND_SPACING = 0.2  # m, at most, between points of the ground's grid: a fifth of a unit
 RAIL_REACH = 0.1

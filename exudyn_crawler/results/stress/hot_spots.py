@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.shoe_mesh import pulled_node
 from exudyn_crawler.results.history.catalogue import variable
 from exudyn_crawler.results.history.history import History, phases
@@ -135,14 +136,12 @@ def highest_nodes(
     separation: OneOfEach | None = None,
 ) -> pd.DataFrame:
     """Hot spots among some nodes with verdicts, regions and shares of loads; positions those at t = 0."""
-    whole, time, track = basis.shapes, history.time.values, history.case.track
+    whole, time, start = basis.shapes, history.time.values, history.case.shoe_reference[shoe - 1]
     q = basis.coordinates[shoe]
     table = hot_spots(whole, time, q, HOT_SPOTS, separation=separation, nodes=nodes, peaks=peaks)
     at, rows = table["node"].to_numpy(), np.searchsorted(time, table["time"].to_numpy())
-    start = dict(zip("xyz", track.com_positions(history.case.shoe.com_height)[shoe - 1], strict=True))
-    table = judged(table, basis.bound).assign(
-        **{axis: table[axis] + start[axis] for axis in start}, region=regions[at]
-    )
+    places = start[:3] + table[list("xyz")].to_numpy() @ rotation_matrices(start[3:]).T
+    table = judged(table, basis.bound).assign(**dict(zip("xyz", places.T, strict=True)), region=regions[at])
     return pd.concat((table, load_shares(basis, shoe, at, rows)), axis=1)
 
 

@@ -1,0 +1,111 @@
+"""Flexible shoes in a closed track: below a roller, on the idler and on the tumbler, over a short run."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, FlexibleShoes, StepProfile, recover_stresses, simulate
+from exudyn_crawler.case import Drive
+from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.model.flexible_shoes import whole_reduction
+from exudyn_crawler.results.history.states import system_history
+from exudyn_crawler.results.loads.actions import actions
+from exudyn_crawler.results.loads.balance import shoe_actions, shoe_imbalance
+from exudyn_crawler.results.loads.exports import shoe_loads
+from exudyn_crawler.results.loads.load_map import coordinates, unit_loads
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from tests.model.both import residual_of
+
+pytestmark = [pytest.mark.simulation, pytest.mark.slow]
+
+UNDER_ROLLER, ON_IDLER, ON_TUMBLER = 8, 15, 35
+GEAR = {"roller", "idler", "carrier", "tooth", "guide"}
+
+
+def flexible_case(shoes, **values):
+    """Closed track with flexible shoes, which reaches 0.3 m/s in 0.1 s."""
+    flexible = FlexibleShoes.ph4100c("coarse").with_(shoes=shoes, **{"highest_frequency": 1500.0} | values)
+    drive = Drive(speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.3)))
+    case = Case.closed().with_(drive=drive, flexible=flexible)
+    return case.with_(shoe=case.shoe.of_mass(whole_reduction(case).body.mass))
+
+
+@pytest.fixture(scope="module")
+def bent():
+    """Run of 0.1 s with a flexible shoe at each place."""
+    return simulate(flexible_case((UNDER_ROLLER, ON_IDLER, ON_TUMBLER)), 0.1, progress=False)
+
+
+@pytest.mark.filterwarnings("ignore:flexible.youngs_modulus")
+@pytest.mark.parametrize("shoe", [UNDER_ROLLER, ON_TUMBLER])
+def test_stiff_shoe_gives_the_forces_of_a_rigid_one(shoe):
+    """Of all links, as far as the mesh has the inertia of the rigid shoe, whose COM is 1.4 mm off its own.
+
+    How side loads are shared depends on the compliance of pins, of which a flexible link has two.
+    """
+    steel = FlexibleShoes.ph4100c("coarse").youngs_modulus
+    case = flexible_case((shoe,), youngs_modulus=1e3 * steel, highest_frequency=1500.0 * 1e3**0.5)
+    stiff, rigid = (simulate(one, 0.1, progress=False) for one in (case, case.with_(flexible=None)))
+    # what friction held at rest is let go at the start, which a rigid shoe feels at once
+    apart = np.abs(stiff.joint_force - rigid.joint_force).isel(time=slice(10, None)).max(("time", "joint"))
+    most = np.abs(rigid.joint_force).max().item()
+    assert (apart.sel(axis=["x", "z"]) < 3e-4 * most).all()
+    assert apart.sel(axis="y") < 1e-3 * most
+
+
+def test_all_that_acts_on_flexible_shoes_balances(bent):
+    acts, left = shoe_actions(bent).force, shoe_imbalance(bent).force
+    assert np.abs(left).max() < 1e-5 * np.abs(acts).max()
+    pressed = np.abs(acts).max(("time", "axis")).sel(shoe=[UNDER_ROLLER, ON_IDLER, ON_TUMBLER])
+    for shoe, kind in ((UNDER_ROLLER, "roller"), (ON_IDLER, "idler"), (ON_TUMBLER, "tooth")):
+        assert pressed.sel(shoe=shoe, source=kind) > 1e5
+    assert (pressed.sel(source=["wheel", "load"]) == 0.0).all()
+    loads = shoe_loads(bent, ON_TUMBLER, 0.1)
+    assert (loads.table["kind"] == "tooth").sum() == 2
+    assert np.abs(loads.residual).max() < 1e-5 * np.abs(loads.centers).max()
+
+
+def test_modes_feel_in_the_stresses_what_they_feel_in_the_run():
+    """Wheels, teeth and flanges on the modes by the records are those that leave with a lifted frame.
+
+    The frame stands aside, so that flanges push; the chain is worn, so that pins are off their bores.
+    """
+    changes = {"closed_track.pitch_growth": 0.005}
+    case = flexible_case((UNDER_ROLLER, ON_IDLER, ON_TUMBLER)).with_(changes)
+    system, q = compiled_system(case), static_equilibrium(case)
+    layout, still = system.layout, np.zeros_like(q)
+    q[-11] += 0.012  # y of frame and tumbler
+    q[-5] += 0.012
+    parts = {"coordinates": q, "coordinates rate": still, "coordinates acceleration": still, "time": 0.0}
+    none = np.zeros(system.tables.multiplier_count)
+    history = system_history(system, layout.pack(parts | {"multipliers": none})[None])
+    lifted = q.copy()
+    lifted[[-10, -4]] += 20.0
+    residual = residual_of(system, q, still) - residual_of(system, lifted, still)
+    first = system.tables.flexible[0]
+    modal = residual[first : first + 3 * layout.modes].reshape(3, -1)
+    units, kinds = unit_loads(case), set()
+    for shoe, found in zip(layout.flexible_shoes, modal, strict=True):
+        frames = rotation_matrices(history.angles.sel(shoe=shoe).values)
+        gear = [one for one in actions(history, shoe) if one.kind in GEAR]
+        loads = sum(coordinates(units, one, frames) @ units.work for one in gear)
+        expected = -(loads @ units.integrated.inside)[0]
+        np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(modal).max())
+        kinds |= {one.kind for one in gear}
+    assert kinds == {"roller", "idler", "tooth", "guide"}
+
+
+def test_shares_of_hot_spots_name_tooth_idler_and_rollers_and_are_complete(bent):
+    results = recover_stresses(bent)
+    for shoe, name in ((UNDER_ROLLER, "rollers"), (ON_IDLER, "idler"), (ON_TUMBLER, "tooth")):
+        table = results.by_region[shoe]
+        shares = table.filter(like="share of ")
+        assert np.abs(shares[f"share of {name}"]).max() > 0.1
+        np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=1e-9)
+        assert 1e7 < table["value"].max() < 1e9
+
+
+def test_lugs_beside_the_pins_are_refused():
+    with pytest.raises(ParameterError, match="take the teeth at their rear pins"):
+        flexible_case((5,)).with_({"closed_track.tumbler.lugs": ((0.2, 0.05),)})
