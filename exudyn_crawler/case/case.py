@@ -164,6 +164,8 @@ class Case(Parameters):
             yield "closed_track.support must be 'ground' with a car_body, which stands on both tracks"
         if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
             yield "loads must be zero on every shoe with a closed_track, whose rollers carry the machine"
+        if self.flexible is not None and self.car_body is not None:
+            yield "flexible must be None with a car_body: shoes of one track alone (base 'closed') bend"
         if self.flexible is not None and closed.tumbler.lugs:
             yield (
                 "closed_track.tumbler.lugs must be empty with flexible shoes, which take the teeth at their "
