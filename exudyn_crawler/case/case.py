@@ -129,8 +129,11 @@ class Case(Parameters):
             yield from self._sphere_errors(contact.radius)
         if self.undercarriage is not None:
             yield from rolled.rolled_errors(self.undercarriage, shoe, self.track, self.drive, self.loads)
-            if self.machine is not None:
-                yield from self.machine.balance_errors(self.undercarriage, self.gravity_vector())
+        if self.machine is not None and (gear := self.running_gear) is not None:
+            aside = rolled.TIPPING if self.car_body is None else 0.5 * self.car_body.track_distance
+            yield from self.machine.balance_errors(
+                self.frame_parts, gear.rollers, aside, self.gravity_vector()
+            )
         yield from self._support_errors(0.0)
 
     def _unit_errors(self, terrain: Terrain) -> Errors:
@@ -545,7 +548,8 @@ class Case(Parameters):
         """Corners of the track on the ground at a time: array (4, 2), m, global x and y.
 
         The track is rigid seen from above, since its hinges only pitch: the drive carries its outline
-        along and turns it about its middle. A track that a side frame rolls over stays where it is.
+        along and turns it about its middle, and a machine on two tracks goes where it heads. A track that a
+        side frame rolls over stays where it is.
         """
         footprint, coms = self.shoe.footprint, self.shoe_reference
         rear, front = coms[:, 0].min() + footprint[0], coms[:, 0].max() + footprint[1]
@@ -554,6 +558,10 @@ class Case(Parameters):
         middle, angle = corners.mean(axis=0), self.drive.turn(time)
         c, s = np.cos(angle), np.sin(angle)
         travel = np.array([0.0 if self.is_rolled else self.drive.travel(time), 0.0])
+        if self.car_body is not None and self.drive.turn_rate is not None:
+            times = np.linspace(0.0, time, 501)
+            speed, heading = self.drive.speed.value(times), self.drive.turn_rate.integral(times)
+            travel = np.trapezoid(speed * np.array([np.cos(heading), np.sin(heading)]), times)
         return middle + (corners - middle) @ np.array([[c, s], [-s, c]]) + travel
 
     def check_support(self, duration: float) -> None:

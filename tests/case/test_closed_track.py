@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case import Drive, LoadCycle, read_case
+from exudyn_crawler.case import Drive, LoadCycle, MachineCycle, Pose, StepProfile, read_case
 from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.ph4100c import MACHINE_MASS
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
+
+RATES = {"speed": 0.3, "turn_rate": 0.05}
+"""m/s and rad/s of a machine that turns as it goes."""
 
 
 def openings(case):
@@ -152,3 +155,29 @@ def test_what_does_not_go_with_two_tracks_is_refused(changes, message):
 def test_one_track_does_not_turn():
     with pytest.raises(ParameterError, match=r"drive.turn_rate without a car_body"):
         Case.closed().with_(drive=Drive.turning())
+
+
+def test_machine_goes_where_it_heads():
+    """At a constant rate of turn the middle of its tracks goes along an arc."""
+    speeds = {name: StepProfile(times=(0.0, 1e-3), values=(0.0, value)) for name, value in RATES.items()}
+    case = Case.shovel().with_(drive=Drive(**speeds))
+    way = case.outline(20.0).mean(axis=0) - case.outline(0.0).mean(axis=0)
+    radius, angle = RATES["speed"] / RATES["turn_rate"], 20.0 * RATES["turn_rate"]
+    assert way == pytest.approx([radius * math.sin(angle), radius * (1.0 - math.cos(angle))], abs=0.01)
+    case.check_support(20.0)
+    with pytest.raises(ValueError, match="terrain must carry the track"):
+        case.check_support(200.0)
+
+
+def test_slewing_upper_structure_moves_the_weight_of_the_machine():
+    case = Case.shovel()
+    weight = case.car_body.upper_mass * case.gravity
+    pose = Pose("dump", 5.0, 0.5 * math.pi, reach=15.0, height=9.0, payload=9e4)
+    (phase,) = MachineCycle.slewing(case.car_body, [pose]).phases
+    assert phase.force == pytest.approx([0.0, 0.0, -9e4 * case.gravity])
+    # from 1 m behind the axis to 1 m beside it, and a payload 15 m to the left
+    assert phase.moment == pytest.approx([weight - 15.0 * 9e4 * case.gravity, weight, 0.0])
+    assert case.with_(machine=MachineCycle.slewing()).machine is not None
+    far = MachineCycle.slewing(case.car_body, [pose._replace(payload=6e5)])
+    with pytest.raises(ParameterError, match=r"beside the middle of the track, more than 4\.648 m"):
+        case.with_(machine=far)

@@ -5,6 +5,7 @@ import pytest
 
 from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import CarBody, Drive, LoadCycle
+from exudyn_crawler.case.parameters.undercarriage import Part
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.catalogue import link_name
@@ -147,3 +148,17 @@ def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
     assert np.linalg.norm(place, axis=1) == pytest.approx(np.linalg.norm(start), rel=1e-3)
     names = {one.name for one in gear_solids(spot.case, spot.dataset.isel(time=[0, -1]))}
     assert {"car body", "right tumbler", "left tumbler", "left lugs"} <= names
+
+
+@pytest.mark.parametrize("changes", [{"car_body.slew": 0.5 * np.pi}, {"terrain.side_slope": 0.08}])
+def test_weight_beside_the_middle_is_shared_by_the_tracks(changes):
+    """As on two supports; shoes that lean carry a little beside their middles."""
+    case = Case.shovel().with_(changes, drive=Drive(speed=StepProfile.constant(0.0)))
+    history = simulate(case, 0.02, progress=False)
+    parts = [*case.frame_parts, Part(76 * case.shoe.mass, np.array([0.0, 0.0, 0.4]), np.eye(3))]
+    down, ground = case.terrain.down, case.frame_start[2]
+    aside = sum(part.mass * (part.com[1] - (part.com[2] + ground) * down[1] / down[2]) for part in parts)
+    expected = 0.5 + aside / sum(part.mass for part in parts) / case.car_body.track_distance
+    pressed = [history.of_track(side).normal_force.isel(time=-1).sum() for side in ("right", "left")]
+    assert float(pressed[1] / (pressed[0] + pressed[1])) == pytest.approx(expected, abs=0.004)
+    assert abs(expected - 0.5) > 0.02

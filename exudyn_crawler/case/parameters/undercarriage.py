@@ -281,17 +281,59 @@ class MachineCycle(Cycle):
             phases.append(MachinePhase(name=pose.name, end=pose.end, force=force, moment=(0.0, turn, 0.0)))
         return cls(phases=tuple(phases))
 
+    @classmethod
+    def slewing(
+        cls,
+        body: CarBody | None = None,
+        poses: Sequence[Pose] = tuple(Pose(*one) for one in ph4100c.SHOVEL_POSES),
+        down: Sequence[float] = (0.0, 0.0, -1.0),
+    ) -> Self:
+        """Cycle of a machine on two tracks that stands: how its upper structure slews, and its dipper's load.
+
+        Poses have the dipper's payload and what the bank does to it; their swing takes the weight of the
+        upper structure along. What changes with a dipper's reach alone is left out, and so is the slewing's
+        angular momentum.
+
+        Parameters
+        ----------
+        body : optional
+            Whose upper structure slews from `slew`; that of the P&H 4100C if None.
+        poses, down
+            As of `shovel`.
+        """
+        body = body or CarBody.ph4100c()
+        gravity = ph4100c.GRAVITY * np.asarray(down, dtype=float)
+        rest, _ = body.upper_at(body.slew)
+        phases = []
+        for pose in poses:
+            ahead = np.array([math.cos(pose.swing), math.sin(pose.swing), 0.0])
+            up = np.array([0.0, 0.0, 1.0])
+            dipper = np.array([body.swing_axis, 0.0, 0.0]) + pose.reach * ahead + pose.height * up
+            force = pose.payload * gravity + pose.bank[0] * ahead + pose.bank[1] * up
+            moved = body.upper_at(pose.swing)[0] - rest
+            moment = np.cross(dipper, force) + np.cross(moved, body.upper_mass * gravity)
+            named = {"force": tuple(force.tolist()), "moment": tuple(moment.tolist())}
+            phases.append(MachinePhase(name=pose.name, end=pose.end, **named))
+        return cls(phases=tuple(phases))
+
     def wrench(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Force (N) and moment (N m) at each time (s): array (times, 3) each."""
         both = self.columns(time, [(*phase.force, *phase.moment) for phase in self.phases])
         return both[:, :3], both[:, 3:]
 
-    def balance_errors(self, frame: Undercarriage, gravity: np.ndarray) -> Errors:
-        """Phases at whose ends, and so ever, a roller would have to pull; gravity: (3,), m/s2."""
-        weight, rear, front = frame.mass * gravity, frame.rollers[0], frame.rollers[-1]
+    def balance_errors(
+        self, parts: Sequence[Part], rollers: Sequence[float], aside: float, gravity: np.ndarray
+    ) -> Errors:
+        """Phases at whose ends, and so ever, a roller would have to pull.
+
+        `parts` are those of the side frame, or the machine, that stands on `rollers` (x, m) and tips where
+        its weight acts more than `aside` (m) beside the middle; gravity: (3,), m/s2.
+        """
+        weight, rear, front = sum(part.mass for part in parts) * gravity, rollers[0], rollers[-1]
+        turned = sum(np.cross(part.com, part.mass * gravity) for part in parts)
         for phase in self.phases:
             force = np.array(phase.force) + weight
-            moment = np.array(phase.moment) + np.cross(frame.com, weight)
+            moment = np.array(phase.moment) + turned
             at = f"machine: at the end of {phase.name!r} it"
             if force[2] >= 0.0:
                 yield f"{at} lifts the side frame"
@@ -299,9 +341,9 @@ class MachineCycle(Cycle):
             if not rear <= x <= front:
                 stand = f"the rollers stand from {rear:g} to {front:g} m"
                 yield f"{at}s weight acts at x = {x:.3g} m, {stand}: it tips"
-            if abs(y) > TIPPING:
-                aside = f"{y:.3g} m beside the middle of the track, more than {TIPPING} m"
-                yield f"{at}s weight acts {aside}: the side frame tips"
+            if abs(y) > aside:
+                beside = f"{y:.3g} m beside the middle of the track, more than {aside:.4g} m"
+                yield f"{at}s weight acts {beside}: the side frame tips"
 
 
 def _loads(shovel: Shovel, pose: Pose, down: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
