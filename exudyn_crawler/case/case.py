@@ -262,6 +262,14 @@ class Case(Parameters):
         """Centres of the tumblers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
         return self._beside(self.assembled.tumbler[None])
 
+    @property
+    def idler_reference(self) -> np.ndarray:
+        """Centres of the idlers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
+        assert self.closed_track is not None
+        (x, z), start = self.closed_track.idler.place, self.assembled
+        center = start.frame + np.array([x + start.take_up, 0.0, z])
+        return self._beside(np.array([[*center, 0.0, 0.0, 0.0]]))
+
     def _beside(self, rows: np.ndarray) -> np.ndarray:
         """Rows (n, 6) of one track, global, for every track: array (tracks n, 6)."""
         middles = self.track_middles

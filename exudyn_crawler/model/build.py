@@ -97,7 +97,9 @@ class _Builder:
         self.frame, self.closed = case.undercarriage, case.closed_track
         # a side frame, or the machine on two tracks, and the tumblers of closed ones
         self.tumblers = self.shoes + 1 + np.arange(case.tracks if self.closed else 0)
-        self.count = self.shoes + len(case.frame_parts[:1]) + len(self.tumblers)
+        self.tensioner = self.closed.idler.tensioner if self.closed else None
+        self.idlers = self.shoes + 1 + len(self.tumblers) + np.arange(case.tracks if self.tensioner else 0)
+        self.count = self.shoes + len(case.frame_parts[:1]) + len(self.tumblers) + len(self.idlers)
 
     @property
     def first_terrain(self) -> int:
@@ -138,6 +140,11 @@ class _Builder:
             mass[own], first[own] = tumbler.mass, none
             second[own] = second_moment(tumbler.mass, inertia_tensor(tumbler.inertia), none)
             reference[own] = case.tumbler_reference
+            if self.tensioner is not None:
+                own, disc = self.idlers, self.tensioner.mass * self.closed.idler.radius**2
+                mass[own], first[own] = self.tensioner.mass, none
+                second[own] = second_moment(self.tensioner.mass, disc * np.diag([0.25, 0.5, 0.25]), none)
+                reference[own] = case.idler_reference
         modal = np.full(self.count, -1)
         chosen = np.flatnonzero(self.flexible)
         modal[chosen] = self.first_modal + self.modes * np.arange(len(chosen))
@@ -169,6 +176,13 @@ class _Builder:
         reduced = self.floating.reduced if self.floating is not None and self.flexible[shoe] else None
         return self.markers.add(shoe, *pin_middle(self.case.track, reduced, end))
 
+    def _free_idlers(self) -> np.ndarray:
+        """Places of the idlers where their tensioners do not push them: array (idlers, 3), m, global."""
+        if self.tensioner is None:
+            return np.zeros((0, 3))
+        beyond = self.tensioner.preload / self.tensioner.stiffness - self.case.assembled.take_up
+        return self.case.idler_reference[:, :3] + np.array([beyond, 0.0, 0.0])
+
     def joints(self) -> tuple[Joints, list[tuple[int, str]]]:
         """Joints, and of each pin the link's number (from 1), or that of a bearing (-1, -2), and its side."""
         pins, names, closed = [], [], self.closed
@@ -187,6 +201,11 @@ class _Builder:
             pins.append((self.markers.add(self.shoes, axis), self.markers.add(tumbler, np.zeros(3))))
             names.append((self.shoes - tumbler, SIDES[0]))
             bodies += [(self.shoes, tumbler)] * ROWS
+        for idler, start in zip(self.idlers.tolist(), self._free_idlers(), strict=True):
+            axis = start - self.case.frame_start
+            pins.append((self.markers.add(self.shoes, axis), self.markers.add(idler, np.zeros(3))))
+            names.append((self.shoes - idler, SIDES[0]))
+            bodies += [(self.shoes, idler)] * ROWS
         if gear is not None:
             drive = self.markers.add(self.shoes, np.zeros(3))
         else:
@@ -253,13 +272,20 @@ class _Builder:
             return None
         # the bearings of the tumblers, which come last, are no part of the chains
         pins = int((1 + self.flexible[self.case.links - 1].any(axis=1)).sum())
-        tracks = len(self.tumblers)
-        compliance = [*[closed.compliance] * pins, *[0.0] * tracks]
+        tracks, slides = len(self.tumblers), len(self.idlers)
+        compliance = np.outer([*[closed.compliance] * pins, *[0.0] * (tracks + slides)], ACROSS_CHAIN)
+        relaxation = np.zeros_like(compliance)
+        if self.tensioner is not None:
+            compliance[-slides:, 0] = 1.0 / self.tensioner.stiffness
+            relaxation[-slides:, 0] = self.tensioner.damping / self.tensioner.stiffness
+        limit = np.inf if closed.torque_limit is None else closed.torque_limit
+        turned = [*self.tumblers, *self.idlers]
         return ClosedJoints(
-            compliance=np.outer(compliance, ACROSS_CHAIN),
-            motors=np.column_stack((np.full(tracks, self.shoes), self.tumblers)),
-            limit=np.full(tracks, np.inf if closed.torque_limit is None else closed.torque_limit),
-            lag=np.full(tracks, closed.torque_speed),
+            compliance=compliance,
+            relaxation=relaxation,
+            motors=np.column_stack((np.full(len(turned), self.shoes), turned)),
+            limit=np.array([*[limit] * tracks, *[np.inf] * slides]),
+            lag=np.full(len(turned), closed.torque_speed),
         )
 
     def teeth(self) -> Teeth | None:
@@ -295,12 +321,20 @@ class _Builder:
         middles, count = self.case.track_middles, self.case.loop.shoe_count
         first = count * np.repeat(np.arange(len(middles)), len(wheels))
         rows = self._rails(closed, rails, np.zeros((0, len(lines), 3)), 0.0)
+        frames, places = (
+            np.full(len(first), self.shoes),
+            [[(x, y + m, z) for y in lines] for m in middles for x, z, _ in wheels],
+        )
+        beside = np.repeat(middles, len(wheels))
+        for track, idler in enumerate(self.idlers):
+            w = track * len(wheels) + len(closed.rollers)
+            frames[w], places[w], beside[w] = idler, [(0.0, y, 0.0) for y in lines], 0.0
         guides = np.array([closed.guide_stiffness, closed.guide_damping]) / len(lines)
         return Wheels(
-            frames=np.full(len(first), self.shoes),
+            frames=frames,
             shoes=np.column_stack((first, first + count)),
-            places=np.array([[(x, y + m, z) for y in lines] for m in middles for x, z, _ in wheels]),
-            middles=np.repeat(middles, len(wheels)),
+            places=np.array(places),
+            middles=beside,
             radii=np.tile(wheels[:, 2], len(middles)),
             law=rows.law,
             flange=(closed.guide_play, *guides.tolist()),

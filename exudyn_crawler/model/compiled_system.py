@@ -31,6 +31,7 @@ from exudyn_crawler.model.newton import step
 from exudyn_crawler.model.state import (
     BEARING,
     BODY_COORDINATES,
+    IDLERS,
     MOTOR,
     RATES,
     SIDE_FRAME,
@@ -63,7 +64,11 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateL
     """Layout of the states of a case; `pins` name link (from 1) and side of each."""
     others: tuple[str, ...] = () if case.running_gear is None else (SIDE_FRAME,)
     tumblers = TUMBLERS[case.tracks] if case.is_closed else ()
-    others += tumblers
+    idlers = (
+        IDLERS[case.tracks] if len(tables.bodies.mass) > case.track.shoe_count + 1 + len(tumblers) else ()
+    )
+    turned = (*tumblers, *idlers)
+    others += turned
     names = [f"shoe {number}" for number in case.track.shoes] + list(others)
     return StateLayout(
         shoes=case.track.shoe_count,
@@ -73,13 +78,13 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateL
         contact=0 if tables.cells is None else RESULTS + (tables.cells.nodes.size if case.flexible else 0),
         multipliers=(
             *(
-                (pin_name(side, link) if link > 0 else BEARING.format(tumblers[-link - 1]), ROWS)
+                (pin_name(side, link) if link > 0 else BEARING.format(turned[-link - 1]), ROWS)
                 for link, side in pins
             ),
             ("drive", 1),
             ("turn", 1),
             *((f"hold of {names[b]} ({BODY_COORDINATES[k]})", 1) for b, k in tables.joints.holds.tolist()),
-            *((MOTOR.format(tumbler), 1) for tumbler in tumblers),
+            *((MOTOR.format(one), 1) for one in turned),
         ),
         bodies=others,
     )
@@ -450,9 +455,10 @@ class CompiledSystem(TrackSystem):
             loads[len(shoes) + 1 :, 0] = -frame.end_tension, frame.end_tension
         turning = self._driven and self.case.drive.turn_rate is not None
         active = np.array([self._driven, turning], dtype=float)
-        if self.case.closed_track is not None:
+        if self.case.closed_track is not None and self.tables.closed is not None:
             active[:] = 0.0
-            motors = of_tracks / self.case.closed_track.travel_per_angle(self.case.track)
+            motors = np.zeros(len(self.tables.closed.motors))  # what keeps sliding idlers from spinning last
+            motors[: len(of_tracks)] = of_tracks / self.case.closed_track.travel_per_angle(self.case.track)
         if self.tables.wheels is not None:
             drag = np.repeat(drag, len(self.tables.wheels.frames) // len(drag))
         return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], drag, motors)

@@ -106,6 +106,17 @@ def _add_joints(
 
 
 @solving_within
+def _gap_rate(tables: Tables, state: FloatArray, work: Workspace, row: int) -> float:
+    """Rate (m/s or rad/s) of the gap of a constraint between two rigid bodies."""
+    rate = 0.0
+    for side in range(2):
+        first = tables.bodies.coordinate[tables.joints.bodies[row, side]]
+        for c in range(6):
+            rate += work.jacobian[row, side, c] * state[1, first + c]
+    return rate
+
+
+@solving_within
 def _add_closed(
     closed: tuple | None,
     tables: Tables,
@@ -129,7 +140,10 @@ def _add_closed(
         if weights.position != 0.0:
             write_turned(bodies, markers, pins[p], multipliers[ROWS * p :], state, work.turned[p])
         for r in range(ROWS):
-            out[n + ROWS * p + r] -= STIFFNESS * joints.compliance[p, r] * multipliers[ROWS * p + r]
+            row = ROWS * p + r
+            out[n + row] -= STIFFNESS * joints.compliance[p, r] * multipliers[row]
+            if joints.relaxation[p, r] > 0.0:
+                out[n + row] += STIFFNESS * joints.relaxation[p, r] * _gap_rate(tables, state, work, row)
     first = multipliers.shape[0] - joints.motors.shape[0]
     for k in range(joints.motors.shape[0]):
         speed = motor_speed(tables.bodies, joints.motors[k], state, work.motors[k])
@@ -345,6 +359,11 @@ def _add_closed_rows(
         for r in range(ROWS):
             row = places.multiplier[f, ROWS * p + r]
             matrix[row, row] -= STIFFNESS * joints.compliance[p, r]
+            rate = STIFFNESS * weights.velocity * joints.relaxation[p, r]
+            for side in range(2 if rate > 0.0 else 0):
+                place = places.body[f, tables.joints.bodies[ROWS * p, side]]
+                for c in range(6):
+                    matrix[row, place + c] += rate * work.jacobian[ROWS * p + r, side, c]
         for side in range(2):
             b = tables.joints.bodies[ROWS * p, side]
             own, place = front(fronts, values, places.front[b]), places.body[places.front[b], b] + 3

@@ -56,7 +56,8 @@ class ClosedJoints(NamedTuple):
     """
 
     compliance: FloatArray  # (pins, ROWS): m/N and rad/(N m)
-    motors: IntArray  # (motors, 2): frame and tumbler that turns against it
+    relaxation: FloatArray  # (pins, ROWS): s, damping times compliance
+    motors: IntArray  # (motors, 2): frame and tumbler that turns against it, or idler that does not
     limit: FloatArray  # (motors,): greatest torque, N m; infinite where the speed is kept
     lag: FloatArray  # (motors,): rad/s at which there is 0.7 of the greatest torque
 

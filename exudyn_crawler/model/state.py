@@ -28,8 +28,10 @@ SIDE_FRAME = "side frame"
 """Body that rolls over the track; of a machine on two tracks all of it but shoes and tumblers."""
 TUMBLERS = {1: ("tumbler",), 2: ("right tumbler", "left tumbler")}
 """Drive wheels of closed tracks, by the number of these."""
+IDLERS = {1: ("idler",), 2: ("right idler", "left idler")}
+"""Idlers of closed tracks that tensioners push, the same."""
 BEARING, MOTOR = "bearing of the {}", "motor of the {}"
-"""Joints between frame and a tumbler."""
+"""Joints between frame and a tumbler, or an idler: its slide, and what keeps it from spinning."""
 
 
 def pin_name(side: str, link: int) -> str:

@@ -6,15 +6,18 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, StepProfile, simulate
-from exudyn_crawler.case import Drive
+from exudyn_crawler.case import Drive, read_case
+from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.results.history.catalogue import link_name
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.balance import energies, shoe_actions, shoe_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from tests.model.both import compiled_matrix, residual_of
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 
@@ -75,6 +78,60 @@ def test_chain_stays_closed(rig):
     apart = front - np.roll(rig.position.values + back, -1, axis=1)
     assert np.abs(apart[..., [0, 2]]).max() < 2e-6  # with what compliance in roll and yaw makes of it
     assert np.abs(apart[..., 1]).max() < 1e-4
+
+
+def rest_of(case):
+    """History of a case's rest alone."""
+    system = compiled_system(case)
+    return system_history(system, resting(system, static_equilibrium(case)))
+
+
+def test_a_spring_holds_the_idler_as_shims_at_its_place_do():
+    taut = Case.closed().with_({"closed_track.support": "posts"})
+    place = taut.assembled.take_up - 2e-3
+    shims = rest_of(taut.with_({"closed_track.idler.take_up": place}))
+    push, stiffness = -shims.wheel_force.sel(wheel="idler", axis="x").item(), 2e8
+    spring = Tensioner(mass=8e3, stiffness=stiffness, preload=push + stiffness * place)
+    sprung = rest_of(taut.with_({"closed_track.idler.tensioner": spring}))
+    assert sprung.take_up.item() == pytest.approx(place, abs=1e-6)
+    np.testing.assert_allclose(sprung.joint_force, shims.joint_force, rtol=0.0, atol=1e-3 * push)
+
+
+def test_the_tensioners_row_is_its_spring_and_damper():
+    """Its matrix is the derivative of its residual by places and rates of frame and idler."""
+    spring = Tensioner(mass=8e3, stiffness=2e8, preload=3e7, damping=1e6)
+    case = Case.closed().with_({"closed_track.support": "posts", "closed_track.idler.tensioner": spring})
+    system, velocity = compiled_system(case), 700.0
+    q, weights = static_equilibrium(case), (1.0, velocity, 0.0, False, 1.0)
+    row = len(q) + system.layout.first_multiplier("bearing of the idler")
+    first = len(q) - 6
+    found = compiled_matrix(system, q, np.zeros_like(q), weights)[row, first : first + 3]
+    differences = np.zeros(3)
+    for k in range(3):
+        step = np.zeros_like(q)
+        step[first + k] = 1e-7
+        above, below = (
+            residual_of(system, q + sign * step, sign * velocity * step, np.zeros_like(q))[row]
+            for sign in (1, -1)
+        )
+        differences[k] = (above - below) / 2e-7
+    np.testing.assert_allclose(found, differences, rtol=1e-6, atol=1e-6 * STIFFNESS)
+    assert found[0] == pytest.approx(STIFFNESS * (1.0 + velocity * spring.damping / spring.stiffness))
+
+
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+def test_upper_run_of_an_m113_hangs_as_a_catenary():
+    """A second machine with a spring: its push on the idler is the pull of both runs, by curvature too."""
+    case = read_case("studies/m113.toml").case
+    rest, spring = rest_of(case), case.closed_track.idler.tensioner
+    on_idler = rest.wheel_force.sel(wheel="idler").isel(time=0).values
+    assert -on_idler[0] == pytest.approx(spring.preload - spring.stiffness * rest.take_up.item(), rel=1e-4)
+    place = (rest.position - rest.side_frame_position).isel(time=0).values
+    free = place[(place[:, 2] > 0.37) & (place[:, 0] > 0.6) & (place[:, 0] < 3.4)]
+    curvature = 2.0 * np.polyfit(free[:, 0], free[:, 2], 2)[0]
+    pull = case.shoe.mass * case.gravity / case.track.pitch / curvature
+    assert pull == pytest.approx(0.5 * np.hypot(on_idler[0], on_idler[2]), rel=0.02)
+    assert 50e3 < pull < 70e3
 
 
 def test_travel_a_radian_is_that_of_the_pitches(rig):

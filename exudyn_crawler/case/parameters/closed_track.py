@@ -9,7 +9,7 @@ from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import assembly, base, track
-from exudyn_crawler.case.parameters.base import Errors, Parameters, quantity
+from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.undercarriage import tread_strips
 
 CLEARANCE = 0.5
@@ -85,8 +85,17 @@ class Tumbler(Parameters):
         return cls(**ph4100c.TUMBLER)
 
 
+class Tensioner(Parameters):
+    """Spring-damper between side frame and idler, which slides along the frame and does not spin."""
+
+    mass: float = quantity("kg", "of the idler with its slide", (5.0, 2e4), ge=0.1, le=1e8)
+    stiffness: base.Stiffness = quantity("N/m", "of the spring", (1e5, 1e9))
+    preload: float = quantity("N", "its push on the idler without take-up", (1e3, 1e7), ge=0, le=1e10)
+    damping: base.Damping = quantity("N s/m", "of the damper", (0.0, 1e7), default=0.0)
+
+
 class Idler(Parameters):
-    """Front idler, held by shims: it stays where the take-up puts it."""
+    """Front idler: shims hold it where the take-up puts it, or a tensioner pushes it from there."""
 
     place: Wheel = quantity("m", "x and z of the axis in the frame without take-up", (-20.0, 20.0))
     radius: base.Length = quantity("m", "radius of its treads", (0.05, 2.0))
@@ -99,6 +108,7 @@ class Idler(Parameters):
     )
     slack: base.Extent = quantity("m", "by which it stands back from a taut chain", (0.0, 0.1), default=0.0)
     range: base.Two = quantity("m", "least and greatest take-up", (-1.0, 1.0))
+    tensioner: Tensioner | None = option("spring-damper that pushes it forward; none: shims hold it", None)
 
     def _errors(self) -> Errors:
         if self.range[0] >= self.range[1]:
@@ -123,7 +133,7 @@ class ClosedTrack(Parameters):
     support: Literal["ground", "posts"] = base.option("what carries the frame", "ground")
     mass: float = quantity(
         "kg",
-        "half of the machine without its shoes and tumbler; with a car_body that of the side frame alone",
+        "half of the machine less shoes, tumbler and sliding idler; with a car_body of the side frame alone",
         (1e2, 2e6),
         ge=1,
         le=1e9,

@@ -56,7 +56,7 @@ class Shoe(Parameters):
     Places are given in the shoe's frame: origin at the COM, x in the propel direction, y lateral, z up.
     """
 
-    mass: float = quantity("kg", "mass", (50.0, 2e4), ge=0.1, le=1e7)
+    mass: float = quantity("kg", "mass", (5.0, 2e4), ge=0.1, le=1e7)
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor)")
     com_height: Length = quantity("m", "height of the COM above the underside", (0.02, 1.0))
     length: Length = quantity("m", "length of the flat underside in x", (0.1, 2.0))

@@ -12,7 +12,7 @@ from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import angular_acceleration, angular_velocity, rotation_matrices
 from exudyn_crawler.ground.terrain import ReducedCoordinates
-from exudyn_crawler.model.state import MOTOR, RATES, SIDE_FRAME, TUMBLERS, VERSION, pin_name
+from exudyn_crawler.model.state import IDLERS, MOTOR, RATES, SIDE_FRAME, TUMBLERS, VERSION, pin_name
 from exudyn_crawler.results.history import catalogue, files
 from exudyn_crawler.results.history.history import History
 
@@ -232,13 +232,15 @@ def _closed(states: _States, forces: Callable[..., dict[str, np.ndarray]]) -> di
         )
         for after in RATES[:2]
     )
+    take_up = _take_up(states)
     if case.tracks == 1:
-        place, torque, pitch, rate = (one[:, 0] for one in (place, torque, pitch, rate))
+        place, torque, pitch, rate, take_up = (one[:, 0] for one in (place, torque, pitch, rate, take_up))
     named = _motion(states, SIDE_FRAME, case.frame_start, "side_frame_") | {
         "tumbler_position": place,
         "tumbler_angle": pitch,
         "tumbler_speed": rate,
         "drive_moment": torque,
+        "take_up": take_up,
         "wheel_force": found["on_wheels"],
         "wheel_load": found["wheel"][..., :3],
         "wheel_moment": found["wheel"][..., 3:],
@@ -269,6 +271,19 @@ def _on_flexible_shoes(states: _States, found: dict[str, np.ndarray]) -> dict[st
         "lug_force": found["lug_force"],
         "lug_guide": found["lug_guide"][..., None] * axis[:, :, None],
     }
+
+
+def _take_up(states: _States) -> np.ndarray:
+    """Take-up of the idlers of closed tracks, which shims keep: array (times, tracks), m."""
+    case = states.system.case
+    take_up = np.full((len(states.rows), case.tracks), case.assembled.take_up)
+    if states.system.layout.bodies[-1] not in IDLERS[case.tracks]:
+        return take_up
+    frame, start = states.part(SIDE_FRAME), case.idler_reference[:, :3] - case.frame_start
+    for k, name in enumerate(IDLERS[case.tracks]):
+        apart = states.part(name)[:, :3] - frame[:, :3] + start[k]
+        take_up[:, k] += np.einsum("tik,ti->tk", rotation_matrices(frame[:, 3:]), apart)[:, 0] - start[k, 0]
+    return take_up
 
 
 def _coordinates(system: "TrackSystem") -> dict[str, object]:
