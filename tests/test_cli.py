@@ -14,6 +14,7 @@ from pathlib import Path
 import imageio_ffmpeg
 import pandas as pd
 import pytest
+import tomlkit
 
 from exudyn_crawler import Case, History, __main__, cli
 from exudyn_crawler.case import CaseFile, read_case
@@ -21,6 +22,7 @@ from exudyn_crawler.case.parameters.fields import case_rows
 from exudyn_crawler.cli import starting, sweeps
 from exudyn_crawler.cli.application import COMMANDS as GROUP
 from exudyn_crawler.cli.application import registered
+from exudyn_crawler.results.checks.cases import read_check
 
 COMMANDS = (
     "kinematics",
@@ -127,6 +129,36 @@ def test_every_command_is_among_those_tested(call):
     assert own == running | looking
     assert own | set(registered(GROUP)) == set(COMMANDS)
     assert all(name in out for name in COMMANDS)
+
+
+@pytest.mark.simulation
+def test_the_handbooks_check_file_is_checked(call, tmp_path):
+    """As it stands it is read; with the coarse ready shoe, without the ready cases, its own one is solved."""
+    text = (Path(__file__).parents[1] / "docs" / "check-cases.md").read_text(encoding="utf-8")
+    block = text.partition("```toml\n")[2].partition("```")[0]
+    name = block.partition("\n")[0].removeprefix("# ")
+    (tmp_path / name).write_text(block)
+    asked = read_check(tmp_path / name)
+    assert asked.dimensions == {"rail_overhang": 0.132, "wear": 0.025}
+    content = tomllib.loads(block) | {"mesh": "coarse", "levels": []}
+    del content["dimensions"]
+    (tmp_path / name).write_text(tomlkit.dumps(content))
+    code, out, err = call("check", name, "--out", "checked", "--no-pictures")
+    assert (code, err) == (0, "")
+    assert "two stones" in out
+    assert "section moments" in out
+    peaks = pd.read_csv(tmp_path / "checked" / "peaks.csv")
+    assert set(peaks["case"]) == {"two stones"}
+    assert peaks["von Mises in MPa"].max() > 50.0
+    assert (pd.read_csv(tmp_path / "checked" / "hertz.csv")["force in kN"] == 574.0).all()
+    code, _, err = call("check", name, "--out", "checked", "--no-pictures")
+    assert code != 0
+    assert_one_line(err, "exists")
+    content["cases"][0]["ground"]["stiffness"] = "soft"
+    (tmp_path / name).write_text(tomlkit.dumps(content))
+    code, _, err = call("check", name, "--out", "other")
+    assert code != 0
+    assert_one_line(err, name, "cases[0].ground.stiffness")
 
 
 def test_a_law_of_the_ground_is_drawn_from_its_file(call, tmp_path):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import rainflow
 
 from fem.rainflow import repeated_cycles
 
@@ -41,6 +42,21 @@ def test_rows_are_where_the_ends_of_cycles_are():
     larger = found.larger_than(1.0)
     assert len(larger.begin) == (found.amplitude > 1.0).sum() > 0
     assert larger.amplitude.min() > 1.0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_another_library_counts_the_same(seed):
+    """That of P. Janiszewski and others by ASTM E1049-85, from the greatest value on and back to it."""
+    signal = np.random.default_rng(seed).standard_normal(400).cumsum()
+    start = int(signal.argmax())
+    once = np.append(np.roll(signal, -start), signal[start])
+    counts: dict[tuple[float, float], float] = {}
+    for range_, mean, count, _, _ in rainflow.extract_cycles(once):
+        key = (round(range_, 9), round(mean, 9))
+        counts[key] = counts.get(key, 0.0) + count
+    assert set(counts.values()) == {1.0}
+    found = [(round(a, 9), round(b, 9)) for a, b in ranges_and_means(list(signal))]
+    assert found == sorted(counts)
 
 
 def test_constant_and_rising_histories():

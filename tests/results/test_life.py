@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import rainflow
 
 from exudyn_crawler import Duty, FatigueMaterial, History
 from exudyn_crawler.results.life.duty import DutyRun
@@ -10,6 +11,7 @@ from exudyn_crawler.results.stress.basis import TOLERANCE
 from exudyn_crawler.results.stress.hot_spots import REGIONS
 from exudyn_crawler.results.stress.recovery import node_stress
 from fem.defects import equivalent_amplitude, murakami_limit
+from fem.stress import von_mises
 from fem.trust import HELD, OPEN, VERDICTS
 
 HALF = 0.03
@@ -58,6 +60,26 @@ def test_damage_at_a_place_is_that_of_its_history(flexible_run, found):
     again = float(only.dataset.place_damage.sel(shoe=13, node=node)[-1])
     assert 2.0 * run["damage an hour"].sum() == pytest.approx(again, rel=1e-3)
     assert run["times an hour"].unique() == pytest.approx([500.0])  # half of all hours at this place
+
+
+def test_damage_is_that_of_another_rainflow_library(flexible_run, found):
+    """Cycles by the library rainflow, FKM's mean stress and Miner's rule by hand, at the worst node."""
+    node = int(found.table["node"][0])
+    stress = node_stress(flexible_run[0], 13, node=node).stress.values
+    time = flexible_run[0].time.values
+    signal = np.where(stress[:, :3].sum(axis=1) < 0.0, -1.0, 1.0) * von_mises(stress)
+    signal = signal[time <= HALF * (1.0 + 1e-9)]
+    start = int(signal.argmax())
+    once = np.append(np.roll(signal, -start), signal[start])
+    ranges, means, counts = np.array([one[:3] for one in rainflow.extract_cycles(once)]).T
+    amplitude, curve = 0.5 * ranges, WEAK.curve()
+    M, part = curve.mean_sensitivity, np.clip(means / amplitude, -1.0, 3.0)
+    beyond = (1.0 + M) / (1.0 + M / 3.0) * (1.0 + M / 3.0 * part)
+    equal = amplitude * np.where(part <= 1.0, 1.0 + M * part, beyond)
+    damage = counts @ (equal / curve.strength_at(0.975)) ** curve.slope / curve.knee
+    cycles = found.nodes[node].cycles.query("run == 'first' and shoe == 13")
+    # every other hour a shoe is at this place
+    assert cycles["damage an hour"].sum() == pytest.approx(1000.0 / 2.0 * damage, rel=1e-6)
 
 
 @pytest.mark.slow

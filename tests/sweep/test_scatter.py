@@ -113,6 +113,26 @@ def test_bounds_of_quantiles_hold_as_often_as_they_say():
     assert (held[middle] >= 93).all()
 
 
+@pytest.mark.parametrize("count", [60, 200])
+def test_quantiles_and_bounds_are_scipys(count):
+    """Linear between order statistics; bounds at the ranks of binomial quantiles, known or not."""
+    values = stats.lognorm(0.8).rvs(count, random_state=np.random.default_rng(count))
+    table = pd.DataFrame({"run": np.arange(count), "status": "done", FORCE.label: values})
+    found = quantiles(sample(count), table).set_index("portion below")
+    np.testing.assert_allclose(found["value"], stats.mstats.mquantiles(values, PORTIONS, alphap=1, betap=1))
+    ranked = np.sort(values)
+    for portion, row in found.iterrows():
+        low = int(stats.binom.ppf(0.025, count, portion)) - 1
+        high = int(stats.binom.ppf(0.975, count, portion))
+        for bound, rank in ((row["least"], low), (row["most"], high)):
+            known = 0 <= rank < count
+            assert np.isnan(bound) != known
+            if known:
+                # ties of the binomial's tail may move a bound by a rank
+                near = ranked[max(rank - 1, 0) : rank + 2]
+                assert near[0] <= bound <= near[-1]
+
+
 def test_fewer_runs_show_whether_a_quantile_has_settled():
     sweep, values = sample(40), np.arange(40.0)
     found = quantiles(sweep, answered(sweep, **{FORCE.label: values})).set_index("portion below").loc[0.5]
