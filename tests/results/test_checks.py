@@ -7,7 +7,7 @@ import pytest
 
 import fem
 from exudyn_crawler.check_run import check_cases
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.results.checks.cases import (
     CheckCase,
     CheckCycle,
@@ -229,3 +229,30 @@ def test_a_defect_in_tension_counts_where_it_is_worst_in_its_region(found, shoe)
     highest = mises[opens].max()
     expected = growth_time(np.zeros(1), np.array([highest]), np.ones(1), 3e-3, 0.06)
     assert own.loc["wings", "cycles to a crack, defect"] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.simulation
+def test_a_blow_pushes_as_its_energy_and_compliance_say(shoe):
+    """On soft ground a shoe hardly bends: F = sqrt(2 E k A); the work of the forces is the energy."""
+    top = Pressure(facing="up", low=(-0.2, -0.4, 0.1), high=(0.2, 0.4, 0.4), force=(0.0, 0.0, -1e6))
+    soft = OneSidedGround(stiffness=SOFT)
+    case = CheckCase(name="blow", treads=rolled(), pressures=(top,), ground=soft, energy=25e3)
+    hard = case.with_(name="hard", ground=OneSidedGround(stiffness=1e9))
+    off = Pressure(facing="up", low=(-0.4, 1.5, 0.1), high=(0.4, 1.8, 0.4), force=(0.0, 0.0, -1e6))
+    aside = case.with_(name="aside", ground=OneSidedGround(), pressures=(off,))
+    once = aside.with_(name="rest", pressures=(), energy=None)
+    found = solve_cases(ShoeCheck(mesh="coarse", levels=(), cases=(case, hard, aside, once)), shoe)
+    blow = found.moments.set_index("case")
+    assert blow.loc["blow", "blow in MN"] * 1e6 == pytest.approx(
+        (2.0 * 25e3 * SOFT * 0.63 * WHOLE) ** 0.5, rel=0.01
+    )
+    assert blow.loc["blow", "its compliance in m/N"] == pytest.approx(1.0 / (SOFT * 0.63 * WHOLE), rel=0.02)
+    force, compliance = blow["blow in MN"] * 1e6, blow["its compliance in m/N"]
+    np.testing.assert_allclose((0.5 * force**2 * compliance)[:3], 25e3, rtol=1e-3)
+    assert force["hard"] > 3.0 * force["blow"]
+    # of what is left in balance with the treads and the ground
+    assert found.forces[:, 2, 2].sum() == pytest.approx(0.0, abs=1.0)
+    assert found.forces[:, 2, 2][found.forces[:, 2, 2] < 0.0].sum() < -2 * FORCE - 0.5 * force["aside"]
+    assert np.isnan(blow.loc["rest", "blow in MN"])
+    with pytest.raises(ParameterError, match="energy needs treads, pressures and ground"):
+        case.with_(ground=None)

@@ -34,6 +34,8 @@ MEAN, PASS, DIGGING = 388e3, 574e3, 761e3
 """N on a rail: mean and greatest of a straight pass, and greatest while digging, of the rollers study."""
 PULL, SIDE, STRIKE = 2.6e6, 0.26e6, 1e6
 """N: pull of a chain that turns on the spot, what is left of it sideways on a shoe, and a unit strike."""
+BLOW = 25e3
+"""J of a dipper of 50 t that falls on a shoe at 1 m/s: assumed, no source has mass and speed."""
 UNDER_A_SIDE = 0.05  # m, by which a box of a pressure reaches beyond the face that is meant
 
 Side = Literal["left", "right"]
@@ -96,6 +98,13 @@ class CheckCase(Parameters):
     treads: tuple[TreadForce, ...] = option("forces on the rails", default=())
     pressures: tuple[Pressure, ...] = option("forces on other parts of the surface", default=())
     pins: tuple[PinForce, ...] = option("forces of link pins", default=())
+    energy: float | None = quantity(
+        "J",
+        "of a blow by the pressures, whose forces grow until shoe and ground have taken it; none: as given",
+        gt=0,
+        le=1e9,
+        default=None,
+    )
     held_by: tuple[Name, ...] = option(
         "pins and axes, such as 'rear left x', whose least forces take what is left of the loads", default=()
     )
@@ -103,6 +112,11 @@ class CheckCase(Parameters):
     hand_moment: Component | None = quantity(
         "N m", "bending moment at y = 0 by hand, positive with the underside in tension", default=None
     )
+
+    def _errors(self) -> Errors:
+        lacking = self.ground is None or not self.pressures or not self.treads or self.held_by
+        if self.energy is not None and lacking:
+            yield "energy needs treads, pressures and ground, and no pins that hold"
 
 
 class CheckCycle(Parameters):
@@ -301,8 +315,9 @@ def _drive_and_strikes(outline: ShoeOutline, force: float) -> list[CheckCase]:
     for name, from_x in (("tip", x0), ("edge", 0.1)):
         low, high = (from_x, y1 - 0.25, 0.1), (x1, y1, outline.top + 0.1)
         strike = Pressure(facing="up", low=low, high=high, force=(0.0, 0.0, -STRIKE))
-        how: dict[str, Any] = {"treads": _rolled(force), "ground": OneSidedGround()}
-        found.append(CheckCase(name=f"strike of 1 MN on the wing's {name}", pressures=(strike,), **how))
+        how: dict[str, Any] = {"treads": _rolled(force), "ground": OneSidedGround(), "pressures": (strike,)}
+        for size, energy in (("1 MN", None), (f"{BLOW / 1e3:g} kJ", BLOW)):
+            found.append(CheckCase(name=f"strike of {size} on the wing's {name}", energy=energy, **how))
     return found
 
 

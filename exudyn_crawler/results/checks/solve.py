@@ -21,7 +21,7 @@ from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
 from fem import ElasticBody, Mesh, Partition, Shapes, trust
 from fem.interfaces import Spider, rigid_motion_of_centers
 from fem.stress import principal, von_mises
-from fem.supports import OneSidedBed, SurfacePoints, section, surface_points
+from fem.supports import UPRIGHT, OneSidedBed, Rest, SurfacePoints, section, surface_points
 from meshes import STEEL, ShoeDimensions, mesh_named, mesh_shoe, with_load_surfaces
 
 POINTS, RAIL_POINTS = 0.02, 0.01
@@ -43,6 +43,7 @@ NORMALS: dict[Facing, tuple[int, float]] = {
 """Axis and sign of the way that a face looks."""
 MEGA = 1e6
 SURVIVAL = 0.975
+BLOW_STEPS = 8  # to the force of a blow, whose error each makes less than half
 WIDEST = 10  # nodes of a region with the widest cycles in tension, at which a defect is looked at
 
 
@@ -233,7 +234,7 @@ def solve_cases(
     A ValueError names a case that is not in balance or that ground cannot carry.
     """
     cases = all_cases(check, shoe)
-    forces, centers, answers = _solved(shoe, cases, say)
+    forces, centers, answers, blows = _solved(shoe, cases, say)
     say("stresses, peaks and cycles")
     surface = shoe.mesh.surface_nodes
     stress = np.ascontiguousarray(np.moveaxis(shoe.body.stress(answers, surface), 2, 0))
@@ -252,7 +253,7 @@ def solve_cases(
         np.moveaxis(answers[surface], 2, 0),
         forces,
         _peaks(check, shoe, names, stress, answers),
-        _moments(shoe, cases, forces, centers),
+        _moments(shoe, cases, forces, centers, blows),
         cycle_table(check, shoe, by_name, pairs),
         hertz_table(check, cases),
     )
@@ -269,19 +270,21 @@ def case_shapes(
     known = {case.name: case for case in all_cases(check, shoe)}
     if wrong := sorted(set(names) - set(known)):
         raise ValueError(f"{check.name}: no check case {wrong}; there are {[*known]}")
-    _, _, answers = _solved(shoe, [known[name] for name in names], say)
+    _, _, answers, _ = _solved(shoe, [known[name] for name in names], say)
     interfaces = tuple(shoe.partition.interfaces)
     return Shapes(shoe.mesh, STEEL, interfaces, answers, shoe.body.stress(answers))
 
 
 def _solved(
     shoe: CheckedShoe, cases: Sequence[CheckCase], say: Callable[[str], None]
-) -> tuple[NDArray, NDArray, NDArray]:
-    """Forces (n, 3, k) on nodes, the ground's too, and on joint centres (24, k); answers (n, 3, k)."""
-    loads = []
+) -> tuple[NDArray, NDArray, NDArray, dict[str, "Blow"]]:
+    """Forces (n, 3, k) on nodes, the ground's too, and on joint centres (24, k); answers (n, 3, k); blows."""
+    loads, blows = [], {}
     for case in cases:
         with _named(case):
-            loads.append(shoe.loads(case))
+            if case.energy is not None:
+                blows[case.name] = _blow(shoe, case, case.energy)
+            loads.append(shoe.loads(blows[case.name].case if case.energy is not None else case))
     say(f"{len(cases)} cases in balance: answers of {len(shoe.mesh.nodes)} nodes")
     forces, centers = (np.stack(one, axis=-1) for one in zip(*loads, strict=True))
     answers = _answers(shoe, forces, centers)
@@ -294,7 +297,7 @@ def _solved(
     carried = [k for k, case in enumerate(cases) if case.ground is not None]
     if carried:
         answers[..., carried] += _answers(shoe, below[..., carried], np.zeros((len(centers), len(carried))))
-    return forces + below, centers, answers
+    return forces + below, centers, answers, blows
 
 
 @contextmanager
@@ -313,6 +316,13 @@ def _answers(shoe: CheckedShoe, forces: NDArray, centers: NDArray) -> NDArray:
 
 def _ground_forces(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answer: NDArray) -> NDArray:
     """Nodal forces (n, 3) of the ground below a case."""
+    forces = np.zeros_like(shoe.mesh.nodes)
+    forces[:, 2] = shoe.bed.points.shapes.T @ _rest(shoe, case, loads, answer).forces
+    return forces
+
+
+def _rest(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answer: NDArray) -> Rest:
+    """Rest of the shoe on the ground of a case."""
     assert case.ground is not None
     points = shoe.bed.points
     x = points.positions[:, :2]
@@ -323,16 +333,53 @@ def _ground_forces(shoe: CheckedShoe, case: CheckCase, loads: AppliedLoads, answ
         inside = (away**2).sum(axis=1) <= 1.0 if part.round else (away <= 1.0).all(axis=1)
         gap[inside], stiffness[inside] = -part.height, part.stiffness
     shift = points.shapes @ answer[:, 2]
-    rest = shoe.bed.settle(shoe.resultant(*loads), shift, gap, stiffness)
-    forces = np.zeros_like(shoe.mesh.nodes)
-    forces[:, 2] = points.shapes.T @ rest.forces
-    return forces
+    return shoe.bed.settle(shoe.resultant(*loads), shift, gap, stiffness)
+
+
+class Blow(NamedTuple):
+    """Case with the force (N) that a blow's energy makes, by the compliance (m/N) of shoe and ground."""
+
+    case: CheckCase
+    force: float
+    compliance: float
+
+
+def _blow(shoe: CheckedShoe, case: CheckCase, energy: float) -> Blow:
+    """Forces of a case's pressures whose work until they rest, half of force times way, is an energy in J.
+
+    All of it goes into shoe and ground, from the rest under all else: rope, crowd and dipper give nothing.
+    """
+    assert case.ground is not None
+    alone = shoe.loads(case.with_(pressures=(), energy=None))
+    struck = shoe.loads(case.with_(energy=None))
+    blow = AppliedLoads(struck.forces - alone.forces, struck.centers - alone.centers)
+    both = zip(alone, blow, strict=True)
+    answers = _answers(shoe, *(np.stack(one, axis=-1) for one in both))
+    own, whole = float(np.sum(blow.forces * answers[..., 1])), float(np.linalg.norm(blow.forces.sum(axis=0)))
+    below, resultant = shoe.bed.points.shapes @ answers[:, 2, 1], shoe.resultant(*blow)[UPRIGHT]
+
+    def way(times: float) -> float:
+        """Way of the unit blow's forces beside its own, m N; what ground does there by reciprocity."""
+        together = AppliedLoads(*(a + times * b for a, b in zip(alone, blow, strict=True)))
+        rest = _rest(shoe, case, together, answers @ (1.0, times))
+        return float(rest.forces @ below + resultant @ rest.motion)
+
+    at_rest, times = way(0.0), 1.0
+    for _ in range(BLOW_STEPS):
+        work = own + (way(times) - at_rest) / times  # of the unit blow by its own way, J
+        times = np.sqrt(2.0 * energy / work)
+    scaled = tuple(one.with_(force=tuple(times * part for part in one.force)) for one in case.pressures)
+    return Blow(case.with_(pressures=scaled, energy=None), times * whole, work / whole**2)
 
 
 def _moments(
-    shoe: CheckedShoe, cases: Sequence[CheckCase], forces: NDArray, centers: NDArray
+    shoe: CheckedShoe,
+    cases: Sequence[CheckCase],
+    forces: NDArray,
+    centers: NDArray,
+    blows: Mapping[str, Blow],
 ) -> pd.DataFrame:
-    """Bending moment at y = 0 by all that acts, by hand, and the stress of a beam of that section."""
+    """Bending moment at y = 0 by all that acts, by hand, and the stress of a beam; forces of blows."""
     cut = section(shoe.mesh, 0.0)
     rows = []
     for k, case in enumerate(cases):
@@ -346,6 +393,8 @@ def _moments(
                 "over it": moment / by_hand,
                 "beam, underside in MPa": moment * (cut.middle - cut.bottom) / cut.second / MEGA,
                 "beam, top in MPa": moment * (cut.middle - cut.top) / cut.second / MEGA,
+                "blow in MN": blows[case.name].force / MEGA if case.name in blows else np.nan,
+                "its compliance in m/N": blows[case.name].compliance if case.name in blows else np.nan,
             }
         )
     return pd.DataFrame(rows)
