@@ -13,14 +13,17 @@ from exudyn_crawler.results.checks.cases import ShoeCheck, read_check
 from exudyn_crawler.results.checks.solve import CheckedShoe, CheckResults, solve_cases
 from exudyn_crawler.results.stress.hot_spots import flat_triangles
 from exudyn_crawler.views import style
+from exudyn_crawler.views.pages import page
+from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
 from exudyn_crawler.views.scenes.pictures import paint
-from exudyn_crawler.views.scenes.scene import Colouring, Solid, View
+from exudyn_crawler.views.scenes.scene import Colouring, Scene, Solid, View
 from exudyn_crawler.views.tables import write_table
 from fem.stress import von_mises
 
 PEAKS, MOMENTS, CYCLES, HERTZ = "peaks.csv", "moments.csv", "cycles.csv", "hertz.csv"
-PICTURES = "pictures"
+PICTURES, PAGE = "pictures", "check.html"
 BENT = 0.05  # m, at which the greatest elastic displacement is drawn at most
+BY_CASE = "Colours are the stress of a case, on a scale of its own."
 VIEWS = {"from ahead and above": (25.0, 30.0), "from ahead and below": (25.0, -30.0)}  # azimuth, elevation
 WINDOW = (-2.0, 2.0, -0.8, 0.8)  # m
 
@@ -61,7 +64,7 @@ def check_cases(
     warn_of(out_of_range(check))
     folder = None if out is None else Path(out)
     if folder is not None:
-        for name in (PEAKS, MOMENTS, CYCLES, HERTZ):
+        for name in (PEAKS, MOMENTS, CYCLES, HERTZ, PAGE):
             refuse_existing(folder / name, overwrite)
     found = solve_cases(check, CheckedShoe.of(check), say)
     if folder is not None:
@@ -69,6 +72,7 @@ def check_cases(
         tables = {PEAKS: found.table, MOMENTS: found.moments, CYCLES: found.cycles, HERTZ: found.hertz}
         for name, table in tables.items():
             write_table(table, folder / name, overwrite)
+        write_check_page(found, folder / PAGE, overwrite)
         if pictures:
             say(f"pictures of {len(found.cases)} cases")
             writable_folder(folder / PICTURES)
@@ -78,6 +82,34 @@ def check_cases(
                     case_figure(found, number), folder / PICTURES / f"{number + 1:03d}_{name}.png", overwrite
                 )
     return found
+
+
+def write_check_page(found: CheckResults, path: Path, overwrite: bool = False) -> Path:
+    """Write a page of a check: its cases in 3D, which of them cracks what, and its tables."""
+    arrays, mesh, check = SceneArrays(), found.shoe.mesh, found.check
+    colourings = []
+    for case, stress in zip(found.cases, found.stress, strict=True):
+        mises = von_mises(stress) / style.MEGA
+        high = style.round_up(float(mises.max()))
+        limits: tuple[float, float, str] = (0.0, high, style.STRESS_MAP)
+        colourings.append(Colouring("von Mises in MPa", mises[None, None], *limits, name=case.name))
+    faces = np.searchsorted(mesh.surface_nodes, flat_triangles(mesh.boundary))
+    points, shades = mesh.nodes[mesh.surface_nodes], tuple(colourings)
+    solid = Solid("shoe", points, (faces,), "white", colourings=shades, nodes=mesh.surface_nodes)
+    scene = packed_scene(Scene(("",), (solid,)), arrays)
+    sections = [
+        page.Section("check", "Cases in 3D", page.part("coloured", "check", BY_CASE)),
+        page.Section("cycles", "Cycles to a crack", page.table(found.worst_cycles)),
+        page.Section("moments", "Section moments and blows", page.table(found.moments)),
+        page.Section("hertz", "Below a tread", page.table(found.hertz)),
+        page.Section("peaks", "Peaks by region", page.table(found.table)),
+    ]
+    lead = [
+        f"{len(found.cases)} static cases, mesh {check.mesh}, {check.material.name}",
+        f"an hour: how many crack 2.5 % of the shoes within {check.hours:g} h; the worst region of each",
+    ]
+    data = {"scenes": {"check": {"": scene}}, "arrays": arrays.packed, "first": []}
+    return page.write_page(page.page(f"Check of {check.name}", lead, sections, data), path, overwrite)
 
 
 def case_figure(found: CheckResults, number: int) -> Figure:

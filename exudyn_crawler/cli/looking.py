@@ -209,11 +209,10 @@ def check(
     """
     folder = out or RESULTS / file.stem
     result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)
-    worst = result.cycles.loc[result.cycles.groupby(["from", "to"], sort=False)["cycles to a crack"].idxmin()]
-    shown = worst.sort_values("cycles to a crack")[["to", "from", "region", "cycles to a crack", "an hour"]]
+    shown = result.worst_cycles[["to", "from", "region", "cycles to a crack", "an hour"]]
     hours = f"how many an hour crack within {result.check.hours:g} h"
     print_table(shown.head(40), f"{result.check.name}, {result.check.material.name}; an hour: {hours}")
-    typer.echo(f"all regions, section moments and pictures are in {folder}")
+    typer.echo(f"all regions, section moments and pictures are in {folder}; check.html: open it in a browser")
 
 
 @command

@@ -198,10 +198,12 @@ def test_a_check_leaves_tables_and_a_picture_of_each_case_of_its_file(tmp_path):
         'treads = [{ side = "left", force = 4e6, width = 0.06 }, { side = "right", force = 4e6 }]\n'
     )
     result = check_cases(tmp_path / "mine.toml", tmp_path / "out")
-    names = {"peaks.csv", "moments.csv", "cycles.csv", "hertz.csv", "pictures"}
+    names = {"peaks.csv", "moments.csv", "cycles.csv", "hertz.csv", "check.html", "pictures"}
     assert {path.name for path in (tmp_path / "out").iterdir()} == names
     assert [path.name for path in (tmp_path / "out" / "pictures").iterdir()] == ["001_flange.png"]
     assert result.table.set_index("region")["above yield"]["roller path"] == "yes"
+    page = (tmp_path / "out" / "check.html").read_text()
+    assert all(words in page for words in ("Check of mine", "Cases in 3D", "check-view", "Below a tread"))
     with pytest.raises(FileExistsError):
         check_cases(tmp_path / "mine.toml", tmp_path / "out")
     assert read_check(tmp_path / "mine.toml").name == "mine"

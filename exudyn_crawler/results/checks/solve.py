@@ -206,6 +206,12 @@ class CheckResults:
     cycles: pd.DataFrame
     hertz: pd.DataFrame
 
+    @property
+    def worst_cycles(self) -> pd.DataFrame:
+        """Rows of `cycles` with the region that cracks first, of every pair; the shortest first."""
+        worst = self.cycles.groupby(["from", "to"], sort=False)["cycles to a crack"].idxmin()
+        return self.cycles.loc[worst].sort_values("cycles to a crack")
+
     def cycle(self, first: str, second: str) -> pd.DataFrame:
         """Cycles to a crack in every region between two cases, or `UNLOADED` and one."""
         stress = dict(zip([one.name for one in self.cases], self.stress, strict=True))

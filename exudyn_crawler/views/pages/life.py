@@ -18,6 +18,10 @@ LEAST_DECADES = 2
 """Powers of ten of life that the colours span at least."""
 DRAWN, POINTS = 3, 2000
 """Nodes of the table whose growing damage is drawn, and points of a drawn curve at most."""
+UNKNOWN = (
+    "Where the drive pulls at a single node the life is not known. A verdict is of the changes of stress: "
+    "what mesh, left-out fields and spread leave open of them."
+)
 SHARES = (
     "The share of a load is its part of the ranges of stress, weighted by their damage; a load that relieves "
     "has a negative one. Lives by single criteria leave out what goes from run to run."
@@ -38,7 +42,7 @@ def write_life_page(found: LifeResults, path: Path, overwrite: bool = False) -> 
     causes = page.together(page.paragraph(CAUSES), page.plot(causes_figure(found)))
     runs = found.duty.by_stage()[-1].runs
     sections = [
-        page.Section("life", "Life in 3D", page.part("life")),
+        page.Section("life", "Life in 3D", page.part("coloured", "life", UNKNOWN)),
         page.Section("causes", "What cracks which region", causes),
         page.Section("shortest", "Shortest lives by region", page.together(said, shortest, titled)),
         *([page.Section("damage", "Damage as it grows", page.plot(damage_curves(found)))] if runs else []),
