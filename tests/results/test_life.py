@@ -78,8 +78,8 @@ def test_damage_is_that_of_another_rainflow_library(flexible_run, found):
     equal = amplitude * np.where(part <= 1.0, 1.0 + M * part, beyond)
     damage = counts @ (equal / curve.strength_at(0.975)) ** curve.slope / curve.knee
     cycles = found.nodes[node].cycles.query("run == 'first' and shoe == 13")
-    # every other hour a shoe is at this place
-    assert cycles["damage an hour"].sum() == pytest.approx(1000.0 / 2.0 * damage, rel=1e-6)
+    # every other hour a shoe is at this place; left-out static fields change a stress by up to 0.01 MPa
+    assert cycles["damage an hour"].sum() == pytest.approx(1000.0 / 2.0 * damage, rel=1e-3)
 
 
 @pytest.mark.slow
