@@ -80,8 +80,10 @@ class SteppedRun:
     def __init__(self, case: Case, wrench: ArrayLike) -> None:
         _check_machine(case)
         force, moment = np.asarray(wrench, dtype=float).reshape(2, 3).tolist()
-        phase = MachinePhase(name="rest", end=0.0, force=tuple(force), moment=tuple(moment))
-        self.case = case.with_(machine=MachineCycle(phases=(phase,)))
+        self.case = case
+        if any((*force, *moment)) or case.machine is not None:
+            phase = MachinePhase(name="rest", end=0.0, force=tuple(force), moment=tuple(moment))
+            self.case = case.with_(machine=MachineCycle(phases=(phase,)))
         compile_equations(kind_of(case))
         self._system = compiled_system(self.case)
         self._system.set_initial(static_equilibrium(self.case))
