@@ -27,6 +27,8 @@ PAGES = sorted(
     ]
 )
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
+LONG = {"tutorial.md"}
+"""Pages whose examples are whole runs: a minute and more."""
 LANGUAGES = {"python", "toml", "sh", "math", "text", "{toctree}", "{eval-rst}"}
 """Of fenced blocks: the first two are checked here, the others are for reading."""
 
@@ -60,7 +62,11 @@ def anchors_of(page: Path) -> set[str]:
 
 
 @pytest.mark.simulation
-@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=pytest.mark.slow) if page.name in LONG else page for page in PAGES],
+    ids=NAMES,
+)
 def test_examples_run(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     matplotlib.use("Agg")
