@@ -11,10 +11,11 @@ from pathlib import Path
 import pandas as pd
 
 from exudyn_crawler import Duty, FatigueMaterial, History, life
-from exudyn_crawler.results.life.duty import DutyRun
+from exudyn_crawler.results.life.duty import DutyRun, DutyStage
 from exudyn_crawler.results.life.life import LifeResults, in_words
 from exudyn_crawler.run.folder.record import HISTORY
 from exudyn_crawler.views.tables import write_table
+from studies.rollers import OVERHANG
 from studies.stress import RUN
 from studies.stress import study as stress_study
 
@@ -26,6 +27,8 @@ CYCLES_AN_HOUR = 70.0
 """Dig cycles: one in 40 to 60 s makes 60 to 90 of a full hour; assumed within."""
 CHANGES_AN_HOUR = 4.0
 """Moves between digging positions, each of about a minute in which the run's 15 s repeat; assumed."""
+WEAR_HOURS = 12_500.0
+"""h for which rails that overhang count as new, and then as worn by 25 mm; assumed."""
 MATERIALS = (FatigueMaterial.cast_nicrmo, FatigueMaterial.cast_manganese, FatigueMaterial.a36)
 """First the usual material of shoes."""
 
@@ -45,6 +48,18 @@ def rolled_duty(rollers: Path, material: FatigueMaterial) -> Duty:
     propel = DutyRun(name="rolled propel", folder=str(rollers / "pass"), share=PROPEL_SHARE)
     dig = DutyRun(name="dig cycle", folder=str(rollers / "loading"), an_hour=CYCLES_AN_HOUR)
     return _duty("rolled", (propel, dig), material)
+
+
+def overhang_duty(rollers: Path, material: FatigueMaterial) -> Duty:
+    """Rolled propel alone over rails that overhang, new in a first stage and worn in a second one."""
+    stages = tuple(DutyStage(name=name.removeprefix("pass "), hours=WEAR_HOURS) for name in OVERHANG)
+    runs = tuple(
+        DutyRun(
+            name=f"rolled on {stage.name}", folder=str(rollers / name), share=PROPEL_SHARE, stage=stage.name
+        )
+        for name, stage in zip(OVERHANG, stages, strict=True)
+    )
+    return Duty(name=f"rails that overhang, {material.name}", runs=runs, stages=stages, material=material)
 
 
 def _duty(kind: str, runs: tuple[DutyRun, ...], material: FatigueMaterial) -> Duty:
@@ -96,6 +111,8 @@ def study(
     duties = {f"dragged_{one.__name__}": dragged_duty(stress, one()) for one in MATERIALS}
     if rollers is not None:
         duties |= {f"rolled_{one.__name__}": rolled_duty(rollers, one()) for one in MATERIALS}
+        if all((rollers / name / HISTORY).is_file() for name in OVERHANG):
+            duties |= {f"overhang_{one.__name__}": overhang_duty(rollers, one()) for one in MATERIALS}
     lives: dict[str, LifeResults] = {}
     for name, duty in duties.items():
         say(f"{name}: {duty.name}")

@@ -1,5 +1,7 @@
 """Rolling propel: the machine passes over flexible shoes and digs above them, compared with dragging.
 
+Beside the ready shoe it passes over one whose rails overhang, new and with 25 mm worn off its path.
+
 No paper reports it. The S-paper (Minerals 2016, 6(3), 61) ends with the limits of its dragged, evenly loaded
 track: in the field shoes crack in the roller path, under the lower rollers.
 """
@@ -12,13 +14,15 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, LoadCycle, StepProfile, simulate
-from exudyn_crawler.case import MachineCycle, Undercarriage, ph4100c
+from exudyn_crawler.case import MachineCycle, Rails, Undercarriage, ph4100c
 from exudyn_crawler.case.parameters.undercarriage import ground_below
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.loads.balance import energy_balance
 from exudyn_crawler.results.stress.hot_spots import REGIONS, SHARE, region_table
 from exudyn_crawler.views.tables import write_table
+from meshes import STEEL, mesh_named, shoe_path
+from meshes.rails import rail_outline
 from studies.defaults import CYCLE_DURATION
 from studies.running import Running, study_runs
 
@@ -28,6 +32,10 @@ BEFORE, ABOVE = 15.5, 22.2
 """m, x of the frame's origin: its front roller just behind the flexible shoes, and above their middle."""
 PASS_DURATION = 137.0
 """s, after which the rear roller has left the last flexible shoe."""
+OVERHANG = {"pass overhang": "shoe_overhang.msh.gz", "pass overhang worn": "shoe_overhang_25mm.msh.gz"}
+"""Ready meshes of shoes whose rails overhang by 0.132 m, as fine as the coarse one."""
+UNDER_OVERHANG, OVERHANG_DURATION = (17, 18), 111.0
+"""Flexible ones of these shoes, and s until the rear roller has left them."""
 CHOICES_DURATION = 8.0
 """s."""
 FOLDED = 1.0
@@ -66,14 +74,28 @@ def loading_case(mesh: str = "study") -> Case:
     )
 
 
+def overhang_case(name: str) -> Case:
+    """The pass over two shoes of a mesh of `OVERHANG` among rigid ones with its mass and rails."""
+    path = str(shoe_path("coarse").with_name(OVERHANG[name]))
+    case, found = rolled_case(path), mesh_named(path)
+    rails = Rails(**rail_outline(found)._asdict())
+    return case.with_(
+        name=name,
+        shoe=case.shoe.of_mass(STEEL.density * found.volume).with_(rails=rails),
+        flexible=case.flexible_shoes().with_(shoes=UNDER_OVERHANG),
+    )
+
+
 def study_cases(mesh: str = "study", duration: float | None = None) -> dict[str, CaseFile]:
     """Cases of the study with their durations (s), at most `duration`."""
     most = np.inf if duration is None else duration
     loading = ph4100c.RETURN_END - ph4100c.PROPEL_END
+    overhang = min(OVERHANG_DURATION, most)
     return {
         "pass": CaseFile(case=rolled_case(mesh), duration=min(PASS_DURATION, most)),
         "loading": CaseFile(case=loading_case(mesh), duration=min(loading, most)),
         "dragged": CaseFile(case=Case.stress(mesh), duration=min(CYCLE_DURATION, most)),
+        **{name: CaseFile(case=overhang_case(name), duration=overhang) for name in OVERHANG},
     }
 
 
@@ -107,7 +129,7 @@ def study(
     out : Path, optional
         Folder of the study: a folder per case, and `regions.csv`; None writes nothing.
     mesh : str
-        coarse, study or fine, or the path of a mesh.
+        coarse, study or fine, or the path of a mesh; of all cases but those of overhanging rails.
     duration : float, optional
         s, greatest duration of every case; the whole cases if None.
     **how

@@ -4,10 +4,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from exudyn_crawler.model.flexible_shoes import check_shoe
 from studies.rollers import (
     FIRM_CONTACT,
     FIRM_SPRINGS,
     FLEXIBLE,
+    OVERHANG,
+    OVERHANG_DURATION,
+    UNDER_OVERHANG,
     choices,
     highest_by_region,
     study,
@@ -23,6 +27,18 @@ def test_pass_begins_behind_the_flexible_shoes_and_ends_beyond_them():
     assert frame.start + frame.rollers[-1] < places[0] + rails.rear
     end = frame.start + case.drive.travel(whole.duration)
     assert end + frame.rollers[0] > places[-1] + rails.front
+
+
+@pytest.mark.parametrize(("name", "lower"), [*zip(OVERHANG, (0.0, 0.025), strict=True)])
+def test_machine_passes_over_shoes_whose_rails_overhang(name, lower):
+    whole = study_cases("coarse")[name]
+    case, frame, ready = whole.case, whole.case.undercarriage, study_cases("coarse")["pass"].case
+    assert case.shoe.rails.height == pytest.approx(ready.shoe.rails.height - lower, abs=1e-6)
+    assert 0.9 < case.shoe.mass / ready.shoe.mass < 0.95
+    check_shoe(case)
+    assert whole.duration == OVERHANG_DURATION
+    last = case.track.first_com[0] + (UNDER_OVERHANG[-1] - 1) * case.track.pitch
+    assert frame.start + case.drive.travel(whole.duration) + frame.rollers[0] > last + case.shoe.rails.front
 
 
 def test_machine_digs_above_the_flexible_shoes():
@@ -46,7 +62,7 @@ def test_open_choices_differ_from_what_is_chosen_by_one_thing():
 @pytest.mark.simulation
 def test_reduced_study_finds_stresses_in_all_regions():
     runs, regions = study(None, "coarse", duration=0.3, progress=False)
-    assert list(runs) == ["pass", "loading", "dragged"]
+    assert list(runs) == ["pass", "loading", "dragged", *OVERHANG]
     names = {"roller path", "notches", "lugs", "web", "wings"}
     assert set(regions["region"]) == names
     assert (regions["von Mises in MPa"] > 0.0).all()
