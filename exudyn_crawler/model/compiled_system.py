@@ -15,7 +15,7 @@ from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
 from exudyn_crawler.ground.pairs import RESULTS
-from exudyn_crawler.ground.rotations import Weights, moments_on_angles
+from exudyn_crawler.ground.rotations import Weights, moments_on_angles, rotation_matrices
 from exudyn_crawler.ground.terrain import ReducedCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.elimination import eliminate, solve
@@ -166,10 +166,28 @@ class CompiledSystem(TrackSystem):
             "tooth": np.hstack((teeth.force, teeth.moment)).reshape(n, -1, 6).sum(axis=1),
             "guide": wheels.guide.sum(axis=(1, 2)) + teeth.guide.reshape(n, -1).sum(axis=1),
         }
+        forces["energy"] = self._stored(q, wheels, teeth)
         if bending.size:
             forces |= {f"strip_{name}": getattr(wheels, name)[bending] for name in STRIPS}
             forces |= {f"lug_{name}": getattr(teeth, name)[self._lugs] for name in LUGS}
         return forces
+
+    def _stored(self, q: np.ndarray, wheels: WheelWorkspace, teeth: TeethWorkspace) -> np.ndarray:
+        """Energy in the contacts of all wheels and of all teeth that touch: array (2,), J."""
+        table, bodies, lugs = self.tables.wheels, self.tables.bodies, self.tables.teeth
+        assert table is not None
+        assert lugs is not None
+        pose = bodies.reference[table.frames] + q[bodies.coordinate[table.frames][:, None] + np.arange(6)]
+        axes = np.einsum("wij,wsj->wsi", rotation_matrices(pose[:, 3:]), table.places) + pose[:, None, :3]
+        apart = np.linalg.norm(axes[wheels.wheel] - wheels.foot, axis=-1)
+        touches = (wheels.wheel >= 0)[..., None] & wheels.foot.any(axis=-1)
+        depth = np.where(touches, table.radii[wheels.wheel][..., None] - apart, 0.0).clip(0.0)
+        return np.array(
+            [
+                law[0] / (law[1] + 1.0) * np.sum(deep ** (law[1] + 1.0))
+                for law, deep in ((table.law, depth), (lugs.law, teeth.depth))
+            ]
+        )
 
     def switch_drive(self, on: bool) -> None:
         """Move the front shoe from now on, or leave it free; a side frame is always moved."""

@@ -74,7 +74,8 @@ class TrackSystem(ABC):
 
         Gives "wheel" and "tooth", force (N) and moment about the COM (N m) of all wheels and of the teeth on
         every shoe, both (shoes, 6), global; "guide", the part of both across the track (shoes,); "on_wheels",
-        the force on every wheel (wheels, 3); and of f flexible shoes "strip_wheel" (f, slots), "strip_force"
+        the force on every wheel (wheels, 3); "energy", J, in the
+        contacts of wheels and of teeth (2,); and of f flexible shoes "strip_wheel" (f, slots), "strip_force"
         and "strip_foot" (f, slots, strips, 3), "strip_guide" (f, slots, strips), "lug_force" (f, lugs, 3) and
         "lug_guide" (f, lugs), as of `forces.wheels.WheelWorkspace` and `forces.teeth.TeethWorkspace`. None
         without a closed track.

@@ -247,6 +247,8 @@ def _closed(states: _States, forces: Callable[..., dict[str, np.ndarray]]) -> di
         "tooth_force": found["tooth"][..., :3],
         "tooth_moment": found["tooth"][..., 3:],
         "guide_force": found["guide"],
+        "wheel_energy": found["energy"][:, 0],
+        "tooth_energy": found["energy"][:, 1],
     }
     return named | (_on_flexible_shoes(states, found) if states.system.layout.flexible_shoes else {})
 
