@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from exudyn_crawler.case import Undercarriage
 from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
-from exudyn_crawler.results.history import catalogue
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions as acting
 
@@ -172,8 +171,7 @@ def energies(history: History) -> xr.Dataset:
     springs += 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
     stored = {"kinetic": kinetic, "gravitational": height, "springs": springs}
     if case.is_closed:
-        bodies = [*_frame_parts(history), *_tumblers(history)]
-        both = [motion.energies(gravity) for motion in bodies]
+        both = [motion.energies(gravity) for motion in (_closed_frame(history), _tumbler(history))]
         stored["frame_kinetic"], stored["frame_gravitational"] = (sum(one) for one in zip(*both, strict=True))
         stored["treads"], stored["teeth"] = history.wheel_energy.values, history.tooth_energy.values
     if frame is not None:
@@ -190,9 +188,9 @@ def powers(history: History) -> xr.Dataset:
     back from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping` take power.
     Under a side frame the drive pulls on frame and chain, the machine's load is that on the frame with the
     tension of the chain's ends, and `rolling_resistance` and `tread_damping` take power, too. In a closed
-    track the drive is its torque on the tumbler, and `wheels` and `teeth` take what they do not store:
-    resistance, damping and flanges. ValueError for a history of contact by spheres, of which a row does not
-    say what each takes, or one with flexible shoes.
+    track the drive is its torque on the tumbler, and `wheel_losses` and `tooth_losses` are what these take
+    and do not store: by resistance, damping and flanges. ValueError for a history of contact by spheres, of
+    which a row does not say what each takes, or one with flexible shoes.
     """
     _only_rigid(history)
     case, terrain, law = history.case, history.case.unit_terrain(), history.case.contact
@@ -244,49 +242,41 @@ def _rolled_powers(
     return supplied | {"rolling_resistance": resisted, "tread_damping": damped}
 
 
-def _frame_parts(history: History) -> list[_Motion]:
-    """Motion of the parts of a closed track's side frame, or of the machine on two, which move as one."""
-    parts = history.case.frame_parts
-    return [_Motion(history, "side_frame_", part.mass, part.com, part.inertia) for part in parts]
+def _closed_frame(history: History) -> _Motion:
+    """Motion of a closed track's side frame."""
+    closed = history.case.closed_track
+    assert closed is not None
+    return _Motion(history, "side_frame_", closed.mass, closed.com, closed.inertia_tensor)
 
 
-def _tumblers(history: History) -> list[_Motion]:
-    """Motion of the tumblers of closed tracks, with the side frame and against it."""
-    case, tumblers = history.case, []
+def _tumbler(history: History) -> _Motion:
+    """Motion of a closed track's tumbler, with the side frame and against it."""
+    case, data, motion = history.case, history.dataset, _closed_frame(history)
     assert case.closed_track is not None
-    table = case.closed_track.tumbler
-    data = history.dataset if case.tracks > 1 else history.dataset.expand_dims({catalogue.TRACK: 1})
-    for number, start in enumerate(case.tumbler_reference):
-        own, motion = data.isel({catalogue.TRACK: number}), _frame_parts(history)[0]
-        motion.velocity = motion.velocity_at(own.tumbler_position.values)
-        motion.origin, motion.center = own.tumbler_position.values, np.zeros(3)
-        motion.omega = motion.omega + own.tumbler_speed.values[:, None] * motion.axes[..., 1]
-        turned = (start[4] + own.tumbler_angle.values)[:, None] * np.eye(3)[1]
-        motion.axes = motion.axes @ rotation_matrices(turned)
-        motion.mass, motion.inertia = np.asarray(table.mass), inertia_tensor(table.inertia)
-        tumblers.append(motion)
-    return tumblers
+    tumbler = case.closed_track.tumbler
+    motion.velocity = motion.velocity_at(data.tumbler_position.values)
+    motion.origin, motion.center = data.tumbler_position.values, np.zeros(3)
+    motion.omega = motion.omega + data.tumbler_speed.values[:, None] * motion.axes[..., 1]
+    angle = case.assembled.tumbler[4] + data.tumbler_angle.values
+    motion.axes = motion.axes @ rotation_matrices(angle[:, None] * np.eye(3)[1])
+    motion.mass, motion.inertia = np.asarray(tumbler.mass), inertia_tensor(tumbler.inertia)
+    return motion
 
 
 def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
-    """Powers about the gear of closed tracks with rigid shoes."""
-    case, data, frame = history.case, history.dataset, _frame_parts(history)[0]
-    drive = (data.drive_moment * data.tumbler_speed).values.reshape(data.time.size, -1).sum(axis=1)
-    force, moment = case.machine_wrench(data.time.values)
-    load = np.sum(force * frame.velocity + moment * frame.omega, axis=-1)
-    of_shoe = np.repeat(np.arange(case.tracks), case.loop.shoe_count)
-    taken = {"wheels": np.gradient(-data.wheel_energy.values, data.time.values)}
-    taken["teeth"] = np.gradient(-data.tooth_energy.values, data.time.values)
-    gears = {"wheels": ("wheel_load", "wheel_moment"), "teeth": ("tooth_force", "tooth_moment")}
-    tumblers = _tumblers(history)
-    for kind, names in gears.items():
-        force, moment = (data[name].values for name in names)
-        for shoe, track in enumerate(of_shoe):
-            gear = frame if kind == "wheels" else tumblers[track]
+    """Powers about the gear of a closed track with rigid shoes."""
+    data, time = history.dataset, history.time.values
+    taken = {}
+    for kind, gear in (("wheel", _closed_frame(history)), ("tooth", _tumbler(history))):
+        force, moment = data["wheel_load" if kind == "wheel" else "tooth_force"], data[f"{kind}_moment"]
+        lost = -np.gradient(data[f"{kind}_energy"].values, time)
+        for shoe in range(data.sizes["shoe"]):
             slip = shoes.velocity[:, shoe] - gear.velocity_at(shoes.origin[:, shoe])
             spin = shoes.omega[:, shoe] - gear.omega
-            taken[kind] -= np.sum(force[:, shoe] * slip + moment[:, shoe] * spin, axis=-1)
-    return {"drive": drive, "machine_load": load} | taken
+            lost -= np.sum(force.values[:, shoe] * slip + moment.values[:, shoe] * spin, axis=-1)
+        taken[f"{kind}_losses"] = lost
+    drive = (data.drive_moment * data.tumbler_speed).values
+    return {"drive": drive, "machine_load": np.zeros(len(time))} | taken
 
 
 def _treads(
@@ -331,6 +321,9 @@ def energy_balance(history: History) -> xr.Dataset:
 
 
 def _only_rigid(history: History) -> None:
+    closed = history.case.closed_track
+    if history.case.car_body is not None or (closed is not None and closed.idler.tensioner is not None):
+        raise ValueError("the energy balance of closed tracks needs one track with its idler on shims")
     if history.case.flexible is not None:
         raise ValueError("the energy balance needs a history of rigid shoes: it leaves out elastic energy")
 
