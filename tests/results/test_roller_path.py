@@ -5,9 +5,13 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import History
+from exudyn_crawler.case import Outputs
 from exudyn_crawler.results.checks.cases import CheckCase, ShoeCheck, TreadForce
 from exudyn_crawler.results.checks.roller_path import MIDDLE, PRESSURE, TYPICAL, hertz_table, roller_path
 from exudyn_crawler.results.stress.recovery import node_stress
+from exudyn_crawler.views.figures import roller_path_figure
+from exudyn_crawler.views.outputs import write_tables
+from exudyn_crawler.views.pages.report import report_page
 
 
 def test_treads_of_check_cases_have_the_pressures_of_hand_formulas():
@@ -74,3 +78,17 @@ def test_stress_of_the_structure_is_that_of_the_node_below_the_tread(bent):
 def test_a_track_without_rollers_has_no_roller_path(translation):
     with pytest.raises(ValueError, match="undercarriage"):
         roller_path(History(translation.case, translation.dataset))
+
+
+@pytest.mark.simulation
+def test_a_rolled_run_leaves_its_roller_path_and_its_page_shows_it(rolled, tmp_path):
+    write_tables(rolled, None, tmp_path, Outputs())
+    table = pd.read_csv(tmp_path / "roller_path.csv")
+    pd.testing.assert_frame_equal(table, roller_path(rolled), check_dtype=False, rtol=1e-8)
+    figure = roller_path_figure(table, "rolled")
+    (ax,) = figure.axes
+    drawn = ax.get_lines()[0].get_ydata()
+    np.testing.assert_allclose(drawn, table.loc[table["place"] == "rail", PRESSURE])
+    assert sum("shakedown of" in str(line.get_label()) for line in ax.get_lines()) == 3
+    rolled.save(tmp_path / "history.nc")
+    assert "Roller path" in report_page(tmp_path)
