@@ -85,33 +85,51 @@ def front(places: Fronts, values: FloatArray, k: int) -> FloatArray:
     return values[places.place[k] : places.place[k + 1]].reshape((n, n))
 
 
+@solving_within
+def _met(matrix: FloatArray, own: int, met: IntArray) -> int:
+    """Write which rows behind a front's own have any term in the front; give how many."""
+    count, n = 0, matrix.shape[0]
+    for r in range(own, n):
+        for c in range(n):
+            if matrix[r, c] != 0.0 or matrix[c, r] != 0.0:
+                met[count] = r
+                count += 1
+                break
+    return count
+
+
 @solving
 def eliminate(fronts: tuple, values: FloatArray) -> None:
     """Eliminate group by group, in place; a `LinAlgError` if the matrix of a group is singular.
 
     `fronts` are `Fronts` as a plain tuple, `values` (size,) the matrices of the fronts, each with the terms
-    that were put there; they are overwritten with what `solve` takes.
+    that were put there; they are overwritten with what `solve` takes. Shoes may touch much that they do not
+    touch now: rows without any term are left out.
     """
     places = Fronts(*fronts)
+    met = np.empty(places.unknowns.shape[0], dtype=np.int64)
     for k in range(places.own.shape[0]):
         matrix, own = front(places, values, k), places.own[k]
-        n = matrix.shape[0]
+        count = _met(matrix, own, met)
         inverse = np.linalg.inv(np.ascontiguousarray(matrix[:own, :own]))
-        below = np.ascontiguousarray(matrix[own:, :own])
-        right = np.dot(inverse, np.ascontiguousarray(matrix[:own, own:]))
+        below, beside = np.empty((count, own)), np.empty((own, count))
+        for i in range(own):
+            for j in range(count):
+                below[j, i], beside[i, j] = matrix[met[j], i], matrix[i, met[j]]
+        right = np.dot(inverse, beside)
         for i in range(own):
             for j in range(own):
                 matrix[i, j] = inverse[i, j]
-            for j in range(n - own):
-                matrix[i, own + j] = right[i, j]
+            for j in range(count):
+                matrix[i, met[j]] = right[i, j]
         if places.parent[k] < 0:
             continue
         taken = np.dot(below, right)
-        above = front(places, values, places.parent[k])
-        into = places.into[places.first[k] + own : places.first[k + 1]]
-        for i in range(n - own):
-            for j in range(n - own):
-                above[into[i], into[j]] += matrix[own + i, own + j] - taken[i, j]
+        above, first = front(places, values, places.parent[k]), places.first[k]
+        for i in range(count):
+            row, to = matrix[met[i]], above[places.into[first + met[i]]]
+            for j in range(count):
+                to[places.into[first + met[j]]] += row[met[j]] - taken[i, j]
 
 
 @solving

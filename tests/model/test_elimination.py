@@ -17,13 +17,15 @@ def chain(links, closed):
     return [*bodies, *joints, ground], couplings
 
 
-def equations(groups, couplings, seed=3):
-    """Dense matrix of random terms, the fronts and their values."""
+def equations(groups, couplings, seed=3, idle=()):
+    """Dense matrix of random terms, none in couplings of these numbers, the fronts and their values."""
     rng = np.random.default_rng(seed)
     size = sum(map(len, groups))
     fronts, dense = fronts_of(groups, couplings), np.zeros((size, size))
     values = np.zeros(fronts.size)
-    for coupling in couplings:
+    for k, coupling in enumerate(couplings):
+        if k in idle:
+            continue
         block = rng.normal(size=(len(coupling), len(coupling)))
         dense[np.ix_(coupling, coupling)] += block
         first = next(k for k, group in enumerate(groups) if set(group) & set(coupling))
@@ -39,6 +41,21 @@ def equations(groups, couplings, seed=3):
 def test_solution_is_that_of_the_dense_equations(links, closed):
     dense, fronts, values = equations(*chain(links, closed))
     right = np.random.default_rng(5).normal(size=len(dense))
+    x = right.copy()
+    eliminate(tuple(fronts), values)
+    solve(tuple(fronts), values, x)
+    np.testing.assert_allclose(x, np.linalg.solve(dense, right), rtol=1e-8, atol=1e-8)
+
+
+def test_what_is_coupled_without_a_term_is_left_out():
+    dense, fronts, values = equations(*chain(8, closed=True), idle=(0, 3, 4))
+    right = np.random.default_rng(5).normal(size=len(dense))
+    # a body without ground has terms of its own by its links alone, here by its mass
+    for shoe in (0, 3, 4):
+        for place in range(6 * shoe, 6 * shoe + 6):
+            dense[place, place] += 4.0
+            front = values[fronts.place[shoe] : fronts.place[shoe + 1]]
+            front[(place - 6 * shoe) * (len(fronts.rows(shoe)) + 1)] += 4.0
     x = right.copy()
     eliminate(tuple(fronts), values)
     solve(tuple(fronts), values, x)
