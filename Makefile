@@ -12,7 +12,7 @@ MESHER := $(VENV)/mesher
 # two processes of tests share two cores; threads that wait for each other would take half of them
 ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: help demo kinematics forces uneven stress rollers ground life sweep-terrain sweep-plate scatter verify check test test-slow lint format bench \
+.PHONY: help demo kinematics forces uneven stress rollers closed ground life sweep-terrain sweep-plate scatter verify check test test-slow lint format bench \
 	docs notebooks lock clean
 
 help:  ## what can be made
@@ -53,6 +53,9 @@ life: $(INSTALLED)  ## life of the shoes in machine hours, of the stress study; 
 
 rollers: $(INSTALLED)  ## the machine rolls over six flexible shoes and digs above them; beside the papers' dragging
 	$(BIN)/python -m studies.rollers --out $(OUT)/rollers $(ARGS)
+
+closed: $(INSTALLED)  ## one revolution of a closed track on the papers' ground; ARGS="--flexible 7" with the stress of a shoe
+	$(BIN)/python -m studies.closed --out $(OUT)/closed $(ARGS)
 
 ground: $(INSTALLED)  ## the machine rolls over sand, oil sand and hard floor with ruts, stones and ridges
 	$(BIN)/python -m studies.ground --out $(OUT)/ground $(ARGS)

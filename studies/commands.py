@@ -212,6 +212,32 @@ def rollers(
     typer.echo(f"the runs and regions.csv are in {out}")
 
 
+def closed(
+    duration: Annotated[
+        float | None,
+        typer.Option(help="simulated time in s of every case; all of each, if not given", callback=_positive),
+    ] = None,
+    flexible: Annotated[
+        int | None,
+        typer.Option(help="number of a shoe of the closed track that is flexible, with its stress"),
+    ] = None,
+    mesh: MeshName = "coarse",
+    out: Out = RESULTS / "closed",
+    overwrite: Overwrite = False,
+) -> None:
+    """One revolution of a closed track on the papers' ground; beside the rolled open track.
+
+    Example: exudyn-crawler closed --duration 2 --out results/short
+    """
+    from studies.closed import study
+
+    how: dict[str, Any] = {"duration": duration, "flexible": flexible, "mesh": mesh, "overwrite": overwrite}
+    _, loads, peaks = study(out, **how, say=typer.echo)
+    print_table(loads, "Loads round the loop", tuple(loads), out / "loads.csv")
+    print_table(peaks, "Shoes in mid-track", tuple(peaks), out / "peaks.csv")
+    typer.echo(f"the runs, loads.csv and peaks.csv are in {out}")
+
+
 def grounds(
     duration: Duration = 60.0,
     mesh: MeshName = "coarse",

@@ -30,6 +30,7 @@ COMMANDS = (
     "stress",
     "uneven",
     "rollers",
+    "closed",
     "grounds",
     "shovel-life",
     "verify",

@@ -1,0 +1,176 @@
+"""Closed track: one revolution straight on the papers' ground, beside the rolled open track.
+
+No paper reports it. The papers' track is open: its tension is an assumed force at its ends, and no shoe goes
+over tumbler and idler. The rolled track has the same rollers here, the same ground and the same contact. It
+is run with its assumed tension, and as a trial with that of the closed one.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple, Unpack
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler import Case, CaseFile, FlexibleShoes, History, LoadCycle
+from exudyn_crawler.case import Undercarriage, ph4100c
+from exudyn_crawler.case_run import CaseRun
+from exudyn_crawler.results.history.summary import tension_along_chain
+from exudyn_crawler.views.tables import write_table
+from studies.running import Running, study_runs
+
+START = 10.0
+"""s, before which the machine starts: peaks do not count."""
+INTERVAL = 0.02  # s between stored states
+TENSION = 8.9e5
+"""N, mean tension of all links of the closed track over its revolution: that of the trial."""
+OPEN_SHOES, OPEN_DURATION = 31, 70.0
+"""Shoes of the open track, and s in which all rollers pass its middle."""
+CLOSED, ROLLED, TRIAL = "closed", "rolled", "rolled at the closed tension"
+KILO = 1e3
+
+
+def closed_case() -> Case:
+    """Half a machine on a closed track of rigid shoes, at the papers' speed on their ground."""
+    case = Case.closed()
+    return case.with_(solver=case.solver.with_(output_interval=INTERVAL))
+
+
+def revolution(case: Case) -> float:
+    """Time (s) in which a chain goes once round, from rest on."""
+    way, speed = case.track.shoe_count * case.track.pitch, case.drive.speed
+    end, most = speed.times[-1], speed.values[-1]
+    return float(end + (way - case.drive.travel(end)) / most)
+
+
+def rolled_case(tension: float = ph4100c.UNDERCARRIAGE["end_tension"]) -> Case:
+    """Rolled open track with rollers, ground and contact of the closed one; tension of its ends in N."""
+    closed, case = closed_case(), Case.rolled()
+    assert closed.closed_track is not None
+    frame = Undercarriage.ph4100c().with_(rollers=closed.closed_track.rollers, end_tension=tension)
+    return case.with_(
+        track=case.track.with_(shoe_count=OPEN_SHOES),
+        loads=LoadCycle.constant([0.0] * OPEN_SHOES),
+        terrain=closed.terrain,
+        contact=closed.contact,
+        undercarriage=frame,
+        solver=case.solver.with_(output_interval=INTERVAL),
+    )
+
+
+def study_cases(
+    duration: float | None = None, flexible: int | None = None, mesh: str = "coarse"
+) -> dict[str, CaseFile]:
+    """Cases of the study with their durations (s), at most `duration`; `flexible` is a flexible shoe."""
+    most, closed = np.inf if duration is None else duration, closed_case()
+    if flexible is not None:
+        closed = closed.with_(
+            shoe=closed.shoe.of_mass(ph4100c.STRESS_SHOE_MASS),
+            flexible=FlexibleShoes.ph4100c(mesh).with_(shoes=(flexible,)),
+        )
+    cases = {CLOSED: (closed, revolution(closed)), ROLLED: (rolled_case(), OPEN_DURATION)}
+    cases[TRIAL] = rolled_case(TENSION), OPEN_DURATION
+    return {
+        name: CaseFile(case=case.with_(name=name), duration=min(whole, most))
+        for name, (case, whole) in cases.items()
+    }
+
+
+def peaks_in_mid_track(history: History) -> dict[str, float]:
+    """Forces on the shoes between the axes of the outer rollers, kN: greatest, and mean of those that act."""
+    case, gear = history.case, history.case.running_gear
+    assert gear is not None
+    rollers = gear.rollers
+    frame = history.side_frame_position.transpose("time", "axis").values
+    place = history.position.transpose("time", "shoe", "axis").values - frame[:, None]
+    below = (place[..., 0] > rollers[0]) & (place[..., 0] < rollers[-1]) & (place[..., 2] < 0.0)
+    below &= (history.time.values >= min(START, 0.5 * history.duration))[:, None]
+    links = history.joint_force.transpose("time", "joint", "axis").values
+    names = ["contact_force", "wheel_load" if case.is_closed else "rail_force"]
+    values = [one.transpose("time", "shoe", "axis").values for one in history.over_time(names).values()]
+    found: dict[str, float] = {}
+    kinds = ("ground on a shoe", "wheels on a shoe", "link")
+    for name, force in zip(kinds, [*values, links], strict=True):
+        size = np.linalg.norm(force, axis=-1)
+        size = size[below[:, : size.shape[1]] & (size > 0.0)] / KILO
+        found |= {f"greatest {name} in kN": float(size.max()), f"mean {name} in kN": float(size.mean())}
+    return found
+
+
+def loads_round_the_loop(history: History) -> pd.DataFrame:
+    """Tension by the parts of the loop, and the greatest loads of teeth, idler, rollers and carriers, kN."""
+    along, late = tension_along_chain(history), history.time >= min(START, 0.5 * history.duration)
+    parts = [
+        {
+            "of": f"tension, {part}",
+            "least in kN": float(along.least_at[along.part == part].min()) / KILO,
+            "mean in kN": float(along.mean_at[along.part == part].mean()) / KILO,
+            "greatest in kN": float(along.greatest_at[along.part == part].max()) / KILO,
+        }
+        for part in dict.fromkeys(along.part.values.tolist())
+    ]
+    wheel = history.wheel_force.isel(time=late)
+    kinds = {
+        kind: wheel.isel(wheel=[str(name).startswith(kind) for name in wheel.wheel.values])
+        for kind in ("roller", "idler", "carrier")
+    }
+    kinds["teeth on a shoe"] = history.tooth_force.isel(time=late)
+    for name, force in kinds.items():
+        size = np.linalg.norm(force.transpose(..., "axis").values, axis=-1) / KILO
+        acts = size[size > 0.0]
+        row = {"least in kN": size.min(), "mean in kN": acts.mean(), "greatest in kN": size.max()}
+        parts.append({"of": name} | {key: float(value) for key, value in row.items()})
+    return pd.DataFrame(parts)
+
+
+class ClosedStudy(NamedTuple):
+    """Runs by case, loads round the loop, and forces on shoes in mid-track by case."""
+
+    runs: Mapping[str, CaseRun]
+    loads: pd.DataFrame
+    peaks: pd.DataFrame
+
+
+def study(
+    out: Path | None = None,
+    *,
+    duration: float | None = None,
+    flexible: int | None = None,
+    mesh: str = "coarse",
+    **how: Unpack[Running],
+) -> ClosedStudy:
+    """Run the closed track and the rolled ones, and compare what shoes in mid-track bear.
+
+    Parameters
+    ----------
+    out : Path, optional
+        Folder of the study: a folder per case, `loads.csv` and `peaks.csv`; None writes nothing.
+    duration : float, optional
+        s, greatest duration of every case; the whole cases if None.
+    flexible : int, optional
+        Number of a shoe of the closed track that is flexible, with its stress; none if None.
+    mesh : str
+        Of that shoe: coarse, study or fine, or the path of a mesh.
+    **how
+        Options `overwrite`, `progress` and `say` of `run_case`.
+
+    Raises
+    ------
+    FileExistsError, BlockingIOError
+        Before a run, if results are there and `overwrite` is false, or another run works there.
+    EquilibriumError, SimulationStopped
+        As of `run_case`.
+    """
+    with study_runs(out, study_cases(duration, flexible, mesh), **how) as runs:
+        loads = loads_round_the_loop(runs[CLOSED].history)
+        peaks = pd.DataFrame([{"case": name} | peaks_in_mid_track(run.history) for name, run in runs.items()])
+        if out is not None:
+            write_table(loads, out / "loads.csv", overwrite=True)
+            write_table(peaks, out / "peaks.csv", overwrite=True)
+        return ClosedStudy(runs, loads, peaks)
+
+
+if __name__ == "__main__":
+    from exudyn_crawler.cli import run_script
+
+    run_script("studies.commands:closed")

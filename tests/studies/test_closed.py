@@ -1,0 +1,56 @@
+"""Study of the closed track: its cases and a reduced run."""
+
+import pytest
+
+from studies.closed import CLOSED, OPEN_DURATION, ROLLED, TENSION, TRIAL, rolled_case, study, study_cases
+
+
+def test_chain_goes_once_round_in_the_whole_run():
+    whole = study_cases()[CLOSED]
+    travel = whole.case.drive.travel(whole.duration)
+    assert travel == pytest.approx(whole.case.track.shoe_count * whole.case.track.pitch, rel=1e-9)
+
+
+def test_all_rollers_pass_a_shoe_in_the_middle_of_the_open_track():
+    case = study_cases()[ROLLED].case
+    frame, way = case.undercarriage, case.drive.travel(OPEN_DURATION)
+    middle = case.track.com_positions(0.0)[case.track.shoe_count // 2 - 1, 0]
+    assert frame.start + frame.rollers[-1] < middle
+    assert frame.start + way + frame.rollers[0] > middle
+    case.check_support(OPEN_DURATION)
+
+
+def test_rolled_track_differs_from_its_trial_by_the_tension_alone():
+    cases, closed = study_cases(), study_cases()[CLOSED].case
+    rolled, trial = cases[ROLLED].case, cases[TRIAL].case
+    assert trial.undercarriage == rolled.undercarriage.with_(end_tension=TENSION)
+    assert trial.with_(name=rolled.name, undercarriage=rolled.undercarriage) == rolled
+    assert rolled.undercarriage.rollers == closed.closed_track.rollers
+    assert (rolled.terrain, rolled.contact) == (closed.terrain, closed.contact)
+    assert rolled_case(TENSION).undercarriage == trial.undercarriage
+
+
+def test_a_shoe_may_be_flexible():
+    case = study_cases(flexible=7)[CLOSED].case
+    assert case.flexible_shoes().shoes == (7,)
+    assert study_cases()[CLOSED].case.flexible is None
+
+
+@pytest.mark.slow
+@pytest.mark.simulation
+def test_reduced_study_has_loads_round_the_loop_and_in_mid_track():
+    runs, loads, peaks = study(None, duration=0.1, progress=False)
+    assert list(runs) == [CLOSED, ROLLED, TRIAL] == peaks["case"].tolist()
+    assert (loads["greatest in kN"] >= loads["mean in kN"]).all()
+    tensions = loads[loads["of"].str.startswith("tension")].set_index("of")
+    assert set(tensions.index) == {
+        f"tension, {part}" for part in ("lower run", "idler", "upper run", "tumbler")
+    }
+    # a carrier bears what hangs between it and its neighbours, 1.8 m of chain, and what the tension lifts
+    assert 50.0 < loads.set_index("of").loc["carrier", "mean in kN"] < 250.0
+    numbers = peaks.drop(columns="case")
+    assert (numbers > 0.0).all(axis=None)
+    assert (
+        peaks.set_index("case").loc[TRIAL, "mean link in kN"]
+        > peaks.set_index("case").loc[ROLLED, "mean link in kN"]
+    )
