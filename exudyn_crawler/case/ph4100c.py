@@ -162,6 +162,8 @@ MACHINE_MASS, SHOES_ON_GROUND = 1_410_184.0, 16  # kg, and shoes of a track that
 CRAWLER_LENGTH, TRACK_DISTANCE = 11.6, 12.8 - ShoeDimensions.width
 """m (K-chapter): length of a crawler; between the tracks' middles, from the width over both."""
 _CARRIED = 0.5 * MACHINE_MASS - SHOES_ON_GROUND * SHOE["mass"]
+ROLLER_RADIUS, TREAD_WIDTH = 0.4, 0.18
+"""m. Open; treads are within the rails."""
 UNDERCARRIAGE: Mapping[str, Any] = {
     "mass": _CARRIED,  # kg: half the machine less the shoes of a track that touch the ground
     # kg m2. Open: radii of gyration of 1.5 m in roll, which the other track resists, and 4 m in pitch and yaw
@@ -171,8 +173,8 @@ UNDERCARRIAGE: Mapping[str, Any] = {
     "ends": (-0.5 * CRAWLER_LENGTH, 0.5 * CRAWLER_LENGTH),
     # m. Open: no public source has number, spacing and radius of the lower rollers; 8 over 8.75 m
     "rollers": tuple(1.25 * (k - 3.5) for k in range(8)),
-    "radius": 0.4,  # m. Open
-    "tread_width": 0.18,  # m. Open: within the rails
+    "radius": ROLLER_RADIUS,
+    "tread_width": TREAD_WIDTH,
     # N/m. Open: of the order of Hertz's line contact; the local indentation is beyond the shoe's mesh
     "stiffness": 1.0e9,
     "damping": 3.0e5,  # N s/m. Chosen here: a tenth of critical for a shoe under one roller

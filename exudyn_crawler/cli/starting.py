@@ -51,7 +51,7 @@ def schema(
 
     Example: exudyn-crawler schema
     """
-    from exudyn_crawler.case.schema import case_schema
+    from exudyn_crawler.case.files import case_schema
     from exudyn_crawler.files import whole_file
 
     with whole_file(out, overwrite) as temporary:

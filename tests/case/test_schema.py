@@ -8,8 +8,8 @@ from jsonschema import Draft202012Validator
 
 from exudyn_crawler import Case, CaseFile
 from exudyn_crawler.case.case_file import case_text
+from exudyn_crawler.case.files import case_schema
 from exudyn_crawler.case.parameters.fields import named_values
-from exudyn_crawler.case.schema import case_schema
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 
 CASES = {name: make() for name, make in named_values(Case).items()}

@@ -150,11 +150,9 @@ class ShoeCheck(Parameters):
     )
     material: FatigueMaterial = option("against cyclic stress", default=FatigueMaterial.cast_nicrmo())
     spider: Literal["averaging", "rigid"] = option("how pins hold their bores", default="averaging")
-    roller_radius: Length = quantity(
-        "m", "of the treads", (0.05, 1.5), default=ph4100c.UNDERCARRIAGE["radius"]
-    )
+    roller_radius: Length = quantity("m", "of the treads", (0.05, 1.5), default=ph4100c.ROLLER_RADIUS)
     tread_width: Length = quantity(
-        "m", "of a tread that bears on all of it", (0.02, 1.0), default=ph4100c.UNDERCARRIAGE["tread_width"]
+        "m", "of a tread that bears on all of it", (0.02, 1.0), default=ph4100c.TREAD_WIDTH
     )
     hours: float = quantity("h", "machine hours in which no crack shall be", gt=0, le=1e9, default=25_000.0)
     levels: tuple[RollerForce, ...] = option(

@@ -27,7 +27,7 @@ TEETH, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.3, 16, 7
 drawn lug; points along a gap between two teeth."""
 
 
-class Wheels(NamedTuple):
+class WheelRow(NamedTuple):
     """Wheels of one kind: `places` (n, 3) of the middles of their treads in the frame, and radius, m."""
 
     name: str
@@ -109,13 +109,13 @@ def beam(case: Case, dataset: xr.Dataset) -> Solid:
     return Solid("side frame", *shape, style.BEAM, origin[:, None], turn[:, None], 0.5, style.ROLLER_EDGE)
 
 
-def _wheels(case: Case) -> list[Wheels]:
+def _wheels(case: Case) -> list[WheelRow]:
     """Wheels on both rails, roller by roller and its right tread first."""
     frame, rails = frame_on_rails(case)
 
-    def treads(name: str, labels: list[str], axes: np.ndarray, radius: float) -> Wheels:
+    def treads(name: str, labels: list[str], axes: np.ndarray, radius: float) -> WheelRow:
         places = np.array([(x, y, z) for x, z in axes for y in rails.middles]).reshape(-1, 3)
-        return Wheels(name, tuple(np.repeat(labels, len(rails.middles)).tolist()), places, float(radius))
+        return WheelRow(name, tuple(np.repeat(labels, len(rails.middles)).tolist()), places, float(radius))
 
     if isinstance(frame, Undercarriage):
         labels = [f"roller {number}" for number in range(1, len(frame.rollers) + 1)]

@@ -142,7 +142,7 @@ def unloaded_level(case: Case) -> float:
 def track_scene(
     case: Case, dataset: xr.Dataset, force_scale: float, units: np.ndarray | None = None
 ) -> Scene:
-    """Shoes, faces of the ground, side frame and rollers, and forces, drawn `force_scale` m long for 1 N.
+    """Shoes, faces of the ground, frame and rollers, and forces, drawn `force_scale` m long for 1 N.
 
     `units` are the indices of the units that are shown; all if not given.
     """
@@ -301,7 +301,7 @@ def shown_box(history: History, margin: Sequence[float]) -> list[tuple[float, fl
         tops = terrain.top_heights[near]
     top = float(tops.max(initial=0.0)) + 2.0 * (shoe.com_height + shoe.load_point[2])
     if gear.rolls(history.dataset):
-        top = max(top, float(history.side_frame_position.sel(axis="z").max()) + gear.BEAM[1])
+        top = max(top, float(gear.frame_poses(history.dataset)[0][:, 2].max()) + gear.BEAM[1])
     if gear.goes_round(history.dataset):
         top = float(history.position.sel(axis="z").max()) - shoe.footprint[4]
     return [length, beside, (float(tops.min(initial=0.0)) - margin[2], top)]
