@@ -262,6 +262,7 @@ NAMED: dict[str, Callable[[Any], str]] = {
     "joint": lambda joint: link_names([joint])[0],
     "roller": "roller {}".format,
     "wheel": str,
+    "track": "{} tumbler".format,
     "place": lambda pin: f"{link_names([pin[0]])[0]} {pin[1]}",
 }
 """Items of what has one of a quantity, by the dimension; a place is that of a pin."""

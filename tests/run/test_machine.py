@@ -10,6 +10,7 @@ from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.catalogue import link_name
 from exudyn_crawler.results.loads.balance import shoe_imbalance
+from exudyn_crawler.views.figures import history_series, run_figures
 from exudyn_crawler.views.scenes.gear import gear_solids
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
@@ -146,6 +147,9 @@ def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
     place = (left.tumbler_position - left.side_frame_position).values
     start = left.case.tumbler_reference[0, :3] - left.case.frame_start
     assert np.linalg.norm(place, axis=1) == pytest.approx(np.linalg.norm(start), rel=1e-3)
+    torque = history_series(spot)["torque of the drive"].values
+    assert torque.item.values.tolist() == ["right tumbler", "left tumbler"]
+    assert "tension along the left chain" in run_figures(spot)
     names = {one.name for one in gear_solids(spot.case, spot.dataset.isel(time=[0, -1]))}
     assert {"car body", "right tumbler", "left tumbler", "left lugs"} <= names
 
