@@ -148,7 +148,7 @@ def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
     start = left.case.tumbler_reference[0, :3] - left.case.frame_start
     assert np.linalg.norm(place, axis=1) == pytest.approx(np.linalg.norm(start), rel=1e-3)
     torque = history_series(spot)["torque of the drive"].values
-    assert torque.item.values.tolist() == ["right tumbler", "left tumbler"]
+    assert torque["item"].values.tolist() == ["right tumbler", "left tumbler"]
     assert "tension along the left chain" in run_figures(spot)
     names = {one.name for one in gear_solids(spot.case, spot.dataset.isel(time=[0, -1]))}
     assert {"car body", "right tumbler", "left tumbler", "left lugs"} <= names
