@@ -211,6 +211,19 @@ def test_shoes_of_a_fleet_crack_as_often_as_runs():
     assert found.loc[("path", 20_000.0), "portion"] == 0.0
 
 
+def test_runs_without_a_life_or_without_an_end_have_no_scatter_of_it():
+    sweep = flexible_sample(20)
+    lives = np.full(20, 1e6)
+    table = answered(sweep, life=lives, path=lives)
+    table["path"] = np.nan  # runs that finished and have no such life
+    assert set(failures(sweep, table)["answer"]) == {"life"}
+    assert set(quantiles(sweep, table)["answer"]) == {"life"}
+    failed = answered(sweep, life=np.full(20, np.nan), path=lives)
+    assert (failed["status"] == "failed").all()
+    for scatter in (failures, quantiles, sensitivities):
+        assert scatter(sweep, failed).empty
+
+
 def test_a_sample_leaves_tables_and_a_part_of_the_page(tmp_path):
     sweep = sample(20)
     table = answered(sweep, **{FORCE.label: np.arange(20.0)})
