@@ -15,6 +15,7 @@ import pandas as pd
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, History, LoadCycle
 from exudyn_crawler.case import Undercarriage, ph4100c
 from exudyn_crawler.case_run import CaseRun
+from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.summary import tension_along_chain
 from exudyn_crawler.views.tables import write_table
 from studies.running import Running, study_runs
@@ -24,6 +25,8 @@ START = 10.0
 INTERVAL = 0.02  # s between stored states
 TENSION = 8.9e5
 """N, mean tension of all links of the closed track over its revolution: that of the trial."""
+CUTS = (0.0, 0.3)
+"""m ahead of the tumbler's axis, where its torque is compared with the tension."""
 OPEN_SHOES, OPEN_DURATION = 31, 70.0
 """Shoes of the open track, and s in which all rollers pass its middle."""
 CLOSED, ROLLED, TRIAL = "closed", "rolled", "rolled at the closed tension"
@@ -123,11 +126,57 @@ def loads_round_the_loop(history: History) -> pd.DataFrame:
     return pd.DataFrame(parts)
 
 
+def torque_by_tension(history: History) -> pd.DataFrame:
+    """Mean torque of the drive over whole pitches beside what the tension says of it, kN m.
+
+    The chain is cut ahead of the tumbler's axis at pins that are there or further forward. Its shoes behind
+    the cut bear the moments of both links about the axis and that of their weight, which the torque balances.
+    By means of tension each link acts at n p / (2 pi), and so does the weight a metre times the cut's height.
+    """
+    case, data, closed = history.case, history.dataset, history.case.closed_track
+    assert closed is not None
+    track, weight, rows = case.track, case.shoe.mass * case.gravity, np.arange(history.time.size)
+    lever, pitches = (
+        closed.travel_per_angle(track),
+        data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi),
+    )
+    late = int(np.searchsorted(history.time.values, min(START, 0.5 * history.duration)))
+    whole = slice(
+        late, int(np.searchsorted(pitches, pitches[late] + np.floor(pitches[-1] - pitches[late]))) + 1
+    )
+    axis = data.tumbler_position.values[:, None]
+    place, force = data.position.values - axis, data.joint_force.values
+    pin = place + rotation_matrices(data.angles.values) @ [track.pin_ahead, 0.0, track.pin_height]
+    found = []
+    for ahead in CUTS:
+        near = np.where(pin[..., 0] > ahead, pin[..., 0], np.inf)
+        low, up = (
+            np.where(side, near, np.inf).argmin(axis=1) for side in (pin[..., 2] < 0.0, pin[..., 2] > 0.0)
+        )
+        size, moment = (np.zeros((2, len(rows))) for _ in range(2))
+        for k, link in enumerate((low, up)):
+            p, f = pin[rows, link], force[rows, link]
+            size[k], moment[k] = np.hypot(f[:, 0], f[:, 2]), p[:, 2] * f[:, 0] - p[:, 0] * f[:, 2]
+        inside = (np.arange(track.shoe_count) - up[:, None] - 1) % track.shoe_count < (
+            (low - up) % track.shoe_count
+        )[:, None]
+        weights = weight * np.sum(inside * place[..., 0], axis=1)
+        rise = weight / track.pitch * (pin[rows, up, 2] - pin[rows, low, 2])
+        by_means = lever * (size[0] - size[1] + rise)[whole].mean()
+        by_moments = (moment[1] - moment[0] - weights)[whole].mean()
+        torque = data.drive_moment.values[whole].mean()
+        row = {"cut ahead of the axis in m": ahead, "torque in kN m": torque / KILO}
+        row |= {"by moments in kN m": by_moments / KILO, "by means of tension in kN m": by_means / KILO}
+        found.append(row)
+    return pd.DataFrame(found)
+
+
 class ClosedStudy(NamedTuple):
-    """Runs by case, loads round the loop, and forces on shoes in mid-track by case."""
+    """Runs by case; loads round the loop, torque by tension, and forces on shoes in mid-track by case."""
 
     runs: Mapping[str, CaseRun]
     loads: pd.DataFrame
+    torque: pd.DataFrame
     peaks: pd.DataFrame
 
 
@@ -144,7 +193,8 @@ def study(
     Parameters
     ----------
     out : Path, optional
-        Folder of the study: a folder per case, `loads.csv` and `peaks.csv`; None writes nothing.
+        Folder of the study: a folder per case, `loads.csv`, `torque.csv` and `peaks.csv`; None writes
+        nothing.
     duration : float, optional
         s, greatest duration of every case; the whole cases if None.
     flexible : int, optional
@@ -162,12 +212,12 @@ def study(
         As of `run_case`.
     """
     with study_runs(out, study_cases(duration, flexible, mesh), **how) as runs:
-        loads = loads_round_the_loop(runs[CLOSED].history)
+        loads, torque = (of(runs[CLOSED].history) for of in (loads_round_the_loop, torque_by_tension))
         peaks = pd.DataFrame([{"case": name} | peaks_in_mid_track(run.history) for name, run in runs.items()])
         if out is not None:
-            write_table(loads, out / "loads.csv", overwrite=True)
-            write_table(peaks, out / "peaks.csv", overwrite=True)
-        return ClosedStudy(runs, loads, peaks)
+            for name, table in {"loads": loads, "torque": torque, "peaks": peaks}.items():
+                write_table(table, out / f"{name}.csv", overwrite=True)
+        return ClosedStudy(runs, loads, torque, peaks)
 
 
 if __name__ == "__main__":

@@ -232,10 +232,11 @@ def closed(
     from studies.closed import study
 
     how: dict[str, Any] = {"duration": duration, "flexible": flexible, "mesh": mesh, "overwrite": overwrite}
-    _, loads, peaks = study(out, **how, say=typer.echo)
+    _, loads, torque, peaks = study(out, **how, say=typer.echo)
     print_table(loads, "Loads round the loop", tuple(loads), out / "loads.csv")
+    print_table(torque, "Torque by tension", tuple(torque), out / "torque.csv")
     print_table(peaks, "Shoes in mid-track", tuple(peaks), out / "peaks.csv")
-    typer.echo(f"the runs, loads.csv and peaks.csv are in {out}")
+    typer.echo(f"the runs, loads.csv, torque.csv and peaks.csv are in {out}")
 
 
 def grounds(

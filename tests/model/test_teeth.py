@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize
 
 from exudyn_crawler import Case
 from exudyn_crawler.model.engine import exu, items
@@ -131,3 +131,37 @@ def test_disc_rests_where_exudyn_holds_it():
 
     expected = brentq(excess, 1e-5, 0.05)
     assert place @ along - (PROFILE.arc - PROFILE.lug) == pytest.approx(expected, rel=0.03)
+
+
+def test_polygon_effect_of_a_light_chain_that_is_pulled_over_the_teeth():
+    """Kinematic rig: links without weight run from a lug held in its gap over the teeth into a straight pull.
+
+    How far the chain goes is R sin of the angle of the last lug in a gap: 2.1 mm more or less than the
+    pitches that the tumbler has turned by.
+    """
+    case = Case.closed()
+    tumbler, pitch = case.closed_track.tumbler, case.track.pitch
+    profile, radius, count = Profile(*tumbler.profile(case.track)), tumbler.radius(pitch), tumbler.teeth
+    gap, push, stiffness = 2.0 * np.pi / count, 1.0, 1e6  # a millionth of a metre deep
+
+    def lugs(links, held):
+        steps = pitch * np.column_stack((np.cos(links), np.sin(links)))
+        return held + np.cumsum(steps, axis=0)
+
+    def energy(links, held, angle):
+        places, c, s = lugs(links, held), np.cos(angle), np.sin(angle)
+        depth = [tooth(profile, c * x - s * z, s * x + c * z)[0] for x, z in places]
+        return 0.5 * stiffness * np.sum(np.maximum(depth, 0.0) ** 2) - push * places[-1, 0]
+
+    turned, travel = np.linspace(0.02, gap - 0.02, 13), []
+    for angle in turned:
+        seats = np.pi - gap * np.arange(3) - angle
+        at = radius * np.column_stack((np.cos(seats), np.sin(seats)))
+        first = [*np.arctan2(*(at[1:] - at[:-1]).T[::-1]), 0.0, 0.0, 0.0]
+        found = minimize(energy, np.array(first) + 1e-3, (at[0], angle), method="BFGS")
+        travel.append(lugs(found.x, at[0])[-1, 0])
+    ahead = turned - 0.5 * gap
+    assert np.array(travel) == pytest.approx(radius * np.sin(ahead) + 3.0 * pitch, abs=1e-5)
+    beside = np.array(travel) - 3.0 * pitch - count * pitch / (2.0 * np.pi) * ahead
+    assert np.abs(beside).max() == pytest.approx(2.1e-3, abs=5e-5)
+    assert beside.max() == pytest.approx(-beside.min(), abs=5e-5)

@@ -39,7 +39,7 @@ def test_a_shoe_may_be_flexible():
 @pytest.mark.slow
 @pytest.mark.simulation
 def test_reduced_study_has_loads_round_the_loop_and_in_mid_track():
-    runs, loads, peaks = study(None, duration=0.1, progress=False)
+    runs, loads, torque, peaks = study(None, duration=0.1, progress=False)
     assert list(runs) == [CLOSED, ROLLED, TRIAL] == peaks["case"].tolist()
     assert (loads["greatest in kN"] >= loads["mean in kN"]).all()
     tensions = loads[loads["of"].str.startswith("tension")].set_index("of")
@@ -48,6 +48,7 @@ def test_reduced_study_has_loads_round_the_loop_and_in_mid_track():
     }
     # a carrier bears what hangs between it and its neighbours, 1.8 m of chain, and what the tension lifts
     assert 50.0 < loads.set_index("of").loc["carrier", "mean in kN"] < 250.0
+    assert torque["by moments in kN m"].notna().all()
     numbers = peaks.drop(columns="case")
     assert (numbers > 0.0).all(axis=None)
     assert (
