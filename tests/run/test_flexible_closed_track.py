@@ -3,13 +3,23 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, FlexibleShoes, StepProfile, recover_stresses, simulate
+from exudyn_crawler import (
+    Case,
+    Duty,
+    FatigueMaterial,
+    FlexibleShoes,
+    StepProfile,
+    recover_stresses,
+    simulate,
+)
 from exudyn_crawler.case import Drive
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history.states import system_history
+from exudyn_crawler.results.life.duty import DutyRun
+from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.loads.actions import actions
 from exudyn_crawler.results.loads.balance import shoe_actions, shoe_imbalance
 from exudyn_crawler.results.loads.exports import shoe_loads
@@ -104,6 +114,18 @@ def test_shares_of_hot_spots_name_tooth_idler_and_rollers_and_are_complete(bent)
         assert np.abs(shares[f"share of {name}"]).max() > 0.1
         np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=1e-9)
         assert 1e7 < table["value"].max() < 1e9
+
+
+def test_life_counts_cycles_of_the_loop_with_their_causes(bent):
+    weak = FatigueMaterial.a36().with_(fatigue_strength=20e6)
+    run = DutyRun(name="start", folder=".", share=0.1)
+    found = life_of(Duty(runs=(run,), material=weak, plane_nodes=0), [bent])
+    assert found.dataset.shoe.values.tolist() == [UNDER_ROLLER, ON_IDLER, ON_TUMBLER]
+    assert (found.dataset.place_damage.max(("survival", "node")) > 0.0).all()
+    shares = [one.load_shares for one in found.nodes.values()]
+    assert {"pins", "ground", "rollers", "idler", "tooth"} <= set().union(*shares)
+    for one in shares:
+        assert sum(one.values()) == pytest.approx(1.0, abs=1e-6)
 
 
 def test_lugs_beside_the_pins_are_refused():
