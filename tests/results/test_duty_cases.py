@@ -11,7 +11,7 @@ from exudyn_crawler import Duty, FatigueMaterial, life, read_duty
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.results.checks.cases import ShoeCheck
 from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, case_shapes, cycle_table
-from exudyn_crawler.results.life.duty import DutyCase, DutyStage
+from exudyn_crawler.results.life.duty import DutyCase, DutyRun, DutyStage
 from exudyn_crawler.results.life.life import BETWEEN, BEYOND, hours_in_stages, life_of, life_of_stages
 from fem import Shapes
 from meshes.shoe import STEEL, joint_interfaces
@@ -114,6 +114,23 @@ def test_damage_of_stages_adds_up_at_the_nearest_nodes(mesh):
     assert found.duty == whole
     assert found.table["life in h that 97.5 % survive"].iloc[0] == pytest.approx(lasts)
     assert found.table["main part"].iloc[0] == "worn, stones"
+
+
+def test_runs_and_cases_make_damage_at_all_places_of_the_runs(flexible_run, mesh):
+    history = flexible_run[0]
+    run = DutyRun(name="pulled", folder=".", an_hour=1000.0)
+    alone = life_of(duty(runs=(run,)), [history])
+    both = life_of(duty(STONE, runs=(run,), changes_an_hour=0.0), [history], shapes=pulled(mesh, 140e6))
+    assert both.dataset.part.values.tolist() == ["pulled: constant", "stones", BETWEEN]
+    own = both.dataset.part_damage.sel(part="pulled: constant").values
+    np.testing.assert_allclose(own, alone.dataset.part_damage.values[0], rtol=1e-3, atol=1e-9)
+    known = both.dataset.place_damage.notnull().all(["shoe", "survival"]).values
+    case = both.dataset.place_damage.values - alone.dataset.place_damage.values
+    np.testing.assert_allclose(case[..., known], 2.0 * damage_of(70e6), rtol=1e-3)
+    assert set(both.nodes[int(both.table["node"][0])].cycles["run"]) <= {"pulled", "stones"}
+    higher = dataclasses.replace(mesh, nodes=mesh.nodes + np.array([0.0, 0.0, 1e-4]))
+    with pytest.raises(ValueError, match="runs and check cases must have the same mesh, got 13773 nodes"):
+        life_of(duty(STONE, runs=(run,)), [history], shapes=pulled(higher, 140e6))
 
 
 TEXT = """
