@@ -11,7 +11,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.model.flexible_shoes import shoe_model
 from exudyn_crawler.results.history.history import History, phases
 from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
-from exudyn_crawler.results.stress.basis import StressBasis, stress_basis
+from exudyn_crawler.results.stress.basis import StressBasis, segments, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
 from fem import Shapes
 from fem.damage import SIGNED_CRITERIA, Counting, signed_signals
@@ -194,18 +194,37 @@ def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve
     by_criterion = {node: dict.fromkeys(map(str, SIGNED_CRITERIA), 0.0) for node in nodes}
     for one in runs:
         often = one.times_an_hour / len(one.basis.coordinates)
-        for shoe, q in one.basis.coordinates.items():
-            loads = one.basis.by_load(shoe)
-            for node in nodes:
-                modes = one.basis.shapes.stress_modes[node]
-                by_load = {load: part @ modes.T for load, part in loads.items()}
-                stress = q @ modes.T
+        for shoe in one.basis.coordinates:
+            for node, (signals, of_loads) in _signals(duty, one.basis, shoe, nodes).items():
                 counting = one.counting(curves[node], duty.survivals[-1:])
-                cycles[node].append(_cycles(duty, curves[node], one, shoe, often, stress, by_load))
+                signal = signals[duty.criterion]
+                cycles[node].append(_cycles(duty, curves[node], one, shoe, often, signal, of_loads))
                 for criterion in SIGNED_CRITERIA:
-                    found = counting.damage(signed_signals(criterion, stress.T[None])).sum()
+                    found = counting.damage(signals[criterion][None]).sum()
                     by_criterion[node][criterion] += often * float(found)
     return {node: NodeLife(pd.concat(cycles[node], ignore_index=True), by_criterion[node]) for node in nodes}
+
+
+def _signals(
+    duty: Duty, basis: StressBasis, shoe: int, nodes: Sequence[int]
+) -> dict[int, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]]:
+    """Signals (t,) of all criteria at nodes of a shoe, and what each load makes of the duty's: in Pa."""
+    q = basis.coordinates[shoe]
+    found: dict[int, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
+    for rows in segments(len(q)):
+        loads, own = basis.by_load(shoe, rows), q[rows]
+        for node in nodes:
+            modes = basis.shapes.stress_modes[node]
+            stress = own @ modes.T
+            signals, of_loads = found.setdefault(node, ({}, {}))
+            for criterion in SIGNED_CRITERIA:
+                signal = signals.setdefault(criterion, np.empty(len(q)))
+                signal[rows] = signed_signals(criterion, stress.T[None])[0]
+            along = stress_directions(duty.criterion, stress)
+            for load, part in loads.items():
+                of_load = of_loads.setdefault(load, np.zeros(len(q)))
+                of_load[rows] = np.einsum("tk,tk->t", along, part @ modes.T)
+    return found
 
 
 def _cycles(
@@ -214,11 +233,11 @@ def _cycles(
     one: UsedRun,
     shoe: int,
     often: float,
-    stress: np.ndarray,
-    by_load: Mapping[str, np.ndarray],
+    signal: np.ndarray,
+    of_loads: Mapping[str, np.ndarray],
 ) -> pd.DataFrame:
-    """Cycles of a node's stress (t, 6) over a run, that of single loads beside it."""
-    found = one.counting(curve, duty.survivals[-1:]).cycles(signed_signals(duty.criterion, stress.T[None])[0])
+    """Cycles of a node's signal (t,) over a run, the part of single loads in it beside it."""
+    found = one.counting(curve, duty.survivals[-1:]).cycles(signal)
     phase, time = np.array(one.phases, dtype=object)[one.phase], one.time
     begin, end = found.begin_row, found.end_row
     columns = {
@@ -234,8 +253,6 @@ def _cycles(
         "damage an hour": often * curve.damage(found.amplitude, found.mean, duty.survivals[-1:])[0],
     }
     table = pd.DataFrame(columns, index=range(len(begin)))
-    rows = stress_directions(duty.criterion, stress)
-    for load, parts in by_load.items():
-        of_load = np.einsum("tk,tk->t", rows, parts)
+    for load, of_load in of_loads.items():
         table[SHARE + load] = (of_load[end] - of_load[begin]) / (found.end - found.begin)
     return table

@@ -6,11 +6,11 @@ often as the duty says. Stages of wear add up by Miner's rule.
 """
 
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -23,12 +23,14 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.results.life.duty_runs import NodeLife, UsedRun, node_lives, used_cases, used_runs
 from exudyn_crawler.results.stress import hot_spots
+from exudyn_crawler.results.stress.basis import same_squares
 from fem import Shapes, SNCurve, critical_plane, trust
 from fem.damage import damage_between, recover_damage
 
 BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
 BETWEEN = "between runs"  # part of the damage that no run has alone
 MEGA, MILLI = 1e6, 1e-3
+TENSORS = 10**7  # stresses of a node at a time that are in memory together, 0.5 GB
 LIFE = "life in h"  # what the columns of lives begin with
 
 
@@ -310,12 +312,15 @@ def _on_critical_planes(
     def damage_on(nodes: np.ndarray, angles: np.ndarray) -> np.ndarray:
         found = np.zeros((*angles.shape, len(duty.survivals)))
         for one, group in product(runs, groups):
-            own = np.isin(nodes, group.nodes)
+            own = np.flatnonzero(np.isin(nodes, group.nodes))
             counting = one.counting(group.curve, duty.survivals, 1.0 / BEYOND / len(runs))
             modes, coordinates = one.basis.shapes.stress_modes, one.basis.coordinates
-            for q in coordinates.values() if own.any() else ():
-                each = critical_plane.damage_on_planes(modes, q, normals, angles[own], counting, nodes[own])
-                found[own] += one.times_an_hour / len(coordinates) * each
+            together = max(1, TENSORS // len(counting.phase))
+            chunks = [own[first : first + together] for first in range(0, len(own), together)]
+            for q, some in product(coordinates.values(), chunks):
+                of_some = modes, q, normals, angles[some], counting, nodes[some]
+                each = critical_plane.damage_on_planes(*of_some)
+                found[some] += one.times_an_hour / len(coordinates) * each
         return found
 
     planes = critical_plane.critical_planes(damage_on, nodes)
@@ -343,7 +348,7 @@ def _life_trust(
     over all of them; what left-out static fields may do counts against the greatest amplitude. Of spreads the
     widest of the runs' counts, at the place that wears a node most.
     """
-    changes = (np.concatenate([q - q.mean(axis=0) for q in one.basis.coordinates.values()]) for one in runs)
+    changes = (_changes(one.basis.coordinates.values()) for one in runs)
     resolved = [trust.resolution_over(one.basis.shapes, q) for one, q in zip(runs, changes, strict=True)]
     found = reduce(operator.add, resolved)
     known = ~np.isnan(damage).any(axis=0)
@@ -359,6 +364,14 @@ def _life_trust(
         "verdict": trust.verdict_numbers(part, found.error, found.relative_jump, held),
         "life_factor": (1.0 + part) ** curve.steepest,
     }
+
+
+def _changes(coordinates: Collection[Any]) -> np.ndarray:
+    """Coordinates of a run's shoes less their means, or few rows with the same squares of a long run's."""
+    if all(isinstance(q, np.ndarray) for q in coordinates):
+        return np.concatenate([q - q.mean(axis=0) for q in coordinates])
+    means = [sum(part.sum(axis=0) for part in q) / len(q) for q in coordinates]
+    return same_squares(part - mean for q, mean in zip(coordinates, means, strict=True) for part in q)
 
 
 def life_hours(damage: np.ndarray | float) -> np.ndarray:

@@ -8,18 +8,24 @@ points, and stations of each rail with a pressure about them. `StaticLoads.share
 these, with the same forces.
 """
 
-from collections.abc import Mapping, Sequence
+import itertools
+import os
+import tempfile
+import weakref
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array, hstack, kron, vstack
 
 import fem
 from exudyn_crawler.case import Case
+from exudyn_crawler.files import writable_folder
 from exudyn_crawler.model.flexible_shoes import whole_reduction
-from exudyn_crawler.model.reductions import cached_fields
+from exudyn_crawler.model.reductions import cached_fields, reductions_folder
+from exudyn_crawler.results.history.files import RATES, SHAPES
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import load_map
 from fem.patches import Underside
@@ -27,6 +33,8 @@ from fem.patches import Underside
 TOLERANCE = 1e4
 """Pa by which fields that are left out may change a stress, as far as `MOST_FIELDS` allows: 0.01 MPa."""
 MOST_FIELDS = 0.4  # greatest number of fields over that of modes
+LONG = 2**14
+"""Stored times of a run whose loads and coordinates are in memory together: 33 s, stored every 2 ms."""
 LOADS = {"joint": "pins", "load": "machine load", "contact": "ground", "roller": "rollers", "chain": "drive"}
 LOADS |= {"carrier": "carriers"}
 """Words for kinds of actions; others are their own. The chain pulls for the drive and at its ends."""
@@ -110,16 +118,70 @@ def _rail_shares(strips: load_map.StripStations, stations: Sequence[fem.Stations
     return csr_array(block_diag(blocks))
 
 
+class StoredRows:
+    """Rows (t, m) in a file without a name, of which parts are read: coordinates of a long run."""
+
+    def __init__(self, columns: int) -> None:
+        self._file = tempfile.TemporaryFile(dir=writable_folder(reductions_folder()))  # noqa: SIM115 - as long as it
+        self.shape = (0, columns)
+        weakref.finalize(self, self._file.close)
+
+    def append(self, rows: np.ndarray) -> None:
+        """Write rows behind the others."""
+        self._file.seek(0, os.SEEK_END)
+        self._file.write(np.ascontiguousarray(rows, dtype=float).data)
+        self.shape = (self.shape[0] + len(rows), self.shape[1])
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        """Blocks of rows, in order."""
+        return (self[rows] for rows in segments(len(self)))
+
+    def __getitem__(self, rows: slice | np.ndarray) -> np.ndarray:
+        """Rows of a slice without steps, or of numbers."""
+        if isinstance(rows, slice):
+            start, stop, _ = rows.indices(len(self))
+            return self._read(start, stop)
+        numbers = np.asarray(rows)
+        return np.concatenate([self._read(0, 0), *(self._read(row, row + 1) for row in numbers.tolist())])
+
+    def _read(self, start: int, stop: int) -> np.ndarray:
+        size = 8 * self.shape[1]
+        self._file.seek(size * start)
+        return np.frombuffer(self._file.read(size * (stop - start))).reshape(-1, self.shape[1])
+
+
+Rows = np.ndarray | StoredRows
+
+
+def segments(times: int) -> list[slice]:
+    """Slices of successive stored times whose loads are in memory together."""
+    return [slice(start, min(start + LONG, times)) for start in range(0, times, LONG)]
+
+
+def same_squares(parts: Iterable[np.ndarray]) -> np.ndarray:
+    """Few rows (m, m) whose mean square along any direction is that of many (t, m), which come in parts."""
+    squares, count = 0.0, 0
+    for part in parts:
+        squares, count = squares + part.T @ part, count + len(part)
+    values, vectors = np.linalg.eigh(squares)
+    return np.sqrt(np.maximum(values, 0.0) * len(values) / count)[:, None] * vectors.T
+
+
 @dataclass(frozen=True)
 class StressBasis:
     """Columns of displacement and stress with their coordinates."""
 
     shapes: fem.Shapes  # modes, and static fields beside them
-    loads: Mapping[int, Mapping[str, csr_array]]  # (times, loads) by shoe, as of `loads_by_kind`
+    loads: Mapping[int, Mapping[str, csr_array]] | None
+    """Coordinates (times, loads) by shoe, as of `loads_by_kind`; None for a long run, which has them anew."""
     answers: np.ndarray  # (loads, columns), coordinates of the columns that a unit of each load makes
-    coordinates: Mapping[int, np.ndarray]  # (times, columns), their products by shoe, all kinds together
+    coordinates: Mapping[int, Any]  # (times, columns), their products by shoe: an array or `StoredRows`
     bound: float | None
     """Pa by which left-out fields change the stress of any node at most; None without fields: not known."""
+    history: History | None = None  # of a run
 
     def by_load(self, shoe: int, rows: np.ndarray | slice = slice(None)) -> dict[str, np.ndarray]:
         """Coordinates of a shoe at stored times by what makes them: arrays (times, columns).
@@ -128,31 +190,78 @@ class StressBasis:
         actions, or those kinds; "inertia" is that of the integrated modes.
         """
         found: dict[str, np.ndarray] = {}
-        for kind, loads in self.loads[shoe].items():
-            load, own = LOADS.get(kind, kind), np.asarray(loads[rows] @ self.answers)
+        if self.loads is not None:
+            kinds = {kind: loads[rows] for kind, loads in self.loads[shoe].items()}
+        else:
+            assert self.history is not None
+            kinds = load_map.loads_by_kind(_in_memory(self.history, rows), shoe)
+        for kind, loads in kinds.items():
+            load, own = LOADS.get(kind, kind), np.asarray(loads @ self.answers)
             if own.any():
                 found[load] = found.get(load, 0.0) + own
         return found
 
 
+def _in_memory(history: History, rows: np.ndarray | slice) -> History:
+    """Stored times of a history, all of it in memory but the motion of the units, which are hundreds."""
+    part = history.dataset.isel(time=rows)
+    units = {f"{name}{rate}" for name in SHAPES for rate in RATES}
+    return History(history.case, part.assign({name: part[name].load() for name in {*part.data_vars} - units}))
+
+
+@dataclass(frozen=True)
+class _Histories(Sequence[np.ndarray]):
+    """Coordinates (times, fields) of static fields' loads of a long run, of a segment and a shoe each."""
+
+    history: History
+    shoes: Sequence[int]
+    shares: csr_array
+
+    def loads(self) -> Iterator[tuple[int, csr_array]]:
+        """Loads of all segments with their shoe."""
+        for rows in segments(self.history.time.size):
+            part = _in_memory(self.history, rows)
+            yield from ((shoe, sum(load_map.loads_by_kind(part, shoe).values())) for shoe in self.shoes)
+
+    def __len__(self) -> int:
+        return len(self.shoes) * len(segments(self.history.time.size))
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return ((load @ self.shares).toarray() for _, load in self.loads())
+
+    def __getitem__(self, number: Any) -> Any:
+        return next(itertools.islice(self, number, None))
+
+
 def stress_basis(history: History, shoes: Sequence[int] | None = None) -> StressBasis:
-    """Columns and coordinates of the stress of flexible shoes, by default of all; ValueError for others."""
+    """Columns and coordinates of the stress of flexible shoes, by default of all; ValueError for others.
+
+    Of a run of more than `LONG` stored times memory holds a segment; its coordinates are in a file.
+    """
     if history.case.flexible is None:
         raise ValueError("the history has no flexible shoes")
     chosen = list(history.case.flexible.shoes if shoes is None else shoes)
-    by_kind = {shoe: load_map.loads_by_kind(history, shoe) for shoe in chosen}
-    loads = {shoe: sum(kinds.values()) for shoe, kinds in by_kind.items()}
     units, static = load_map.unit_loads(history.case), static_loads(history.case)
-    if static is None:
-        coordinates = {shoe: load @ units.answers for shoe, load in loads.items()}
-        return StressBasis(units.whole, by_kind, units.answers, coordinates, None)
-    frequencies = units.whole.frequencies
-    histories = [(load @ static.shares).toarray() for load in loads.values()]
-    most = int(MOST_FIELDS * len(frequencies))
-    columns = fem.field_columns(units.body, static.fields, histories, TOLERANCE, most)
-    answers = static.shares @ np.hstack((static.fields.held(frequencies), columns.turn))
-    coordinates = {shoe: load @ answers for shoe, load in loads.items()}
-    return StressBasis(columns.beside(units.whole), by_kind, answers, coordinates, columns.bound)
+    shapes: fem.Shapes = units.whole
+    by_kind, answers, bound = None, units.answers, None
+    shares = eye_array(units.size, format="csr") if static is None else static.shares
+    long = _Histories(history, chosen, shares)
+    if history.time.size <= LONG:
+        by_kind = {shoe: load_map.loads_by_kind(history, shoe) for shoe in chosen}
+    loads = {} if by_kind is None else {shoe: sum(kinds.values()) for shoe, kinds in by_kind.items()}
+    if static is not None:
+        frequencies = units.whole.frequencies
+        histories = [(load @ static.shares).toarray() for load in loads.values()] or long
+        most = int(MOST_FIELDS * len(frequencies))
+        columns = fem.field_columns(units.body, static.fields, histories, TOLERANCE, most)
+        answers = static.shares @ np.hstack((static.fields.held(frequencies), columns.turn))
+        shapes, bound = columns.beside(units.whole), columns.bound
+    coordinates: dict[int, Any] = {shoe: load @ answers for shoe, load in loads.items()}
+    if by_kind is None:
+        coordinates = {shoe: StoredRows(answers.shape[1]) for shoe in chosen}
+        for shoe, load in long.loads():
+            coordinates[shoe].append(load @ answers)
+    return StressBasis(shapes, by_kind, answers, coordinates, bound, history)
 
 
 def unit_stress(case: Case, node: int) -> np.ndarray:

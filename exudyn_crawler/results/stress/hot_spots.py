@@ -1,6 +1,7 @@
 """Hot spots of a shoe: the highest nodes, their regions, and the shares of single loads in their stress."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -137,8 +138,10 @@ def highest_nodes(
 ) -> pd.DataFrame:
     """Hot spots among some nodes with verdicts, regions and shares of loads; positions those at t = 0."""
     whole, time, start = basis.shapes, history.time.values, history.case.shoe_reference[shoe - 1]
-    q = basis.coordinates[shoe]
-    table = hot_spots(whole, time, q, HOT_SPOTS, separation=separation, nodes=nodes, peaks=peaks)
+    # of a long run those stored times alone that may be in the table
+    used, at = np.unique(peaks.time_indices, return_inverse=True)
+    at_used, q = replace(peaks, time_indices=at), basis.coordinates[shoe][used]
+    table = hot_spots(whole, time[used], q, HOT_SPOTS, separation=separation, nodes=nodes, peaks=at_used)
     at, rows = table["node"].to_numpy(), np.searchsorted(time, table["time"].to_numpy())
     places = start[:3] + table[list("xyz")].to_numpy() @ rotation_matrices(start[3:]).T
     table = judged(table, basis.bound).assign(**dict(zip("xyz", places.T, strict=True)), region=regions[at])

@@ -1,0 +1,92 @@
+"""Long runs: stress and life from segments of a run are those of the whole run, a segment in memory."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from exudyn_crawler import Duty, FatigueMaterial, History
+from exudyn_crawler.results.life.duty import DutyRun
+from exudyn_crawler.results.life.life import life_of
+from exudyn_crawler.results.stress import basis as stress_basis_module
+from exudyn_crawler.results.stress.basis import StoredRows, same_squares, stress_basis
+from exudyn_crawler.results.stress.recovery import recover_stresses
+
+SEGMENT = 40
+NEAR = {"rtol": 1e-6, "atol": 1.0}
+"""Sums over segments round otherwise, and so do the static fields that are chosen by them."""
+
+
+@pytest.fixture
+def in_segments(monkeypatch):
+    monkeypatch.setattr(stress_basis_module, "LONG", SEGMENT)
+
+
+def duty():
+    run = DutyRun(name="propel", folder=".", share=0.1)
+    material = FatigueMaterial.a36().with_(fatigue_strength=90e6)
+    return Duty(runs=(run,), material=material, plane_nodes=0, survivals=(0.9,))
+
+
+def test_stored_rows_are_those_that_were_written(tmp_path):
+    rows, stored = np.arange(60.0).reshape(20, 3), StoredRows(3)
+    stored.append(rows[:7])
+    stored.append(rows[7:])
+    assert (len(stored), stored.shape) == (20, (20, 3))
+    for part in (slice(None), slice(4, 11), slice(5, 5), slice(18, 99)):
+        assert np.array_equal(stored[part], rows[part])
+    assert np.array_equal(stored[np.array([19, 3, 3])], rows[[19, 3, 3]])
+    assert np.array_equal(np.concatenate(list(stored)), rows)
+
+
+def test_few_rows_have_the_squares_of_many():
+    rows = np.random.default_rng(1).standard_normal((500, 6)) * 10.0 ** np.arange(6)
+    few = same_squares([rows[:200], rows[200:]])
+    assert few.shape == (6, 6)
+    along = np.random.default_rng(2).standard_normal((6, 4))
+    assert ((few @ along) ** 2).mean(axis=0) == pytest.approx(((rows @ along) ** 2).mean(axis=0), rel=1e-9)
+
+
+def test_stresses_from_segments_are_those_of_the_whole_run(flexible_run, in_segments):
+    history, stress, _ = flexible_run
+    found = recover_stresses(history)
+    for name in ("peak_von_mises", "least_von_mises", "highest_von_mises", "peak_mesh_error"):
+        np.testing.assert_allclose(found.dataset[name], stress[name], err_msg=name, **NEAR)
+    assert np.mean(found.dataset.highest_node.values == stress.highest_node.values) > 0.99
+
+
+@pytest.mark.slow
+def test_lives_from_segments_are_those_of_the_whole_run(flexible_run, monkeypatch):
+    history = flexible_run[0]
+    whole = life_of(duty(), [history])
+    monkeypatch.setattr(stress_basis_module, "LONG", SEGMENT)
+    found = life_of(duty(), [history])
+    known = whole.dataset.damage_an_hour.values > 0.0
+    np.testing.assert_allclose(
+        found.dataset.damage_an_hour.values[known], whole.dataset.damage_an_hour.values[known], rtol=1e-3
+    )
+    assert found.table["node"].tolist() == whole.table["node"].tolist()
+    shares = whole.table.filter(like="share of").to_numpy(dtype=float)
+    np.testing.assert_allclose(found.table.filter(like="share of").to_numpy(dtype=float), shares, atol=1e-3)
+    assert whole.dataset.stress_error.values == pytest.approx(
+        found.dataset.stress_error.values, rel=1e-4, nan_ok=True
+    )
+
+
+def test_a_longer_run_takes_no_more_memory_for_its_coordinates(flexible_run, in_segments):
+    """What is in memory of the coordinates of twice the time is not twice as much."""
+    history = flexible_run[0]
+    passes = [history.dataset, history.dataset.isel(time=slice(1, None))]
+    time = passes[1].time + history.duration
+    twice = np.concatenate([passes[0].time, time])
+    dataset = xr.concat(passes, dim="time", data_vars="minimal", coords="minimal", compat="override")
+    peaks = []
+    for one in (history, History(history.case, dataset.assign_coords(time=("time", twice)))):
+        stress_basis(one)  # what is cached of the shoe
+        tracemalloc.start()
+        found = stress_basis(one)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        assert all(len(q) == one.time.size for q in found.coordinates.values())
+    assert peaks[1] < 1.1 * peaks[0]
