@@ -41,6 +41,8 @@ def connected(
         with _local(workers) if scheduler is None else _remote(scheduler) as client:
             if client.dashboard_link:
                 report(f"dashboard: {client.dashboard_link}")
+            if not client.scheduler_info()["workers"]:
+                report(f"waiting up to {WORKER_WAIT:g} s for a worker at {client.scheduler.address}")
             _check_workers(client, runs)
             yield client
 
