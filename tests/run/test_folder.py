@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 
@@ -248,3 +249,20 @@ def test_a_failure_of_the_work_itself_is_recorded_and_passed_on(tmp_path):
     found = record(tmp_path)
     assert (found["status"], found["error"]) == ("failed", "halfway")
     assert "half" in found["stages_s"]
+
+
+@pytest.mark.parametrize("is_made_again", [False, True])
+def test_a_folder_that_is_removed_during_the_run_is_no_success(tmp_path, is_made_again):
+    out = tmp_path / "out"
+    case_file = CaseFile(case=Case.translation(), duration=0.01)
+
+    def work():
+        with run_in(out, case_file):
+            shutil.rmtree(out)
+            if is_made_again:
+                out.mkdir()
+                (out / "history.nc").write_text("half")
+
+    with pytest.raises(FileNotFoundError, match="out was removed or emptied while"):
+        work()
+    assert record(out)["status"] == "failed" if is_made_again else not out.exists()

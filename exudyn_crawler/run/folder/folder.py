@@ -42,7 +42,8 @@ def run_in(
     the user.
 
     FileExistsError if the folder holds results or the case of another run, and `overwrite` is false;
-    BlockingIOError if another run works in it; NotADirectoryError or PermissionError if none can.
+    BlockingIOError if another run works in it; NotADirectoryError or PermissionError if none can;
+    FileNotFoundError at the end if the folder was removed meanwhile.
     """
     if out is None:
         yield RunFolder(report=report)
@@ -59,6 +60,10 @@ def run_in(
         clear_partial_files(out, below=case_file is not None)
         with record.recorded(folder):
             yield folder
+            if case_file is not None and not (out / CASE).is_file():
+                raise FileNotFoundError(
+                    f"{out} was removed or emptied while the run worked in it: its results are not whole"
+                )
 
 
 def refuse_occupied(out: Path, case_file: CaseFile, overwrite: bool = False) -> None:
