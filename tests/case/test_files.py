@@ -287,10 +287,12 @@ def test_of_many_unknown_keys_the_first_are_named_and_all_counted(refused):
 
 
 def test_a_wrong_base_is_answered_with_those_there_are(refused):
-    assert refused('base = "turn"\n')[0].startswith("base: no 'turn'; did you mean 'turning'? There is '")
-    assert refused('base = "turning"\n[terrain]\nbase = 3\n')[0].startswith("terrain.base: no 3; There is '")
+    assert refused('base = "turn"\n')[0].startswith("base: no 'turn'; did you mean 'turning'? allowed are '")
+    assert refused('base = "turning"\n[terrain]\nbase = 3\n')[0].startswith(
+        "terrain.base: no 3; allowed are '"
+    )
     assert refused('base = "turning"\n[solver]\nbase = "a"\n') == [
-        "solver.base: no 'a'; There is no names at all"
+        "solver.base: no 'a'; allowed are no names at all"
     ]
 
 
