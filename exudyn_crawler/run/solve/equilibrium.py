@@ -24,8 +24,8 @@ HELD = (1, 5)
 slip, so that nothing else holds a track at rest in the plane; on ground that sticks nothing is held."""
 
 CREEPING, CREEPING_OTHERS = 30.0, 6.0
-"""s, after which what still creeps is held by friction: on units, and of closed chains and on cells. On units
-the papers' machine then starts 2e-5 of its weight away from rest, after 6 s 4e-3 of it."""
+"""s, after which what still creeps is held by friction: on level, even units, and of closed chains and on all
+else. The papers' machine then starts 2e-5 of its weight away from rest, after 6 s 4e-3 of it."""
 CREEPING_LIMITS = (1.0, MANY)
 """Residual (N, root mean square) that ends a step's search, and most iterations."""
 
@@ -64,8 +64,9 @@ def crept(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
         q, multipliers, iterations = crept_to
         return iterations
 
-    on_units = system.case.terrain.model == "units" and not system.case.is_closed
-    system.creep_for(CREEPING if on_units else CREEPING_OTHERS, attempt)
+    terrain, closed = system.case.terrain, system.case.is_closed
+    level = terrain.model == "units" and terrain.is_even and terrain.grade == terrain.side_slope == 0.0
+    system.creep_for(CREEPING if level and not closed else CREEPING_OTHERS, attempt)
     return q
 
 
