@@ -11,9 +11,10 @@ from typing import NamedTuple, Unpack
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
-from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial, FlexibleShoes
-from exudyn_crawler.case import Heights
+from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial, FlexibleShoes, History
+from exudyn_crawler.case import Heights, Outputs
 from exudyn_crawler.case.parameters.heights import Ridge, Stone
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
@@ -76,7 +77,11 @@ def study_cases(
     if out is not None:
         before = {name: (out / name / HISTORY).resolve() for name in soft}
         cases |= {f"{name}, {AGAIN}": cases[name].with_({"terrain.ruts": before[name]}) for name in soft}
-    return {name: CaseFile(case=case.with_(name=name), duration=duration) for name, case in cases.items()}
+    start = Outputs(ground_times=(0.0,))
+    return {
+        name: CaseFile(case=case.with_(name=name), duration=duration, outputs=start)
+        for name, case in cases.items()
+    }
 
 
 class GroundStudy(NamedTuple):
@@ -86,6 +91,42 @@ class GroundStudy(NamedTuple):
     table: pd.DataFrame
     regions: pd.DataFrame
     lives: pd.DataFrame
+
+
+def kept_work(history: History, sinkage: xr.DataArray, pressure: xr.DataArray) -> float:
+    """Work (J) that cells keep of being loaded to greatest sinkages (m) with the pressures there (Pa)."""
+    law, shoe = history.case.cell_contact().law, history.case.shoe
+    if not isinstance(law, BekkerSoil):
+        return 0.0
+    constants, z, p = law.constants(min(shoe.length, shoe.width)), sinkage.values, pressure.values
+    modulus = np.array([law.kernel.prepare(constants, *one)[0] for one in zip(z, p, strict=True)])
+    given_back = np.divide(0.5 * p**2, modulus, out=np.zeros_like(p), where=modulus > 0.0)
+    return history.case.cell_terrain().cell ** 2 * float((p * z / (law.exponent + 1.0) - given_back).sum())
+
+
+def work_balance(history: History) -> dict[str, float]:
+    """What the ground keeps beside what drive and sinking machine give beyond the rolling resistance.
+
+    Mean forces over the way of the machine, in kN; the first is unknown on units.
+    """
+    case, frame = history.case, history.case.undercarriage
+    if frame is None:
+        raise ValueError(f"case {case.name!r} has no undercarriage")
+    x, height = (history.side_frame_position.sel(axis=axis).values for axis in "xz")
+    resistance = frame.rolling_resistance * frame.mass * case.gravity
+    shoes = history.position.sel(axis="z").sum("shoe").values
+    fallen = case.gravity * (frame.mass * (height[0] - height[-1]) + case.shoe.mass * (shoes[0] - shoes[-1]))
+    named = {
+        "drive": np.trapezoid(history.drive_pull.values, x) - resistance * (x[-1] - x[0]),
+        "sinking": fallen,
+    }
+    if history.has("cell_sinkage_then"):
+        begin = history.dataset.isel(ground_time=0)
+        end = kept_work(history, history.cell_sinkage, history.cell_pressure)
+        named["ground"] = end - kept_work(history, begin.cell_sinkage_then, begin.cell_pressure_then)
+    forces = {name: work / (x[-1] - x[0]) / KILO for name, work in named.items()}
+    words = {"drive": "pull beyond rolling", "sinking": "given by sinking", "ground": "kept by the ground"}
+    return {f"{words[name]}, kN over the way": one for name, one in forces.items()}
 
 
 def row(run: CaseRun) -> dict[str, float]:
@@ -105,7 +146,7 @@ def row(run: CaseRun) -> dict[str, float]:
         "greatest sinkage in mm": KILO * float(np.nanmax(sunk)),
         "heave of the frame in mm": KILO * float(np.ptp(heave)),
         "greatest force on a rail in kN": float(treads.max()) / KILO,
-    }
+    } | work_balance(history)
 
 
 def lives_by_region(run: CaseRun) -> pd.DataFrame:

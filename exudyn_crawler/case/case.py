@@ -392,10 +392,20 @@ class Case(Parameters):
     @property
     def settled_penetration(self) -> float:
         """Penetration of an evenly carried shoe under the mean load, m."""
-        if isinstance(self.contact, CellContact):
-            sides = self.shoe.length, self.shoe.width
-            return self.contact.law.sinkage(max(self.mean_load, 0.0) / (sides[0] * sides[1]), min(sides))
-        return float(self.contact.settled_depth(self.mean_load))
+        if isinstance(self.contact, SphereContact):
+            return float(self.contact.reference_depth(self.mean_load))
+        return float(self.settled_depths(np.array([self.mean_load]))[0])
+
+    def settled_depths(self, loads: np.ndarray) -> np.ndarray:
+        """Penetration (m) of shoes that each carry such a load (N) evenly; none where a load lifts."""
+        contact, loads = self.contact, np.maximum(loads, 0.0)
+        if isinstance(contact, PairContact):
+            return contact.settled_depth(loads)
+        if isinstance(contact, SphereContact):
+            return loads * self.settled_penetration / self.mean_load
+        sides = self.shoe.length, self.shoe.width
+        pressures = (loads / (sides[0] * sides[1])).tolist()
+        return np.array([contact.law.sinkage(one, min(sides)) for one in pressures])
 
     @property
     def sphere_stiffness(self) -> float:

@@ -182,10 +182,6 @@ class PairGroundContact:
         first = self.shoe_reference.size
         return self.coordinates.motion(q[first : first + self.coordinates.size])
 
-    def settled_depth(self, loads: np.ndarray) -> np.ndarray:
-        """Penetration (m) of shoes that each stand on one unit under these loads (N)."""
-        return (np.maximum(loads, 0.0) / self._law.stiffness) ** (1.0 / self._law.exponent)
-
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the ground along the track's middle at places x (m), with the springs free."""
         return self._terrain.surface(x)
@@ -217,10 +213,6 @@ class GroundContact(Protocol):
 
     def unit_motion(self, q: np.ndarray) -> np.ndarray:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
-        ...
-
-    def settled_depth(self, loads: np.ndarray) -> np.ndarray:
-        """Penetration (m) of shoes that each stand on one unit under these loads (N)."""
         ...
 
     def surface(self, x: np.ndarray) -> np.ndarray:

@@ -68,10 +68,6 @@ class SphereGroundContact:
         """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
         return self.coordinates.motion(q[self.shoe_reference.size :])
 
-    def settled_depth(self, loads: np.ndarray) -> np.ndarray:
-        """Depth (m) of the spheres of shoes that each carry such a load (N) evenly."""
-        return np.maximum(loads, 0.0) * self._case.settled_penetration / self._case.mean_load
-
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the units' faces at places x (m), with the springs free."""
         return self._terrain.surface(x)

@@ -112,7 +112,6 @@ class CompiledSystem(TrackSystem):
         self._driven = True
         self._state = np.zeros((3, size))
         self._multipliers = np.zeros(multipliers)
-        self._first: np.ndarray | None = None
         self._scratch = (np.zeros(size + multipliers), np.zeros(self.tables.fronts.size))
         self._cells: TrackOnCells | None = None
         if isinstance(contact, CellGroundContact):
@@ -133,6 +132,8 @@ class CompiledSystem(TrackSystem):
         if self.tables.teeth is not None:
             lugs = np.arange(len(self.tables.teeth.markers)).reshape(self.layout.shoes, -1)
             self._lugs = lugs[self._bending]
+        if self._cells is not None:
+            self._put_down(self._cells)
 
     @property
     def treads(
@@ -255,8 +256,8 @@ class CompiledSystem(TrackSystem):
                 step = min(1.5 * step, LONGEST_STEP) if iterations < FEW else step
 
     def _put_down(self, cells: TrackOnCells) -> None:
-        self._first = self.first_guess() if self._first is None else self._first
-        self._state[0], self._state[1:] = self._first, 0.0
+        """Let slip count from where shoes are put down before they go to their rest."""
+        self._state[0], self._state[1:] = self.first_guess(), 0.0
         cells.put_down(self._state)
 
     def initial(self) -> np.ndarray:
@@ -347,7 +348,6 @@ class CompiledSystem(TrackSystem):
         state = np.zeros_like(self._state)
         state[0] = q
         if self._cells is not None:
-            self._put_down(self._cells)
             self._cells.cover(state)
         both = np.concatenate((multipliers, np.zeros(2)))
         out = self.residual(state, self.inputs(0.0)._replace(active=np.zeros(2)), both)
@@ -373,8 +373,6 @@ class CompiledSystem(TrackSystem):
         search, and most iterations. Gives coordinates, multipliers and iterations; None if the step is too
         long to be found.
         """
-        if self._cells is not None:
-            self._put_down(self._cells)
         self._state[0], self._state[1:] = q, 0.0
         if self._cells is not None:
             self._cells.cover(self._state)

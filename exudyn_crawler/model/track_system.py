@@ -103,7 +103,7 @@ class TrackSystem(ABC):
             sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
             terrain = q[shoes.size : shoes.size + self.contact.coordinates.size]
             terrain[:] = self.contact.coordinates.sunk_evenly(-sag)
-        shoes[:, 2] = -sag - self.contact.settled_depth(loads)
+        shoes[:, 2] = -sag - case.settled_depths(loads)
         x, half = self.contact.shoe_reference[:, 0], 0.5 * case.shoe.length
         rear, front = self.contact.surface(x - half), self.contact.surface(x + half)
         shoes[:, 2] += 0.5 * (rear + front)
@@ -121,7 +121,7 @@ class TrackSystem(ABC):
             sag = -case.terrain.unit_mass * case.gravity_vector()[2] / case.terrain.heave_stiffness
             first = 6 * case.track.shoe_count
             q[first : first + self.contact.coordinates.size] = self.contact.coordinates.sunk_evenly(-sag)
-        loaded = float(self.contact.settled_depth(case.pressed(case.first_loads)).max())
+        loaded = float(case.settled_depths(case.pressed(case.first_loads)).max())
         bodies = [*range(case.track.shoe_count), *range(-len(self.layout.bodies), 0)]
         q[[6 * body + 2 for body in bodies]] = -sag - loaded
         return q

@@ -1,10 +1,13 @@
 """Grounds of cells that the machine rolls over: every one carries it, and the harder ones tilt shoes less."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+import xarray as xr
 
 from exudyn_crawler import simulate
-from studies.ground import PAPERS, row, study_cases
+from studies.ground import AGAIN, PAPERS, SOFT, kept_work, row, study_cases
 
 CASES = {name: one.case.with_(flexible=None) for name, one in study_cases(duration=1.0).items()}
 
@@ -13,6 +16,26 @@ def test_grounds_differ_in_nothing_but_the_ground():
     papers = CASES[PAPERS]
     for name, case in CASES.items():
         assert case.with_(name=PAPERS, terrain=papers.terrain, contact=papers.contact) == papers, name
+
+
+def test_work_that_cells_keep_is_the_area_of_a_loop_of_loading_and_unloading():
+    case, deepest = CASES["LETE sand"], 0.03
+    depths = np.concatenate((np.linspace(0.0, deepest, 2001), np.linspace(deepest, 0.0, 2001)))
+    pressure, _ = case.contact.law.drive(depths, np.zeros_like(depths), case.shoe.length)
+    cells = (xr.DataArray(np.full(3, one)) for one in (deepest, pressure.max()))
+    loop = 3 * case.terrain.cell**2 * np.trapezoid(pressure, depths)
+    # the curve begins with a parabola over 1 mm
+    assert kept_work(SimpleNamespace(case=case), *cells) == pytest.approx(loop, rel=2e-3)
+
+
+def test_second_passes_start_in_the_ruts_of_the_first(tmp_path):
+    cases = study_cases(duration=1.0, out=tmp_path)
+    assert {name for name in cases if AGAIN in name} == {f"{name}, {AGAIN}" for name in ("LETE sand", SOFT)}
+    for name in ("LETE sand", SOFT):
+        again = cases[f"{name}, {AGAIN}"].case
+        assert again.terrain.ruts == tmp_path / name / "history.nc"
+        assert again.with_({"name": name, "terrain.ruts": None}) == cases[name].case
+    assert not [name for name in CASES if AGAIN in name]
 
 
 @pytest.mark.simulation

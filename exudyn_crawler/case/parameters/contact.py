@@ -109,7 +109,7 @@ class SphereContact(Parameters):
         """Spheres under one shoe."""
         return self.spheres_x * self.spheres_y
 
-    def settled_depth(self, load: ArrayLike) -> np.ndarray:
+    def reference_depth(self, load: ArrayLike) -> np.ndarray:
         """Penetration (m) of an evenly carried shoe by the reference law under each load (N)."""
         return _impact_depth(load, self.reference_stiffness, self.reference_exponent)
 

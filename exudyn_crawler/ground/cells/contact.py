@@ -58,12 +58,6 @@ class CellGroundContact:
         """Of no units."""
         return np.zeros((0, 4))
 
-    def settled_depth(self, loads: np.ndarray) -> np.ndarray:
-        """Sinkage (m) of shoes under these loads (N) that lie flat on fresh ground."""
-        shoe, law = self._case.shoe, self._case.cell_contact().law
-        pressures = np.maximum(loads, 0.0) / (shoe.length * shoe.width)
-        return np.array([law.sinkage(float(p), min(shoe.length, shoe.width)) for p in pressures])
-
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) at places x (m) of the straight line on which a chain lies that is put on the ground."""
         shoe, places = self._case.shoe, self.shoe_reference[:, 0]

@@ -4,8 +4,16 @@ import math
 
 import numpy as np
 
-from exudyn_crawler.ground.cells.kernel import AREA, BEFORE, GROUND, NORMAL, ShoePoints, frame_at
-from exudyn_crawler.ground.cells.tiles import BITS, SIDE, Tiles
+from exudyn_crawler.ground.cells.kernel import (
+    AREA,
+    BEFORE,
+    GROUND,
+    NORMAL,
+    ShoePoints,
+    frame_at,
+    prepare_shoes,
+)
+from exudyn_crawler.ground.cells.tiles import BITS, SIDE, Tiles, gather
 from exudyn_crawler.ground.frames import FACING, Frame, along, compiled, turned, within
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
@@ -17,7 +25,7 @@ NO_TILE, NO_HEIGHT = -1, -2
 
 @compiled
 def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) -> int:
-    """List the points of all shoes; return their number, `NO_TILE` or `NO_HEIGHT`.
+    """List the points of all shoes, with the memory below; return their number, `NO_TILE` or `NO_HEIGHT`.
 
     Parameters
     ----------
@@ -48,6 +56,8 @@ def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) 
         _place_points(points[:count], shoes.corners[0, 2], frame, frame_at(before[s]))
         shoes.counts[s] = count
         total += count
+    gather(ground, values)
+    prepare_shoes(values)
     return total
 
 

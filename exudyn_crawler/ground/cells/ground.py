@@ -14,11 +14,10 @@ from exudyn_crawler.ground.cells.kernel import (
     ShoePoints,
     addresses_of,
     coarse_forces,
-    prepare_shoes,
     press,
 )
 from exudyn_crawler.ground.cells.law import CellLaw
-from exudyn_crawler.ground.cells.tiles import BITS, FIELDS, SIDE, Tiles, commit, gather
+from exudyn_crawler.ground.cells.tiles import BITS, FIELDS, SIDE, Tiles, commit
 
 COARSE = (3, 9)
 """Nodes along and across an underside that forces are kept at: bending moments err by 2.4 % on sand, by 6 %
@@ -107,8 +106,6 @@ class CellGround:
                 f"a shoe left the measured ground: the track is at x = {x.min():.4g} to {x.max():.4g} m, "
                 f"y = {y.min():.4g} to {y.max():.4g} m"
             )
-        gather(tuple(self.tiles), self.arrays)
-        prepare_shoes(self.arrays)
 
     def press(self, frames: np.ndarray, weights: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
         """Wrenches (shoes, 6) on the shoes at their frames, N and N m about the frames' origins, global.

@@ -23,7 +23,18 @@ from exudyn_crawler.ground.cells.law import (
     respond,
     within_law,
 )
-from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, compiled, cross, dot, turned, within
+from exudyn_crawler.ground.frames import (
+    Frame,
+    Matrix,
+    Vector,
+    along,
+    compiled,
+    cross,
+    dot,
+    turned,
+    turned_back,
+    within,
+)
 from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 PLACE, NORMAL, GROUND, AREA, BEFORE, DEEPEST, PREPARED, SHEAR, MOBILIZED = 0, 3, 6, 7, 8, 11, 13, 15, 18
@@ -300,32 +311,62 @@ def press(values: tuple, frames: FloatArray, weights: FloatArray) -> None:
         )
 
 
+class Hats(NamedTuple):
+    """First node of the mesh of an even grid that a place is in, and how far within; bilinear hats there."""
+
+    i: int
+    j: int
+    u: float
+    v: float
+
+
+@within
+def hats_at(low: FloatArray, high: FloatArray, last: tuple[int, int], x: float, y: float) -> Hats:
+    """Mesh of a place (m, the shoe's frame) in a grid of which `low` and `high` are the corners."""
+    u = (x - low[0]) / (high[0] - low[0]) * last[0]
+    v = (y - low[1]) / (high[1] - low[1]) * last[1]
+    i, j = min(max(int(u), 0), last[0] - 1), min(max(int(v), 0), last[1] - 1)
+    return Hats(i, j, u - i, v - j)
+
+
+@within
+def share_of(hats: Hats, k: int) -> float:
+    """Share of a place that the k-th node of its mesh has."""
+    u = hats.u if k >= 2 else 1.0 - hats.u
+    return u * (hats.v if k % 2 == 1 else 1.0 - hats.v)
+
+
+@within
+def spread_forces(
+    points: FloatArray, forces: FloatArray, low: FloatArray, high: FloatArray, nodes: FloatArray
+) -> None:
+    """Add forces at points to the nodes (a, b, 3) of an even grid of their underside, global, N.
+
+    A force goes to the four nodes about its point, which keeps forces and moments, and bending moments at the
+    lines of nodes.
+    """
+    last = nodes.shape[0] - 1, nodes.shape[1] - 1
+    for a in range(points.shape[0]):
+        hats = hats_at(low, high, last, points[a, 0], points[a, 1])
+        for k in range(4):
+            i, j, share = hats.i + k // 2, hats.j + k % 2, share_of(hats, k)
+            for c in range(3):
+                nodes[i, j, c] += share * forces[a, c]
+
+
 @compiled
 def coarse_forces(values: tuple, frames: FloatArray, out: FloatArray) -> None:
     """Write the forces on a grid of the undersides (shoes, a, b, 3): N, in the axes of each shoe.
 
-    The nodes divide the underside evenly, from its least x and y to its greatest. A force goes to the four
-    nodes about its point by hat functions, which keeps forces and moments, and bending moments at the lines
-    of nodes. `values` as of `press`.
+    The nodes divide the underside evenly, from its least x and y to its greatest; `values` as of `press`.
     """
     shoes = ShoePoints(*values)
     out.fill(0.0)
-    last_a, last_b = out.shape[1] - 1, out.shape[2] - 1
     low, high = shoes.corners[0], shoes.corners[2]
     for s in range(out.shape[0]):
-        R = frame_at(frames[s]).R
-        for a in range(shoes.counts[s]):
-            u = (shoes.points[s, a, 0] - low[0]) / (high[0] - low[0]) * last_a
-            t = (shoes.points[s, a, 1] - low[1]) / (high[1] - low[1]) * last_b
-            i, j = min(max(int(u), 0), last_a - 1), min(max(int(t), 0), last_b - 1)
-            u, t = u - i, t - j
-            for c in range(3):
-                f = (
-                    R[0][c] * shoes.force[s, a, 0]
-                    + R[1][c] * shoes.force[s, a, 1]
-                    + R[2][c] * shoes.force[s, a, 2]
-                )
-                out[s, i, j, c] += (1.0 - u) * (1.0 - t) * f
-                out[s, i + 1, j, c] += u * (1.0 - t) * f
-                out[s, i, j + 1, c] += (1.0 - u) * t * f
-                out[s, i + 1, j + 1, c] += u * t * f
+        R, count = frame_at(frames[s]).R, shoes.counts[s]
+        spread_forces(shoes.points[s, :count], shoes.force[s, :count], low, high, out[s])
+        for i in range(out.shape[1]):
+            for j in range(out.shape[2]):
+                force = turned_back(R, (out[s, i, j, 0], out[s, i, j, 1], out[s, i, j, 2]))
+                out[s, i, j, 0], out[s, i, j, 1], out[s, i, j, 2] = force[0], force[1], force[2]

@@ -12,7 +12,16 @@ import numpy as np
 
 from exudyn_crawler.ground.cells.contact import write_contacts
 from exudyn_crawler.ground.cells.ground import CellGround
-from exudyn_crawler.ground.cells.kernel import BEFORE, FRAME, ShoePoints, press
+from exudyn_crawler.ground.cells.kernel import (
+    BEFORE,
+    FRAME,
+    Hats,
+    ShoePoints,
+    hats_at,
+    press,
+    share_of,
+    spread_forces,
+)
 from exudyn_crawler.ground.frames import Vector, along, cross, turned
 from exudyn_crawler.ground.pairs import RESULTS
 from exudyn_crawler.ground.rotations import Attitude, FloatArray, ForceRows, IntArray, Weights
@@ -54,31 +63,11 @@ class CellWorkspace(NamedTuple):
         return cls(tuple(shoes), frames, bent, tuple(rigid), tuple(bending))
 
 
-class Hats(NamedTuple):
-    """First node of the mesh of a grid that a place is in, and how far within, along and across."""
-
-    i: int
-    j: int
-    u: float
-    v: float
-
-
 @solving_within
 def _hats(nodes: FloatArray, x: float, y: float) -> Hats:
     """Mesh of a place (m, the shoe's frame)."""
-    last_i, last_j = nodes.shape[0] - 1, nodes.shape[1] - 1
-    low, high = nodes[0, 0], nodes[last_i, last_j]
-    u = (x - low[0]) / (high[0] - low[0]) * last_i
-    v = (y - low[1]) / (high[1] - low[1]) * last_j
-    i, j = min(max(int(u), 0), last_i - 1), min(max(int(v), 0), last_j - 1)
-    return Hats(i, j, u - i, v - j)
-
-
-@solving_within
-def _share(hats: Hats, k: int) -> float:
-    """Share of a place that the k-th node of its mesh has."""
-    u = hats.u if k >= 2 else 1.0 - hats.u
-    return u * (hats.v if k % 2 == 1 else 1.0 - hats.v)
+    last = nodes.shape[0] - 1, nodes.shape[1] - 1
+    return hats_at(nodes[0, 0], nodes[last[0], last[1]], last, x, y)
 
 
 @solving_within
@@ -87,7 +76,7 @@ def _moved_by_nodes(hats: Hats, bent: FloatArray) -> Vector:
     value = (0.0, 0.0, 0.0)
     for k in range(4):
         node = bent[hats.i + k // 2, hats.j + k % 2]
-        value = along(value, _share(hats, k), (node[0], node[1], node[2]))
+        value = along(value, share_of(hats, k), (node[0], node[1], node[2]))
     return value
 
 
@@ -214,21 +203,20 @@ def _write_nodal(
 ) -> None:
     """Write the forces at the nodes of a flexible shoe, their tangent, and the nodes' motions."""
     wrench, tangent, jacobian = rows.wrench[f], rows.tangent[f], rows.jacobian[f, 0]
-    nodes, across = table.nodes, table.nodes.shape[1]
+    nodes, across, count = table.nodes, table.nodes.shape[1], shoes.counts[s]
+    low, high = nodes[0, 0], nodes[nodes.shape[0] - 1, across - 1]
     wrench.fill(0.0)
+    at_nodes = wrench.reshape(nodes.shape)
+    spread_forces(shoes.points[s, :count], shoes.force[s, :count], low, high, at_nodes)
     if derive:
         tangent.fill(0.0)
-    for a in range(shoes.counts[s]):
-        hats, force = _hats(nodes, shoes.points[s, a, 0], shoes.points[s, a, 1]), shoes.force[s, a]
+    for a in range(count if derive else 0):
+        hats = _hats(nodes, shoes.points[s, a, 0], shoes.points[s, a, 1])
         slopes = shoes.slopes[s, a]
         for k in range(4):
-            first, share = 3 * ((hats.i + k // 2) * across + hats.j + k % 2), _share(hats, k)
-            for r in range(3):
-                wrench[first + r] += share * force[r]
-            if not derive:
-                continue
+            first, share = 3 * ((hats.i + k // 2) * across + hats.j + k % 2), share_of(hats, k)
             for m in range(4):
-                second, both = 3 * ((hats.i + m // 2) * across + hats.j + m % 2), share * _share(hats, m)
+                second, both = 3 * ((hats.i + m // 2) * across + hats.j + m % 2), share * share_of(hats, m)
                 for r in range(3):
                     for c in range(3):
                         tangent[first + r, second + c] += both * slopes[3 * r + c]
@@ -262,18 +250,23 @@ class TrackOnCells:
     def __init__(self, ground: CellGround, bodies: tuple, table: tuple, workspace: tuple) -> None:
         self._ground, self._bodies, self._table, self._workspace = ground, bodies, table, workspace
         self._work = CellWorkspace(*workspace)
+        self._count_from_here()
+
+    def _count_from_here(self) -> None:
+        """Let slip count from the state of the last frames."""
         self._before = self._work.frames.copy(), self._work.bent[:, 0].copy()
 
     def put_down(self, state: np.ndarray) -> None:
         """Let slip count from a state (3, coordinates)."""
         place_shoes(self._bodies, self._table, state, self._workspace)
-        self._before = self._work.frames.copy(), self._work.bent[:, 0].copy()
+        self._count_from_here()
 
     def cover(self, state: np.ndarray) -> None:
         """Freeze which cells lie under the shoes, by the state (3, coordinates) that is predicted."""
         place_shoes(self._bodies, self._table, state, self._workspace)
         self._ground.cover(self._work.frames, self._before[0])
-        bend_before(self._table, *self._before, self._workspace)
+        if len(self._work.bent):
+            bend_before(self._table, *self._before, self._workspace)
 
     def press(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Wrenches (shoes, 6) of the covered cells at a state, N and N m about the COMs, and modal forces.
@@ -291,7 +284,7 @@ class TrackOnCells:
     def commit(self) -> None:
         """Let the cells remember the state whose residual was computed last."""
         self._ground.commit()
-        self._before = self._work.frames.copy(), self._work.bent[:, 0].copy()
+        self._count_from_here()
 
     def contacts(self, numbers: int) -> np.ndarray:
         """Contacts at the last residual (shoes, numbers): `ground.pairs.RESULTS`, then forces on the grid.

@@ -16,7 +16,7 @@ from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.results.history import catalogue, files
 from fem.interrupts import interrupts_wait
 
-MOST_IN_MEMORY = 10**9  # bytes of a history that are read at once: 280 s of 13 rigid shoes, stored every 2 ms
+MOST_IN_MEMORY = 25 * 10**7  # bytes of a history that are read at once: 70 s of 13 rigid shoes, every 2 ms
 
 
 @dataclass(frozen=True)
