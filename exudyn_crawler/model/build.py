@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Case, ClosedTrack, Rails, Undercarriage
+from exudyn_crawler.case import Case, Rails, RunningGear
 from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.cells.contact import CellGroundContact
@@ -350,9 +350,7 @@ class _Builder:
         places = np.array([[(x, y, 0.0) for y in strip_lines(frame, rails)] for x in frame.rollers])
         return self._rails(frame, rails, places, frame.radius)
 
-    def _rails(
-        self, frame: Undercarriage | ClosedTrack, rails: Rails, places: np.ndarray, radius: float
-    ) -> Rollers:
+    def _rails(self, frame: RunningGear, rails: Rails, places: np.ndarray, radius: float) -> Rollers:
         """Rollers at these places (rollers, strips, 3) of a frame and the rails below them."""
         along = rail_rows(None if self.floating is None else self.floating.reduced, self.case)
         strips = frame.strips

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.case import Case, ClosedTrack, Rails, Shoe, Track, Undercarriage
+from exudyn_crawler.case import Case, Rails, RunningGear, Shoe, Track
 from exudyn_crawler.ground.rotations import rotation_matrices
 from fem import Interface, Mesh, ReducedBody
 from meshes.checks import check_extent
@@ -61,7 +61,9 @@ def check_rails(mesh: Mesh, name: str, rails: Rails) -> None:
     try:
         found = rail_outline(mesh)
     except ValueError as error:
-        raise ValueError(f"flexible.mesh {name!r} does not go with an undercarriage: {error}") from error
+        raise ValueError(
+            f"flexible.mesh {name!r} does not go with the rails that wheels roll on: {error}"
+        ) from error
     off = {key: value - getattr(rails, key) for key, value in found._asdict().items()}
     far = {key: round(value, 4) for key, value in off.items() if abs(value) > UNDERSIDE_TOLERANCE}
     if far:
@@ -90,7 +92,7 @@ class RailRows(NamedTuple):
     rows: np.ndarray
 
 
-def strip_lines(frame: Undercarriage | ClosedTrack, rails: Rails) -> np.ndarray:
+def strip_lines(frame: RunningGear, rails: Rails) -> np.ndarray:
     """Y of the strips of a roller, those of the right tread first: array (2 strips,), m."""
     return np.concatenate([middle + frame.strip_places for middle in rails.middles])
 
@@ -100,9 +102,7 @@ def station_spacing(rails: Rails) -> float:
     return (rails.front - rails.rear) / (STATIONS - 1)
 
 
-def strip_weights(
-    mesh: Mesh, frame: Undercarriage | ClosedTrack, rails: Rails
-) -> tuple[np.ndarray, np.ndarray]:
+def strip_weights(mesh: Mesh, frame: RunningGear, rails: Rails) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (k,) of the rails, and their shares (lines, STATIONS, k) in a force at a station of a strip."""
     lines, along = strip_lines(frame, rails), np.linspace(rails.rear, rails.front, STATIONS)
     weights = station_weights(mesh, [(x, y) for y in lines for x in along])

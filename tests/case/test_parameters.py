@@ -26,6 +26,7 @@ from exudyn_crawler import (
     simulate,
 )
 from exudyn_crawler.case import Solver
+from exudyn_crawler.case.parameters.base import Parameters
 from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.sweep.answers import Answer
@@ -512,3 +513,17 @@ def test_the_leaning_normal_is_refused_on_units_smaller_than_a_shoe():
         ParameterError, match=r"contact\.normal must be 'face' on units of 1 x 1 m, smaller than"
     ):
         Case.translation().with_(terrain=Terrain.stress())
+
+
+def test_a_bound_of_a_parameter_is_given_once():
+    """Of two of one kind the validation keeps one, and not the narrower one."""
+    kinds, seen = [Parameters], set()
+    while kinds:
+        kinds += (kind := kinds.pop()).__subclasses__()
+        for name, field in kind.model_fields.items():
+            bounds = [type(one) for one in field.metadata]
+            assert len(bounds) == len(set(bounds)), f"{kind.__name__}.{name}: {field.metadata}"
+            seen.add(name)
+    assert len(seen) > 200
+    with pytest.raises(ParameterError, match="must be greater than or equal to 0.001, got 1e-06"):
+        Case.translation().with_({"solver.checkpoint_interval": 1e-6})

@@ -184,10 +184,11 @@ class Solver(Parameters):
     maximum_iterations: int = quantity("1", "iterations before a step is halved", ge=2, le=10_000, default=40)
     spectral_radius: float = quantity("1", "at infinite frequency: less damps more", gt=0, lt=1, default=0.6)
     output_interval: base.Interval = quantity("s", "between stored states; at least a step", default=2.0e-3)
-    checkpoint_interval: base.Interval = quantity(
+    checkpoint_interval: float = quantity(
         "s",
         "between states from which the integration, or a killed run, starts anew",
         ge=1e-3,
+        le=1e9,
         default=1.0,
     )
 

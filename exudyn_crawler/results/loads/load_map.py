@@ -30,7 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array, hstack
 
-from exudyn_crawler.case import Case, ClosedTrack, FlexibleShoes, Shoe, Track, Undercarriage
+from exudyn_crawler.case import Case, FlexibleShoes, RunningGear, Shoe, Track
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.model import shoe_mesh
 from exudyn_crawler.model.flexible_shoes import integrated_in, shoe_model, weights_a_metre, whole_reduction
@@ -144,7 +144,7 @@ def _unit_loads(
     flexible: FlexibleShoes,
     track: Track,
     shoe: Shoe,
-    frame: ClosedTrack | Undercarriage | None,
+    frame: RunningGear | None,
     whole: ReducedBody,
     node: int | None,
     cells: bool,
