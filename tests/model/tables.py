@@ -86,7 +86,7 @@ def integrated(tables, start, gravity, h, steps):
     state, multipliers = np.zeros((3, size)), np.zeros(rows)
     state[:, :-1] = np.reshape(start, (3, -1))
     values, workspace = plain(tables), Workspace.allocate(tables, 1)
-    inputs = tuple(Inputs(tuple(gravity), np.zeros((0, 6)), 0.0, np.zeros(2), np.zeros(2), 0.0))
+    inputs = tuple(Inputs(tuple(gravity), np.zeros((0, 6)), 0.0, np.zeros(2), np.zeros(2), np.zeros(1)))
     scratch = np.zeros(size + rows), np.zeros(tables.fronts.size)
     # generalized alpha (Arnold and Bruels, Multibody System Dynamics 18, 2007)
     alpha_m, alpha_f = (2.0 * RADIUS - 1.0) / (RADIUS + 1.0), RADIUS / (RADIUS + 1.0)

@@ -109,7 +109,8 @@ def test_every_variable_of_a_history_is_an_attribute(translation):
 def test_a_run_that_compiles_says_so_in_a_line(monkeypatch, capsys, progress):
     half = numba.njit(lambda x: 0.5 * x)
     monkeypatch.setattr(simulation, "EQUATIONS", [half])
-    monkeypatch.setattr(simulation, "integrate", lambda *_, **__: half(1.0))
+    monkeypatch.setattr(simulation, "compile_equations", lambda _kind: half(1.0))
+    monkeypatch.setattr(simulation, "integrate", lambda *_, **__: None)
     for told in ("" if progress is False else simulation.COMPILING.format("dragged") + "\n", ""):
         simulate(Case.translation(), 0.01, progress)
         assert capsys.readouterr() == ("", told)

@@ -59,7 +59,7 @@ def test_a_run_that_was_stopped_goes_on_from_its_checkpoint(tmp_path, monkeypatc
     case_file, digest = sweep.case_of(sweep.rows[0])
     task = task_of(tmp_path, digest=digest, case=case_file.model_dump_json())
 
-    def stopping(case, duration, progress, checkpoints):
+    def stopping(case, duration, progress, checkpoints, *_):
         simulate(case, 0.02, progress, checkpoints)
         raise SimulationStopped(0.02, "interrupted", None)
 
