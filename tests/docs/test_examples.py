@@ -27,8 +27,8 @@ PAGES = sorted(
     ]
 )
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
-LONG = {"tutorial.md"}
-"""Pages whose examples are whole runs: a minute and more."""
+LONG = {"tutorial.md", "own_shoe_mesh.md"}
+"""Pages whose examples are whole runs or meshes: a quarter of a minute and more."""
 LANGUAGES = {"python", "toml", "sh", "math", "text", "{toctree}", "{eval-rst}"}
 """Of fenced blocks: the first two are checked here, the others are for reading."""
 

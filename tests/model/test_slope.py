@@ -106,6 +106,7 @@ def test_a_track_slides_where_the_slope_exceeds_friction(axis):
     assert (speeds[0.13][1] - speeds[0.13][0]) / 0.2 == pytest.approx(pull, rel=0.05)
 
 
+@pytest.mark.slow
 def test_both_formulations_of_the_terrain_agree_on_a_slope():
     case = on_slope(0.1, -0.05)
     reduced, whole = (simulate(case.with_(terrain_formulation=f), 0.02) for f in ("reduced", "constrained"))

@@ -185,6 +185,7 @@ def test_faults_of_cases_and_stages_are_told_by_their_keys(tmp_path, old, new, w
         read_duty(tmp_path / "wear.toml")
 
 
+@pytest.mark.slow
 @pytest.mark.simulation
 def test_life_by_one_check_case_is_that_of_the_checks_cycles(tmp_path):
     (tmp_path / "shoe.toml").write_text('mesh = "coarse"\nlevels = [{ name = "pass", force = 574e3 }]\n')

@@ -46,8 +46,8 @@ def pushed(rest, part, index, size):
     ("part", "index", "name"),
     [
         ("shoes", (6, 2), r"shoe 7 \(z\)"),
-        ("shoes", (3, 4), r"shoe 4 \(rotation about y\)"),
-        ("units", (slice(None), 2), r"terrain \(coordinate \d+\)"),
+        pytest.param("shoes", (3, 4), r"shoe 4 \(rotation about y\)", marks=pytest.mark.slow),
+        pytest.param("units", (slice(None), 2), r"terrain \(coordinate \d+\)", marks=pytest.mark.slow),
     ],
 )
 def test_a_failed_step_names_the_coordinate_that_does_not_settle(rest, part, index, name):

@@ -111,6 +111,7 @@ def test_colour_bars_of_a_narrow_screen_are_as_wide_as_it(phone):
     phone.page.locator("#shoe-colouring").select_option(index=0)
 
 
+@pytest.mark.slow
 def test_views_step_back_as_a_screen_becomes_narrow(browser, stress_folder, tmp_path):
     """The axes, which hold all that is drawn, and their labels have room at any width."""
     reader = Reader(browser, write_report(stress_folder, tmp_path / "report.html"))
