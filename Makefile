@@ -91,7 +91,7 @@ format: $(INSTALLED)  ## put the code into its standard form
 	$(BIN)/ruff format .
 
 docs: $(INSTALLED)  ## handbook, tutorial, gallery and API reference as one site with a search, into site/
-	$(BIN)/sphinx-build -q -W --keep-going -j auto -c docs . site
+	$(BIN)/sphinx-build -q -W --keep-going -c docs . site
 	@echo "site/index.html: open it in a browser"
 
 notebooks: $(INSTALLED)  ## execute the handbook's notebooks anew, in their places
