@@ -133,6 +133,7 @@ def test_every_command_is_among_those_tested(call):
 
 
 @pytest.mark.simulation
+@pytest.mark.slow
 def test_the_handbooks_check_file_is_checked(call, tmp_path):
     """As it stands it is read; with the coarse ready shoe, without the ready cases, its own one is solved."""
     text = (Path(__file__).parents[1] / "docs" / "check-cases.md").read_text(encoding="utf-8")

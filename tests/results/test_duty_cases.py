@@ -116,6 +116,7 @@ def test_damage_of_stages_adds_up_at_the_nearest_nodes(mesh):
     assert found.table["main part"].iloc[0] == "worn, stones"
 
 
+@pytest.mark.slow
 def test_runs_and_cases_make_damage_at_all_places_of_the_runs(flexible_run, mesh):
     history = flexible_run[0]
     run = DutyRun(name="pulled", folder=".", an_hour=1000.0)

@@ -87,6 +87,7 @@ def test_a_force_anywhere_on_a_rail_moves_modes_as_in_the_equations():
         np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_static_loads_have_the_forces_and_moments_of_the_unit_loads():
     """Strips press on the middles of their rails: their places across are left out."""
     case = small_flexible_case()

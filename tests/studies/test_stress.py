@@ -47,6 +47,7 @@ def study(tmp_path_factory):
     return run.folder, run.history, run.stresses, table
 
 
+@pytest.mark.slow
 def test_outputs_say_what_is_written_of_the_stresses(study, tmp_path):
     _, history, _, _ = study
     results = recover_stresses(history, (0.2, 0.5), peak=False)

@@ -64,6 +64,7 @@ def test_a_narrow_screen_needs_no_scrolling_sideways(phone):
     assert max(cell["right"] for cell in cells) <= 390
 
 
+@pytest.mark.slow
 def test_a_narrow_screen_shows_all_of_the_track(phone):
     for camera in ("aslant", "above", "side"):
         phone.page.locator(f"[data-camera={camera}]").click()
