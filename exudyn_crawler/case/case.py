@@ -265,6 +265,11 @@ class Case(Parameters):
         return self._beside(self.assembled.tumbler[None])
 
     @property
+    def has_tensioners(self) -> bool:
+        """Whether springs push the idlers of closed tracks, which then are bodies."""
+        return self.closed_track is not None and self.closed_track.idler.tensioner is not None
+
+    @property
     def idler_reference(self) -> np.ndarray:
         """Centres of the idlers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
         assert self.closed_track is not None

@@ -64,9 +64,7 @@ def layout_of(case: Case, tables: Tables, pins: list[tuple[int, str]]) -> StateL
     """Layout of the states of a case; `pins` name link (from 1) and side of each."""
     others: tuple[str, ...] = () if case.running_gear is None else (SIDE_FRAME,)
     tumblers = TUMBLERS[case.tracks] if case.is_closed else ()
-    idlers = (
-        IDLERS[case.tracks] if len(tables.bodies.mass) > case.track.shoe_count + 1 + len(tumblers) else ()
-    )
+    idlers = IDLERS[case.tracks] if case.has_tensioners else ()
     turned = (*tumblers, *idlers)
     others += turned
     names = [f"shoe {number}" for number in case.track.shoes] + list(others)

@@ -279,7 +279,7 @@ def _take_up(states: _States) -> np.ndarray:
     """Take-up of the idlers of closed tracks, which shims keep: array (times, tracks), m."""
     case = states.system.case
     take_up = np.full((len(states.rows), case.tracks), case.assembled.take_up)
-    if states.system.layout.bodies[-1] not in IDLERS[case.tracks]:
+    if not case.has_tensioners:
         return take_up
     frame, start = states.part(SIDE_FRAME), case.idler_reference[:, :3] - case.frame_start
     for k, name in enumerate(IDLERS[case.tracks]):
