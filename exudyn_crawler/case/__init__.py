@@ -4,7 +4,7 @@
 of the P&H 4100C and of the papers, in `ph4100c`, fill the classes by their named constructors.
 """
 
-from exudyn_crawler.case.case import Case, RunningGear
+from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, Outputs
 from exudyn_crawler.case.files import read_case, write_case
 from exudyn_crawler.case.parameters.cells import CellContact, CellTerrain
@@ -21,6 +21,7 @@ from exudyn_crawler.case.parameters.undercarriage import (
     MachineCycle,
     MachinePhase,
     Pose,
+    RunningGear,
     Shovel,
     Undercarriage,
 )

@@ -30,8 +30,6 @@ def _kind_of_terrain(values: Any) -> str:
 AnyTerrain = Annotated[
     Annotated[Terrain, Tag("units")] | Annotated[CellTerrain, Tag("cells")], Discriminator(_kind_of_terrain)
 ]
-RunningGear = Undercarriage | ClosedTrack
-"""Frame of a rolled or a closed case, with what rolls on the rails."""
 Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminator="model")]
 """How shoes and terrain touch."""
 
@@ -285,7 +283,7 @@ class Case(Parameters):
         return beside
 
     @property
-    def running_gear(self) -> RunningGear | None:
+    def running_gear(self) -> ClosedTrack | Undercarriage | None:
         """Side frame whose wheels run on the shoes' rails, of an open or a closed track; None: none."""
         return self.closed_track or self.undercarriage
 

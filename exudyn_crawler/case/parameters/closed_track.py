@@ -10,7 +10,7 @@ from pydantic import Field
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import assembly, base, track
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
-from exudyn_crawler.case.parameters.undercarriage import tread_strips
+from exudyn_crawler.case.parameters.undercarriage import RunningGear, overlap_errors
 
 CLEARANCE = 0.5
 """m, between the lowest shoes of a frame on posts and the ground."""
@@ -122,15 +122,14 @@ class Idler(Parameters):
         return cls(**ph4100c.IDLER)
 
 
-class ClosedTrack(Parameters):
+class ClosedTrack(RunningGear):
     """A track that is closed round a side frame: what guides, drives and tightens it.
 
-    Places are in the frame's own axes as of `Undercarriage`: x along the travel, y lateral, z up, from the
-    height of the lower rollers' axes above the middle line of the track. The tumbler is at the rear. On posts
-    the frame is held above the ground; on the ground its y and yaw are held.
+    The tumbler is at the rear. On posts the frame is held above the ground; on the ground its y and yaw are
+    held.
     """
 
-    support: Literal["ground", "posts"] = base.option("what carries the frame", "ground")
+    support: Literal["ground", "posts"] = option("what carries the frame", "ground")
     mass: float = quantity(
         "kg",
         "half of the machine less shoes, tumbler and sliding idler; with a car_body of the side frame alone",
@@ -138,26 +137,13 @@ class ClosedTrack(Parameters):
         ge=1,
         le=1e9,
     )
-    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
-    com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
     tumbler: Tumbler
     idler: Idler
-    rollers: tuple[base.Roller, ...] = quantity(
-        "m", "x of the lower rollers' axes, rear to front", min_length=2
-    )
-    roller_radius: base.Length = quantity("m", "radius of their treads", (0.05, 1.5))
+    roller_radius: base.Length = quantity("m", "radius of the rollers' treads", (0.05, 1.5))
     carriers: tuple[Wheel, ...] = quantity(
         "m", "x and z of carrier rollers under the upper run, rear to front; none: it hangs", default=()
     )
     carrier_radius: base.Length = quantity("m", "radius of their treads", (0.03, 1.0), default=0.25)
-    tread_width: base.Length = quantity("m", "width of each tread, in the middle of its rail", (0.02, 1.0))
-    strips: Literal[1, 2] = quantity("1", "of a tread, which share its load on a tilted rail", default=2)
-    stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of tread on rail", (1e6, 1e12))
-    exponent: base.Exponent = quantity("1", "exponent of the depth", (1.0, 1.6), default=1.0)
-    damping: base.Damping = quantity("N s/m", "greatest damping of a tread", (0.0, 1e8))
-    damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
-    rolling_resistance: base.Coefficient = quantity("1", "of a wheel over its normal force", (0.0, 0.2))
-    resistance_speed: base.Speed = quantity("m/s", "at which it has 0.7 of its value, 0 at rest", (1e-5, 0.1))
     guide_play: base.Extent = quantity("m", "a shoe's way to each side of a flange", (0.0, 0.1))
     guide_height: base.Depth = quantity("m", "of the flanges above a tread", (0.005, 0.3))
     guide_stiffness: base.Stiffness = quantity(
@@ -192,16 +178,8 @@ class ClosedTrack(Parameters):
     )
 
     def _errors(self) -> Errors:
-        if np.any(np.diff(self.rollers) < 2.0 * self.roller_radius):
-            yield (
-                f"rollers must stand in order and apart by their diameter {2.0 * self.roller_radius:g} m at "
-                f"least, got {list(self.rollers)}: they overlap"
-            )
-        if np.any(np.diff([x for x, _ in self.carriers]) < 2.0 * self.carrier_radius):
-            yield (
-                f"carriers must stand in order and apart by their diameter {2.0 * self.carrier_radius:g} m "
-                f"at least, got {list(self.carriers)}: they overlap"
-            )
+        yield from overlap_errors("rollers", self.rollers, self.roller_radius)
+        yield from overlap_errors("carriers", [x for x, _ in self.carriers], self.carrier_radius)
         turn = 2.0 * math.pi / self.tumbler.teeth
         if self.fold_limit <= turn:
             yield (
@@ -215,16 +193,6 @@ class ClosedTrack(Parameters):
     def ph4100c(cls) -> Self:
         """Closed track of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
         return cls(tumbler=Tumbler.ph4100c(), idler=Idler.ph4100c(), **ph4100c.CLOSED_TRACK)
-
-    @property
-    def inertia_tensor(self) -> np.ndarray:
-        """Inertia tensor about the COM: array (3, 3), kg m2."""
-        return base.inertia_tensor(self.inertia)
-
-    @property
-    def strip_places(self) -> np.ndarray:
-        """Y of the strips' middles beside that of their tread: array (strips,), m."""
-        return tread_strips(self.strips, self.tread_width)
 
     def wheels(self, take_up: float) -> np.ndarray:
         """Lower rollers, idler and carriers: array (wheels, 3) of x and z in the frame and radius, m."""

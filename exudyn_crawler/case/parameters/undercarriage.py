@@ -20,29 +20,60 @@ FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them
 TIPPING = 0.24  # m, from the middle of the track to that of a rail of the P&H 4100C
 
 
-class Undercarriage(Parameters):
-    """What rides on one track: the side frame with its share of the machine, and how it rolls on the shoes.
+class RunningGear(Parameters):
+    """Side frame whose wheels run on the shoes' rails, of an open or a closed track.
 
-    Places are in the frame's own axes: x along the travel, y lateral, z up. Their origin lies at the height
-    of the rollers' axes above the middle line of the track, at x = `start` at t = 0. The rollers are fixed in
-    the frame, whose travel is the drive; heave, roll and pitch are free, y and yaw are held.
+    Places are in the frame's own axes: x along the travel, y lateral, z up, from the height of the lower
+    rollers' axes above the middle line of the track.
     """
 
     mass: float = quantity("kg", "half of the machine without its shoes", (1e4, 2e6), ge=1.0, le=1e9)
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
     com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
-    start: Place = quantity("m", "x of the frame's origin at t = 0, global")
-    ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))
-    rollers: tuple[base.Roller, ...] = quantity("m", "x of the rollers' axes, rear to front", min_length=2)
-    radius: float = quantity("m", "radius of the treads", (0.05, 1.5), ge=1e-2, le=100)
+    rollers: tuple[base.Roller, ...] = quantity(
+        "m", "x of the lower rollers' axes, rear to front", min_length=2
+    )
     tread_width: base.Length = quantity("m", "width of each tread, in the middle of its rail", (0.02, 1.0))
     strips: Literal[1, 2] = quantity("1", "of a tread, which share its load on a tilted rail", default=2)
-    stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of tread on rail", (1e7, 1e12))
+    stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of tread on rail", (1e6, 1e12))
     exponent: base.Exponent = quantity("1", "exponent of the depth", (1.0, 1.6), default=1.0)
     damping: base.Damping = quantity("N s/m", "greatest damping of a tread", (0.0, 1e8))
     damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
-    rolling_resistance: base.Coefficient = quantity("1", "of a roller over its normal force", (0.0, 0.2))
+    rolling_resistance: base.Coefficient = quantity("1", "of a wheel over its normal force", (0.0, 0.2))
     resistance_speed: base.Speed = quantity("m/s", "at which it has 0.7 of its value, 0 at rest", (1e-5, 0.1))
+
+    @property
+    def inertia_tensor(self) -> np.ndarray:
+        """Inertia tensor about the COM: array (3, 3), kg m2."""
+        return base.inertia_tensor(self.inertia)
+
+    @property
+    def strip_places(self) -> np.ndarray:
+        """Y of the strips' middles beside that of their tread: array (strips,), m."""
+        # two resist tilting at the Gauss points as an evenly spread contact does
+        points, _ = np.polynomial.legendre.leggauss(self.strips)
+        return 0.5 * self.tread_width * points
+
+
+def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Errors:
+    """Wheels at places (x, m) that are nearer to each other than their diameter."""
+    if np.any(np.diff(places) < 2.0 * radius):
+        yield (
+            f"{wheels} must stand in order and apart by their diameter {2.0 * radius:g} m at least, "
+            f"got {list(places)}: they overlap"
+        )
+
+
+class Undercarriage(RunningGear):
+    """What rides on one track: the side frame with its share of the machine, and how it rolls on the shoes.
+
+    The frame's origin is at x = `start` at t = 0. The rollers are fixed in the frame, whose travel is the
+    drive; heave, roll and pitch are free, y and yaw are held.
+    """
+
+    start: Place = quantity("m", "x of the frame's origin at t = 0, global")
+    ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))
+    radius: float = quantity("m", "radius of the treads", (0.05, 1.5), ge=1e-2, le=100)
     tumbler: Place = quantity("m", "x where the drive tumbler pulls the chain", (-20.0, 20.0))
     end_tension: float = quantity("N", "pull on the chain's ends", (0.0, 5e6), ge=0, le=1e10, default=0.0)
 
@@ -50,11 +81,7 @@ class Undercarriage(Parameters):
         rear, front = self.ends
         if front <= rear:
             yield f"ends must be rear and front end in this order, got {self.ends}"
-        if np.any(np.diff(self.rollers) < 2.0 * self.radius):
-            yield (
-                f"rollers must stand in order and apart by their diameter {2.0 * self.radius:g} m at least, "
-                f"got {list(self.rollers)}: they overlap"
-            )
+        yield from overlap_errors("rollers", self.rollers, self.radius)
         if outside := [x for x in self.rollers if not rear + self.radius <= x <= front - self.radius]:
             yield (
                 f"rollers must be within the frame, whose ends are at {rear:g} and {front:g} m, by their "
@@ -68,27 +95,10 @@ class Undercarriage(Parameters):
         """Undercarriage of one track of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
         return cls(**ph4100c.UNDERCARRIAGE)
 
-    @property
-    def inertia_tensor(self) -> np.ndarray:
-        """Inertia tensor about the COM: array (3, 3), kg m2."""
-        return base.inertia_tensor(self.inertia)
-
-    @property
-    def strip_places(self) -> np.ndarray:
-        """Y of the strips' middles beside that of their tread: array (strips,), m."""
-        return tread_strips(self.strips, self.tread_width)
-
     def shares_of_links(self, ahead: ArrayLike, links: int, pitch: float) -> np.ndarray:
         """Shares of the links in a tumbler's pull `ahead` (m) of link 1's pins: array (times, links)."""
         place = np.asarray(ahead, dtype=float)[..., None] / pitch
         return np.clip(1.0 - np.abs(place - np.arange(links)), 0.0, None)
-
-
-def tread_strips(count: int, width: float) -> np.ndarray:
-    """Y of the middles of a tread's strips beside that of the tread, so wide (m): array (count,), m."""
-    # two resist tilting at the Gauss points as an evenly spread contact does
-    points, _ = np.polynomial.legendre.leggauss(count)
-    return 0.5 * width * points
 
 
 class Part(NamedTuple):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import Case, ClosedTrack, Rails, RunningGear, Undercarriage
+from exudyn_crawler.case import Case, ClosedTrack, Rails, Undercarriage
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.history import History
@@ -51,7 +51,7 @@ def frame_poses(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     return dataset.side_frame_position.values, rotation_matrices(dataset.side_frame_angles.values)
 
 
-def frame_on_rails(case: Case) -> tuple[RunningGear, Rails]:
+def frame_on_rails(case: Case) -> tuple[ClosedTrack | Undercarriage, Rails]:
     """Side frame of a rolled or a closed case, and the rails that its wheels run on."""
     frame, rails = case.running_gear, case.shoe.rails
     if frame is None or rails is None:
@@ -59,7 +59,7 @@ def frame_on_rails(case: Case) -> tuple[RunningGear, Rails]:
     return frame, rails
 
 
-def roller_radius(frame: RunningGear) -> float:
+def roller_radius(frame: ClosedTrack | Undercarriage) -> float:
     """Radius of the lower rollers, m."""
     return float(frame.radius if isinstance(frame, Undercarriage) else frame.roller_radius)
 
