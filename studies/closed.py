@@ -17,8 +17,7 @@ from exudyn_crawler.case import Undercarriage, ph4100c
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.summary import tension_along_chain
-from exudyn_crawler.views.tables import write_table
-from studies.running import Running, study_runs
+from studies.running import Running, save, study_runs
 
 START = 10.0
 """s, before which the machine starts: peaks do not count."""
@@ -64,7 +63,10 @@ def rolled_case(tension: float = ph4100c.UNDERCARRIAGE["end_tension"]) -> Case:
 def study_cases(
     duration: float | None = None, flexible: int | None = None, mesh: str = "coarse"
 ) -> dict[str, CaseFile]:
-    """Cases of the study with their durations (s), at most `duration`; `flexible` is a flexible shoe."""
+    """Cases of the study with their durations (s), at most `duration`.
+
+    `flexible` is the number of a flexible shoe of the closed track, `mesh` its mesh as of `FlexibleShoes`.
+    """
     most, closed = np.inf if duration is None else duration, closed_case()
     if flexible is not None:
         closed = closed.with_(
@@ -136,14 +138,11 @@ def torque_by_tension(history: History) -> pd.DataFrame:
     case, data, closed = history.case, history.dataset, history.case.closed_track
     assert closed is not None
     track, weight, rows = case.track, case.shoe.mass * case.gravity, np.arange(history.time.size)
-    lever, pitches = (
-        closed.travel_per_angle(track),
-        data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi),
-    )
+    lever = closed.travel_per_angle(track)
+    pitches = data.tumbler_angle.values * closed.tumbler.teeth / (2.0 * np.pi)
     late = int(np.searchsorted(history.time.values, min(START, 0.5 * history.duration)))
-    whole = slice(
-        late, int(np.searchsorted(pitches, pitches[late] + np.floor(pitches[-1] - pitches[late]))) + 1
-    )
+    end = np.searchsorted(pitches, pitches[late] + np.floor(pitches[-1] - pitches[late]))
+    whole = slice(late, int(end) + 1)
     axis = data.tumbler_position.values[:, None]
     place, force = data.position.values - axis, data.joint_force.values
     pin = place + rotation_matrices(data.angles.values) @ [track.pin_ahead, 0.0, track.pin_height]
@@ -190,33 +189,13 @@ def study(
 ) -> ClosedStudy:
     """Run the closed track and the rolled ones, and compare what shoes in mid-track bear.
 
-    Parameters
-    ----------
-    out : Path, optional
-        Folder of the study: a folder per case, `loads.csv`, `torque.csv` and `peaks.csv`; None writes
-        nothing.
-    duration : float, optional
-        s, greatest duration of every case; the whole cases if None.
-    flexible : int, optional
-        Number of a shoe of the closed track that is flexible, with its stress; none if None.
-    mesh : str
-        Of that shoe: coarse, study or fine, or the path of a mesh.
-    **how
-        Options `overwrite`, `progress` and `say` of `run_case`.
-
-    Raises
-    ------
-    FileExistsError, BlockingIOError
-        Before a run, if results are there and `overwrite` is false, or another run works there.
-    EquilibriumError, SimulationStopped
-        As of `run_case`.
+    Cases are those of `study_cases`; with `out` it gets their folders, `loads.csv`, `torque.csv` and
+    `peaks.csv`. Errors are those of `study_runs`.
     """
     with study_runs(out, study_cases(duration, flexible, mesh), **how) as runs:
         loads, torque = (of(runs[CLOSED].history) for of in (loads_round_the_loop, torque_by_tension))
         peaks = pd.DataFrame([{"case": name} | peaks_in_mid_track(run.history) for name, run in runs.items()])
-        if out is not None:
-            for name, table in {"loads": loads, "torque": torque, "peaks": peaks}.items():
-                write_table(table, out / f"{name}.csv", overwrite=True)
+        save(out, loads=loads, torque=torque, peaks=peaks)
         return ClosedStudy(runs, loads, torque, peaks)
 
 

@@ -4,6 +4,7 @@ Nothing heavy is imported before a command needs it, so that help comes at once.
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -25,16 +26,28 @@ def _positive(duration: float | None) -> float | None:
     return duration
 
 
+def _show_tables(out: Path, tables: Mapping[str, tuple["pd.DataFrame", str, Sequence[str]]]) -> None:
+    """Print tables that are in CSV files of a folder, by their names, with titles and columns shown first."""
+    for name, (table, title, keys) in tables.items():
+        print_table(table, title, keys or [*table.columns], out / f"{name}.csv")
+    typer.echo(f"the runs and {', '.join(f'{name}.csv' for name in tables)} are in {out}")
+
+
 KINEMATICS = RESULTS / "kinematics"
 COMPARED = ("quantity", "statistic", "paper", "computed", "within", "unit")
 """Columns of a comparison that are shown where not all fit, as `print_rows` takes them."""
 HOT = ("rank", "region", "von Mises in MPa", "time in s", "verdict", "node")
 LIVES = ("propel_and_material", "region", "life in h at least", "life in h at most", "verdict", "main part")
 """Same of hot spots, and of lives."""
+REGIONS = "Highest von Mises stress by region of the shoe"
 Propel = Literal["translation", "turning", "both"]
 Chosen = Annotated[Propel, typer.Option(help="what to run")]
 Ground = StrEnum("Ground", ["step", "ramp", "rough"])
 Duration = Annotated[float, typer.Option(help="simulated time in s", callback=_positive)]
+AtMost = Annotated[
+    float | None,
+    typer.Option(help="simulated time in s of every case; all of each, if not given", callback=_positive),
+]
 MeshName = Annotated[str, typer.Option(help="coarse, study or fine, or the path of a mesh")]
 Variants = Annotated[
     bool, typer.Option("--variants", help="show instead every row under variants of the contact and the shoe")
@@ -188,10 +201,7 @@ def shovel_life(
 
 
 def rollers(
-    duration: Annotated[
-        float | None,
-        typer.Option(help="simulated time in s of every case; all of each, if not given", callback=_positive),
-    ] = None,
+    duration: AtMost = None,
     mesh: MeshName = "study",
     out: Out = RESULTS / "rollers",
     overwrite: Overwrite = False,
@@ -208,15 +218,11 @@ def rollers(
         return
     _, regions = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
     keys = ("case", "region", "von Mises in MPa", "time in s", "verdict", "shoe")
-    print_table(regions, "Highest von Mises stress by region of the shoe", keys, out / "regions.csv")
-    typer.echo(f"the runs and regions.csv are in {out}")
+    _show_tables(out, {"regions": (regions, REGIONS, keys)})
 
 
 def closed(
-    duration: Annotated[
-        float | None,
-        typer.Option(help="simulated time in s of every case; all of each, if not given", callback=_positive),
-    ] = None,
+    duration: AtMost = None,
     flexible: Annotated[
         int | None,
         typer.Option(help="number of a shoe of the closed track that is flexible, with its stress"),
@@ -233,10 +239,8 @@ def closed(
 
     how: dict[str, Any] = {"duration": duration, "flexible": flexible, "mesh": mesh, "overwrite": overwrite}
     _, loads, torque, peaks = study(out, **how, say=typer.echo)
-    print_table(loads, "Loads round the loop", tuple(loads), out / "loads.csv")
-    print_table(torque, "Torque by tension", tuple(torque), out / "torque.csv")
-    print_table(peaks, "Shoes in mid-track", tuple(peaks), out / "peaks.csv")
-    typer.echo(f"the runs, loads.csv, torque.csv and peaks.csv are in {out}")
+    shown = {"loads": (loads, "Loads round the loop", ()), "torque": (torque, "Torque by tension", ())}
+    _show_tables(out, shown | {"peaks": (peaks, "Shoes in mid-track", ())})
 
 
 def grounds(
@@ -253,12 +257,14 @@ def grounds(
 
     _, table, regions, lives = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
     keys = ("ground", "mean pull in kN", "greatest tilt of a shoe in mrad", "highest stress in MPa")
-    print_table(table, "The machine on every ground", keys, out / "grounds.csv")
-    keys = ("ground", "region", "von Mises in MPa", "verdict")
-    print_table(regions, "Highest von Mises stress by region of the shoe", keys, out / "regions.csv")
-    shown = ("ground", *LIVES[1:-1])
-    print_table(lives, "Shortest life by region, in hours of propel", shown, out / "lives.csv")
-    typer.echo(f"the runs, grounds.csv, regions.csv and lives.csv are in {out}")
+    _show_tables(
+        out,
+        {
+            "grounds": (table, "The machine on every ground", keys),
+            "regions": (regions, REGIONS, ("ground", "region", "von Mises in MPa", "verdict")),
+            "lives": (lives, "Shortest life by region, in hours of propel", ("ground", *LIVES[1:-1])),
+        },
+    )
 
 
 def plate_sweep(

@@ -39,17 +39,9 @@ def time_mean(values: xr.DataArray) -> xr.DataArray:
 
 
 def kinematic_quantity(history: History, quantity: str) -> xr.DataArray:
-    """Kinematic quantity that a paper names, in the paper's unit.
+    """Kinematic quantity that a paper names, in the paper's unit: (time, shoe) for any shoe, (time) for one.
 
-    Returns
-    -------
-    xarray.DataArray
-        Dimensions (time, shoe) for any shoe, (time) for one.
-
-    Raises
-    ------
-    ValueError
-        For words that name no such quantity.
+    A ValueError for words that name no such quantity.
     """
     match = SHOE_QUANTITY.fullmatch(quantity)
     if match is None or match["kind"] not in KINEMATIC:
@@ -64,10 +56,7 @@ def kinematic_quantity(history: History, quantity: str) -> xr.DataArray:
 def statistic_of(values: xr.DataArray, statistic: str) -> float:
     """Statistic that a paper names over all times and shoes; NaN where the run is too short for it.
 
-    Raises
-    ------
-    ValueError
-        For words that name no statistic.
+    A ValueError for words that name no statistic.
     """
     end = float(values.time[-1])
     if match := re.fullmatch(r"at t=(\d+) s", statistic):
@@ -79,26 +68,22 @@ def statistic_of(values: xr.DataArray, statistic: str) -> float:
         if end < float(match[1]) - 1e-9:
             return math.nan
         return float(time_mean(values).mean())
-    simple = {
-        "min": lambda v: v.min(),
-        "max": lambda v: v.max(),
-        "max abs": lambda v: np.abs(v).max(),
-        "mean": lambda v: time_mean(v).mean(),
-        "value": lambda v: v,
-    }
-    if statistic not in simple:
-        raise ValueError(f"{statistic!r} names no statistic")
-    return float(simple[statistic](values))
+    match statistic:
+        case "min":
+            return float(values.min())
+        case "max":
+            return float(values.max())
+        case "max abs":
+            return float(np.abs(values).max())
+        case "mean":
+            return float(time_mean(values).mean())
+        case "value":
+            return float(values)
+    raise ValueError(f"{statistic!r} names no statistic")
 
 
 def kinematics_value(histories: Mapping[str, History], case: str, quantity: str, statistic: str) -> float:
-    """Computed value of one row of the kinematics tables; NaN where its run is missing.
-
-    Parameters
-    ----------
-    histories : mapping
-        Histories of the cases "translation" and "turning" that were run.
-    """
+    """Computed value of one row of the kinematics tables; NaN where no history is of its case."""
     if case not in histories:
         return math.nan
     values = kinematic_quantity(histories[case], quantity)
@@ -115,17 +100,9 @@ def comparison_table(
 ) -> pd.DataFrame:
     """Reported rows with their computed values, ratios and verdicts.
 
-    Parameters
-    ----------
-    until : mapping, optional
-        Ends of the runs by case, s; a missing case was not run. None compares all rows.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns study, case, quantity, statistic, unit, paper, computed, ratio, class, within. `within` is
-        yes, no, "not reached" (with an empty ratio) if the run is too short to compare, or empty if the class
-        has no verdict or nothing was computed.
+    Columns study, case, quantity, statistic, unit, paper, computed, ratio, class, within. `within` is yes,
+    no, empty if the class has no verdict or nothing was computed, or "not reached" (with an empty ratio) if
+    the run is too short: `until` are the ends of those that were made, s, by case; None compares all rows.
     """
     table = reported.drop(columns="source").rename(columns={"value": "paper"})
     table.insert(6, "computed", computed)

@@ -7,6 +7,7 @@ Here the equations of the whole track are linearized about its rest without fric
 """
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -15,6 +16,7 @@ import scipy.linalg
 from exudyn_crawler import Case, Shoe
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from studies.sliding import LinearTrack, derivative, eigenmodes
 
 UNEVENNESS = (0.0, 0.05, 0.1, 0.12, 0.14, 0.16, 0.17, 0.18, 0.2, 0.25, 0.3)
 """m."""
@@ -23,7 +25,10 @@ STEP = 1e-7
 
 
 def swings(case: Case) -> np.ndarray:
-    """Complex eigenvalues (1/s) of a rigid track at rest without friction, its front shoe held along x."""
+    """Complex eigenvalues (1/s) of a rigid track at rest without friction, its front shoe held along x.
+
+    Of pairs the one above the real axis, by falling growth rate.
+    """
     contact = case.pair_contact().with_(static_friction=0.0, dynamic_friction=0.0)
     case = case.with_(contact=contact)
     system = compiled_system(case)
@@ -32,56 +37,36 @@ def swings(case: Case) -> np.ndarray:
     state[0] = static_equilibrium(case)
     inputs = system.inputs(0.0)._replace(active=np.array([1.0, 0.0]), speeds=np.zeros(2))
 
-    def residual(change: np.ndarray, row: int, multipliers: np.ndarray) -> np.ndarray:
+    def residual(values: np.ndarray, row: int, multipliers: np.ndarray) -> np.ndarray:
         moved = state.copy()
-        moved[row] += change
+        moved[row] = values
         return system.residual(moved, inputs, multipliers)[:n]
 
     none = np.zeros(len(system.multipliers))
-    force = residual(np.zeros(n), 0, none)
-    directions = np.column_stack([residual(np.zeros(n), 0, one) - force for one in np.eye(len(none))])
+    force = residual(state[0], 0, none)
+    directions = np.column_stack([residual(state[0], 0, one) - force for one in np.eye(len(none))])
     holding = np.linalg.lstsq(directions, -force, rcond=None)[0]
-    stiffness, damping, mass = (
-        np.column_stack(
-            [
-                (residual(STEP * e, row, holding) - residual(-STEP * e, row, holding)) / (2.0 * STEP)
-                for e in np.eye(n)
-            ]
-        )
-        for row in range(3)
-    )
+    by_row = (partial(residual, row=row, multipliers=holding) for row in range(3))
+    by_place, by_rate, mass = (derivative(one, state[row], STEP) for row, one in enumerate(by_row))
     lengths = np.linalg.norm(directions, axis=0)
     free = scipy.linalg.null_space((directions[:, lengths > 0.0] / lengths[lengths > 0.0]).T)
-    m, c, k = (free.T @ one @ free for one in (mass, damping, stiffness))
-    size = len(m)
-    first_order = np.block([[np.zeros((size, size)), np.eye(size)], [-np.linalg.solve(m, np.hstack((k, c)))]])
-    return np.linalg.eigvals(first_order)
+    m, c, k = (free.T @ one @ free for one in (mass, by_rate, by_place))
+    return eigenmodes(LinearTrack(m, c, k, free))[0]
 
 
 def flutter(unevenness: Sequence[float] = UNEVENNESS) -> pd.DataFrame:
     """Least stable swing of the straight track over the unevenness of its shoes.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns unevenness (m), roll of the shoes at rest (rad), growth (1/s) and frequency (Hz).
+    Columns unevenness (m), roll of the shoes at rest (rad), growth (1/s) and frequency (Hz).
     """
     rows = []
     for e in unevenness:
         case = Case.translation().with_(shoe=Shoe.uneven(e))
         values = swings(case)
-        swinging = values[values.imag > 1.0]
-        worst = swinging[swinging.real.argmax()]
+        worst = values[values.imag > 1.0][0]
         roll = static_equilibrium(case)[: 6 * case.track.shoe_count].reshape(-1, 6)[:, 3]
-        rows.append(
-            {
-                "unevenness": e,
-                "roll": float(np.abs(roll).mean()),
-                "growth": float(worst.real),
-                "frequency": float(worst.imag / (2.0 * np.pi)),
-            }
-        )
-    return pd.DataFrame(rows)
+        rows.append((e, np.abs(roll).mean(), worst.real, worst.imag / (2.0 * np.pi)))
+    return pd.DataFrame(rows, columns=["unevenness", "roll", "growth", "frequency"])
 
 
 if __name__ == "__main__":

@@ -40,22 +40,9 @@ REACTIONS = {"spherical joint reaction": "joint_force", "parallel joint torque":
 
 
 def force_quantity(history: History, contacts: xr.Dataset, quantity: str) -> xr.DataArray:
-    """Quantity that the F-paper names, in SI units.
+    """Quantity that the F-paper names, in SI units: over time, and shoe or joint where the words name none.
 
-    Parameters
-    ----------
-    contacts : xarray.Dataset
-        As of `history.contacts_by_shoe()`.
-
-    Returns
-    -------
-    xarray.DataArray
-        Dimension time, and shoe or joint where the words do not name one.
-
-    Raises
-    ------
-    ValueError
-        For words that name no such quantity.
+    `contacts` are as of `history.contacts_by_shoe()`. A ValueError for words that name no such quantity.
     """
     if quantity == "total terrain deformation from equilibrium":
         return history.terrain_deformation
@@ -91,11 +78,8 @@ def greatest_of_one_volume(history: History, quantity: str) -> xr.DataArray:
 def volumes_value(history: History, shoe: int, unit: int, words: str) -> float:
     """What the paper says of the volumes of a shoe on a unit; NaN for volumes that a run does not have.
 
-    Parameters
-    ----------
-    words : str
-        "one volume" or "three volumes": until when, s; or a component: its mean over the time in which they
-        touch, of one volume, as a magnitude.
+    By the words "one volume" or "three volumes": until when, s; of a component: its mean over the time in
+    which they touch, of one volume, as a magnitude.
     """
     here = (history.contact_shoe.values == shoe) & (history.contact_unit.values == unit)
     if not here.any():
@@ -144,24 +128,21 @@ def compare_forces(histories: Mapping[str, History]) -> pd.DataFrame:
     """Every row of the F-paper against the runs; columns as of `comparison.comparison_table`."""
     contacts = {case: history.contacts_by_shoe() for case, history in histories.items()}
     reported = reported_values("forces")
-    computed = []
-    for row in reported.itertuples():
-        if row.case not in histories:
-            computed.append(math.nan)
-            continue
-        computed.append(_force_value(histories[row.case], contacts[row.case], row.quantity, row.statistic))
+    computed = [
+        _force_value(histories[row.case], contacts[row.case], row.quantity, row.statistic)
+        if row.case in histories
+        else math.nan
+        for row in reported.itertuples()
+    ]
     return comparison_table(reported, computed, ends(histories))
 
 
 def turning_ratios(translation: History, turning: History, shoe: int = 10, joint: int = 10) -> pd.DataFrame:
-    """Turning against translation: ratios of extremes and of means of every component.
+    """Turning against translation: extremes and means of every component of both, and their ratios.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns quantity, axis, unit, extreme translation, extreme turning, extreme ratio, mean
-        translation, mean turning, mean ratio. Extremes are greatest magnitudes, means are magnitudes of
-        means; a ratio to a translation value that is only rounding is left empty.
+    Columns quantity, axis, unit, extreme translation, extreme turning, extreme ratio, mean translation, mean
+    turning, mean ratio. Extremes are greatest magnitudes, means are magnitudes of means; a ratio to a
+    translation value that is only rounding is left empty.
     """
     rows = []
     pair = [_components(one, shoe, joint) for one in (translation, turning)]
@@ -185,11 +166,8 @@ def _components(history: History, shoe: int, joint: int) -> dict[tuple[str, str]
         f"joint {joint}-{joint + 1} {name}": history.dataset[variable].sel(joint=joint)
         for name, variable in REACTIONS.items()
     }
-    components = {}
-    for name, values in named.items():
-        if "axis" not in values.dims:
-            components[name, ""] = values
-            continue
-        for axis in values.axis.values:
-            components[name, str(axis)] = values.sel(axis=axis)
-    return components
+    return {
+        (name, str(axis)): values.sel(axis=axis) if axis else values
+        for name, values in named.items()
+        for axis in (values.axis.values if "axis" in values.dims else ("",))
+    }

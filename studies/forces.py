@@ -53,27 +53,9 @@ def study(
 ) -> Compared:
     """Run the cases, or take their histories, and compare their forces with the paper.
 
-    Parameters and errors are those of `kinematics.study`, and:
-
-    Parameters
-    ----------
-    out : Path, optional
-        Gets `turning_ratios.csv`, too.
-    reuse : Path, optional
-        Folder of a study whose histories take the place of runs where the parameters are the same.
-    strict : bool
-        Refuse histories in `reuse` that are missing or come from other parameters, instead of running
-        these cases.
-
-    Returns
-    -------
-    Compared
-        With the comparison that `force_comparison.compare_forces` makes.
-
-    Raises
-    ------
-    FileNotFoundError, ValueError
-        If `strict`, for a history that is missing or comes from other parameters.
+    As `kinematics.study`; `out` gets `turning_ratios.csv`, too. Histories in `reuse`, the folder of a study,
+    take the place of runs with the same parameters; if `strict`, one that is missing is a FileNotFoundError,
+    one of other parameters a ValueError.
     """
     files = case_files(cases, duration)
     sources = {name: _source(one, reuse, strict, how.get("say", quiet)) for name, one in files.items()}

@@ -22,9 +22,8 @@ from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import in_words, life_of
 from exudyn_crawler.run.folder.record import HISTORY
-from exudyn_crawler.views.tables import write_table
 from studies.rollers import highest_by_region, rolled_case
-from studies.running import Running, study_runs
+from studies.running import Running, by_name, save, study_runs
 
 FLEXIBLE = 20
 """Flexible shoe of every case."""
@@ -116,17 +115,14 @@ def work_balance(history: History) -> dict[str, float]:
     resistance = frame.rolling_resistance * frame.mass * case.gravity
     shoes = history.position.sel(axis="z").sum("shoe").values
     fallen = case.gravity * (frame.mass * (height[0] - height[-1]) + case.shoe.mass * (shoes[0] - shoes[-1]))
-    named = {
-        "drive": np.trapezoid(history.drive_pull.values, x) - resistance * (x[-1] - x[0]),
-        "sinking": fallen,
-    }
+    pulled = np.trapezoid(history.drive_pull.values, x) - resistance * (x[-1] - x[0])
+    works = {"pull beyond rolling": pulled, "given by sinking": fallen}
     if history.has("cell_sinkage_then"):
         begin = history.dataset.isel(ground_time=0)
         end = kept_work(history, history.cell_sinkage, history.cell_pressure)
-        named["ground"] = end - kept_work(history, begin.cell_sinkage_then, begin.cell_pressure_then)
-    forces = {name: work / (x[-1] - x[0]) / KILO for name, work in named.items()}
-    words = {"drive": "pull beyond rolling", "sinking": "given by sinking", "ground": "kept by the ground"}
-    return {f"{words[name]}, kN over the way": one for name, one in forces.items()}
+        start = kept_work(history, begin.cell_sinkage_then, begin.cell_pressure_then)
+        works["kept by the ground"] = end - start
+    return {f"{name}, kN over the way": work / (x[-1] - x[0]) / KILO for name, work in works.items()}
 
 
 def row(run: CaseRun) -> dict[str, float]:
@@ -166,42 +162,18 @@ def study(
 ) -> GroundStudy:
     """Roll the machine over every ground, with one flexible shoe, and compare pull, stress and life.
 
-    Parameters
-    ----------
-    out : Path, optional
-        Folder of the study: a folder a ground, `grounds.csv`, `regions.csv` and `lives.csv`; None writes
-        nothing, and leaves out second passes.
-    mesh : str
-        coarse, study or fine, or the path of a mesh.
-    duration : float
-        s, of each run.
-    **how
-        Options `overwrite`, `progress` and `say` of `run_case`.
-
-    Raises
-    ------
-    FileExistsError, BlockingIOError
-        Before a run, if results are there and `overwrite` is false, or another run works there.
-    EquilibriumError, SimulationStopped
-        As of `run_case`.
+    Cases are those of `study_cases`; with `out` it gets their folders, `grounds.csv`, `regions.csv` and
+    `lives.csv`. Errors are those of `study_runs`.
     """
     with study_runs(out, study_cases(mesh, duration, out), **how) as runs:
         table = pd.DataFrame({"ground": name} | row(run) for name, run in runs.items())
-        regions = _by_ground({name: highest_by_region(run) for name, run in runs.items()})
-        lives = in_words(_by_ground({name: lives_by_region(run) for name, run in runs.items()}))
+        regions = by_name("ground", {name: highest_by_region(run) for name, run in runs.items()}).fillna(0.0)
+        lives = by_name("ground", {name: lives_by_region(run) for name, run in runs.items()})
+        lives = in_words(lives.fillna(0.0))
         highest = regions.groupby("ground")["von Mises in MPa"].max()
         table["highest stress in MPa"] = highest[table["ground"]].values
-        if out is not None:
-            write_table(table, out / "grounds.csv", overwrite=True)
-            write_table(regions, out / "regions.csv", overwrite=True)
-            write_table(lives, out / "lives.csv", overwrite=True)
+        save(out, grounds=table, regions=regions, lives=lives)
         return GroundStudy(runs, table, regions, lives)
-
-
-def _by_ground(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
-    """Tables one below the other, with the ground first; what one has alone is zero in the others."""
-    whole = pd.concat([one.assign(ground=name) for name, one in tables.items()], ignore_index=True)
-    return whole[["ground", *[name for name in whole.columns if name != "ground"]]].fillna(0.0)
 
 
 if __name__ == "__main__":

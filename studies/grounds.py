@@ -61,12 +61,7 @@ def uneven_case(ground: str) -> Case:
     """Straight propel over one of the grounds, whose faces are drawn back from the units' seams.
 
     Seams of units 1 m long lie under most shoes: whole faces would make the ground stiffer there and lift
-    the shoes by what is not in its heights.
-
-    Raises
-    ------
-    ValueError
-        For an unknown ground.
+    the shoes by what is not in its heights. A ValueError for an unknown ground.
     """
     if ground not in GROUNDS:
         raise ValueError(f"ground must be of {list(GROUNDS)}, got {ground!r}")

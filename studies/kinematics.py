@@ -29,10 +29,7 @@ COMPARED_SHOE = 10
 def case_files(names: Sequence[str] = tuple(CASES), duration: float = DURATION) -> dict[str, CaseFile]:
     """Cases of the rigid studies with their duration (s), checked before anything runs.
 
-    Raises
-    ------
-    ValueError
-        For an unknown case or none, or a duration that is not positive or takes a track off its terrain.
+    A ValueError for an unknown case or none, or a duration that is wrong or takes a track off its terrain.
     """
     if not names or set(names) - set(CASES):
         raise ValueError(f"cases must be of {list(CASES)}, got {list(names)}")
@@ -46,30 +43,10 @@ def study(
     duration: float = DURATION,
     **how: Unpack[Running],
 ) -> Compared:
-    """Run the cases and compare them with the papers.
+    """Run the cases and compare them with the papers, as `compare_kinematics` does.
 
-    Parameters
-    ----------
-    out : Path, optional
-        Folder of the study: a folder a case, `comparison.csv` and figures; None writes nothing.
-    cases : sequence of str
-        Of "translation" and "turning".
-    duration : float
-        s.
-    **how
-        Options `overwrite`, `progress` and `say` of `run_case`.
-
-    Returns
-    -------
-    Compared
-        With the comparison that `comparison.compare_kinematics` makes.
-
-    Raises
-    ------
-    ValueError
-        For an unknown case or a bad duration.
-    FileExistsError, BlockingIOError, EquilibriumError, SimulationStopped
-        As of `running.compare_cases`.
+    Cases are those of `case_files`; with `out` it gets their folders, `comparison.csv` and figures. Errors
+    are those of `case_files` and `study_runs`.
     """
     return compare_cases(case_files(cases, duration), out, compare_kinematics, write_figures, **how)
 

@@ -16,6 +16,7 @@ from exudyn_crawler.results.life.life import LifeResults, in_words
 from exudyn_crawler.run.folder.record import HISTORY
 from exudyn_crawler.views.tables import write_table
 from studies.rollers import OVERHANG
+from studies.running import by_name
 from studies.stress import RUN
 from studies.stress import study as stress_study
 
@@ -33,21 +34,18 @@ MATERIALS = (FatigueMaterial.cast_nicrmo, FatigueMaterial.cast_manganese, Fatigu
 """First the usual material of shoes."""
 
 
-def dragged_duty(stress: Path, material: FatigueMaterial) -> Duty:
-    """Duty of a shovel that digs, of the stress study's cycle: its propel, and the rest of it."""
-    cycle = stress / RUN
-    loads = History.load(cycle / HISTORY).case.loads
-    end = next(phase.end for phase in loads.phases if phase.name == PROPEL)
-    propel = DutyRun(name="dragged propel", folder=str(cycle), end=end, share=PROPEL_SHARE)
-    dig = DutyRun(name="dig cycle", folder=str(cycle), begin=end, an_hour=CYCLES_AN_HOUR)
-    return _duty("dragged", (propel, dig), material)
-
-
-def rolled_duty(rollers: Path, material: FatigueMaterial) -> Duty:
-    """The same for the rollers study: its pass of the machine, and its loading cycle."""
-    propel = DutyRun(name="rolled propel", folder=str(rollers / "pass"), share=PROPEL_SHARE)
-    dig = DutyRun(name="dig cycle", folder=str(rollers / "loading"), an_hour=CYCLES_AN_HOUR)
-    return _duty("rolled", (propel, dig), material)
+def digging_duty(kind: str, propel: Path, dig: Path, material: FatigueMaterial) -> Duty:
+    """Duty of a shovel that digs: runs of its propel and of its cycle, or of both one after the other."""
+    end = None
+    if propel == dig:
+        loads = History.load(propel / HISTORY).case.loads
+        end = next(phase.end for phase in loads.phases if phase.name == PROPEL)
+    runs = (
+        DutyRun(name=f"{kind} propel", folder=str(propel), end=end, share=PROPEL_SHARE),
+        DutyRun(name="dig cycle", folder=str(dig), begin=end or 0.0, an_hour=CYCLES_AN_HOUR),
+    )
+    name = f"{kind} propel and dig cycle, {material.name}"
+    return Duty(name=name, runs=runs, material=material, changes_an_hour=CHANGES_AN_HOUR)
 
 
 def overhang_duty(rollers: Path, material: FatigueMaterial) -> Duty:
@@ -62,15 +60,6 @@ def overhang_duty(rollers: Path, material: FatigueMaterial) -> Duty:
     return Duty(name=f"rails that overhang, {material.name}", runs=runs, stages=stages, material=material)
 
 
-def _duty(kind: str, runs: tuple[DutyRun, ...], material: FatigueMaterial) -> Duty:
-    return Duty(
-        name=f"{kind} propel and dig cycle, {material.name}",
-        runs=runs,
-        material=material,
-        changes_an_hour=CHANGES_AN_HOUR,
-    )
-
-
 def study(
     out: Path,
     stress: Path,
@@ -79,49 +68,27 @@ def study(
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
 ) -> tuple[dict[str, LifeResults], pd.DataFrame]:
-    """Life of the shoes for each material, from the stress study, which runs first if it is missing.
+    """Life of the shoes for each material, by folder, and a table of the shortest of each and its cause.
 
-    Parameters
-    ----------
-    out : Path
-        Gets a folder per kind of propel and material, and `summary.csv`.
-    stress : Path
-        Folder of the stress study.
-    rollers : Path, optional
-        Folder of the rollers study; adds lives with its runs to those with dragged propel.
-    overwrite, say
-        As of `life`.
-
-    Returns
-    -------
-    lives : dict
-        By folder.
-    summary : pandas.DataFrame
-        The shortest life of each and its cause.
-
-    Raises
-    ------
-    FileExistsError
-        If results are there and `overwrite` is false.
-    ValueError
-        As of `life`.
+    `stress` and `rollers` are folders of these studies, of which the first runs if it is missing. `out` gets
+    a folder per kind of propel and material, and `summary.csv`. The others, and errors, are as of `life`.
     """
     if not (stress / RUN / HISTORY).is_file():
         stress_study(stress, say=say)
-    duties = {f"dragged_{one.__name__}": dragged_duty(stress, one()) for one in MATERIALS}
+    cycle = stress / RUN
+    duties = {f"dragged_{one.__name__}": digging_duty("dragged", cycle, cycle, one()) for one in MATERIALS}
     if rollers is not None:
-        duties |= {f"rolled_{one.__name__}": rolled_duty(rollers, one()) for one in MATERIALS}
+        kinds = "rolled", rollers / "pass", rollers / "loading"
+        duties |= {f"rolled_{one.__name__}": digging_duty(*kinds, one()) for one in MATERIALS}
         if all((rollers / name / HISTORY).is_file() for name in OVERHANG):
             duties |= {f"overhang_{one.__name__}": overhang_duty(rollers, one()) for one in MATERIALS}
     lives: dict[str, LifeResults] = {}
     for name, duty in duties.items():
         say(f"{name}: {duty.name}")
         lives[name] = life(duty, out / name, overwrite=overwrite, say=say)
-    summary = pd.concat(
-        [one.table.head(1).assign(propel_and_material=name) for name, one in lives.items()], ignore_index=True
+    summary = in_words(
+        by_name("propel_and_material", {name: one.table.head(1) for name, one in lives.items()})
     )
-    shown = ["propel_and_material", *[name for name in summary.columns if name != "propel_and_material"]]
-    summary = in_words(summary[shown])
     write_table(summary, out / "summary.csv", overwrite)
     return lives, summary
 

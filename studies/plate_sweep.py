@@ -39,10 +39,7 @@ VARIED = ("flexible.mesh", "shoe.mass", "shoe.inertia", "shoe.load_point")
 def plate_meshes(folder: Path, thicknesses: Sequence[float], say: Callable[[str], None]) -> dict[float, Path]:
     """Meshes of shoes with these top plates (m) in a folder, made where they are missing.
 
-    Raises
-    ------
-    ValueError
-        If one is missing and netgen is not there.
+    A ValueError if one is missing and netgen is not there.
     """
     found = {}
     for thickness in thicknesses:
@@ -75,16 +72,9 @@ def passing_case(mesh: str = SIZE) -> CaseFile:
 def plate_sweep(
     meshes: Mapping[float, Path], stiffnesses: Sequence[float] = STIFFNESSES, case: CaseFile | None = None
 ) -> Sweep:
-    """Sweep over top plates and grounds.
+    """Sweep over top plates, whose meshes are by their thickness (m), and stiffnesses of the ground (N/m).
 
-    Parameters
-    ----------
-    meshes : mapping of float to Path
-        Mesh of a shoe by the thickness of its top plate, m.
-    stiffnesses : sequence of float
-        Of the ground's springs, N/m.
-    case : CaseFile, optional
-        That of `passing_case`, if not given.
+    The case is that of `passing_case`, if not given.
     """
     base = case or passing_case()
     shoes = {path: Shoe.from_mesh(str(path)) for path in meshes.values()}
@@ -117,13 +107,7 @@ def plate_sweep(
 
 
 def draw_lives(ax: Axes, lives: xr.DataArray) -> Axes:
-    """Draw an answer in hours over the ground's stiffness, a curve a top plate.
-
-    Parameters
-    ----------
-    lives : xarray.DataArray
-        Dimensions top_plate, m, and spring_stiffness, N/m.
-    """
+    """Draw an answer in hours, (top_plate, spring_stiffness) in m and N/m, with a curve a top plate."""
     for one in lives.transpose("top_plate", "spring_stiffness"):
         ax.loglog(
             one.spring_stiffness / MEGA, one, "o-", label=f"top plate {float(one.top_plate) / MILLI:g} mm"
@@ -152,17 +136,7 @@ def study(
 ) -> SweepRun:
     """Run the sweep into a folder, or what of it is missing, and draw the lives; meshes are made there.
 
-    Parameters
-    ----------
-    workers : int, optional
-        Processes; one a core, if not given.
-
-    Raises
-    ------
-    ValueError
-        As of `plate_meshes` and `run_sweep`.
-    BlockingIOError
-        If another sweep works in the folder.
+    `workers` and errors are as of `run_sweep` and `plate_meshes`.
     """
     meshes = plate_meshes(out / "meshes", THICKNESSES, say)
     run = run_sweep(plate_sweep(meshes), out, workers=workers, say=say)

@@ -6,7 +6,6 @@ No paper reports it. The S-paper (Minerals 2016, 6(3), 61) ends with the limits 
 track: in the field shoes crack in the roller path, under the lower rollers.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple, Unpack
 
@@ -20,11 +19,10 @@ from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.loads.balance import energy_balance
 from exudyn_crawler.results.stress.hot_spots import REGIONS, SHARE, region_table
-from exudyn_crawler.views.tables import write_table
 from meshes import STEEL, mesh_named, shoe_path
 from meshes.rails import rail_outline
 from studies.defaults import CYCLE_DURATION
-from studies.running import Running, study_runs
+from studies.running import Running, by_name, save, study_runs
 
 FLEXIBLE, COUNT = (17, 18, 19, 20, 21, 22), 38
 """Flexible shoes, and the number of all shoes."""
@@ -87,7 +85,10 @@ def overhang_case(name: str) -> Case:
 
 
 def study_cases(mesh: str = "study", duration: float | None = None) -> dict[str, CaseFile]:
-    """Cases of the study with their durations (s), at most `duration`."""
+    """Cases of the study with their durations (s), at most `duration`.
+
+    `mesh` is as of `FlexibleShoes`; shoes with overhanging rails have meshes of their own.
+    """
     most = np.inf if duration is None else duration
     loading = ph4100c.RETURN_END - ph4100c.PROPEL_END
     overhang = min(OVERHANG_DURATION, most)
@@ -124,40 +125,15 @@ def study(
 ) -> RollerStudy:
     """Run the pass, the loading cycle and the papers' dragged study, and compare their hot spots.
 
-    Parameters
-    ----------
-    out : Path, optional
-        Folder of the study: a folder per case, and `regions.csv`; None writes nothing.
-    mesh : str
-        coarse, study or fine, or the path of a mesh; of all cases but those of overhanging rails.
-    duration : float, optional
-        s, greatest duration of every case; the whole cases if None.
-    **how
-        Options `overwrite`, `progress` and `say` of `run_case`.
-
-    Raises
-    ------
-    FileExistsError, BlockingIOError
-        Before a run, if results are there and `overwrite` is false, or another run works there.
-    EquilibriumError, SimulationStopped
-        As of `run_case`.
+    Cases are those of `study_cases`; with `out` it gets their folders and `regions.csv`. Errors are those of
+    `study_runs`.
     """
     with study_runs(out, study_cases(mesh, duration), **how) as runs:
-        table = _regions(runs)
-        if out is not None:
-            write_table(table, out / "regions.csv", overwrite=True)
+        table = by_name("case", {name: highest_by_region(run) for name, run in runs.items()})
+        shares = table.filter(like=SHARE).fillna(0.0)
+        table = table.assign(**shares.to_dict("series"))
+        save(out, regions=table)
         return RollerStudy(runs, table)
-
-
-def _regions(runs: Mapping[str, CaseRun]) -> pd.DataFrame:
-    parts = []
-    for name, run in runs.items():
-        part = highest_by_region(run)
-        part.insert(0, "case", name)
-        parts.append(part)
-    whole = pd.concat(parts, ignore_index=True)
-    shares = whole.filter(like=SHARE).fillna(0.0)
-    return whole.assign(**shares.to_dict("series"))
 
 
 def _with_rollers(frame: Undercarriage, count: int, spacing: float) -> Undercarriage:

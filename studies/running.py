@@ -29,6 +29,19 @@ class Compared(NamedTuple):
     comparison: pd.DataFrame
 
 
+def save(out: Path | None, **tables: pd.DataFrame) -> None:
+    """Write tables by the names of their files into a folder, if there is one."""
+    if out is not None:
+        for name, table in tables.items():
+            write_table(table, out / f"{name}.csv", overwrite=True)
+
+
+def by_name(what: str, tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Tables one below the other, with a column of their names first."""
+    whole = pd.concat([one.assign(**{what: name}) for name, one in tables.items()], ignore_index=True)
+    return whole[[what, *[name for name in whole.columns if name != what]]]
+
+
 @contextmanager
 def study_runs(
     out: Path | None,
@@ -39,27 +52,12 @@ def study_runs(
     progress: bool | None = None,
     say: Callable[[str], None] = quiet,
 ) -> Iterator[dict[str, CaseRun]]:
-    """Run cases into folders of their names, and hold the study's folder while it writes its results.
+    """Run cases into folders of their names in `out`, and hold it while a study writes its results there.
 
-    A study that was stopped continues: cases that have finished are used as they are.
-
-    Parameters
-    ----------
-    out : Path, optional
-        Folder of the study; None writes nothing.
-    cases : mapping
-        Cases by name.
-    reuse : mapping, optional
-        By case, folder of an earlier run whose history replaces the simulation.
-    overwrite, progress, say
-        As of `run_case`.
-
-    Raises
-    ------
-    FileExistsError, BlockingIOError
-        Before anything runs, if results are there and `overwrite` is false, or another run works there.
-    EquilibriumError, SimulationStopped
-        As of `run_case`.
+    None writes nothing. A study that was stopped continues: cases that have finished are used as they are.
+    `reuse` has by case the folder of an earlier run whose history replaces the simulation; the others are as
+    of `run_case`. A FileExistsError before anything runs if results are there and `overwrite` is false, a
+    BlockingIOError if another run works there, else errors of `run_case`.
     """
     with run_in(out, overwrite=overwrite, report=say, cases=cases) as folder:
         runs = {
@@ -85,19 +83,14 @@ def compare_cases(
     reuse: Mapping[str, Path | None] | None = None,
     **how: Unpack[Running],
 ) -> Compared:
-    """Run cases as `study_runs` does, and compare them with a paper.
+    """Run cases as `study_runs` does, and `compare` their histories with a paper, into `comparison.csv`.
 
-    Parameters
-    ----------
-    compare : callable
-        Returns the comparison of the histories by case, which is written as `comparison.csv`.
-    write : callable
-        Writes further files of the histories into a folder.
+    `write` puts further files of the histories into the folder.
     """
     with study_runs(out, cases, reuse, **how) as runs:
         histories = {name: run.history for name, run in runs.items()}
         table = compare(histories)
+        save(out, comparison=table)
         if out is not None:
-            write_table(table, out / "comparison.csv", overwrite=True)
             write(histories, out)
     return Compared(runs, table)

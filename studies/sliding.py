@@ -41,31 +41,15 @@ STILL = 1e-9
 
 @dataclass(frozen=True)
 class SteadySliding:
-    """Equilibrium of a track whose shoes all slide along x at one speed; n coordinates.
-
-    Attributes
-    ----------
-    system : CompiledSystem
-        What slides.
-    speed : float
-        m/s.
-    q, q_t : array (n,)
-        Coordinates as of the system's layout, and their rates.
-    multipliers : array
-        Lagrange multipliers of links and drive.
-    tension : array (links,)
-        Force of each link along x on its rear shoe, N.
-    normal_force : array (shoes,)
-        Vertical force of the ground on each shoe, N.
-    """
+    """Equilibrium of a track whose shoes all slide along x at one speed."""
 
     system: CompiledSystem
-    speed: float
-    q: np.ndarray
-    q_t: np.ndarray
-    multipliers: np.ndarray
-    tension: np.ndarray
-    normal_force: np.ndarray
+    speed: float  # m/s
+    q: np.ndarray  # (n,): coordinates as of the system's layout
+    q_t: np.ndarray  # (n,): their rates
+    multipliers: np.ndarray  # of links and drive
+    tension: np.ndarray  # (links,): force of each link along x on its rear shoe, N
+    normal_force: np.ndarray  # (shoes,): vertical force of the ground on each, N
 
 
 class Balance:
@@ -106,7 +90,7 @@ def derivative(function: Callable[[np.ndarray], np.ndarray], at: np.ndarray, ste
 
 
 def check_sliding(case: Case, speed: float) -> None:
-    """Refuse what has no steady sliding; see `steady_sliding`."""
+    """Refuse, by a ValueError, what has no steady sliding."""
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be positive and finite, got {speed!r} m/s")
     case.pair_contact()
@@ -128,23 +112,9 @@ def steady_sliding(case: Case, speed: float, travel: float = 0.0) -> SteadySlidi
     """Find the state in which all shoes slide along x at one speed and nothing accelerates.
 
     Friction has its steady value, and the chain's tension grows shoe by shoe to the front. The loads are
-    those at t = 0. Friction and travel are put on in as few portions as can be.
-
-    Parameters
-    ----------
-    case : Case
-        With contact model "pair" and no turn; its terrain is taken in its independent coordinates.
-    speed : float
-        m/s, positive.
-    travel : float
-        m by which the front shoe has gone along x: which units the shoes stand on.
-
-    Raises
-    ------
-    ValueError
-        If the speed is not positive, or the case turns or has another contact model.
-    EquilibriumError
-        If Newton's method finds no steady sliding.
+    those at t = 0. Friction and travel are put on in as few portions as can be. `speed` is in m/s; `travel`
+    (m), the way that the front shoe has gone along x, says which units the shoes stand on. A ValueError as of
+    `check_sliding`, an EquilibriumError if Newton's method finds none.
     """
     check_sliding(case, speed)
     case = case.with_(terrain_formulation="reduced", formulation=None)
@@ -256,13 +226,9 @@ def linearized(state: SteadySliding) -> LinearTrack:
 
 
 def eigenmodes(linear: LinearTrack) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues (1/s) by falling growth rate, of pairs the one above the real axis; and their shapes.
+    """Eigenvalues (modes,), 1/s, by falling growth rate, of pairs the one above the real axis; and shapes.
 
-    Returns
-    -------
-    eigenvalues : array (modes,), complex
-    shapes : array (n, modes), complex
-        In all coordinates; not scaled.
+    These are in all coordinates, (n, modes), and not scaled; both are complex.
     """
     f = len(linear.mass)
     below = np.linalg.solve(linear.mass, np.hstack((-linear.stiffness, -linear.damping)))

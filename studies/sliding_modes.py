@@ -37,12 +37,8 @@ PHASES = {"0": 1.0 + 0.0j, "a quarter period later": 1.0j}
 def sliding_modes(case: Case, speed: float, travel: float = 0.0) -> xr.Dataset:
     """Complex modes of the track on its ground about steady sliding, least stable first.
 
-    A mode moves as the real part of ``shape exp((growth_rate + 2 pi i frequency) t)``.
-
-    Parameters
-    ----------
-    case, speed, travel
-        As for `sliding.steady_sliding`.
+    A mode moves as the real part of ``shape exp((growth_rate + 2 pi i frequency) t)``. Arguments and errors
+    are those of `steady_sliding`.
 
     Returns
     -------
@@ -52,11 +48,6 @@ def sliding_modes(case: Case, speed: float, travel: float = 0.0) -> xr.Dataset:
         motion): heave in m and tilt in rad. The greatest motion of a shoe's COM or end is 1 m, real. Of the
         equilibrium: `position` (shoe, coordinate) from t = 0 before settling, `tension` (joint) and
         `normal_force` (shoe), N.
-
-    Raises
-    ------
-    ValueError, EquilibriumError
-        As `sliding.steady_sliding`.
     """
     state = steady_sliding(case, speed, travel)
     return _dataset(state, *eigenmodes(linearized(state)))
@@ -329,21 +320,10 @@ def trial(
 def study(
     out: Path | None = None, *, runs: bool = False, overwrite: bool = False
 ) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Titles and tables as they are made; with `out` each is a CSV file there, beside the figure.
+    """Titles and tables as they are made; with `out` each is a CSV file there, beside `modes.png`.
 
-    Parameters
-    ----------
-    out : Path, optional
-        Folder of the tables and of `modes.png`; None writes nothing.
-    runs : bool
-        Make the 10 s runs, too, which take longest.
-    overwrite : bool
-        Overwrite files of the same names.
-
-    Raises
-    ------
-    FileExistsError
-        If a file is there and `overwrite` is false.
+    `runs` makes the 10 s runs, too, which take longest. A FileExistsError if a file is there and `overwrite`
+    is false.
     """
     case = with_friction(plain(Case.translation()), FRICTION, FRICTION)
     modes = sliding_modes(case, SPEED)

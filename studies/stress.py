@@ -6,8 +6,8 @@ the modes of figure 9, motion, contact and joint forces and deformation of figur
 stresses at eight instants, and the hot spots of tables 5 and 6.
 """
 
-from collections.abc import Callable
 from pathlib import Path
+from typing import Unpack
 
 import pandas as pd
 
@@ -16,10 +16,8 @@ from exudyn_crawler.case import Outputs
 from exudyn_crawler.case.parameters.flexible import ADAMS_DAMPING
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.model.flexible_shoes import check_shoe
-from exudyn_crawler.run.folder.record import quiet
-from exudyn_crawler.views.tables import write_table
 from studies.defaults import CYCLE_DURATION
-from studies.running import study_runs
+from studies.running import Running, save, study_runs
 from studies.stress_comparison import compare_stresses
 
 RUN = "cycle"
@@ -33,64 +31,29 @@ def study(
     case: Case | None = None,
     *,
     duration: float = CYCLE_DURATION,
-    overwrite: bool = False,
-    progress: bool | None = None,
-    say: Callable[[str], None] = quiet,
+    **how: Unpack[Running],
 ) -> tuple[CaseRun, pd.DataFrame]:
-    """Run a track with flexible shoes, recover their stresses and compare them with the paper.
+    """Run a track with flexible shoes, `Case.stress()` if none is given, and compare it with the paper.
 
-    Parameters
-    ----------
-    out : Path, optional
-        Folder of the study: the run in a folder named "cycle", and `comparison.csv`; None writes nothing. The
-        same call continues a study that was stopped.
-    case : Case, optional
-        With flexible shoes; `Case.stress()` if left out.
-    duration : float
-        s.
-    overwrite, progress, say
-        As of `run_case`.
-
-    Returns
-    -------
-    run : CaseRun
-    comparison : pandas.DataFrame
-        As of `stress_comparison.compare_stresses`.
-
-    Raises
-    ------
-    ValueError
-        Before anything runs: no flexible shoes, interfaces that do not meet the pins, modes that do not
-        exist, a bad duration, or checkpoints of other parameters.
-    FileExistsError, BlockingIOError
-        Before anything runs, if results are there and `overwrite` is false, or another run works there.
-    EquilibriumError, SimulationStopped
-        As of `run_case`.
+    With `out` it gets the run in its folder "cycle", and `comparison.csv`, as of `compare_stresses`. A
+    ValueError before anything runs for no flexible shoes, interfaces that do not meet the pins, modes that do
+    not exist, a bad duration (s), or checkpoints of other parameters; others are those of `study_runs`.
     """
     case = Case.stress() if case is None else case
     shown = tuple(time for time in PICTURE_TIMES if time <= duration) or None
     case_file = CaseFile(case=case, duration=duration, outputs=Outputs(picture_times=shown))
     check_shoe(case)  # raises for a mesh that does not fit before anything is written
-    with study_runs(out, {RUN: case_file}, overwrite=overwrite, progress=progress, say=say) as runs:
+    with study_runs(out, {RUN: case_file}, **how) as runs:
         run = runs[RUN]
         table = compare_stresses(run.history, run.recovered())
-        if out is not None:
-            write_table(table, out / "comparison.csv", overwrite=True)
+        save(out, comparison=table)
     return run, table
 
 
 def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | None = None) -> pd.DataFrame:
-    """Effect of the stress study's open choices: rows of the S-paper for some of them.
+    """Rows of the S-paper that runs of a duration (s) reach, with a column for each open choice of the study.
 
-    Parameters
-    ----------
-    duration : float
-        s; the coarse mesh and part of the propel show the trends.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns case, quantity, statistic, unit, paper, then one per choice; rows that the run reaches.
+    Columns case, quantity, statistic, unit, paper, and the choices; part of the propel shows the trends.
     """
     case = Case.stress(mesh)
     flexible, contact = case.flexible_shoes(), case.pair_contact()

@@ -26,17 +26,9 @@ HOT_SPOT = re.compile(r"shoe (?P<shoe>\d+) greatest von Mises")
 
 
 def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
-    """Quantity over time that the S-paper names, in the paper's unit.
+    """Quantity that the S-paper names, in the paper's unit: over time, and shoe, joint, pin or axis if open.
 
-    Returns
-    -------
-    xarray.DataArray
-        Dimension time and those of what the words leave open: shoe, joint, pin or axis.
-
-    Raises
-    ------
-    ValueError
-        For words that name no such quantity.
+    A ValueError for words that name no such quantity.
     """
     shoes = list(history.case.flexible_shoes().shoes)
     if quantity == "total terrain deformation from equilibrium":
@@ -88,13 +80,7 @@ def compare_stresses(history: History, results: StressResults) -> pd.DataFrame:
 
 
 def in_phase(values: xr.DataArray, history: History, phase: str) -> xr.DataArray:
-    """Part of a series in the propel or in the loading; empty where the run does not reach it.
-
-    Raises
-    ------
-    ValueError
-        For any other phase.
-    """
+    """Part of a series in the propel or in the loading, else a ValueError; empty where no run reaches it."""
     end = min(history.case.drive.switch_times, default=math.inf)
     if phase == "propel":
         return values.where(values.time <= end, drop=True)
@@ -104,12 +90,9 @@ def in_phase(values: xr.DataArray, history: History, phase: str) -> xr.DataArray
 
 
 def highest_in_propel_and_loading(history: History, stresses: StressResults) -> pd.DataFrame:
-    """Highest von Mises stress of every flexible shoe in propel and loading.
+    """Highest von Mises stress of every flexible shoe in propel and loading, NaN for a phase not reached.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns shoe, propel and loading (MPa), ratio of loading to propel; NaN for a phase not reached.
+    Columns shoe, propel and loading (MPa), ratio of loading to propel.
     """
     highest = stresses.dataset.highest_von_mises / MEGA
     rows = []

@@ -38,39 +38,30 @@ SINKING = 0.02
 """m/s, penetration rate given to the block; any will do, since only the force is printed."""
 
 
+Three = tuple[float, float, float]
+
+
 @dataclass(frozen=True)
 class TwoBodySolution:
-    """Accelerations and reactions at `TIME`, SI units, global axes.
+    """Accelerations and reactions at `TIME`, global axes."""
 
-    Attributes
-    ----------
-    block_acceleration : tuple
-        Of body 3's COM, m/s2.
-    plate_force_z : float
-        Generalized z force on body 2: its weight and the contact, N.
-    drive_force : float
-        On body 3 along x, N.
-    hold_moment : tuple
-        On body 3, which keeps its orientation, N m.
-    fixing_force, fixing_moment : tuple
-        On body 2 from the ground, at its centre, N and N m.
-    """
-
-    block_acceleration: tuple[float, float, float]
-    plate_force_z: float
-    drive_force: float
-    hold_moment: tuple[float, float, float]
-    fixing_force: tuple[float, float, float]
-    fixing_moment: tuple[float, float, float]
+    block_acceleration: Three  # of body 3's COM, m/s2
+    plate_force_z: float  # generalized, on body 2: its weight and the contact, N
+    drive_force: float  # on body 3 along x, N
+    hold_moment: Three  # on body 3, which keeps its orientation, N m
+    fixing_force: Three  # on body 2 from the ground, at its centre, N
+    fixing_moment: Three  # the same, N m
 
 
-def _box(sides: tuple[float, float, float]) -> tuple[float, tuple[float, float, float]]:
+def _box(sides: Three) -> tuple[float, Three]:
     """Mass (kg) and principal moments of inertia (kg m2) of a solid box."""
     mass = DENSITY * float(np.prod(sides))
     x, y, z = sides
     return mass, (mass / 12 * (y**2 + z**2), mass / 12 * (x**2 + z**2), mass / 12 * (x**2 + y**2))
 
 
+UNITS = {"block_acceleration": "m/s2", "plate_force_z": "N", "drive_force": "N"}
+UNITS |= {"hold_moment": "N m", "fixing_force": "N", "fixing_moment": "N m"}
 BLOCK_MASS, BLOCK_INERTIA = _box(BLOCK)
 PLATE_MASS, PLATE_INERTIA = _box(PLATE)
 
@@ -109,50 +100,37 @@ def hand_solution(law: PairContact) -> TwoBodySolution:
     )
 
 
-def block_shoe() -> Shoe:
-    """Body 3 as a shoe."""
-    return Shoe(
-        mass=BLOCK_MASS,
-        inertia=(*BLOCK_INERTIA, 0.0, 0.0, 0.0),
-        com_height=0.5 * BLOCK[2],
-        length=BLOCK[0],
-        width=BLOCK[1],
-        underside_center=(0.0, 0.0),
-        load_point=(0.0, 0.0, 0.5 * BLOCK[2]),
-    )
-
-
-def plate_terrain() -> Terrain:
-    """Body 2 as a terrain of one unit."""
-    return Terrain(
-        columns=1,
-        rows=1,
-        unit_length=PLATE[0],
-        unit_width=PLATE[1],
-        unit_height=PLATE[2],
-        density=DENSITY,
-        springs_per_unit=1,
-        spring_stiffness=1.0,  # the plate is fixed to the ground, not sprung
-        spring_damping=0.0,
-        spring_offset=0.0,
-        column_tilt=False,
-        tilt="pitch",
-    )
-
-
 def engine_solution(law: PairContact) -> TwoBodySolution:
     """Same from Exudyn: initial accelerations and multipliers of the assembled system at `TIME`."""
-    start, plate = np.array([BLOCK_START]), plate_terrain()
+    start, sides = np.array([BLOCK_START]), ("length", "width", "height")
+    # no spring carries the plate, which is fixed to the ground
+    of_plate = {f"unit_{name}": side for name, side in zip(sides, PLATE, strict=True)}
+    plate = Terrain.stress().with_(columns=1, rows=1, origin=(0.0, 0.0), density=DENSITY, **of_plate)
+    half = 0.5 * BLOCK[2]
+    block = Shoe.ph4100c().with_(
+        mass=BLOCK_MASS,
+        inertia=(*BLOCK_INERTIA, 0.0, 0.0, 0.0),
+        com_height=half,
+        length=BLOCK[0],
+        width=BLOCK[1],
+        load_point=(0.0, 0.0, half),
+    )
     reference = np.hstack((start, np.zeros((1, 3))))
-    contact = PairGroundContact(reference, block_shoe(), plate, law, UnitCoordinates(1, plate.tilt_axis))
+    contact = PairGroundContact(reference, block, plate, law, UnitCoordinates(1, plate.tilt_axis))
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     displacement = np.array([SPEED * TIME, 0.0, -block_penetration(law), *[0.0] * 9])
     velocity = np.array([SPEED, 0.0, -SINKING, *[0.0] * 9])
-    block = _add_body(mbs, start[0], (BLOCK_MASS, BLOCK_INERTIA), displacement[:3], velocity[:3])
+    moved = _add_body(mbs, start[0], (BLOCK_MASS, BLOCK_INERTIA), displacement[:3], velocity[:3])
     fixed = _add_body(mbs, plate.centers[0], (PLATE_MASS, PLATE_INERTIA), np.zeros(3), np.zeros(3))
-    _add_contact(mbs, contact, [block, fixed])
-    fixing, holds = _add_fixing(mbs, fixed, plate.centers[0]), _add_holds(mbs, block)
+    _add_contact(mbs, contact, [moved, fixed])
+    ground = mbs.AddObject(items.ObjectGround())
+    at_ground = mbs.AddMarker(
+        items.MarkerBodyRigid(bodyNumber=ground, localPosition=plate.centers[0].tolist())
+    )
+    at_plate = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=fixed))
+    fixing = mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[at_ground, at_plate]))
+    holds = _add_holds(mbs, moved)
     accelerations, multipliers = _initial_state(mbs)
     rows = mbs.systemData.GetObjectLTGAE
     drive, hold_x, hold_y, hold_z = (float(-multipliers[rows(item)[0]]) for item in holds)
@@ -203,14 +181,6 @@ def _add_contact(mbs: "exu.MainSystem", contact: PairGroundContact, nodes: list[
     mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=massless, forceUserFunction=force))
 
 
-def _add_fixing(mbs: "exu.MainSystem", node: int, place: np.ndarray) -> int:
-    """Fix a body to the ground at its centre; gives the joint."""
-    ground = mbs.AddObject(items.ObjectGround())
-    at_ground = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=list(place)))
-    at_body = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node))
-    return mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[at_ground, at_body]))
-
-
 def _add_holds(mbs: "exu.MainSystem", node: int) -> list[int]:
     """Drive a body along x and keep its orientation; gives the connectors, x first, then the rotations."""
     at_rest = mbs.AddNode(items.NodePointGround())
@@ -218,15 +188,9 @@ def _add_holds(mbs: "exu.MainSystem", node: int) -> list[int]:
     holds = []
     for coordinate in (0, 3, 4, 5):
         held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
-        holds.append(
-            mbs.AddObject(
-                items.ObjectConnectorCoordinate(
-                    markerNumbers=[fixed, held],
-                    velocityLevel=True,
-                    offset=SPEED if coordinate == 0 else 0.0,
-                )
-            )
-        )
+        speed, markers = SPEED if coordinate == 0 else 0.0, [fixed, held]
+        hold = items.ObjectConnectorCoordinate(markerNumbers=markers, velocityLevel=True, offset=speed)
+        holds.append(mbs.AddObject(hold))
     return holds
 
 
@@ -261,14 +225,7 @@ def study() -> tuple[pd.DataFrame, pd.DataFrame]:
 def compare_verification(hand: TwoBodySolution, engine: TwoBodySolution) -> pd.DataFrame:
     """Every quantity by hand and by engine: columns quantity, unit, hand, engine, difference."""
     rows = []
-    for name, unit in (
-        ("block_acceleration", "m/s2"),
-        ("plate_force_z", "N"),
-        ("drive_force", "N"),
-        ("hold_moment", "N m"),
-        ("fixing_force", "N"),
-        ("fixing_moment", "N m"),
-    ):
+    for name, unit in UNITS.items():
         pair = np.atleast_1d(getattr(hand, name)), np.atleast_1d(getattr(engine, name))
         for axis, (by_hand, by_engine) in enumerate(zip(*pair, strict=True)):
             label = name.replace("_", " ") + (f" {'xyz'[axis]}" if len(pair[0]) == 3 else "")
@@ -278,12 +235,12 @@ def compare_verification(hand: TwoBodySolution, engine: TwoBodySolution) -> pd.D
 
 def compare_with_paper(engine: TwoBodySolution) -> pd.DataFrame:
     """Printed values of the K-paper against the engine's."""
-    computed = {
-        "body 3 z acceleration at t=0.5 s": engine.block_acceleration[2],
-        "body 2 generalized z force at t=0.5 s": engine.plate_force_z,
+    z = {
+        "body 3 z acceleration": engine.block_acceleration[2],
+        "body 2 generalized z force": engine.plate_force_z,
     }
     reported = reported_values("verification")
-    return comparison_table(reported, [computed[quantity] for quantity in reported["quantity"]])
+    return comparison_table(reported, [z[name.removesuffix(" at t=0.5 s")] for name in reported["quantity"]])
 
 
 if __name__ == "__main__":

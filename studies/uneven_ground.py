@@ -22,32 +22,10 @@ def study(
     duration: float = DURATION,
     **how: Unpack[Running],
 ) -> dict[str, CaseRun]:
-    """Run the track over some of the grounds; each run's figure `ground` shows its end.
+    """Run the track over some of `GROUNDS` for a duration (s): runs by ground, also into folders in `out`.
 
-    Parameters
-    ----------
-    out : Path, optional
-        Folder of the study: a folder per ground; None writes nothing.
-    grounds : sequence of str
-        Of "step", "ramp" and "rough".
-    duration : float
-        s.
-    **how
-        Options `overwrite`, `progress` and `say` of `run_case`.
-
-    Returns
-    -------
-    dict
-        Runs by ground.
-
-    Raises
-    ------
-    ValueError
-        Before anything runs, for an unknown ground or a bad duration.
-    FileExistsError, BlockingIOError
-        Before a run, if results are there and `overwrite` is false, or another run works there.
-    EquilibriumError, SimulationStopped
-        As of `run_case`.
+    Each run's figure `ground` shows its end. A ValueError before anything runs for an unknown ground or a bad
+    duration; others are those of `study_runs`.
     """
     files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
     with study_runs(out, files, **how) as runs:

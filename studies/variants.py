@@ -13,6 +13,7 @@ from studies.defaults import DURATION
 from studies.force_comparison import compare_forces
 from studies.grounds import pitching
 from studies.kinematics import CASES
+from studies.reported import verdict
 
 Change = Callable[[Case], Case]
 
@@ -36,10 +37,7 @@ def compare_variants(
 ) -> pd.DataFrame:
     """Every row of the rigid studies for some variants.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns case, quantity, statistic, unit, class, paper, then the computed value of every variant.
+    Columns case, quantity, statistic, unit, class, paper, then the computed value of every variant.
     """
     columns = {}
     for name in names:
@@ -54,27 +52,17 @@ def compare_variants(
 def counts(table: pd.DataFrame) -> pd.DataFrame:
     """Rows of a table of `compare_variants` within their class; lateral ones within a factor of 2.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns variant, then one a case and class: how many of how many.
+    Columns variant, then one a case and class: how many of how many.
     """
-    from studies.reported import verdict
-
     lines = []
     for name in table.columns[6:]:
         line = {"variant": name}
         for (case, kind), rows in table.groupby(["case", "class"], sort=False):
-            judged = "fluctuation" if kind == "lateral" else kind
-            within = [
-                verdict(abs(row.paper) if kind == "lateral" else row.paper, value, judged, row.unit)
-                for row, value in zip(rows.itertuples(), _values(rows, name, kind), strict=True)
-            ]
+            pairs, judged = rows[["paper", name]], kind
+            if kind == "lateral":
+                pairs, judged = pairs.abs(), "fluctuation"
+            each = zip(pairs["paper"], pairs[name], rows["unit"], strict=True)
+            within = [verdict(paper, value, judged, unit) for paper, value, unit in each]
             line[f"{case} {kind}"] = f"{within.count('yes')} of {len(rows)}"
         lines.append(line)
     return pd.DataFrame(lines)
-
-
-def _values(rows: pd.DataFrame, name: str, kind: str) -> list[float]:
-    values = rows[name].tolist()
-    return [abs(value) for value in values] if kind == "lateral" else values

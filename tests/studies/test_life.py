@@ -43,7 +43,7 @@ def test_lives_of_materials_stand_side_by_side(stress_of_a_moment, tmp_path, mon
 
 
 def test_rolled_runs_are_those_of_the_rollers_study(tmp_path):
-    duty = life_study.rolled_duty(tmp_path, FatigueMaterial.a36())
+    duty = life_study.digging_duty("rolled", tmp_path / "pass", tmp_path / "loading", FatigueMaterial.a36())
     folders = [Path(run.folder) for run in duty.runs]
     assert {folder.name for folder in folders} < set(study_cases("coarse"))
     assert {folder.parent for folder in folders} == {tmp_path}
