@@ -6,7 +6,6 @@ No paper reports it. The tables are those of `docs/sliding_modes.md`.
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -15,7 +14,7 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler import Case, LoadCycle, PairContact, simulate
 from exudyn_crawler.errors import EquilibriumError
-from exudyn_crawler.views.style import STYLE, save_figure
+from exudyn_crawler.views.style import save_figure, titled_figure
 from exudyn_crawler.views.tables import write_table
 from studies.grounds import plain
 from studies.sliding import STILL, SteadySliding, eigenmodes, linearized, steady_sliding
@@ -146,13 +145,11 @@ def _seen(coms: np.ndarray, pitch: np.ndarray, points: np.ndarray) -> np.ndarray
 
 def mode_figure(modes: xr.Dataset, case: Case, numbers: Sequence[int] = (1, 2)) -> Figure:
     """The named modes from the side, one below the other."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(8.0, 0.6 + 2.6 * len(numbers)))
+    title = f"{modes.attrs['title']}, sliding at {modes.attrs['speed']:g} m/s"
+    with titled_figure(title, 8.0, 0.6 + 2.6 * len(numbers)) as figure:
         axes = figure.subplots(len(numbers), 1, sharex=True, squeeze=False)[:, 0].tolist()
         for ax, number in zip(axes, numbers, strict=True):
             draw_mode(ax, modes, case, number)
-        title = f"{modes.attrs['title']}, sliding at {modes.attrs['speed']:g} m/s"
-        figure.suptitle(title, x=0.01, ha="left", parse_math=False)
     return figure
 
 

@@ -15,6 +15,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.case.parameters.track import SIDES
@@ -34,16 +35,8 @@ NAME_SIZE, NAME_INSET = 6.5, 2.0
 SHOES, JOINTS = (1, 4, 7, 10, 13), (1, 4, 7, 10, 12)
 """Shoes that the papers draw, and links by their rear shoe: those behind these shoes, and 12-13."""
 GROUPS = (
-    "stress",
-    "motion",
-    "contact",
-    "rollers",
-    "wheels",
-    "teeth",
-    "tumbler",
-    "side frame",
-    "links",
-    "track",
+    *("stress", "motion", "contact", "rollers", "wheels"),
+    *("teeth", "tumbler", "side frame", "links", "track"),
 )
 """Groups of curves, in the order in which they are offered."""
 KINEMATICS = {name.replace("_", " "): one.label for name, one in select(curves="motion").items()}
@@ -125,10 +118,8 @@ def panel_figure(title: str, panels: Sequence[Panel], phases: Sequence[RunPhase]
 
 def law_figure(law: CellLaw, title: str) -> Figure:
     """Curves of a law of the ground, as it draws them."""
-    with mpl.rc_context(style.STYLE):
-        figure = Figure(figsize=(PANEL_WIDTH, 0.4 * PANEL_WIDTH))
+    with style.titled_figure(title, PANEL_WIDTH, 0.4 * PANEL_WIDTH) as figure:
         law.draw(*figure.subplots(1, 2))
-        figure.suptitle(title, x=0.01, ha="left", parse_math=False)
     return figure
 
 
@@ -144,17 +135,19 @@ def draw_phases(axes: Sequence[Axes], phases: Sequence[RunPhase]) -> None:
             begin, end = max(phase.begin, low), min(phase.end, high)
             if begin >= end:
                 continue
-            colour = style.PHASE_BANDS[number % len(style.PHASE_BANDS)]
-            ax.axvspan(begin, end, facecolor=colour, edgecolor="none", zorder=0.0)
-            if panel > 0:
-                continue
-            place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
-            place |= {"xytext": (NAME_INSET, NAME_INSET), "va": "bottom"}
-            # a phase may have any name, also one that looks like a formula
-            look: dict[str, Any] = {"fontsize": NAME_SIZE, "color": style.PHASE_NAME, "parse_math": False}
-            text = ax.annotate(phase.name, (begin, 1.0), **place, **look)
-            if text.get_window_extent().x1 > ax.transData.transform((end, 0.0))[0]:
+            text = _band(ax, number, begin, end, phase.name)
+            if panel > 0 or text.get_window_extent().x1 > ax.transData.transform((end, 0.0))[0]:
                 text.remove()
+
+
+def _band(ax: Axes, number: int, begin: float, end: float, name: str) -> Annotation:
+    """Draw a band behind curves, in the colour of its number, and its name above the axes."""
+    colour = style.PHASE_BANDS[number % len(style.PHASE_BANDS)]
+    ax.axvspan(begin, end, facecolor=colour, edgecolor="none", zorder=0.0)
+    place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
+    # a phase may have any name, also one that looks like a formula
+    look: dict[str, Any] = {"fontsize": NAME_SIZE, "color": style.PHASE_NAME, "parse_math": False}
+    return ax.annotate(name, (begin, 1.0), xytext=(NAME_INSET, NAME_INSET), va="bottom", **place, **look)
 
 
 @dataclass(frozen=True)
@@ -307,47 +300,34 @@ def run_figures(history: History, shoes: Sequence[int] = SHOES) -> dict[str, Fig
 def chain_figure(history: History) -> Figure:
     """Tension of a closed chain over a run: where on the loop, place by place, and link by link."""
     along = tension_along_chain(history)
-    with mpl.rc_context(style.STYLE):
-        figure = Figure(figsize=(PANEL_WIDTH, 8.4))
+    with style.titled_figure(f"{history.case.name}: tension along the chain", PANEL_WIDTH, 8.4) as figure:
         loop, by_place, by_link = figure.subplots(3, 1, height_ratios=[1.25, 1.0, 1.0])
-        mean = along.mean_at / style.KILO
-        dots = loop.scatter(
-            along.x, along.z, c=mean, s=60.0, cmap=style.SINKAGE_MAP, edgecolors=style.SHOE_EDGE
-        )
+        mean, look = along.mean_at / style.KILO, {"cmap": style.SINKAGE_MAP, "edgecolors": style.SHOE_EDGE}
+        dots = loop.scatter(along.x, along.z, c=mean, s=60.0, **look)
+        above = {"xytext": (0, 6), "textcoords": "offset points", "ha": "center", "fontsize": NAME_SIZE}
         for place, x, z in zip(along.place.values, along.x.values, along.z.values, strict=True):
             if place % 2:
-                loop.annotate(
-                    str(place), (x, z), xytext=(0, 6), textcoords="offset points", ha="center", fontsize=6.5
-                )
+                loop.annotate(str(place), (x, z), **above)
         loop.set(aspect="equal", xlabel="x in the side frame in m", ylabel="z in m", ymargin=0.2)
         figure.colorbar(dots, ax=loop, label="mean tension in kN", fraction=0.02, pad=0.01)
         kinds = (
             (by_place, "place", "_at", "place on the loop"),
             (by_link, "joint", "", "link, by its rear shoe"),
         )
-        for ax, dim, end, label in kinds:
+        for ax, dim, at, label in kinds:
             least, middle, most = (
-                along[f"{name}{end}"] / style.KILO for name in ("least", "mean", "greatest")
+                along[f"{name}{at}"] / style.KILO for name in ("least", "mean", "greatest")
             )
-            ax.fill_between(
-                along[dim], least, most, color=style.SHOE, alpha=0.5, step="mid", label="least to greatest"
-            )
+            how = {"color": style.SHOE, "alpha": 0.5, "step": "mid", "label": "least to greatest"}
+            ax.fill_between(along[dim], least, most, **how)
             ax.step(along[dim], middle, where="mid", color=style.SHOE_EDGE, label="mean")
             ax.set(xlabel=label, ylabel="tension in kN", xlim=(0.5, along.sizes[dim] + 0.5))
-        _name_parts(by_place, along.part.values)
+        parts = along.part.values
+        begins = [k for k in range(len(parts)) if k == 0 or parts[k] != parts[k - 1]]
+        for number, (begin, end) in enumerate(pairwise([*begins, len(parts)])):
+            _band(by_place, number, begin + 0.5, end + 0.5, parts[begin])
         by_link.legend(loc="upper right", ncols=2)
-        figure.suptitle(f"{history.case.name}: tension along the chain", x=0.01, ha="left", parse_math=False)
     return figure
-
-
-def _name_parts(ax: Axes, parts: Sequence[str]) -> None:
-    """Draw a band a part of the loop behind places, which go round from the lower run on."""
-    begins = [k for k in range(len(parts)) if k == 0 or parts[k] != parts[k - 1]]
-    for number, (begin, end) in enumerate(pairwise([*begins, len(parts)])):
-        colour = style.PHASE_BANDS[number % len(style.PHASE_BANDS)]
-        ax.axvspan(begin + 0.5, end + 0.5, facecolor=colour, edgecolor="none", zorder=0.0)
-        how: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "fontsize": NAME_SIZE, "va": "bottom"}
-        ax.annotate(parts[begin], (begin + 0.6, 1.0), color=style.PHASE_NAME, **how)
 
 
 def stress_figures(history: History, results: StressResults) -> dict[str, Figure]:
@@ -372,14 +352,11 @@ def stress_figures(history: History, results: StressResults) -> dict[str, Figure
 
 def roller_path_figure(table: pd.DataFrame, name: str) -> Figure:
     """Pressure of the treads along the rail as of `roller_path.roller_path`, beside what materials bear."""
-    with mpl.rc_context(style.STYLE):
-        figure = Figure(figsize=(PANEL_WIDTH, 0.5 * PANEL_WIDTH))
+    with style.titled_figure(f"{name}: roller path", PANEL_WIDTH, 0.5 * PANEL_WIDTH) as figure:
         ax = figure.subplots()
         on_rail = table["place"] == roller_path.RAIL
-        for column, label in (
-            (roller_path.PRESSURE, "greatest"),
-            (roller_path.TYPICAL, "median of the passes"),
-        ):
+        columns = {roller_path.PRESSURE: "greatest", roller_path.TYPICAL: "median of the passes"}
+        for column, label in columns.items():
             (line,) = ax.plot(roller_path.MIDDLE, column, data=table[on_rail], marker="o", label=label)
             ends = table[~on_rail]
             ax.plot(ends[roller_path.MIDDLE], ends[column], "s", color=line.get_color(), mfc="none")
@@ -391,7 +368,6 @@ def roller_path_figure(table: pd.DataFrame, name: str) -> Figure:
         ax.set(xlabel="x in the shoe in m; squares: a disc on the rail's very end", ylabel="pressure in MPa")
         ax.set_ylim(bottom=0.0)
         figure.legend(loc="outside right upper")
-        figure.suptitle(f"{name}: roller path", x=0.01, ha="left", parse_math=False)
     return figure
 
 

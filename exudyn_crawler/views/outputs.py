@@ -10,15 +10,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from exudyn_crawler import files
 from exudyn_crawler.case import Case, CellTerrain, Outputs
-from exudyn_crawler.files import (
-    blocks,
-    refuse_existing,
-    whole_file,
-    writable_folder,
-    write_netcdf,
-    write_netcdf_along,
-)
 from exudyn_crawler.results.checks.roller_path import roller_path
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.ground_map import ground_map
@@ -47,11 +40,10 @@ def write_tables(history: History, stresses: StressResults | None, folder: Path,
     """Extremes, loads at the ends of phases, the roller path; highest stresses by phase, region and run."""
     found = {"extremes": extremes(history), "loads": load_table(history)}
     if stresses is not None:
-        dataset = stresses.dataset
-        found["highest_stresses"] = hot_spots.highest_by_phase(history, dataset)
-        found["highest_by_region"] = hot_spots.region_table(stresses.by_region, dataset)
-        for shoe, spots in stresses.hot_spots.items():
-            found[f"hot_spots_shoe_{shoe}"] = hot_spots.hot_spot_table(spots, dataset)
+        data, spots = stresses.dataset, stresses.hot_spots
+        found["highest_stresses"] = hot_spots.highest_by_phase(history, data)
+        found["highest_by_region"] = hot_spots.region_table(stresses.by_region, data)
+        found |= {f"hot_spots_shoe_{k}": hot_spots.hot_spot_table(one, data) for k, one in spots.items()}
     if history.case.is_rolled and history.tread_force.any():
         found[figures.ROLLER_PATH] = roller_path(history)
     for name, table in found.items():
@@ -71,8 +63,8 @@ def write_forces(history: History, stresses: StressResults | None, folder: Path,
         stored = {name: values[name].astype(one.dtype, keep_attrs=True) for name, one in names.items()}
         return xr.Dataset(stored, attrs=part.attrs)
 
-    chunks = (chunk(part) for part in blocks(history.dataset))
-    write_netcdf_along("time", history.time.size, chunks, folder / "forces.nc", overwrite=True)
+    chunks = (chunk(part) for part in files.blocks(history.dataset))
+    files.write_netcdf_along("time", history.time.size, chunks, folder / "forces.nc", overwrite=True)
 
 
 def write_figures(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
@@ -94,9 +86,8 @@ def write_figures(history: History, stresses: StressResults | None, folder: Path
     thinned = history.every(-(-history.dataset.nbytes // MOST_DRAWN))
     drawn |= figures.run_figures(thinned, outputs.drawn_shoes(history.case.track.shoe_count))
     for name, figure in drawn.items():
-        style.save_figure(
-            figure, folder / f"{name.replace(' ', '_')}.{outputs.figure_format}", overwrite=True
-        )
+        file = f"{name.replace(' ', '_')}.{outputs.figure_format}"
+        style.save_figure(figure, folder / file, overwrite=True)
 
 
 def write_pictures(history: History, stresses: StressResults | None, folder: Path, outputs: Outputs) -> None:
@@ -118,7 +109,7 @@ def write_3d(history: History, stresses: StressResults | None, folder: Path, out
             "error of the mesh over the stress": own.peak_mesh_error.values,
             "verdict": own.peak_verdict.values,
         }
-        with whole_file(folder / f"fields_shoe_{shoe}.vtu", overwrite=True) as temporary:
+        with files.whole_file(folder / f"fields_shoe_{shoe}.vtu", overwrite=True) as temporary:
             write_vtu(temporary, stresses.whole.mesh, fields)
     write_paraview(stresses.dataset, history, folder, overwrite=True)
 
@@ -134,7 +125,7 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
     exists and `overwrite` is false.
     """
     path = folder / SERIES
-    refuse_existing(path, overwrite)
+    files.refuse_existing(path, overwrite)
     if history.case.flexible is None:
         raise ValueError("the history has no flexible shoes")
     name, nodes = history.case.flexible.mesh, stress.node_position.transpose("node", "axis").values
@@ -143,7 +134,7 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
         raise ValueError(
             f"the {len(nodes)} nodes of the stresses are not the {len(mesh.nodes)} of the mesh {name!r}"
         )
-    parts = writable_folder(folder / PARTS)
+    parts = files.writable_folder(folder / PARTS)
     series = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = ElementTree.SubElement(series, "Collection")
     for number, frame in enumerate(stress.frame.values):
@@ -151,12 +142,12 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
         flexible = _flexible_shoes(stress.sel(frame=frame), moment.isel(time=0), mesh)
         for part, (name, content) in enumerate([*flexible, *_track(history.case, moment)]):
             file = parts / f"{name.replace(' ', '_')}_{number:03d}.vtu"
-            with whole_file(file, overwrite) as temporary:
+            with files.whole_file(file, overwrite) as temporary:
                 meshio.write(temporary, content, file_format="vtu")
             where = {"timestep": repr(float(frame)), "part": str(part), "name": name}
             ElementTree.SubElement(collection, "DataSet", where, file=f"{PARTS}/{file.name}")
     ElementTree.indent(series)
-    with whole_file(path, overwrite) as temporary:
+    with files.whole_file(path, overwrite) as temporary:
         ElementTree.ElementTree(series).write(temporary, xml_declaration=True, encoding="utf-8")
     return path
 
@@ -249,7 +240,7 @@ def write_outputs(history: History, stresses: StressResults | None, folder: Path
     if stresses is not None:
         stresses.save(folder / "stress.nc", overwrite=True)
     if isinstance(history.case.terrain, CellTerrain):
-        write_netcdf(ground_map(history, outputs.ground_times), folder / GROUND, overwrite=True)
+        files.write_netcdf(ground_map(history, outputs.ground_times), folder / GROUND, overwrite=True)
     with interrupts_remembered() as ask:
         for output, write in WRITERS.items():
             if getattr(outputs, output):

@@ -1,5 +1,7 @@
 """What all figures, pictures and pages share: colours, style of figures, units for reading, round numbers."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +45,15 @@ STYLE: dict[Any, Any] = {
 def negligible(unit: str) -> float:
     """Half the least range of an axis in a unit for reading."""
     return NEGLIGIBLE_FORCE if unit in ("kN", "kN m") else NEGLIGIBLE
+
+
+@contextmanager
+def titled_figure(title: str, width: float, height: float) -> Iterator[Figure]:
+    """Empty figure of some inches to be drawn in the style; its title may look like a formula."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(width, height))
+        figure.suptitle(title, x=0.01, ha="left", parse_math=False)
+        yield figure
 
 
 def save_figure(figure: Figure, path: Path, overwrite: bool = False) -> Path:

@@ -51,25 +51,13 @@ def write_report(
     """Write the report of a run's folder: whatever of comparison, histories, stresses and case is there.
 
     Of a study's folder the runs in its folders are shown together; pictures, hot spots and the 3D view are
-    those of the first run with flexible shoes.
-
-    Parameters
-    ----------
-    folder : path
-        What a study or a run left.
-    out : path, optional
-        File to write, which is returned; `report.html` in the folder if not given.
-    overwrite : bool
-        Replace an earlier report.
-    say : callable
-        Is told of the files beside the histories that cannot be read; the report goes on without them.
+    those of the first run with flexible shoes. Returned is the file, `out` or `report.html` in the folder;
+    `say` is told of files beside the histories that cannot be read, which are left out.
 
     Raises
     ------
-    NotADirectoryError
-        If there is no such folder.
-    FileNotFoundError
-        If it holds neither a history nor a comparison.
+    NotADirectoryError, FileNotFoundError
+        If there is no such folder, or it holds neither a history nor a comparison.
     FileExistsError
         If the report exists and `overwrite` is false.
     ValueError

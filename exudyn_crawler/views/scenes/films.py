@@ -277,30 +277,15 @@ def write_animation(
     start: float = 0.0,
     end: float | None = None,
 ) -> Path:
-    """Write an animation of a run as MP4 or GIF, without a display.
+    """Write an animation of a run as MP4 or GIF, as the suffix of the path says, without a display.
 
-    Parameters
-    ----------
-    path : path
-        File to write, which is returned; its suffix, `.mp4` or `.gif`, says which.
-    scale : float, optional
-        Magnification of the ground's displacements in the side view; a fitting round one if not given.
-    shoe : int, optional
-        Number of a flexible shoe that is shown with its stress, in place of the track.
-    rate : int
-        Pictures a second of the animation.
-    speed : float
-        Simulated seconds that a second of the animation shows.
-    start, end : float
-        s, first and last time that is shown; the run's end if None.
+    `scale` magnifies the ground's displacements in the side view, by a fitting round number if not given; a
+    flexible `shoe` is shown with its stress in place of the track. A second shows `rate` pictures of `speed`
+    simulated seconds, from `start` to `end` (s; the run's end if None). The file is returned.
 
-    Raises
-    ------
-    ValueError
-        For another suffix, times outside the run, a scale, rate or speed that is not positive, a shoe that is
-        not a flexible one, or more than 20 000 pictures.
-    FileExistsError
-        If the file exists and `overwrite` is false.
+    A ValueError for another suffix, times outside the run, a scale, rate or speed that is not positive, a
+    shoe that is not a flexible one, or more than 20 000 pictures; a FileExistsError if the file exists and
+    `overwrite` is false.
     """
     path = Path(path)
     if path.suffix not in FORMATS:
