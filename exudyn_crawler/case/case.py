@@ -1,6 +1,6 @@
 """Everything that a run depends on."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,12 +13,15 @@ from exudyn_crawler.case.parameters.cells import CellContact, CellTerrain, SoilL
 from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled, closed_errors
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
+from exudyn_crawler.case.parameters.fields import tag_of
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import SIDES, Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import CarBody, MachineCycle, Part, Undercarriage
+
+Model = TypeVar("Model", bound=Parameters)
 
 
 def _kind_of_terrain(values: Any) -> str:
@@ -108,11 +111,12 @@ class Case(Parameters):
             )
         elif contact.model == "cells" and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain of cells, which has no joints"
-        if self.undercarriage is not None and not self.is_compiled:
-            yield (
-                "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
-                "not go with an undercarriage, which the compiled equations alone carry"
-            )
+        for name in ("undercarriage", "closed_track"):
+            if getattr(self, name) is not None and not self.is_compiled:
+                yield (
+                    "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
+                    f"not go with {name}, which the compiled equations alone carry"
+                )
         if self.machine is not None and self.undercarriage is None and self.car_body is None:
             yield "machine must be None without an undercarriage or a car_body, on which it acts"
         if self.car_body is not None and (self.closed_track is None or count % 2):
@@ -153,11 +157,6 @@ class Case(Parameters):
         """What does not go with a closed track."""
         if self.undercarriage is not None:
             yield "undercarriage must be None with a closed_track, which has a side frame of its own"
-        if not self.is_compiled:
-            yield (
-                "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
-                "not go with a closed_track, which the compiled equations alone carry"
-            )
         if self.drive.on is not None or (self.drive.turn_rate is not None and self.car_body is None):
             yield (
                 "drive.on must be None with a closed_track, which is always driven, and drive.turn_rate "
@@ -333,35 +332,31 @@ class Case(Parameters):
             raise ValueError(f"flexible must be given, got a case of rigid shoes only, {self.name!r}")
         return self.flexible
 
+    def _of_model(self, part: str, kind: type[Model]) -> Model:
+        """Terrain or contact of the case, if it is of a class."""
+        if not isinstance(found := getattr(self, part), kind):
+            raise ValueError(f"{part}.model must be {tag_of(kind)!r}, got {found.model!r}")
+        return found
+
     def unit_terrain(self) -> Terrain:
-        """Terrain of units of the case; raises `ValueError` if it is one of cells."""
-        if not isinstance(self.terrain, Terrain):
-            raise ValueError(f"terrain.model must be 'units', got {self.terrain.model!r}")
-        return self.terrain
+        """Terrain of units of the case; this and those below raise `ValueError` if it is another."""
+        return self._of_model("terrain", Terrain)
 
     def cell_terrain(self) -> CellTerrain:
-        """Terrain of cells of the case; raises `ValueError` if it is one of units."""
-        if not isinstance(self.terrain, CellTerrain):
-            raise ValueError(f"terrain.model must be 'cells', got {self.terrain.model!r}")
-        return self.terrain
+        """Terrain of cells."""
+        return self._of_model("terrain", CellTerrain)
 
     def cell_contact(self) -> CellContact:
-        """Contact with cells of the case; raises `ValueError` if it is another."""
-        if isinstance(self.contact, CellContact):
-            return self.contact
-        raise ValueError(f"contact.model must be 'cells', got {self.contact.model!r}")
+        """Contact with cells."""
+        return self._of_model("contact", CellContact)
 
     def pair_contact(self) -> PairContact:
-        """Pair law of the case; raises `ValueError` if its contact is another."""
-        if isinstance(self.contact, PairContact):
-            return self.contact
-        raise ValueError(f"contact.model must be 'pair', got {self.contact.model!r}")
+        """Pair law."""
+        return self._of_model("contact", PairContact)
 
     def sphere_contact(self) -> SphereContact:
-        """Spheres of the case; raises `ValueError` if its contact is another."""
-        if isinstance(self.contact, SphereContact):
-            return self.contact
-        raise ValueError(f"contact.model must be 'spheres', got {self.contact.model!r}")
+        """Spheres."""
+        return self._of_model("contact", SphereContact)
 
     def gravity_vector(self) -> np.ndarray:
         """Acceleration of gravity: array (3,), m/s2, x along the travel at t = 0, z normal to the ground."""
@@ -421,10 +416,7 @@ class Case(Parameters):
     def translation(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
         """Straight propel of the K-chapter, the K-paper and the F-paper.
 
-        Parameters
-        ----------
-        shoe : str
-            even, or uneven: the variant `Shoe.uneven`, which is fitted to the turn.
+        The uneven `shoe` is the variant `Shoe.uneven`, which is fitted to the turn.
         """
         return cls(
             name="translation" if shoe == "even" else "uneven translation",
@@ -448,15 +440,8 @@ class Case(Parameters):
 
         Each pair of shoe and unit has a whole contact law, as the paper states it. On 1 m units a shoe then
         stands on 4 to 8 of them, so that its stiffness and its share of the load change as it crosses seams,
-        which ``PairContact.oil_sand(sharing="area")`` does not know.
-
-        Parameters
-        ----------
-        mesh : str
-            Of the flexible shoes: coarse, study or fine, or a file.
-        seams : str
-            Of the terrain: laid by the track's margins, or where the range of contact forces in loading is
-            the paper's, a fit (`docs/validation.md`).
+        which ``PairContact.oil_sand(sharing="area")`` does not know. `mesh` is as of `FlexibleShoes`, `seams`
+        as of `Terrain.stress`.
         """
         return cls(
             name="stress",
@@ -473,12 +458,8 @@ class Case(Parameters):
     def rolled(cls, shoe_count: int = 24) -> Self:
         """Straight propel of a side frame that rolls over rigid shoes laid out before it.
 
-        Contacts share a shoe by area: shoes that tilt under the rollers stand on several units.
-
-        Parameters
-        ----------
-        shoe_count : int
-            Of the track: 24 give the frame 5 m of way.
+        Contacts share a shoe by area: shoes that tilt under the rollers stand on several units. 24 shoes give
+        the frame 5 m of way.
         """
         track = Track.ph4100c().with_(shoe_count=shoe_count)
         return cls(
@@ -499,11 +480,6 @@ class Case(Parameters):
         """Straight propel of half a machine on a closed track of rigid shoes, driven by its tumbler.
 
         `drive.speed` is that of the chain against the side frame.
-
-        Parameters
-        ----------
-        shoe_count : int
-            Of the track.
         """
         return cls(
             name="closed",
@@ -518,53 +494,26 @@ class Case(Parameters):
 
     @classmethod
     def shovel(cls, shoe_count: int = ph4100c.CLOSED_SHOES) -> Self:
-        """Straight propel of the whole machine on two closed tracks of rigid shoes.
+        """Straight propel of the whole machine on two closed tracks of rigid shoes, so many each.
 
         The tracks go at `drive.speed` more or less half of `track_distance` times `drive.turn_rate`.
-
-        Parameters
-        ----------
-        shoe_count : int
-            Of each track.
         """
-        one = cls.closed(shoe_count)
-        assert one.closed_track is not None
+        one, frame, mass = cls.closed(shoe_count), ClosedTrack.ph4100c(), ph4100c.SIDE_FRAME_MASS
+        inertia = tuple(value * mass / frame.mass for value in frame.inertia)
         return one.with_(
             name="shovel",
             track=one.track.with_(shoe_count=2 * shoe_count),
             loads=LoadCycle.constant([0.0] * (2 * shoe_count)),
-            closed_track=one.closed_track.with_(
-                mass=ph4100c.SIDE_FRAME_MASS,
-                inertia=tuple(
-                    value * ph4100c.SIDE_FRAME_MASS / one.closed_track.mass
-                    for value in one.closed_track.inertia
-                ),
-            ),
+            closed_track=frame.with_(mass=mass, inertia=inertia),
             car_body=CarBody.ph4100c(),
         )
 
     def on_cells(self, law: SoilLaw, heights: Heights | None = None, cell: float = 0.1) -> Self:
-        """Same case on ground of cells in place of its units, as large as these and with their slopes.
-
-        Parameters
-        ----------
-        law : SoilLaw
-            Of the soil.
-        heights : Heights, optional
-            Of the ground; level if left out.
-        cell : float
-            Side of a cell, m.
-        """
+        """Same case on level ground, or with heights, of cells (m) as large as its units and as steep."""
         (x0, x1), (y0, y1) = self.terrain.bounds
-        terrain = CellTerrain(
-            origin=(x0, y0),
-            length=x1 - x0,
-            width=y1 - y0,
-            cell=cell,
-            relief=heights or Heights(),
-            grade=self.terrain.grade,
-            side_slope=self.terrain.side_slope,
-        )
+        same: dict[str, Any] = {"grade": self.terrain.grade, "side_slope": self.terrain.side_slope}
+        same |= {"origin": (x0, y0), "length": x1 - x0, "width": y1 - y0}
+        terrain = CellTerrain(**same, cell=cell, relief=heights or Heights())
         return self.with_(terrain=terrain, contact=CellContact(law=law))
 
     def outline(self, time: float) -> np.ndarray:

@@ -139,13 +139,7 @@ class Outputs(Parameters):
 
 
 class CaseFile(Parameters):
-    """Case with the duration of its run and what the run leaves.
-
-    Raises
-    ------
-    ParameterError
-        Where the duration or the outputs do not fit the case.
-    """
+    """Case with the duration of its run and what the run leaves."""
 
     case: Annotated[Case, fields.BESIDE]
     duration: float = quantity("s", "simulated time", default=10.0, allow_inf_nan=True)

@@ -32,18 +32,9 @@ DRAFT = "https://json-schema.org/draft/2020-12/schema"
 def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
     """Read a case file; paths of mesh, load cycle, measured heights and ruts count from the file's folder.
 
-    Parameters
-    ----------
-    changes : iterable of str
-        Values in place of the file's, each as ``terrain.spring_stiffness=1e7`` or, of an item of a list that
-        the file or a base has, ``loads.phases[0].end=15``.
-
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    CaseFileError
-        Naming every key at fault by its path, and what is allowed there.
+    `changes` are values in place of the file's, each as ``terrain.spring_stiffness=1e7`` or, of an item of a
+    list that the file or a base has, ``loads.phases[0].end=15``. A FileNotFoundError if there is no such
+    file, a CaseFileError that names every key at fault by its path, and what is allowed there.
     """
 
     def values(content: Content) -> Content:
@@ -70,12 +61,8 @@ def write_case(
 ) -> Path:
     """Write all values with units and meanings; read back, the file gives an equal object.
 
-    One to be changed `by_hand` has units in words and numbers of ten digits.
-
-    Raises
-    ------
-    FileExistsError
-        If the file exists and `overwrite` is false.
+    One to be changed `by_hand` has units in words and numbers of ten digits. A FileExistsError if the file
+    exists and `overwrite` is false.
     """
     path = Path(path)
     with whole_file(path, overwrite) as temporary:

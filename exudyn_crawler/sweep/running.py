@@ -58,28 +58,13 @@ def run_sweep(
     answers takes what is there. Runs that fail do not stop the others. A script that calls this without a
     scheduler does so below ``if __name__ == "__main__":``, since its worker processes import it.
 
-    Parameters
-    ----------
-    out : path
-        Folder of the sweep; every run has a folder in `runs` there.
-    scheduler : str, optional
-        Address or scheduler file of a Dask cluster; None starts one of this machine's.
-    workers : int, optional
-        Processes of the cluster of this machine's; None is one a core.
-    storage : str, optional
-        Folder of the folders of runs in place of `runs`; all workers have to share it.
-    retry : bool
-        Run those anew that have failed.
-    progress, say
-        As of `run_case`.
+    Every run has a folder in `runs` of `out`, or in the folder `storage`, which all workers have to share.
+    `scheduler` is the address or scheduler file of a Dask cluster; without, one of this machine's has so many
+    `workers`, one a core if None. `retry` runs those anew that have failed; the others are as of `run_case`.
 
-    Raises
-    ------
-    ValueError
-        Before anything runs: if values do not fit each other, no scheduler answers, a worker has other
-        versions or does not see the folder, or `storage` is no folder.
-    OSError
-        If another sweep works in the folder, or it cannot be written to.
+    A ValueError before anything runs if values do not fit each other, no scheduler answers, a worker has
+    other versions or does not see the folder, or `storage` is no folder; an OSError if another sweep works in
+    the folder, or it cannot be written to.
     """
     sweep.planned  # noqa: B018 - refuses runs before a folder is made
     folder = writable_folder(Path(out))

@@ -135,23 +135,11 @@ def closed_chain(
     bounds: tuple[float, float],
     what: str,
 ) -> Loop:
-    """Chain of so many links that closes on a belt whose shape depends on a value, which makes it longer.
+    """Chain of so many links that closes on a belt, the `shape` of a value (m) which makes it longer.
 
-    Parameters
-    ----------
-    shape : callable
-        Belt of a value (m).
-    start : float
-        Place of the first pin, as of `point_at`.
-    bounds : tuple
-        Least and greatest value.
-    what : str
-        Name of the value, for errors.
-
-    Raises
-    ------
-    MisfitError
-        With the length that is missing or left over, and the number of shoes that fits.
+    `start` is the place of the first pin, as of `point_at`; `what` names the value, for errors. A MisfitError
+    with the length that is missing or left over, and the number of shoes that fits, beyond the value's
+    bounds.
     """
 
     def left_over(value: float) -> float:

@@ -107,10 +107,7 @@ def option(description: str, default: Any = PydanticUndefined, **bounds: Any) ->
 class Parameters(BaseModel):
     """Frozen, validated group of parameters; what does not fit each other is what `_errors` yields first.
 
-    Raises
-    ------
-    ParameterError
-        On construction, naming each field at fault, its value and what is allowed.
+    A ParameterError on construction names each field at fault, its value and what is allowed.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -143,19 +140,9 @@ class Parameters(BaseModel):
             ) from None
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **values: Any) -> Self:
-        """Copy with some values changed, validated again.
+        """Copy with some values changed, of fields or by their paths, validated again as when made.
 
-        Parameters
-        ----------
-        changes : mapping, optional
-            Values by their paths: ``{"terrain.spring_stiffness": 1e7, "loads.phases[*].side_shift": 0.1}``.
-        **values
-            Of fields.
-
-        Raises
-        ------
-        ParameterError
-            Naming each field at fault, its value and what is allowed.
+        Paths are as ``{"terrain.spring_stiffness": 1e7, "loads.phases[*].side_shift": 0.1}``.
         """
         # of its pairs: a class may have a property `keys`
         changed = dict(iter(self)) | values

@@ -76,10 +76,7 @@ class CellTerrain(Ground):
     def earlier(self, law: SoilLaw) -> dict[str, np.ndarray]:
         """Cells that the earlier run has pressed in, by their names in its history; none of fresh ground.
 
-        Raises
-        ------
-        ValueError
-            In a line, if there is no such history, or one of other cells, other heights or another law.
+        A ValueError if there is no such history, or one of other cells, other heights or another law.
         """
         if self.ruts is None:
             return {}

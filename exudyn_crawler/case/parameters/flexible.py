@@ -77,17 +77,9 @@ class FlexibleShoes(Parameters):
     def with_modes(self, choice: str) -> Self:
         """Choose the modes that are integrated; the others follow their loads without inertia.
 
-        Parameters
-        ----------
-        choice : str
-            "all": the whole basis that stress is made of; "1200Hz": its modes up to a frequency;
-            "1-20,25": its modes with these numbers, in order of frequency; "10 fixed": the constraint modes
-            and the 10 lowest fixed-interface modes.
-
-        Raises
-        ------
-        ValueError
-            If the choice is none of these or names modes that do not exist.
+        "all" is the whole basis that stress is made of, "1200Hz" its modes up to a frequency, "1-20,25" those
+        with these numbers, in order of frequency, "10 fixed" the constraint modes and the 10 lowest
+        fixed-interface ones. A ValueError for anything else, or modes that do not exist.
         """
         text = choice.strip().lower()
         whole = self.with_(fixed_modes=self.recovered_modes, highest_frequency=None, modes=None)

@@ -167,13 +167,7 @@ class Heights(Parameters):
         return self.scale * out
 
     def check_cells(self, cell: float) -> None:
-        """Refuse what cells of a side (m) are too large for.
-
-        Raises
-        ------
-        ParameterError
-            With a line for each part that is too fine.
-        """
+        """Refuse, by a `ParameterError` with a line for each, parts that are too fine for cells (m)."""
         sizes = [
             (f"parts[{k}].length ({part.name})", part.length, WAVE)
             if isinstance(part, Waves)

@@ -118,17 +118,8 @@ class LoadCycle(Cycle):
     def from_toml(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
         """Read a cycle from a TOML file, a list of tables ``[[phases]]`` with name, end and loads.
 
-        Parameters
-        ----------
-        shoe_count : int
-            Shoes that a phase loads which gives one number for all of them.
-
-        Raises
-        ------
-        FileNotFoundError
-            If there is no such file.
-        ValueError
-            If it is not TOML or not a load cycle, naming what is wrong.
+        A phase with one number for all loads `shoe_count` shoes. A FileNotFoundError if there is no such
+        file, a ValueError that names what is wrong if it is not TOML or not a load cycle.
         """
         content = with_equal_loads(cycle_content(path), shoe_count)
         with reading.errors_named(Path(path), cls):

@@ -100,13 +100,7 @@ class Shoe(Parameters):
 
     @classmethod
     def uneven(cls, unevenness: float = UNEVENNESS) -> Self:
-        """Shoe of the rigid studies whose underside's middle lies beside its COM and its load.
-
-        Parameters
-        ----------
-        unevenness : float
-            m; the middle lies to the right.
-        """
+        """Shoe of the rigid studies whose underside's middle is right of COM and load by `unevenness`, m."""
         even = cls.kinematics()
         x, y = even.underside_center
         sides = tuple(side - unevenness for side in even.finger_sides)
@@ -116,24 +110,12 @@ class Shoe(Parameters):
     def from_mesh(
         cls, mesh: "str | Mesh", density: float = STEEL_DENSITY, load_surface: str = "whole top"
     ) -> Self:
-        """Shoe as its mesh has it: mass, inertia, underside and load point.
+        """Shoe as its mesh has it: mass, inertia, underside and load point; density in kg/m3.
 
-        Parameters
-        ----------
-        mesh : str or fem.Mesh
-            In shoe axes, m: coarse, study or fine, the path of a file, or a mesh. It needs the surfaces
-            "underside" and the one that is loaded.
-        density : float
-            kg/m3.
-        load_surface : str
-            Surface that the machine load is spread over, as of `FlexibleShoes`.
-
-        Raises
-        ------
-        FileNotFoundError, fem.MeshError
-            If there is no such mesh.
-        ValueError
-            If the mesh is larger than any shoe, lacks one of the surfaces, or its origin is not its COM.
+        The mesh, in shoe axes and m, is coarse, study or fine, the path of a file, or a mesh. It needs the
+        surfaces "underside" and `load_surface`, as of `FlexibleShoes`. A FileNotFoundError or MeshError if
+        there is none; a ValueError if it is larger than any shoe, lacks a surface, or its origin is not its
+        COM.
         """
         # a case without a mesh need not wait for finite elements
         from fem import ElasticBody

@@ -257,21 +257,9 @@ class MachineCycle(Cycle):
         tracks, rests on both in the ratio of their distances. Along x each share stands where the whole does.
         The lateral moment that is left is the pair of both tracks' forces: none of it is on the side frame.
 
-        Parameters
-        ----------
-        frame, shovel : optional
-            Side frame, whose weight is taken off the share, and masses; those of the P&H 4100C if None.
-        poses : sequence of Pose
-            At the ends of the phases.
-        side : float
-            1 where the track is the left one, -1 for the right one.
-        down : array (3,)
-            Direction of gravity, as of `Terrain.down`.
-
-        Raises
-        ------
-        ValueError
-            If the machine tips over a track.
+        Side frame, whose weight is taken off the share, and masses are those of the P&H 4100C if None; poses
+        are at the ends of the phases, `side` is 1 on the left track and -1 on the right one, `down` as of
+        `Terrain.down`. A ValueError if the machine tips over a track.
         """
         frame = frame or Undercarriage.ph4100c()
         gravity, phases = np.asarray(down, dtype=float), []
@@ -302,14 +290,8 @@ class MachineCycle(Cycle):
 
         Poses have the dipper's payload and what the bank does to it; their swing takes the weight of the
         upper structure along. What changes with a dipper's reach alone is left out, and so is the slewing's
-        angular momentum.
-
-        Parameters
-        ----------
-        body : optional
-            Whose upper structure slews from `slew`; that of the P&H 4100C if None.
-        poses, down
-            As of `shovel`.
+        angular momentum. The upper structure is that of a `body`, the P&H 4100C's if None, and slews from its
+        `slew`; poses and `down` are as of `shovel`.
         """
         body = body or CarBody.ph4100c()
         gravity = ph4100c.GRAVITY * np.asarray(down, dtype=float)

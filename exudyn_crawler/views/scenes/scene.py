@@ -82,43 +82,27 @@ class Colouring:
 
 @dataclass(frozen=True)
 class Solid:
-    """One shape that stands in one place or several.
+    """One shape that stands in one place or several; a place that is not a number is not there.
 
-    Attributes
-    ----------
-    points, nodes : array (n, 3), int array (n,)
-        m, in the body's axes, and their numbers in a mesh.
-    faces : tuple of int array (m, k)
-        Corners of convex faces in outward sense, arrays of faces with as many corners each; curved faces are
-        cut into triangles. With eight points they are those of a box.
-    origin, turn : arrays (times, copies, 3) and (times, copies, 3, 3)
-        Place of the body's axes (m), and their directions as columns. What is not a number is not there.
-    edges : str
-        Colour of the edges of faces with more than three corners; with edges, or `FLAT`, there is no shade.
-        "" for none.
-    labels, notes : tuple of str
-        What each copy is called; what is written beside the name at each time.
-    lift, bend : arrays (times, copies) and (times, copies, n, 3)
-        m upward, beyond the place; displacement in the body's axes, m, drawn `larger` times larger.
-    colourings : tuple of Colouring
-        The first is drawn; a page offers all.
+    `faces` are arrays (m, k) of the corners of convex faces in outward sense; curved faces are cut into
+    triangles. With eight points they are those of a box. With `edges`, or `FLAT` ones, there is no shade.
     """
 
     name: str
-    points: np.ndarray
+    points: np.ndarray  # (n, 3), m, in the body's axes
     faces: tuple[np.ndarray, ...]
     colour: str
-    origin: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 3)))
-    turn: np.ndarray = field(default_factory=lambda: np.eye(3)[None, None])
+    origin: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 3)))  # (times, copies, 3), m
+    turn: np.ndarray = field(default_factory=lambda: np.eye(3)[None, None])  # (times, copies, 3, 3), axes
     opacity: float = 1.0
-    edges: str = ""
-    labels: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
-    lift: np.ndarray | None = None
-    bend: np.ndarray | None = None
-    larger: float = 1.0
-    colourings: tuple[Colouring, ...] = ()
-    nodes: np.ndarray | None = None
+    edges: str = ""  # colour of the edges of faces with more than three corners
+    labels: tuple[str, ...] = ()  # of each copy
+    notes: tuple[str, ...] = ()  # beside the name at each time
+    lift: np.ndarray | None = None  # (times, copies), m upward, beyond the place
+    bend: np.ndarray | None = None  # (times, copies, n, 3): displacement in the body's axes, m ...
+    larger: float = 1.0  # ... drawn so much larger
+    colourings: tuple[Colouring, ...] = ()  # the first is drawn; a page offers all
+    nodes: np.ndarray | None = None  # (n,): numbers of the points in a mesh
 
     @cached_property
     def triangles(self) -> np.ndarray:
