@@ -19,7 +19,7 @@ import tomlkit
 from exudyn_crawler import Case, History, __main__, cli
 from exudyn_crawler.case import CaseFile, read_case
 from exudyn_crawler.case.parameters.fields import case_rows
-from exudyn_crawler.cli import starting, sweeps
+from exudyn_crawler.cli import commands, sweeps
 from exudyn_crawler.cli.application import COMMANDS as GROUP
 from exudyn_crawler.cli.application import registered
 from exudyn_crawler.results.checks.cases import read_check
@@ -715,7 +715,7 @@ def test_a_unit_of_co_simulation_is_written_where_what_it_needs_is_there(call, m
     code, _, err = call("fmu", "mine.toml")
     assert code == 2
     assert "mine.fmu" in err
-    monkeypatch.setattr(starting, "find_spec", lambda name: None)
+    monkeypatch.setattr(commands, "find_spec", lambda name: None)
     code, _, told = call("fmu", "mine.toml")
     assert code == 2
     assert_one_line(told, "pip install 'exudyn-crawler[fmu]'")

@@ -9,7 +9,6 @@ from pydantic import Discriminator, Field, Tag
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import undercarriage as rolled
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, option, quantity
-from exudyn_crawler.case.parameters.cells import CellContact, CellTerrain, SoilLaw
 from exudyn_crawler.case.parameters.closed_track import Assembled, ClosedTrack, assembled, closed_errors
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
@@ -17,7 +16,7 @@ from exudyn_crawler.case.parameters.fields import tag_of
 from exudyn_crawler.case.parameters.flexible import FlexibleShoes
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.case.parameters.loads import LoadCycle
-from exudyn_crawler.case.parameters.terrain import Terrain
+from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, SoilLaw, Terrain
 from exudyn_crawler.case.parameters.track import SIDES, Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import CarBody, MachineCycle, Part, Undercarriage
 

@@ -16,9 +16,9 @@ from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.case_file import CaseFile, case_text
 from exudyn_crawler.case.parameters import fields, reading
 from exudyn_crawler.case.parameters.base import error_lines
-from exudyn_crawler.case.parameters.cells import SoilLaw
 from exudyn_crawler.case.parameters.loads import LoadCycle, cycle_content, with_equal_loads
 from exudyn_crawler.case.parameters.reading import Content
+from exudyn_crawler.case.parameters.terrain import SoilLaw
 from exudyn_crawler.case.parameters.track import MOST_SHOES
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.files import whole_file

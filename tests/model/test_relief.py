@@ -6,8 +6,7 @@ import pytest
 from exudyn_crawler import Case, LoadCycle, Terrain, simulate
 from exudyn_crawler.case import Heights
 from exudyn_crawler.case.files import read_case
-from exudyn_crawler.case.parameters.grid_files import MeasuredGrid
-from exudyn_crawler.case.parameters.heights import Ramp, Roughness, Stone, Waves
+from exudyn_crawler.case.parameters.heights import MeasuredGrid, Ramp, Roughness, Stone, Waves
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.results.loads.balance import shoe_imbalance

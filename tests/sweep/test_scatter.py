@@ -10,8 +10,15 @@ from scipy import stats
 from exudyn_crawler import Case, CaseFile, FatigueMaterial
 from exudyn_crawler.sweep.answers import Life
 from exudyn_crawler.sweep.definition import Fleet, Sweep, read_sweep
-from exudyn_crawler.sweep.results import results_table, scatter_tables, write_page
-from exudyn_crawler.sweep.scatter import PORTIONS, failures, quantiles, sensitivities
+from exudyn_crawler.sweep.results import (
+    PORTIONS,
+    failures,
+    quantiles,
+    results_table,
+    scatter_tables,
+    sensitivities,
+    write_page,
+)
 from exudyn_crawler.sweep.vary import Vary
 from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_case, small_sweep
 

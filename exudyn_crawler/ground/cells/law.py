@@ -20,7 +20,7 @@ from numba.extending import intrinsic, overload
 from scipy.optimize import brentq
 
 from exudyn_crawler.case.parameters.base import quantity
-from exudyn_crawler.case.parameters.cells import SoilLaw
+from exudyn_crawler.case.parameters.terrain import SoilLaw
 from exudyn_crawler.ground.frames import SOURCES, Vector
 from fem.compiling import compiler
 

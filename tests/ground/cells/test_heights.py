@@ -5,8 +5,7 @@ import pytest
 import xarray
 from numpy.testing import assert_allclose, assert_array_equal
 
-from exudyn_crawler.case.parameters.grid_files import MeasuredGrid
-from exudyn_crawler.case.parameters.heights import Heights, Ramp, Ridge, Roughness, Stone, Waves
+from exudyn_crawler.case.parameters.heights import Heights, MeasuredGrid, Ramp, Ridge, Roughness, Stone, Waves
 from exudyn_crawler.errors import CrawlerError, ParameterError
 from tests.ground.cells.driving import LOAD, ROCK, Driven, Shoe, ground, turn
 
