@@ -107,7 +107,7 @@ def run_case(
         Before anything is written, if a path is empty, `reuse` holds no history or one of other parameters,
         or the mesh of flexible shoes or the ruts do not fit; or if checkpoints come from other parameters.
     FileExistsError, BlockingIOError
-        Before anything runs, if results are there and `overwrite` is false, or another run works there.
+        Before anything runs, if the folder has results and `overwrite` is false, or another run works there.
     EquilibriumError
         If the track finds no rest before t = 0.
     SimulationStopped

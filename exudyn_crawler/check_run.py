@@ -58,7 +58,7 @@ def check_cases(
     ValueError
         If a case is not in balance, or ground cannot carry it; naming the case.
     FileExistsError
-        Before anything is solved, if results are there and `overwrite` is false.
+        Before anything is solved, if the folder has results and `overwrite` is false.
     """
     check = check if isinstance(check, ShoeCheck) else read_check(check)
     warn_of(out_of_range(check))

@@ -6,7 +6,7 @@ from typing import Any
 INTERRUPTED = "interrupted"  # why a simulation stopped that could have gone on
 GOES_ON = "the same command goes on"  # what a user does then
 ASK_TO_OVERWRITE = "ask for overwriting (--overwrite, in Python overwrite=True)"
-"""What a user may do about results that are there."""
+"""What a user may do about earlier results."""
 ENDED_FROM_OUTSIDE = 130  # exit code of a command that an interrupt ended outside of a simulation
 
 

@@ -53,7 +53,7 @@ def life(
     overwrite : bool
         Replace earlier results.
     say : callable
-        Is told, in a line, what is going on.
+        Gets a line on each thing that goes on.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def life(
         `results.life.duty_runs.used_runs` and `results.checks.solve.case_shapes`; or if a spread beside a run
         is of another case.
     FileExistsError
-        Before anything is counted, if results are there and `overwrite` is false.
+        Before anything is counted, if the folder has results and `overwrite` is false.
     """
     duty = duty if isinstance(duty, Duty) else read_duty(duty)
     warn_of(out_of_range(duty))

@@ -37,7 +37,7 @@ BARE = Outputs(
     picture_times=(0.0,),
 )
 FIRST = "start 1"  # name of the run that is judged
-OPEN_PARTS = ("spread", "choice")  # columns of what is open of a stress by starts and by laws of contact, Pa
+OPEN_PARTS = ("spread", "choice")  # columns of a stress's uncertainty by starts and by laws of contact, Pa
 
 
 @dataclass(frozen=True)
@@ -89,14 +89,14 @@ def spread(
     There are so many `starts`, its own among them; from one to the next the ground lies 1e-9 m further along
     the track. With `laws` it is repeated with the contact law of a pair given whole to each, or shared by
     area, whichever it has not; rolled tracks and spheres have no other. Repeated runs are folders of their
-    own; those that are there are taken, and one that was stopped goes on. `overwrite` replaces what earlier
+    own; finished ones are not repeated, and one that was stopped goes on. `overwrite` replaces what earlier
     ones have found, and repeated runs of other cases. The verdicts on lives of duties with the run count it.
 
     Raises
     ------
     FileNotFoundError, ValueError, FileExistsError
         Before anything runs, if the folder has no case or no finished history of it, there are no flexible
-        shoes, or nothing is to be repeated; or if results are there and `overwrite` is false.
+        shoes, or nothing is to be repeated; or if the folder has results and `overwrite` is false.
     EquilibriumError, SimulationStopped
         As of `run_case`.
     """

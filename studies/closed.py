@@ -131,7 +131,7 @@ def loads_round_the_loop(history: History) -> pd.DataFrame:
 def torque_by_tension(history: History) -> pd.DataFrame:
     """Mean torque of the drive over whole pitches beside what the tension says of it, kN m.
 
-    The chain is cut ahead of the tumbler's axis at pins that are there or further forward. Its shoes behind
+    The chain is cut ahead of the tumbler's axis at pins that are at it or further forward. Its shoes behind
     the cut bear the moments of both links about the axis and that of their weight, which the torque balances.
     By means of tension each link acts at n p / (2 pi), and so does the weight a metre times the cut's height.
     """

@@ -179,11 +179,9 @@ def test_a_law_of_the_ground_is_drawn_from_its_file(call, tmp_path):
         assert_one_line(err, *words)
 
 
-ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso"}
+ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso", "dask", "distributed"}
 TABLES = {"xarray", "pandas"}
 NUMBERS = {"numpy", "scipy"} | TABLES
-ENGINE_AND_FIGURES = {"exudyn", "numba", "matplotlib", "skfem", "pypardiso", "dask", "distributed"}
-NUMBERS = {"numpy", "xarray", "pandas", "scipy"}
 
 
 @pytest.mark.parametrize(
@@ -195,7 +193,6 @@ NUMBERS = {"numpy", "xarray", "pandas", "scipy"}
         (["info"], ENGINE_AND_FIGURES | TABLES),
         (["info", "uneven"], ENGINE_AND_FIGURES | TABLES),
         (["sweep", "--help"], ENGINE_AND_FIGURES | NUMBERS),
-        (["info"], ENGINE_AND_FIGURES),
         # the weight of its flexible shoes is that of their mesh
         (["info", "stress"], (ENGINE_AND_FIGURES | TABLES) - {"skfem"}),
         (["run", "nowhere.toml"], ENGINE_AND_FIGURES),

@@ -182,14 +182,13 @@ def life(
     Example: exudyn-crawler life digging.toml --out results/digging
     """
     asked = crawler.read_duty(duty)  # wrong files end the command before all that counts and draws is loaded
-    from exudyn_crawler.results.life.life import BEYOND, LIFE, life_words
+    from exudyn_crawler.results.life.life import in_words
     from exudyn_crawler.views.pages.life import life_lines
 
     folder = out or RESULTS / duty.stem
     result = crawler.life(asked, folder, overwrite=overwrite, say=typer.echo)
-    lives = result.table.filter(regex=f"^{LIFE}").map(lambda one: one if one < BEYOND else life_words(one))
     title, whole = f"{asked.name}: shortest lives by region", folder / "shortest_lives.csv"
-    print_table(result.table.assign(**lives), title, LIVES, whole)
+    print_table(in_words(result.table), title, LIVES, whole)
     typer.echo("\n".join(life_lines(result)))
     typer.echo(f"life, tables, fields and page (life.html) are in {folder}")
 

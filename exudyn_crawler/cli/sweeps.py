@@ -128,7 +128,7 @@ def _planned(file: Path) -> "Sweep":
 def _swept(plan: "Sweep", out: Path, dry_run: bool, how: dict[str, Any]) -> "SweepRun | None":
     """Sweep that was run; None where its runs are only to be shown."""
     if how["scheduler"] is not None and how["workers"] is not None:
-        raise ValueError("--workers must be left out with --scheduler, whose workers there are")
+        raise ValueError("--workers must be left out with --scheduler, which has workers of its own")
     from exudyn_crawler.sweep.running import folder_state, run_sweep
 
     if not dry_run:

@@ -14,9 +14,10 @@ import dask
 from distributed import Client, LocalCluster, as_completed
 from distributed.client import FutureCancelledError
 from distributed.scheduler import KilledWorker
+from distributed.utils import silence_logging_cmgr
 from distributed.versions import VersionMismatchWarning
 
-from exudyn_crawler.errors import CrawlerError
+from exudyn_crawler.errors import GOES_ON, CrawlerError
 from exudyn_crawler.sweep.worker import Outcome, Task, check_versions, own_versions, run_task, write_outcome
 
 CONNECT_WAIT = 20.0  # s to wait for a scheduler
@@ -35,8 +36,8 @@ def connected(
     would stay that, and whoever saves a dataset afterwards would be sent to it. Raises `ValueError` if no
     scheduler answers, or its workers are not fit.
     """
-    with warnings.catch_warnings():
-        # check_versions says it in a line, and of what matters
+    # a scheduler that is lost is said in a line, other versions by check_versions in one of what matters
+    with silence_logging_cmgr(logging.CRITICAL), warnings.catch_warnings():
         warnings.simplefilter("ignore", VersionMismatchWarning)
         with _local(workers) if scheduler is None else _remote(scheduler) as client:
             if client.dashboard_link:
@@ -146,7 +147,7 @@ def outcomes(
             reason = f"{times} workers died while they ran it, the last one {last}"
             outcome = write_outcome(task, CrawlerError(reason), {})
         except FutureCancelledError as error:
-            raise ConnectionError(f"the scheduler was lost: {error}") from error
+            raise ConnectionError(f"the scheduler was lost; finished runs are kept: {GOES_ON}") from error
         future.release()
         yield outcome
         submit(1)

@@ -88,13 +88,13 @@ def _print_blocks(cells: Sequence[dict[str, str]], title: str, console: Console)
         console.print(shown)
 
 
-def cell_text(value: object) -> str:
-    """Cell of a table as a reader sees it: four digits of a number, thousands apart up to a billion."""
+def cell_text(value: object, digits: int = 4) -> str:
+    """Cell of a table as a reader sees it: some digits of a number, thousands apart up to a billion."""
     if not isinstance(value, float):
         return str(value)
     if value != value:
         return ""
-    short = f"{value:.4g}"
+    short = f"{value:.{digits}g}"
     return f"{float(short):,.0f}".replace(",", " ") if LARGE <= abs(float(short)) < BEYOND else short
 
 

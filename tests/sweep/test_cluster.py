@@ -159,7 +159,7 @@ def test_a_sweep_that_is_stopped_goes_on(tmp_path, kind):
         assert time.monotonic() < give_up
         time.sleep(0.1)
     again = subprocess.run([*command, "stopped"], cwd=tmp_path, check=True, capture_output=True, text=True)
-    assert f"6 runs: {len(before)} are there" in again.stdout
+    assert f"6 runs: {len(before)} done" in again.stdout
     assert all(path.stat().st_mtime_ns == time for path, time in before.items())
     results = [
         [line.rpartition(",")[0] for line in (tmp_path / name / "results.csv").read_text().splitlines()]
@@ -268,6 +268,18 @@ def test_a_scheduler_elsewhere_runs_a_sweep_by_its_address_and_by_its_file(tmp_p
             )
             assert "6 runs: 0 done, 6 to run" in done.stdout
             assert len(list((tmp_path / out / "runs").glob("*/history.nc"))) == 6
+        (tmp_path / "s.toml").write_text(SWEEP)
+        lost = subprocess.Popen(
+            [*command[:-1], "lost", "--scheduler", address], cwd=tmp_path, stderr=subprocess.PIPE, text=True
+        )
+        while not list(tmp_path.glob("lost/runs/*/outcome.json")):
+            assert lost.poll() is None
+            time.sleep(0.02)
+        scheduler.kill()
+        *progress, line = lost.communicate(timeout=60)[1].splitlines()
+        assert lost.returncode == 1
+        assert line == "error: the scheduler was lost; finished runs are kept: the same command goes on"
+        assert all(one.startswith("sweep: ") for one in progress)
     finally:
         for process in (worker, scheduler):
             process.terminate()

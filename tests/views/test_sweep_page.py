@@ -60,13 +60,16 @@ def test_parallel_coordinates_have_a_line_a_finished_run():
 
 
 def test_a_grid_has_a_curve_a_level_of_what_varies_next():
-    curves = page.response_curves(view_of(), "force").data
-    assert [(one.name, list(one.x), list(one.y)) for one in curves] == [
-        ("law = area", [1e7], [3.0]),
-        ("law = pair", [1e7, 2e7], [1.0, 2.0]),
-        ("stiffness = 10 000 000", ["area", "pair"], [3.0, 1.0]),
-        ("stiffness = 20 000 000", ["pair"], [2.0]),
+    figure = page.response_curves(view_of().in_units_for_reading(), "force")
+    assert [(one.name, list(one.x), [1e3 * force for force in one.y]) for one in figure.data] == [
+        ("law = area", [10.0], [3.0]),
+        ("law = pair", [10.0, 20.0], [1.0, 2.0]),
+        ("stiffness = 10 MN/m", ["area", "pair"], [3.0, 1.0]),
+        ("stiffness = 20 MN/m", ["pair"], [2.0]),
     ]
+    assert [axis.title.text for axis in figure.select_xaxes()] == ["stiffness in MN/m", "law"]
+    assert next(figure.select_yaxes()).title.text == "force in kN"
+    assert list(figure.layout.xaxis.ticktext) == ["10", "20"]
 
 
 def test_other_designs_have_a_point_a_run():

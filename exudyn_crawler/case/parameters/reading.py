@@ -16,6 +16,7 @@ from exudyn_crawler.errors import CaseFileError
 
 Model = TypeVar("Model", bound=BaseModel)
 Content = dict[str, Any]
+MOST_NAMED = 3  # files of a folder that an error names
 KINDS: dict[str, tuple[str, Callable[[Content], bool]]] = {
     "sweep file": ("sweep", lambda content: "vary" in content),
     "duty file": ("life", lambda content: isinstance(content.get("runs"), list)),
@@ -44,9 +45,14 @@ def read_parameters(
 def toml_content(path: Path, name: str) -> Content:
     """Content of a TOML file; raises `FileNotFoundError` or, without the path, `ValueError` if it is none."""
     if not path.is_file():
-        is_run = name == "case file" and (path / "case.toml").is_file()
-        there = f"; the run in that folder has {path / 'case.toml'}" if is_run else ""
-        raise FileNotFoundError(f"no {name} {path}{there}")
+        inside = sorted(path.glob("*.toml"))
+        names = ", ".join(map(str, inside[:MOST_NAMED])) + (", ..." if len(inside) > MOST_NAMED else "")
+        hint = (
+            f"; name one, such as {names}" if inside else f"; name a TOML file such as {path / 'mine.toml'}"
+        )
+        raise FileNotFoundError(
+            f"{path} is a folder, no {name}{hint}" if path.is_dir() else f"no {name} {path}"
+        )
     try:
         # some editors put a mark before the text
         return tomllib.loads(path.read_bytes().decode("utf-8-sig"))

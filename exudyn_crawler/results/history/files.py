@@ -58,7 +58,8 @@ def reading_history(path: Path) -> Iterator[None]:
     FileNotFoundError if there is no such file.
     """
     if not path.is_file():
-        raise FileNotFoundError(f"no history at {path}")
+        folder = f", which is a folder; a run has {path / 'history.nc'}" if path.is_dir() else ""
+        raise FileNotFoundError(f"no history at {path}{folder}")
     try:
         yield
     # altered bytes make the readers raise all kinds of errors

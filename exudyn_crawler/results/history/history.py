@@ -182,6 +182,11 @@ class History:
         return cls(case=case, dataset=dataset)
 
 
+def as_history(run: History | str | Path) -> History:
+    """A history as it is, or that of a file; raises as `History.load`."""
+    return run if isinstance(run, History) else History.load(run)
+
+
 def _check(case: Case, dataset: xr.Dataset) -> None:
     """Refuse a dataset whose variables are not those of a history of the case."""
     catalogue.check_dimensions(dataset)

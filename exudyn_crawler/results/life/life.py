@@ -187,7 +187,7 @@ def life_of_stages(
 
     On the mesh of the last stage; a node of it stands for the nearest one of the same region before. Its
     `damage_an_hour` is the mean until the crack, and so are the parts of it, which have the names of their
-    stages; planes, what is open of the stress, and cycles at nodes are those of the last stage. `again` gives
+    stages; planes, the stress's uncertainty, and cycles at nodes are those of the last stage. `again` gives
     the last stage's life with nodes of a changed duty. ValueError if stages have other places in the track.
     """
     last = stages[-1]
@@ -342,7 +342,7 @@ def _life_trust(
     amplitude: np.ndarray,
     spreads: Sequence[xr.DataArray | None],
 ) -> dict[str, np.ndarray]:
-    """What is open of the lives by damage (1/h) and amplitude (Pa), both (places, nodes): named quantities.
+    """Uncertainty of the lives by damage (1/h) and amplitude (Pa), both (places, nodes): named quantities.
 
     What the mesh leaves open is that of the stress less its mean over each run and place, in the mean square
     over all of them; what left-out static fields may do counts against the greatest amplitude. Of spreads the
@@ -424,13 +424,13 @@ def shortest_lives(
 
 
 def in_words(table: pd.DataFrame) -> pd.DataFrame:
-    """Same table with lives as they are read: four digits, "beyond 1e9"."""
+    """Same table with lives as they are read: of four digits, or words such as "beyond 1e9"."""
     lives = [name for name in table.columns if name.startswith(LIFE)]
     return table.assign(**{name: table[name].map(life_words) for name in lives})
 
 
-def life_words(hours: float) -> str:
-    """Life in h for reading."""
+def life_words(hours: float) -> float | str:
+    """Life in h of four digits, or words where it is not known or beyond all machines."""
     if np.isnan(hours):
         return "not known"
-    return "beyond 1e9" if hours >= BEYOND else f"{hours:.4g}"
+    return "beyond 1e9" if hours >= BEYOND else float(f"{hours:.4g}")

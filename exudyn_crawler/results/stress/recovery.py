@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from exudyn_crawler.files import write_netcdf
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.results.history import catalogue, files
-from exudyn_crawler.results.history.history import History, phases
+from exudyn_crawler.results.history.history import History, as_history, phases
 from exudyn_crawler.results.loads.load_map import check_flexible, loads_by_kind
 from exudyn_crawler.results.stress import hot_spots
 from exudyn_crawler.results.stress.basis import Rows, same_squares, segments, stress_basis, unit_stress
@@ -51,7 +51,7 @@ class StressResults:
 
 
 def recover_stresses(
-    history: History, times: Sequence[float] | None = None, peak: bool = True
+    history: History | str | Path, times: Sequence[float] | None = None, peak: bool = True
 ) -> StressResults:
     """Recover the stresses of all flexible shoes from a run.
 
@@ -68,8 +68,8 @@ def recover_stresses(
     ValueError
         If the run has no flexible shoes, or none of the times lies within it.
     """
-    named = _named_times(history, times)
-    basis = stress_basis(history)
+    history = as_history(history)
+    named, basis = _named_times(history, times), stress_basis(history)
     whole, coordinates = basis.shapes, basis.coordinates
     regions = hot_spots.shoe_regions(whole, history.case.track)
     pulled = {shoe: hot_spots.near_pull(history, whole, shoe) for shoe in coordinates}

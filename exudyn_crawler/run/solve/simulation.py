@@ -342,7 +342,7 @@ def simulate(
     progress : bool, optional
         Show a progress bar; None shows one on a terminal and a line every 10 s elsewhere.
     checkpoints : Checkpoints, optional
-        Keeps every stage but the last; the run goes on behind those that are there.
+        Keeps every stage but the last; the run goes on behind those that it has.
     ground_times : sequence of float
         s, rising, at which the history has what ground of cells remembers, beside its end.
 

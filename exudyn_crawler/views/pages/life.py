@@ -13,6 +13,7 @@ from exudyn_crawler.views.pages.packing import SceneArrays, packed_scene
 from exudyn_crawler.views.scenes.scene import Colouring, Scene, Solid
 from exudyn_crawler.views.scenes.shoes import verdict_colouring
 from exudyn_crawler.views.style import MEGA, STRESS_MAP
+from exudyn_crawler.views.tables import cell_text
 
 LEAST_DECADES = 2
 """Powers of ten of life that the colours span at least."""
@@ -55,16 +56,16 @@ def write_life_page(found: LifeResults, path: Path, overwrite: bool = False) -> 
 
 def life_lines(found: LifeResults) -> list[str]:
     """Shortest life and how far to trust it, and what it is counted by."""
-    shortest = float(np.nanmin(found.dataset.life[-1]))
+    shortest = cell_text(life_words(float(np.nanmin(found.dataset.life[-1]))))
     survival, places = 100.0 * float(found.dataset.survival[-1]), found.dataset.shoe.values.tolist()
     mean = f", the mean over the places {places} that a shoe takes in turn" if found.duty.runs else ""
     worn = "".join(f", {one.hours:g} h {one.name}" for one in found.duty.stages)
-    worst, material = found.table.iloc[0], found.duty.material
-    low, high = (life_words(worst[f"{LIFE} at {end}"]) for end in ("least", "most"))
+    worst, material = in_words(found.table).iloc[0], found.duty.material
+    low, high = (cell_text(worst[f"{LIFE} at {end}"]) for end in ("least", "most"))
     factors = material.factors()
     strength = material.curve(found.duty.miner).strength
     return [
-        f"{survival:g} % of the shoes see no crack at their worst node before {life_words(shortest)} "
+        f"{survival:g} % of the shoes see no crack at their worst node before {shortest} "
         f"machine hours{mean}{worn and f'; stages{worn[1:]}, the last goes on'}",
         f"given the uncertainty of the stress there, {low} to {high} h; stress {worst['verdict']}",
         f"{found.duty.criterion}, Miner {found.duty.miner}; {material.name}: strength at the "
@@ -102,7 +103,7 @@ def life_solid(found: LifeResults) -> Solid:
 def causes_figure(found: LifeResults) -> go.Figure:
     """Life by each part of the damage alone, a row each, in every region: colours and hours."""
     lives = found.causes()
-    words, decades = lives.map(lambda hours: "" if hours >= BEYOND else life_words(hours)), np.log10(lives)
+    words, decades = lives.map(lambda hours: "" if hours >= BEYOND else cell_text(hours)), np.log10(lives)
     low, high = float(decades.min().min()), float(np.log10(BEYOND))
     ticks = np.arange(np.floor(low), high + 1.0)
     figure = go.Figure(
@@ -116,7 +117,7 @@ def causes_figure(found: LifeResults) -> go.Figure:
             texttemplate="%{text}",
             hovertemplate="%{y}<br>%{x}: %{text} h<extra></extra>",
             colorscale="YlOrRd_r",
-            colorbar={"title": "h", "tickvals": ticks, "ticktext": [f"1e{one:g}" for one in ticks]},
+            colorbar={"title": "h", "tickvals": ticks, "ticktext": [cell_text(10.0**one) for one in ticks]},
         )
     )
     figure.update_yaxes(autorange="reversed", automargin=True)

@@ -19,11 +19,14 @@ from PIL import Image
 from plotly.offline import get_plotlyjs
 
 from exudyn_crawler.files import whole_file
+from exudyn_crawler.views.tables import cell_text
 
 TEMPLATES = Path(__file__).with_name("templates")
 SCRIPTS = ("data.js", "camera.js", "scene.js", "phases.js", "page.js")
 PICTURE_WIDTH = 1500
 """Pixels of a picture on a page."""
+GRID = "rgba(176, 176, 176, 0.3)"
+"""Colour of a plot's grid."""
 CONTROLS = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 """Characters that no page may have, whatever names a user has given."""
 
@@ -109,12 +112,15 @@ def _cell(value: object, digits: int) -> Cell:
     if isinstance(value, Cell):
         return value
     if isinstance(value, float | np.floating):
-        return Cell("" if np.isnan(value) else f"{value:.{digits}g}", True)
+        return Cell(cell_text(float(value), digits), True)
     return Cell(str(value), isinstance(value, int | np.integer) and not isinstance(value, bool))
 
 
 def plot(figure: go.Figure) -> Markup:
-    """Plotly's figure; its library stands on the page once."""
+    """Plotly's figure in the style of all figures (`views.style`); its library stands on the page once."""
+    figure.update_layout(template="simple_white")
+    if figure.data[0].type in ("scatter", "bar"):
+        figure.update_xaxes(showgrid=True, gridcolor=GRID).update_yaxes(showgrid=True, gridcolor=GRID)
     return Markup(figure.to_html(full_html=False, include_plotlyjs=False))
 
 

@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Self
 
+import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 from markupsafe import Markup
 from plotly.subplots import make_subplots
 
+from exudyn_crawler.case.parameters.fields import PREFIXES, prefix_of
 from exudyn_crawler.results.history.catalogue import READ_IN
 from exudyn_crawler.views.pages import page
 from exudyn_crawler.views.tables import cell_text
@@ -60,9 +62,11 @@ class SweepView:
         return f"{name} in {unit}" if unit else name
 
     def in_units_for_reading(self) -> Self:
-        """Same with forces in kN and stresses in MPa, angles in degrees."""
+        """Same with forces in kN, stresses in MPa and angles in degrees, all else by prefixes: MN/m."""
         units = self.table.attrs["units"]
-        read = {name: READ_IN[unit] for name, unit in units.items() if unit in READ_IN}
+        prefixes = {name: prefix_of(self.table[name].dropna().tolist(), unit) for name, unit in units.items()}
+        by_prefix = {name: (one + units[name], 1.0 / PREFIXES[one]) for name, one in prefixes.items()}
+        read = {name: READ_IN.get(unit, by_prefix[name]) for name, unit in units.items()}
         factors = {name: factor for name, (_, factor) in read.items() if factor != 1.0}
         table = self.table.assign(**{name: factor * self.table[name] for name, factor in factors.items()})
         table.attrs = self.table.attrs | {"units": units | {name: unit for name, (unit, _) in read.items()}}
@@ -170,8 +174,9 @@ def response_curves(view: SweepView, answer: str) -> go.Figure:
             how = {"mode": "markers", "showlegend": False}
             panels.append([go.Scatter(x=done[name], y=done[answer], name=answer, **how)])
             continue
+        unit = view.table.attrs["units"].get(others[0], "")
         levels = {
-            f"{others[0]} = {cell_text(level)}": part.groupby(name, sort=True)[answer].mean()
+            f"{others[0]} = {cell_text(level)} {unit}".rstrip(): part.groupby(name, sort=True)[answer].mean()
             for level, part in done.groupby(others[0], sort=True)
         }
         lines = {"mode": "lines+markers", "legendgroup": others[0]}
@@ -213,7 +218,11 @@ def _panels(view: SweepView, answer: str, panels: list[list[go.Scatter]]) -> go.
     figure = make_subplots(cols=len(view.varied), shared_yaxes=True)
     for k, (name, traces) in enumerate(zip(view.varied, panels, strict=True), 1):
         figure.add_traces(traces, rows=1, cols=k)
-        kind = "log" if name in view.logarithmic else None
-        figure.update_xaxes(title_text=view.label(name), type=kind, row=1, col=k)
+        axis: dict[str, Any] = {"title_text": view.label(name)}
+        if name in view.logarithmic:
+            axis["type"], levels = "log", np.unique(view.done[name])
+            if len(levels) <= MOST_CURVES:
+                axis |= {"tickvals": levels, "ticktext": [cell_text(one, 3) for one in levels]}
+        figure.update_xaxes(row=1, col=k, **axis)
     figure.update_yaxes(title_text=view.label(answer), row=1, col=1)
     return figure.update_layout(height=HEIGHT, margin={"t": 30})

@@ -16,7 +16,7 @@ from matplotlib.text import Text
 
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.files import refuse_existing, whole_file
-from exudyn_crawler.results.history.history import History, common_phases
+from exudyn_crawler.results.history.history import History, as_history, common_phases
 from exudyn_crawler.results.stress.recovery import surface_stress
 from exudyn_crawler.views import style
 from exudyn_crawler.views.figures import Panel, draw_phases
@@ -266,7 +266,7 @@ def film_times(
 
 
 def write_animation(
-    history: History,
+    history: History | str | Path,
     path: str | Path,
     overwrite: bool = False,
     scale: float | None = None,
@@ -291,6 +291,7 @@ def write_animation(
     if path.suffix not in FORMATS:
         raise ValueError(f"an animation is an .mp4 or .gif file, got {path}")
     refuse_existing(path, overwrite)
+    history = as_history(history)
     times = film_times(history.duration, rate, speed, start, end)
     codec, colours, options, dpi = FORMATS[path.suffix]
     picture: Picture
