@@ -56,7 +56,7 @@ def study_runs(
 
     None writes nothing. A study that was stopped continues: cases that have finished are used as they are.
     `reuse` has by case the folder of an earlier run whose history replaces the simulation; the others are as
-    of `run_case`. A FileExistsError before anything runs if results are there and `overwrite` is false, a
+    of `run_case`. FileExistsError before anything runs if the folder has results and `overwrite` is false,
     BlockingIOError if another run works there, else errors of `run_case`.
     """
     with run_in(out, overwrite=overwrite, report=say, cases=cases) as folder:
