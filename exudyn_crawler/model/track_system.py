@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -130,9 +131,14 @@ class TrackSystem(ABC):
         """Numbers of the shoes that have sunk through the ground in the current state."""
         return []
 
-    def after_step(self, report: Callable[[float], bool]) -> None:
-        """Call a function with the time after each step; the run ends where it gives False."""
-        self.mbs.SetPostStepUserFunction(lambda _mbs, time: report(time))
+    def after_step(self, report: Callable[[float], bool] | None) -> None:
+        """Call a function with the time after each step; the run ends where it gives False.
+
+        None lets go of the last one: what the engine's functions hold is not freed before.
+        """
+        # Exudyn's stub does not know that zero is none
+        function: Any = 0 if report is None else lambda _mbs, time: report(time)
+        self.mbs.SetPostStepUserFunction(function)
 
     def memory(self) -> dict[str, np.ndarray]:
         """Memory of the ground, as of the last step, as arrays by name; of ground without any none."""

@@ -1,9 +1,11 @@
 """Short runs: the drive is exact, mechanics holds at every stored instant, and stops are kept."""
 
+import gc
 import math
 import pkgutil
 import signal
 import sys
+import weakref
 
 import numba
 import numpy as np
@@ -226,3 +228,18 @@ def test_progress_shows_time_and_speed_when_asked(capfd):
     shown = capfd.readouterr().err
     for words in ("translation", "0.01 of 0.01 s", "s wall per s"):
         assert words in shown
+
+
+@pytest.mark.parametrize("formulation", ["compiled", "engine"])
+def test_nothing_of_a_run_stays_in_memory(formulation, monkeypatch):
+    built, build = [], simulation.track_system
+
+    def noted(case):
+        system = build(case)
+        built.append(weakref.ref(system))
+        return system
+
+    monkeypatch.setattr(simulation, "track_system", noted)
+    simulate(Case.translation().with_({"formulation": formulation}), 0.01, progress=False)
+    gc.collect()
+    assert [one() for one in built] == [None]

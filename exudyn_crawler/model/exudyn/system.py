@@ -8,6 +8,7 @@ without rollers; the compiled equations are checked against it.
 
 import dataclasses
 import math
+import weakref
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -159,13 +160,13 @@ class ExudynSystem(TrackSystem):
 
     def _add_contact(self, contact: PairGroundContact, nodes: list[int]) -> None:
         """Contact of all shoes and units as one user force over their nodes."""
-        first = SIZE * self.case.track.shoe_count
+        first, coordinates = SIZE * self.case.track.shoe_count, self._coordinates
 
         def force(_mbs, _t, _item, q, q_t):
             own, own_t = np.array(q), np.array(q_t)
-            shoes, rates = self._coordinates.motion(own, own_t)
+            shoes, rates = coordinates.motion(own, own_t)
             found = contact.wrenches(contact.bodies(shoes, rates, own[first:], own_t[first:]))
-            on_shoes = self._coordinates.generalized(own, found.shoes)
+            on_shoes = coordinates.generalized(own, found.shoes)
             return np.concatenate((on_shoes, contact.coordinates.project(found.units), found.modal.ravel()))
 
         self._add_force(nodes, force)
@@ -182,14 +183,16 @@ class ExudynSystem(TrackSystem):
 
     def _add_cells(self, cells: TrackOnCells, nodes: list[int]) -> None:
         """Ground of cells as one user force over the shoes, covered and committed about each step."""
+        # the engine keeps these functions, and they would keep the system
+        system = weakref.proxy(self)
 
         def force(_mbs, _t, _item, q, q_t):
             own = np.array(q)
-            wrenches, modal = cells.press(self._motion(own, np.array(q_t)))
-            return np.concatenate((self._coordinates.generalized(own, wrenches), modal.ravel()))
+            wrenches, modal = cells.press(system._motion(own, np.array(q_t)))
+            return np.concatenate((system._coordinates.generalized(own, wrenches), modal.ravel()))
 
         def cover(_mbs, _time):
-            cells.cover(self._motion(*self._current()))
+            cells.cover(system._motion(*system._current()))
             return True
 
         self._add_force(nodes, force)
@@ -207,16 +210,19 @@ class ExudynSystem(TrackSystem):
             [np.concatenate(one) for one in ((moved, own[first:]), (rates.ravel(), own_t[first:]))]
         )
 
-    def after_step(self, report: Callable[[float], bool]) -> None:
+    def after_step(self, report: Callable[[float], bool] | None) -> None:
         """As of `TrackSystem`; cells remember each step first."""
+        cells, ends = self._cells, report
+        if cells is None or ends is None:
+            super().after_step(ends)
+            return
 
-        def stepped(_mbs: "exu.MainSystem", time: float) -> bool:
-            if self._cells is not None:
-                self._cells.press(self._motion(*self._current()))
-                self._cells.commit()
-            return report(time)
+        def remembered(time: float) -> bool:
+            cells.press(self._motion(*self._current()))
+            cells.commit()
+            return ends(time)
 
-        self.mbs.SetPostStepUserFunction(stepped)
+        super().after_step(remembered)
 
     def memory(self) -> dict[str, np.ndarray]:
         """As of `TrackSystem`."""

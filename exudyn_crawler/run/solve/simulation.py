@@ -283,6 +283,8 @@ def _watched(system: TrackSystem, recorder: Recorder, tell: Callable[[float], No
     except KeyboardInterrupt:
         if not watch.waiting:
             raise
+    finally:
+        system.after_step(None)
 
 
 def _solve(system: TrackSystem, settings: "exu.SimulationSettings", watch: _Watch) -> str | None:
