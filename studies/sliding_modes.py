@@ -61,7 +61,9 @@ def _dataset(state: SteadySliding, values: np.ndarray, shapes: np.ndarray) -> xr
     greatest = np.take_along_axis(weighted, np.abs(weighted).argmax(axis=1)[:, None], axis=1)[:, 0]
     # a mode of the ground alone may leave the shoes where they are
     scale = np.where(np.abs(greatest) > 0.0, greatest, 1.0)
-    units = [contact.unit_motion(s.real) + 1j * contact.unit_motion(s.imag) for s in (shapes / scale).T]
+    motion_of = contact.coordinates.motion
+    ground = (shapes / scale)[6 * shoes : 6 * shoes + contact.coordinates.size].T
+    units = [motion_of(s.real) + 1j * motion_of(s.imag) for s in ground]
     # a motion that nothing drives back, such as that across the path, has no damping ratio
     size = np.where(np.abs(values) > STILL * np.abs(values).max(), np.abs(values), np.nan)
     return xr.Dataset(

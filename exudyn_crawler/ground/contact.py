@@ -47,8 +47,9 @@ class PairGroundContact:
     """Contact by one contact for every pair of a shoe and a unit; a `GroundContact`.
 
     `reference` (shoes, 6) are positions of the COMs (m, global) and angles (rad) of the shoes where their
-    coordinates are zero. Shoes of these indices (from 0) are flexible, by the integrated modes of their
-    underside; they need terrain by its independent coordinates, or a ValueError says so.
+    coordinates are zero, and `unit_reference` (units, 4) centres (m) and tilts of the units with the springs
+    free. Shoes of these indices (from 0) are flexible, by the integrated modes of their underside; they need
+    terrain by its independent coordinates, or a ValueError says so.
     """
 
     def __init__(
@@ -177,11 +178,6 @@ class PairGroundContact:
         """
         return self._touching(self.bodies_at(q, q_t))[0].copy()
 
-    def unit_motion(self, q: np.ndarray) -> np.ndarray:
-        """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
-        first = self.shoe_reference.size
-        return self.coordinates.motion(q[first : first + self.coordinates.size])
-
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) of the ground along the track's middle at places x (m), with the springs free."""
         return self._terrain.surface(x)
@@ -196,7 +192,6 @@ class GroundContact(Protocol):
 
     coordinates: TerrainCoordinates  # how the terrain's coordinates carry the units
     shoe_reference: np.ndarray  # (shoes, 6): COM positions (m, global) and angles at coordinates of zero
-    unit_reference: np.ndarray  # (units, 4): centres (m, global) and tilt of the units with the springs free
 
     @property
     def size(self) -> int:
@@ -209,10 +204,6 @@ class GroundContact(Protocol):
 
         A third argument is what a state has of them, of contact that does not follow from these.
         """
-        ...
-
-    def unit_motion(self, q: np.ndarray) -> np.ndarray:
-        """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
         ...
 
     def surface(self, x: np.ndarray) -> np.ndarray:

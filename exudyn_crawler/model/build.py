@@ -466,7 +466,7 @@ def _tables_of(
         terrain=TerrainTable(
             terrain.heave,
             terrain.tilt,
-            contact.unit_reference,
+            contact.unit_reference if isinstance(contact, PairGroundContact) else np.zeros((0, 4)),
             np.ascontiguousarray(terrain.stiffness),
             np.ascontiguousarray(terrain.damping),
             terrain.weight,

@@ -127,10 +127,6 @@ class TrackSystem(ABC):
         q[[6 * body + 2 for body in bodies]] = -sag - loaded
         return q
 
-    def sunken(self) -> list[int]:
-        """Numbers of the shoes that have sunk through the ground in the current state."""
-        return []
-
     def after_step(self, report: Callable[[float], bool] | None) -> None:
         """Call a function with the time after each step; the run ends where it gives False.
 

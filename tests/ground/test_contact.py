@@ -84,9 +84,7 @@ def test_results_add_up_to_the_forces_on_every_shoe(contact, seed):
 
 
 def test_the_terrain_sinks_evenly(contact):
-    q = np.zeros(contact.size)
-    q[SIX : SIX + contact.coordinates.size] = contact.coordinates.sunk_evenly(-0.04)
-    motion = contact.unit_motion(q)
+    motion = contact.coordinates.motion(contact.coordinates.sunk_evenly(-0.04))
     assert motion[:, 2] == pytest.approx(-0.04, abs=1e-12)
     assert np.abs(motion[:, [0, 1, 3]]).max() < 1e-12
 

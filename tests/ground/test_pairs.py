@@ -42,7 +42,7 @@ def spread(contact, seed):
 def as_bodies(contacts, q):
     """The same state (or rates) in the coordinates of the constrained formulation."""
     reduced, full = contacts["reduced"], contacts["constrained"]
-    motion = reduced.unit_motion(q)
+    motion = reduced.coordinates.motion(q[6 * SHOES :])
     bodies = np.zeros((len(motion), 6))
     bodies[:, 2] = motion[:, 2]
     bodies[:, 3 + full.coordinates.tilt_axis] = motion[:, 3]

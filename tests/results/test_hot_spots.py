@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import History
+from exudyn_crawler import Case, History, LoadCycle, simulate
 from exudyn_crawler.case.parameters.track import Track
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.results.stress.basis import stress_basis
 from exudyn_crawler.results.stress.hot_spots import REGIONS, load_shares, shares, shoe_regions
@@ -22,7 +23,7 @@ OTHERS = {
     "ground": ("joint_force", "joint_torque", "pin_force", "pin_torque", "shoe_load"),
 }
 """Variables of what acts on a middle shoe beside one load; "contact" stands for all of a contact's."""
-CONTACT = ("normal_force", "friction_force", "friction_torque", "area")
+CONTACT = ("normal_force", "friction_force", "friction_torque", "area", "node_force")
 
 
 def bare(mesh) -> Shapes:
@@ -94,6 +95,18 @@ def test_shares_of_no_stress_are_zero():
     assert shares({"nothing": np.zeros((2, 6))})["nothing"].tolist() == [0.0, 0.0]
 
 
+@pytest.fixture(scope="module")
+def run_on_cells() -> History:
+    """Three shoes on sand, of which the middle one bends."""
+    base = Case.stress("coarse")
+    case = base.with_(
+        track=base.track.with_(shoe_count=3),
+        loads=LoadCycle.propel(3),
+        flexible=base.flexible_shoes().with_(shoes=(2,)),
+    )
+    return simulate(case.on_cells(BekkerSoil.lete_sand()), 0.02, False)
+
+
 def variants(history):
     """A history with static fields and without."""
     flexible = history.case.flexible_shoes()
@@ -117,18 +130,37 @@ def test_shares_of_the_loads_of_a_run_add_up_to_one(flexible_run):
         assert table[name].to_numpy() == pytest.approx(own.to_numpy())
 
 
+@pytest.mark.simulation
+def test_shares_on_cells_are_complete(run_on_cells):
+    """Stresses of all loads, those of the cells' forces among them, are the stress that is recovered."""
+    rows = np.resize([0, 3, run_on_cells.time.size - 1], len(NODES))
+    for one in variants(run_on_cells):
+        basis = stress_basis(one)
+        found = load_shares(basis, 2, NODES, rows)
+        assert found.sum(axis=1).to_numpy() == pytest.approx(1.0, abs=1e-9)
+        assert found["share of ground"].abs().min() > 1e-3
+        modes, parts = basis.shapes.stress_modes[NODES], basis.by_load(2, rows)
+        summed = sum(np.einsum("kcm,km->kc", modes, q) for q in parts.values())
+        stress = np.einsum("kcm,km->kc", modes, basis.coordinates[2][rows])
+        np.testing.assert_allclose(summed, stress, rtol=0.0, atol=1e-7 * np.abs(stress).max())
+
+
+@pytest.mark.simulation
 @pytest.mark.parametrize("load", list(OTHERS))
-def test_a_load_that_acts_alone_has_all_of_the_stress(flexible_run, load):
+@pytest.mark.parametrize(("run", "shoe"), [("flexible_run", SHOE), ("run_on_cells", 2)])
+def test_a_load_that_acts_alone_has_all_of_the_stress(request, run, shoe, load):
     """Its modes have come to rest under it, so that there is no inertia, either."""
-    dataset = flexible_run[0].dataset.isel(time=[-1]).copy(deep=True)
+    whole = request.getfixturevalue(run)
+    whole = whole if isinstance(whole, History) else whole[0]
+    dataset = whole.dataset.isel(time=[-1]).copy(deep=True)
     for name in OTHERS[load]:
-        for one in CONTACT if name == "contact" else (name,):
+        for one in set(CONTACT) & set(dataset) if name == "contact" else (name,):
             dataset[one] = 0.0 * dataset[one]
-    for history in variants(History(flexible_run[0].case, dataset)):
+    for history in variants(History(whole.case, dataset)):
         inside = unit_loads(history.case).integrated.inside
-        still = modal_loads(history, SHOE) @ inside / (2.0 * np.pi * history.frequency.values) ** 2
-        history.modal_coordinate.loc[{"flexible_shoe": SHOE}] = still
+        still = modal_loads(history, shoe) @ inside / (2.0 * np.pi * history.frequency.values) ** 2
+        history.modal_coordinate.loc[{"flexible_shoe": shoe}] = still
         rows = np.zeros(len(NODES), dtype=int)
-        found = load_shares(stress_basis(history, [SHOE]), SHOE, NODES, rows)
+        found = load_shares(stress_basis(history, [shoe]), shoe, NODES, rows)
         assert found[f"share of {load}"].to_numpy() == pytest.approx(1.0, abs=1e-9)
         assert np.abs(found.drop(columns=f"share of {load}").to_numpy()).max(initial=0.0) < 1e-9

@@ -38,7 +38,6 @@ class CellGroundContact:
         corners = np.array([[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]])
         self.coordinates: TerrainCoordinates = ReducedCoordinates(modes, 1)
         self.shoe_reference = coms
-        self.unit_reference = np.zeros((0, 4))
         law = cast(CellLaw, case.cell_contact().law)
         self.ground = CellGround(law, terrain.relief, terrain.cell, corners, len(coms))
         if (earlier := terrain.earlier(law)) and not law.kernel.forgets:
@@ -53,10 +52,6 @@ class CellGroundContact:
     def results(self, _q: np.ndarray, _q_t: np.ndarray, stored: np.ndarray | None = None) -> np.ndarray:
         """Contacts that a state has stored: one a shoe, of no area where it hangs in the air."""
         return np.zeros((0, RESULTS)) if stored is None else stored[:, :RESULTS]
-
-    def unit_motion(self, _q: np.ndarray) -> np.ndarray:
-        """Of no units."""
-        return np.zeros((0, 4))
 
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Height (m) at places x (m) of the straight line on which a chain lies that is put on the ground."""

@@ -1,4 +1,4 @@
-"""Which cells lie under a shoe, and how much of each: its outline clipped on them, seen from above."""
+"""Which cells lie under a shoe, and how much of each, seen from above: sums over the edges of its outline."""
 
 import math
 
@@ -37,20 +37,21 @@ def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) 
         When the last step was accepted: slip counts from there.
     """
     tiles, shoes = Tiles(*ground), ShoePoints(*values)
-    polygons, total, cell = np.empty((3, 12, 2)), 0, tiles.cell
+    outline, total = np.empty((4, 2)), 0
     for s in range(shoes.counts.shape[0]):
-        quad, frame, count = polygons[0], frame_at(frames[s]), 0
+        frame, count = frame_at(frames[s]), 0
         if frame.R[2][2] < FACING:
             shoes.counts[s] = 0
             continue
         for a in range(4):
             corner = shoes.corners[a]
             place = along(frame.r, 1.0, turned(frame.R, (corner[0], corner[1], corner[2])))
-            quad[a, 0], quad[a, 1] = place[0], place[1]
-        low, high = quad[:4, 0].min(), quad[:4, 0].max()
+            outline[a, 0], outline[a, 1] = place[0] / tiles.cell, place[1] / tiles.cell
+        i, j = int(math.floor(outline[:, 0].min())), int(math.floor(outline[:, 1].min()))
+        sums = _sums(outline, i, j)
         points, index = shoes.points[s], shoes.cells[s]
-        for i in range(int(math.floor(low / cell)), int(math.floor(high / cell)) + 1):
-            count = _cover_column(tiles, i, polygons, points, index, count)
+        for column in range(sums.shape[0]):
+            count = _cover_column(tiles, i + column, j, sums[column], points, index, count)
             if count < 0:
                 return count
         _place_points(points[:count], shoes.corners[0, 2], frame, frame_at(before[s]))
@@ -62,103 +63,73 @@ def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) 
 
 
 @within
-def _cover_column(
-    tiles: Tiles, i: int, polygons: FloatArray, points: FloatArray, index: IntArray, count: int
-) -> int:
-    """Add the points of a shoe in one column of cells; return their number as `cover` does.
+def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
+    """What the edges of an outline (4, 2), in cells, bound in the cells from (i, j) on.
 
-    The outline is clipped to the column's strip, and this to the cells at its border; `polygons` (3, 12, 2)
-    has the outline, and scratch.
+    By Green's theorem: an edge bounds from below the rest of each cell that it passes, and all cells above.
+    Array (columns, rows, 5): in the cell, area and its moments along x and y about the cell's corner; in each
+    cell above, area and its moment along x.
     """
-    h, scratch, strip, part = tiles.cell, polygons[1], polygons[2], polygons[0, 4:]
-    xa, xb = i * h, (i + 1) * h
-    m = _clip(polygons[0], 4, scratch, (0, 1.0, xa))
-    m = _clip(scratch, m, strip, (0, -1.0, -xb))
-    if m < 3:
-        return count
-    low, high = math.inf, -math.inf
-    # the range of y that the strip has along its whole width: cells within are covered fully
-    low_a, high_a, low_b, high_b = math.inf, -math.inf, math.inf, -math.inf
-    for a in range(m):
-        x, y = strip[a, 0], strip[a, 1]
-        low, high = min(low, y), max(high, y)
-        if x <= xa + 1e-12:
-            low_a, high_a = min(low_a, y), max(high_a, y)
-        if x >= xb - 1e-12:
-            low_b, high_b = min(low_b, y), max(high_b, y)
-    full_low, full_high = max(low_a, low_b), min(high_a, high_b)
-    column = (i >> BITS) - tiles.corner[0]
-    for j in range(int(math.floor(low / h)), int(math.floor(high / h)) + 1):
-        ya, yb = j * h, (j + 1) * h
-        x, y = 0.5 * (xa + xb), 0.5 * (ya + yb)
-        area, cx, cy = h * h, x, y
-        if not (ya >= full_low and yb <= full_high):
-            k = _clip(strip, m, scratch, (1, 1.0, ya))
-            k = _clip(scratch, k, part, (1, -1.0, -yb))
-            area, cx, cy = _centroid(part, k, (x, y))
-            if area <= LEAST * h * h:
-                continue
+    columns, rows = int(math.floor(outline[:, 0].max())) - i + 1, int(math.floor(outline[:, 1].max())) - j + 1
+    sums = np.zeros((columns, rows, 5))
+    for a in range(4):
+        b = a + 1 if a < 3 else 0
+        x, y = outline[a, 0] - i, outline[a, 1] - j
+        dx, dy = outline[b, 0] - i - x, outline[b, 1] - j - y
+        column, row, t = int(x), int(y), 0.0
+        while t < 1.0:
+            # where the edge leaves the cell: no rounding takes it out of the outline's bounds
+            at_x = ((column + 1 if dx > 0.0 else column) - x) / dx if dx != 0.0 else math.inf
+            at_y = ((row + 1 if dy > 0.0 else row) - y) / dy if dy != 0.0 else math.inf
+            ahead = min(at_x, at_y, 1.0)
+            width, rise, middle = (ahead - t) * dx, (ahead - t) * dy, 0.5 * (ahead + t)
+            left, under = x + middle * dx - column, y + middle * dy - row
+            cell = sums[column, row]
+            cell[0] += width * (1.0 - under)
+            cell[1] += width * (left * (1.0 - under) - width * rise / 12.0)
+            cell[2] += 0.5 * width * (1.0 - under * under - rise * rise / 12.0)
+            cell[3] += width
+            cell[4] += width * left
+            t = ahead
+            if at_x <= at_y:
+                column += 1 if dx > 0.0 else -1
+            else:
+                row += 1 if dy > 0.0 else -1
+    return sums
+
+
+@within
+def _cover_column(
+    tiles: Tiles, i: int, first: int, sums: FloatArray, points: FloatArray, index: IntArray, count: int
+) -> int:
+    """Add the points of a shoe in column i of the cells, of its sums from the `first` cell on.
+
+    Gives their number as `cover` does.
+    """
+    h, column = tiles.cell, (i >> BITS) - tiles.corner[0]
+    below = moment = 0.0
+    for k in range(sums.shape[0]):
+        j, part = first + k, sums[k]
+        area, x, y = below + part[0], moment + part[1], 0.5 * below + part[2]
+        below, moment = below + part[3], moment + part[4]
+        if area <= LEAST:
+            continue
         tile, row = -1, (j >> BITS) - tiles.corner[1]
         if 0 <= column < tiles.table.shape[0] and 0 <= row < tiles.table.shape[1]:
             tile = tiles.table[column, row]
         if tile < 0:
             return NO_TILE
         of_tile = (i & (SIDE - 1)) * SIDE + (j & (SIDE - 1))
-        z, rise_x, rise_y = (
-            tiles.heights[tile, of_tile, 0],
-            tiles.heights[tile, of_tile, 1],
-            tiles.heights[tile, of_tile, 2],
-        )
-        if math.isnan(z):
+        plane, point = tiles.planes[tile, of_tile], points[count]
+        if math.isnan(plane[3]):
             return NO_HEIGHT
-        up = 1.0 / math.sqrt(1.0 + rise_x * rise_x + rise_y * rise_y)
         # seen from above until `_place_points`
-        points[count, 0], points[count, 1] = cx, cy
-        points[count, NORMAL], points[count, NORMAL + 1], points[count, NORMAL + 2] = (
-            -rise_x * up,
-            -rise_y * up,
-            up,
-        )
-        points[count, GROUND] = up * (z - rise_x * x - rise_y * y)
-        points[count, AREA] = area / up
+        point[0], point[1] = h * (i + x / area), h * (j + y / area)
+        point[NORMAL], point[NORMAL + 1], point[NORMAL + 2] = plane[0], plane[1], plane[2]
+        point[GROUND], point[AREA] = plane[3], h * h * area / plane[2]
         index[count] = tile * SIDE * SIDE + of_tile
         count += 1
     return count
-
-
-@within
-def _clip(source: FloatArray, m: int, target: FloatArray, side: tuple[int, float, float]) -> int:
-    """Clip a polygon of m vertices to ``sign x[axis] >= limit``; return the number of vertices left."""
-    axis, sign, limit = side
-    k = 0
-    for a in range(m):
-        b = a + 1 if a + 1 < m else 0
-        da, db = sign * source[a, axis] - limit, sign * source[b, axis] - limit
-        if da >= 0.0:
-            target[k, 0], target[k, 1] = source[a, 0], source[a, 1]
-            k += 1
-        if (da >= 0.0) != (db >= 0.0):
-            t = da / (da - db)
-            target[k, 0] = source[a, 0] + t * (source[b, 0] - source[a, 0])
-            target[k, 1] = source[a, 1] + t * (source[b, 1] - source[a, 1])
-            target[k, axis] = sign * limit
-            k += 1
-    return k
-
-
-@within
-def _centroid(polygon: FloatArray, m: int, about: tuple[float, float]) -> tuple[float, float, float]:
-    """Area and centroid of a polygon, summed about a place near it."""
-    total, sx, sy = 0.0, 0.0, 0.0
-    for a in range(m):
-        b = a + 1 if a + 1 < m else 0
-        xa, ya = polygon[a, 0] - about[0], polygon[a, 1] - about[1]
-        xb, yb = polygon[b, 0] - about[0], polygon[b, 1] - about[1]
-        c = xa * yb - xb * ya
-        total, sx, sy = total + c, sx + c * (xa + xb), sy + c * (ya + yb)
-    if total == 0.0:
-        return 0.0, about[0], about[1]
-    return 0.5 * abs(total), about[0] + sx / (3.0 * total), about[1] + sy / (3.0 * total)
 
 
 @within

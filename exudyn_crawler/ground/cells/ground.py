@@ -34,7 +34,7 @@ class CellGround:
     cell : float
         Side of a cell, m.
     corners : array (4, 3)
-        Of the underside in the shoe's frame, in order, all of one z; m.
+        Of the underside in the shoe's frame, anticlockwise seen from above, all of one z; m.
     shoes : int
         Number of shoes.
 
@@ -77,7 +77,7 @@ class CellGround:
             law.kernel.forgets,
             np.zeros(2, dtype=np.int64),
             np.full((0, 0), -1),
-            np.zeros((0, SIDE * SIDE, 3)),
+            np.zeros((0, SIDE * SIDE, 4)),
             np.zeros((0, FIELDS)),
             np.zeros(0),
         )
@@ -193,7 +193,10 @@ class CellGround:
         cell, count = self.tiles.cell, len(self._names)
         middles = (np.arange(SIDE) + 0.5) * cell
         x, y = (SIDE * cell * names[:, k, None] + middles for k in range(2))
-        heights = self.heights.sample(np.repeat(x, SIDE, axis=1), np.tile(y, SIDE))
+        x, y = np.repeat(x, SIDE, axis=1), np.tile(y, SIDE)
+        z, rise_x, rise_y = np.moveaxis(self.heights.sample(x, y), -1, 0)
+        up = 1.0 / np.sqrt(1.0 + rise_x * rise_x + rise_y * rise_y)
+        planes = np.stack((-rise_x * up, -rise_y * up, up, up * (z - rise_x * x - rise_y * y)), axis=-1)
         self._names = np.concatenate((self._names, names))
         memory = np.zeros((len(names) * SIDE * SIDE, FIELDS))
         memory[:, 4] = self.tiles.fresh
@@ -203,7 +206,7 @@ class CellGround:
         self.tiles = self.tiles._replace(
             corner=corner,
             table=table,
-            heights=np.concatenate((self.tiles.heights, heights)),
+            planes=np.concatenate((self.tiles.planes, planes)),
             memory=np.concatenate((self.tiles.memory, memory)),
             loaded=np.zeros((count + len(names)) * SIDE * SIDE),
         )

@@ -60,7 +60,7 @@ class ShoePoints(NamedTuple):
     constants : array (constants,)
         Of the law.
     corners : array (4, 3)
-        Of the underside in the shoe's frame, in order; of one z, m.
+        Of the underside in the shoe's frame, anticlockwise seen from above; of one z, m.
     counts : array (shoes,)
         Number of points of each shoe.
     cells : array (shoes, most)

@@ -1,4 +1,4 @@
-"""Map of the ground: heights and memory of its cells, in tiles that are made where a shoe first comes.
+"""Map of the ground: planes and memory of its cells, in tiles that are made where a shoe first comes.
 
 Cell (i, j) is the square from (i, j) to (i + 1, j + 1) times its side. A tile is 32 x 32 of them. Only
 `gather` reads the memory and only `commit` writes it: a step that is not accepted needs nothing undone.
@@ -36,8 +36,8 @@ class Tiles(NamedTuple):
         Tile of the first entry of the table.
     table : array (columns, rows)
         Number of a tile, -1 where there is none.
-    heights : array (tiles, SIDE * SIDE, 3)
-        Height (m) and slopes along x and y at the middles of cells.
+    planes : array (tiles, SIDE * SIDE, 4)
+        Normals of cells, and distances from the origin along these, m; NaN where there is no height.
     memory : array (tiles * SIDE * SIDE, FIELDS)
     loaded : array (tiles * SIDE * SIDE,)
         Scratch, zero between calls: loaded area of a cell.
@@ -48,7 +48,7 @@ class Tiles(NamedTuple):
     forgets: bool
     corner: IntArray
     table: IntArray
-    heights: FloatArray
+    planes: FloatArray
     memory: FloatArray
     loaded: FloatArray
 

@@ -19,7 +19,7 @@ from exudyn_crawler.case import Case, StepProfile
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.frames import plain
-from exudyn_crawler.ground.sphere_contact import SphereGroundContact, face_inset, sphere_centers
+from exudyn_crawler.ground.sphere_contact import face_inset, sphere_centers
 from exudyn_crawler.ground.terrain import UnitCoordinates
 from exudyn_crawler.model.build import Parts, parts_of
 from exudyn_crawler.model.compiled_system import compiled_system, layout_of
@@ -252,11 +252,6 @@ class ExudynSystem(TrackSystem):
             contact=layout.contact if self.general is None else 6,
         )
         return layout, np.concatenate(list(kept.values())).astype(int)
-
-    def sunken(self) -> list[int]:
-        """Numbers of the shoes that have sunk through the ground in the current state."""
-        contact = self.contact
-        return contact.sunken(self.coordinates()[0]) if isinstance(contact, SphereGroundContact) else []
 
     def coordinates(self) -> list[np.ndarray]:
         """Current coordinates, rates and accelerations, in the layout's order."""

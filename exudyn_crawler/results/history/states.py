@@ -167,7 +167,7 @@ def _terrain(states: _States) -> dict[str, np.ndarray]:
         return files.terrain_motion(modes.heave, modes.tilt, motion)
     named = {}
     for rate in RATES:
-        units = np.stack([contact.unit_motion(row) for row in states.part(f"coordinates{rate}")])
+        units = np.stack([contact.coordinates.motion(row) for row in states.part(f"terrain{rate}")])
         for name, column in (("heave", 2), ("tilt", 3)):
             named[f"unit_{name}{rate.replace(' ', '_')}"] = units[..., column]
     return named

@@ -14,6 +14,7 @@ from exudyn_crawler.case.case_file import check_run
 from exudyn_crawler.case.parameters.checks import warn_implausible
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.ground.sphere_contact import SphereGroundContact
 from exudyn_crawler.model.engine import exu
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.model.formulation import EQUATIONS, compile_equations, kind_of, track_system
@@ -269,7 +270,9 @@ def _watched(system: TrackSystem, recorder: Recorder, tell: Callable[[float], No
         if watch.chain is not None:
             if time >= watch.chain.next_look:
                 watch.fault = watch.chain.fault(system.state())
-        elif sunken := system.sunken():
+        elif isinstance(system.contact, SphereGroundContact) and (
+            sunken := system.contact.sunken(system.layout.part(system.state(), "coordinates"))
+        ):
             watch.fault = (
                 f"spheres of shoes {sunken} sank through the ground; they need a greater "
                 f"contact.radius than {case.sphere_contact().radius} m, or flatter ground"

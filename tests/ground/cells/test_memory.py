@@ -67,7 +67,7 @@ def test_tiles_are_made_where_shoes_come_alone():
         cells.cover(frame([x + 1.0, 1.0, -0.01]), frame([x + 1.0, 1.0, -0.01]))
         cells.press(frame([x + 1.0, 1.0, -0.01]))
         cells.commit()
-    assert len(cells.tiles.heights) <= 12
+    assert len(cells.tiles.planes) <= 12
     state = cells.state()
     assert state["memory"].nbytes < 3 * 48 * (0.65 / 0.1 + 2) * (3.505 / 0.1 + 2)
     assert len(state["held"]) < len(state["cells"])
