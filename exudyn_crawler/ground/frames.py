@@ -67,6 +67,12 @@ def along(a: Vector, factor: float, b: Vector) -> Vector:
 
 
 @compiled
+def scaled(factor: float, a: Vector) -> Vector:
+    """``factor * a``."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+@compiled
 def basis(k: int) -> Vector:
     """Unit vector along axis k."""
     return 1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0

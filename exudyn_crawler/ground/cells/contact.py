@@ -8,7 +8,7 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.kernel import AREA, GROUND, NORMAL, ShoePoints, arm_of, frame_at
 from exudyn_crawler.ground.cells.law import CellLaw
-from exudyn_crawler.ground.frames import along, compiled, cross, dot, norm, velocity_at
+from exudyn_crawler.ground.frames import along, compiled, cross, dot, norm, scaled, velocity_at
 from exudyn_crawler.ground.pairs import RESULTS, Contact, keep
 from exudyn_crawler.ground.rotations import FloatArray
 from exudyn_crawler.ground.terrain import ReducedCoordinates, TerrainCoordinates, TerrainModes
@@ -83,7 +83,7 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
             arm = arm_of(shoes.points[s], shoes.bent[s], a, frame.R)
             n, A = (point[NORMAL], point[NORMAL + 1], point[NORMAL + 2]), point[AREA]
             area, sunk = area + A, sunk + A * (point[GROUND] - dot(n, along(frame.r, 1.0, arm)))
-            force = along(NOTHING, A * traction, n)
+            force = scaled(A * traction, n)
             pushed, moment = along(pushed, 1.0, force), along(moment, 1.0, cross(arm, force))
         size = norm(pushed)
         out[s, :].fill(0.0)
@@ -91,9 +91,9 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
         if size == 0.0:
             continue
         wrench, up = shoes.wrench[s], (frame.R[0][2], frame.R[1][2], frame.R[2][2])
-        total, normal = (wrench[0], wrench[1], wrench[2]), along(NOTHING, 1.0 / size, pushed)
+        total, normal = (wrench[0], wrench[1], wrench[2]), scaled(1.0 / size, pushed)
         # where the line of the normal forces meets the underside
-        arm = along(NOTHING, 1.0 / size**2, cross(pushed, moment))
+        arm = scaled(1.0 / size**2, cross(pushed, moment))
         arm = along(arm, (shoes.corners[0, 2] - dot(up, arm)) / dot(up, normal), normal)
         place = along(frame.r, 1.0, arm)
         velocity = velocity_at(frame, place)

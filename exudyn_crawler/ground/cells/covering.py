@@ -51,7 +51,7 @@ def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) 
         sums = _sums(outline, i, j)
         points, index = shoes.points[s], shoes.cells[s]
         for column in range(sums.shape[0]):
-            count = _cover_column(tiles, i + column, j, sums[column], points, index, count)
+            count = _cover_column(tiles, (i, j), sums, column, points, index, count)
             if count < 0:
                 return count
         _place_points(points[:count], shoes.corners[0, 2], frame, frame_at(before[s]))
@@ -84,12 +84,11 @@ def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
             ahead = min(at_x, at_y, 1.0)
             width, rise, middle = (ahead - t) * dx, (ahead - t) * dy, 0.5 * (ahead + t)
             left, under = x + middle * dx - column, y + middle * dy - row
-            cell = sums[column, row]
-            cell[0] += width * (1.0 - under)
-            cell[1] += width * (left * (1.0 - under) - width * rise / 12.0)
-            cell[2] += 0.5 * width * (1.0 - under * under - rise * rise / 12.0)
-            cell[3] += width
-            cell[4] += width * left
+            sums[column, row, 0] += width * (1.0 - under)
+            sums[column, row, 1] += width * (left * (1.0 - under) - width * rise / 12.0)
+            sums[column, row, 2] += 0.5 * width * (1.0 - under * under - rise * rise / 12.0)
+            sums[column, row, 3] += width
+            sums[column, row, 4] += width * left
             t = ahead
             if at_x <= at_y:
                 column += 1 if dx > 0.0 else -1
@@ -100,33 +99,36 @@ def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
 
 @within
 def _cover_column(
-    tiles: Tiles, i: int, first: int, sums: FloatArray, points: FloatArray, index: IntArray, count: int
+    tiles: Tiles,
+    first: tuple[int, int],
+    sums: FloatArray,
+    c: int,
+    points: FloatArray,
+    index: IntArray,
+    count: int,
 ) -> int:
-    """Add the points of a shoe in column i of the cells, of its sums from the `first` cell on.
-
-    Gives their number as `cover` does.
-    """
-    h, column = tiles.cell, (i >> BITS) - tiles.corner[0]
-    below = moment = 0.0
-    for k in range(sums.shape[0]):
-        j, part = first + k, sums[k]
-        area, x, y = below + part[0], moment + part[1], 0.5 * below + part[2]
-        below, moment = below + part[3], moment + part[4]
+    """Add the points of a shoe in column c of its sums from the cell `first` on; their number as of `cover`."""
+    i, h, below, moment = first[0] + c, tiles.cell, 0.0, 0.0
+    column = (i >> BITS) - tiles.corner[0]
+    for k in range(sums.shape[1]):
+        area, x, y = below + sums[c, k, 0], moment + sums[c, k, 1], 0.5 * below + sums[c, k, 2]
+        below, moment = below + sums[c, k, 3], moment + sums[c, k, 4]
         if area <= LEAST:
             continue
+        j = first[1] + k
         tile, row = -1, (j >> BITS) - tiles.corner[1]
         if 0 <= column < tiles.table.shape[0] and 0 <= row < tiles.table.shape[1]:
             tile = tiles.table[column, row]
         if tile < 0:
             return NO_TILE
         of_tile = (i & (SIDE - 1)) * SIDE + (j & (SIDE - 1))
-        plane, point = tiles.planes[tile, of_tile], points[count]
-        if math.isnan(plane[3]):
+        if math.isnan(tiles.planes[tile, of_tile, 3]):
             return NO_HEIGHT
         # seen from above until `_place_points`
-        point[0], point[1] = h * (i + x / area), h * (j + y / area)
-        point[NORMAL], point[NORMAL + 1], point[NORMAL + 2] = plane[0], plane[1], plane[2]
-        point[GROUND], point[AREA] = plane[3], h * h * area / plane[2]
+        points[count, 0], points[count, 1] = h * (i + x / area), h * (j + y / area)
+        for m in range(4):
+            points[count, NORMAL + m] = tiles.planes[tile, of_tile, m]
+        points[count, AREA] = h * h * area / tiles.planes[tile, of_tile, 2]
         index[count] = tile * SIDE * SIDE + of_tile
         count += 1
     return count

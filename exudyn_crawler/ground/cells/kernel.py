@@ -31,6 +31,7 @@ from exudyn_crawler.ground.frames import (
     compiled,
     cross,
     dot,
+    scaled,
     turned,
     turned_back,
     within,
@@ -143,7 +144,7 @@ def press_shoe(law, points, bent, frame, weights, trial, force, wrench, tangent,
     at, count = frame_at(frame), points.shape[0]
     by_place, by_velocity = weights[0], weights[1]
     tangents = by_place != 0.0 or by_velocity != 0.0
-    F, M = NOTHING, NOTHING
+    F, M, by_x, by_y = NOTHING, NOTHING, NOTHING, NOTHING
     for a in range(count):
         arm = arm_of(points, bent, a, at.R)
         n = (points[a, NORMAL], points[a, NORMAL + 1], points[a, NORMAL + 2])
@@ -152,36 +153,37 @@ def press_shoe(law, points, bent, frame, weights, trial, force, wrench, tangent,
         memory, v = answer.memory, probe.slip_velocity
         trial[a, 0], trial[a, 1] = memory.deepest, memory.pressure
         trial[a, 2], trial[a, 3], trial[a, 4] = memory.shear[0], memory.shear[1], memory.mobilized
-        f = along(along(NOTHING, answer.normal, n), -1.0, answer.shear)
-        f = along(NOTHING, probe.area, along(f, -answer.drag, v))
+        f = along(scaled(answer.normal, n), -1.0, answer.shear)
+        f = scaled(probe.area, along(f, -answer.drag, v))
         force[a, 0], force[a, 1], force[a, 2], force[a, 3] = f[0], f[1], f[2], answer.normal
         F, M = along(F, 1.0, f), along(M, 1.0, cross(arm, f))
         if tangents:
-            # -A (b n' + h m' + c 1) by displacements; the depth falls along n
-            A = -probe.area
-            b = along(NOTHING, by_place * (answer.normal_by_depth - answer.across), n)
-            b = along(b, -by_place, answer.tangential_by_depth)
-            b = along(b, by_velocity * (answer.normal_by_rate - answer.drag), n)
-            h = along(NOTHING, by_place * (answer.along - answer.across), answer.direction)
-            c, m = A * (by_place * answer.across + by_velocity * answer.drag), answer.direction
-            x = along(along(NOTHING, A * b[0], n), A * h[0], m)
-            y = along(along(NOTHING, A * b[1], n), A * h[1], m)
-            z = along(along(NOTHING, A * b[2], n), A * h[2], m)
+            by_x, by_y = along(by_x, points[a, 0], f), along(by_y, points[a, 1], f)
+            # b n' + h m' + c 1 by displacements; the depth falls along n
+            position, velocity, m = -probe.area * by_place, -probe.area * by_velocity, answer.direction
+            normal = position * (answer.normal_by_depth - answer.across)
+            normal += velocity * (answer.normal_by_rate - answer.drag)
+            b = along(scaled(normal, n), -position, answer.tangential_by_depth)
+            c = position * answer.across + velocity * answer.drag
+            x, y, z = scaled(b[0], n), scaled(b[1], n), scaled(b[2], n)
+            if answer.along != answer.across:
+                h = scaled(position * (answer.along - answer.across), m)
+                x, y, z = along(x, h[0], m), along(y, h[1], m), along(z, h[2], m)
             slopes[a, 0], slopes[a, 1], slopes[a, 2] = x[0] + c, x[1], x[2]
             slopes[a, 3], slopes[a, 4], slopes[a, 5] = y[0], y[1] + c, y[2]
             slopes[a, 6], slopes[a, 7], slopes[a, 8] = z[0], z[1], z[2] + c
     for i in range(3):
         wrench[i], wrench[3 + i] = F[i], M[i]
     if tangents:
-        _write_tangent(points, at.R, by_place, slopes, force, tangent)
+        _write_tangent(points, at.R, by_place, slopes, (F, by_x, by_y), tangent)
 
 
 @within
-def _write_tangent(points, R, by_place, slopes, force, tangent):
+def _write_tangent(points, R, by_place, slopes, forces, tangent):
     """Write the derivative of a wrench by motions of its shoe, of the derivatives (9, points) of its points.
 
     The arms are linear in the places X, Y on the underside, so that sums of these times 1, X, Y, X2, XY, Y2
-    make it, whatever the number of points.
+    make it, whatever the number of points; `forces` are those of forces times 1, X, Y.
     """
     count = points.shape[0]
     monomials = np.empty((count, 6))
@@ -195,11 +197,9 @@ def _write_tangent(points, R, by_place, slopes, force, tangent):
     # the arms turn under the forces: sum of a f' - (a . f) 1
     trace = 0.0
     for j in range(3):
-        f0 = fx = fy = 0.0
-        for a in range(count):
-            f0, fx, fy = f0 + force[a, j], fx + force[a, j] * points[a, 0], fy + force[a, j] * points[a, 1]
         for i in range(3):
-            turning = by_place * (R[i][0] * fx + R[i][1] * fy + R[i][2] * z * f0)
+            turning = R[i][0] * forces[1][j] + R[i][1] * forces[2][j] + R[i][2] * z * forces[0][j]
+            turning *= by_place
             tangent[3 + i, 3 + j] += turning
             trace += turning if i == j else 0.0
     for i in range(3):

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from exudyn_crawler.ground.cells.law import Memory, Probe, Response
-from exudyn_crawler.ground.frames import Vector, along, compiled, dot, inlined
+from exudyn_crawler.ground.frames import Vector, along, compiled, dot, inlined, scaled
 
 COHESION_PRESSURE = 1e3
 """Pa, pressure at which half of the cohesion acts: strength then falls to nothing with the pressure, without
@@ -69,7 +69,7 @@ def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool) -> She
     trial = along(memory.shear, k, slip)
     square, bound, by_pressure = dot(trial, trial), T * memory.mobilized, NOTHING
     if tangents:
-        by_pressure = along(along(NOTHING, k_p, slip), drag_p, probe.slip_velocity)
+        by_pressure = along(scaled(k_p, slip), drag_p, probe.slip_velocity)
     if square <= max(bound * bound, 1e-18 * T * T):
         if square > bound * bound:
             k = per * T
@@ -79,14 +79,14 @@ def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool) -> She
     mobilized = 1.0 - (1.0 - memory.mobilized) * math.exp(-per * plastic)
     scale, tangential, direction = T * mobilized / size, 0.0, NOTHING
     if tangents:
-        direction = along(NOTHING, 1.0 / size, trial)
+        direction = scaled(1.0 / size, trial)
         tangential = per * T * (1.0 - mobilized)
         forward = dot(direction, slip)
         grow = T_p * mobilized + tangential * (forward * k_p - T_p * memory.mobilized - plastic * k_p) / k
         sideways = along(slip, -forward, direction)
-        by_pressure = along(along(NOTHING, grow, direction), scale * k_p, sideways)
+        by_pressure = along(scaled(grow, direction), scale * k_p, sideways)
         by_pressure = along(by_pressure, drag_p, probe.slip_velocity)
-    return Shear(along(NOTHING, scale, trial), by_pressure, tangential, scale * k, direction, drag, mobilized)
+    return Shear(scaled(scale, trial), by_pressure, tangential, scale * k, direction, drag, mobilized)
 
 
 @inlined
@@ -113,7 +113,7 @@ def answer(
         slope * factor,
         pressure * damping if factor > 0.0 else 0.0,
         shear.shear,
-        along(NOTHING, slope, shear.by_pressure),
+        scaled(slope, shear.by_pressure),
         shear.along,
         shear.across,
         shear.direction,
