@@ -7,7 +7,6 @@ import numpy as np
 from exudyn_crawler.ground.cells.kernel import (
     AREA,
     BEFORE,
-    GROUND,
     NORMAL,
     ShoePoints,
     frame_at,
@@ -107,7 +106,7 @@ def _cover_column(
     index: IntArray,
     count: int,
 ) -> int:
-    """Add the points of a shoe in column c of its sums from the cell `first` on; their number as of `cover`."""
+    """Add the points of a shoe in column c of sums from the cell `first` on; their number as of `cover`."""
     i, h, below, moment = first[0] + c, tiles.cell, 0.0, 0.0
     column = (i >> BITS) - tiles.corner[0]
     for k in range(sums.shape[1]):
