@@ -12,6 +12,7 @@ import time as clock
 from collections.abc import Iterator
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -22,6 +23,7 @@ from exudyn_crawler import Case, FlexibleShoes, LoadCycle, Terrain
 from exudyn_crawler.model.formulation import track_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.simulation import set_times, solver_settings
+from exudyn_crawler.views.style import STYLE, save_figure
 from exudyn_crawler.views.tables import print_table
 
 RUNS = 3
@@ -122,15 +124,16 @@ def growths() -> Iterator[dict[str, object]]:
 def figure(table: pd.DataFrame) -> Figure:
     """Milliseconds a step over each number, both formulations."""
     names = list(dict.fromkeys(table["what"]))
-    drawn = Figure(figsize=(11.0, 2.8), layout="constrained")
-    for axes, name in zip(drawn.subplots(1, len(names)), names, strict=True):
-        rows = table[table["what"] == name]
-        for formulation, marker in (("compiled", "o"), ("engine", "s")):
-            axes.plot(rows["number"], rows[f"{formulation}, ms a step"], marker=marker, label=formulation)
-        axes.set(xlabel=name, yscale="log")
-        axes.grid(alpha=0.3, which="both")
-    drawn.axes[0].set_ylabel("processor ms a step")
-    drawn.axes[0].legend(loc="center right")
+    with mpl.rc_context(STYLE):
+        drawn = Figure(figsize=(11.0, 2.8))
+        for axes, name in zip(drawn.subplots(1, len(names), sharey=True), names, strict=True):
+            rows = table[table["what"] == name]
+            for formulation, marker in (("compiled", "o"), ("engine", "s")):
+                axes.plot(rows["number"], rows[f"{formulation}, ms a step"], marker=marker, label=formulation)
+            axes.set(xlabel=name, yscale="log")
+        drawn.axes[0].yaxis.set_major_formatter("{x:g}")
+        drawn.axes[0].set_ylabel("processor ms a step")
+        drawn.axes[0].legend(loc="upper left")
     return drawn
 
 
@@ -141,7 +144,7 @@ def main(folder: Path | None = None) -> None:
     print(f"greatest memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.2f} GB")
     if folder is not None:
         table.to_csv(folder / "growth.csv", index=False, float_format="%.4g")
-        figure(table).savefig(folder / "growth.png", dpi=110)
+        save_figure(figure(table), folder / "growth.png", overwrite=True)
 
 
 if __name__ == "__main__":

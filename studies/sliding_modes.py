@@ -29,7 +29,7 @@ COORDINATES = ["x", "y", "z", "roll", "pitch", "yaw"]
 
 SWING = 0.1
 """m, greatest motion drawn."""
-PHASES = {"0": 1.0 + 0.0j, "a quarter period later": 1.0j}
+PHASES = {"at an instant": 1.0 + 0.0j, "a quarter period later": 1.0j}
 """Instants drawn of a swing, as factors of its shape; it does not grow between them in the figure."""
 
 

@@ -3,6 +3,7 @@
 import ast
 import os
 import re
+import shlex
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,6 +11,7 @@ from urllib.parse import unquote, urlsplit
 
 import matplotlib
 import pytest
+import typer
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
 from sybil import Document, Example
@@ -17,7 +19,7 @@ from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser, SkipP
 
 import exudyn_crawler
 from docs import conf
-from exudyn_crawler import Terrain
+from exudyn_crawler import Terrain, cli
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
@@ -84,6 +86,24 @@ def test_every_block_is_of_a_language_that_is_known_here(page):
     for fence in fences:
         if fence.info == "python" and not fence.content.startswith(">>>"):
             compile(fence.content, f"{page}:{fence.map[0] + 1}", "exec")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES)
+def test_commands_in_blocks_and_text_have_their_options(page):
+    """All commands of the program and of make are known, with the options and values that they are given."""
+    text = page.read_text(encoding="utf-8")
+    blocks = "".join(
+        token.content for token in tokens_of(page) if token.type == "fence" and token.info == "sh"
+    )
+    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    assert set(re.findall(r"^make ([a-z-]+)", blocks, re.MULTILINE)) <= targets
+    known, inline = typer.main.get_command(cli.app), re.findall(r"`exudyn-crawler ([a-z][^`]+)`", text)
+    for line in re.findall(r"^exudyn-crawler ([^#\n]+)", blocks, re.MULTILINE) + inline:
+        name, *words = shlex.split(line)
+        command = known.get_command(typer.Context(known), name)
+        assert command is not None, name
+        if words and not {"--help", "..."} & set(words):
+            command.make_context(name, ["1" if word in ("SHOE", "X", "Y", "Z") else word for word in words])
 
 
 def public_names_by_module(nodes):

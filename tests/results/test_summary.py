@@ -25,6 +25,9 @@ def test_they_are_those_of_the_history(translation):
         float(np.linalg.norm(translation.position.values[-1, -1] - translation.position.values[0, -1]))
     )
     assert "highest von Mises stress" not in found.index
+    # units that roll push shoes aside, which friction holds only once they slip
+    carried = 13 * translation.case.mean_load
+    assert 1e3 * found.loc["out of balance at the start", "value"] < 2e-4 * carried
 
 
 def test_the_highest_stress_comes_first(flexible_run):
@@ -48,6 +51,12 @@ def test_a_rolled_track_is_asked_for_rollers_and_pull(rolled):
     assert found.loc["way", "of"] == "side frame"
     moved = rolled.side_frame_position.values[[0, -1]]
     assert found.loc["way", "value"] == pytest.approx(np.linalg.norm(moved[1] - moved[0]))
+    start, case = found.loc["out of balance at the start"], rolled.case
+    shoes = case.shoe.mass * np.linalg.norm(rolled.acceleration.values[0], axis=-1)
+    frame = case.undercarriage.mass * np.linalg.norm(rolled.side_frame_acceleration.values[0])
+    greatest = {f"shoe {shoes.argmax() + 1}": shoes.max(), "side frame": frame}
+    assert start["of"] == max(greatest, key=greatest.get)
+    assert 1e3 * start["value"] == pytest.approx(max(greatest.values()))
 
 
 def shaken(history, forces):

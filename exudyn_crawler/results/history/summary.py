@@ -18,7 +18,7 @@ KEY_UNITS = READ_IN | {"m": ("mm", 1e3)}
 
 
 def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFrame:
-    """Greatest stress, forces, sinkage and speed of a run, and how far it went.
+    """Greatest stress, forces, sinkage and speed of a run, how far it went and how far from rest it began.
 
     Columns result, value, unit, of (shoe, link or roller, if it is of one) and at (s). Vectors count by their
     length, forces by their magnitude.
@@ -37,7 +37,21 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     way = history.side_frame_way if rolled else history.displacement.isel(shoe=-1)
     of, value = "side frame" if rolled else f"shoe {int(history.shoe[-1])}", float(_size(way.isel(time=-1)))
     rows.append({"result": "way", "value": value, "of": of, "at": history.duration, "unit": "m"})
+    of, force = unbalanced(history)
+    start = {"at": float(history.time[0]), "unit": "kN"}
+    rows.append({"result": "out of balance at the start", "value": 1e-3 * force, "of": of, **start})
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
+
+
+def unbalanced(history: History) -> tuple[str, float]:
+    """Shoe or side frame farthest from rest as a run starts, and its mass times its acceleration then, N."""
+    case, start = history.case, history.dataset.isel(time=0)
+    shoes = case.shoe.mass * _size(start.acceleration).values
+    forces = {f"shoe {shoe}": float(force) for shoe, force in zip(history.shoe.values, shoes, strict=True)}
+    if case.frame_parts:
+        mass = sum(part.mass for part in case.frame_parts)
+        forces["side frame"] = mass * float(_size(start.side_frame_acceleration))
+    return max(forces.items(), key=lambda one: one[1])
 
 
 def _size(values: xr.DataArray) -> xr.DataArray:
