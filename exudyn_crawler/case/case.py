@@ -165,13 +165,6 @@ class Case(Parameters):
             yield "closed_track.support must be 'ground' with a car_body, which stands on both tracks"
         if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
             yield "loads must be zero on every shoe with a closed_track, whose rollers carry the machine"
-        if self.flexible is not None and self.car_body is not None:
-            yield "flexible must be None with a car_body: shoes of one track alone (base 'closed') bend"
-        if self.flexible is not None and closed.tumbler.lugs:
-            yield (
-                "closed_track.tumbler.lugs must be empty with flexible shoes, which take the teeth at their "
-                f"rear pins, got {closed.tumbler.lugs}"
-            )
         yield from closed_errors(closed, self.shoe, self.loop)
 
     def _sphere_errors(self, radius: float) -> Errors:
@@ -194,9 +187,7 @@ class Case(Parameters):
     @property
     def assembled(self) -> Assembled:
         """Where a closed track starts; raises `ValueError` if the track is open."""
-        if self.closed_track is None:
-            raise ValueError(f"closed_track must be given, got a case of an open track, {self.name!r}")
-        return assembled(self.closed_track, self.shoe, self.loop)
+        return assembled(self.closed_gear(), self.shoe, self.loop)
 
     @property
     def tracks(self) -> int:
@@ -216,7 +207,9 @@ class Case(Parameters):
     def of_track(self, side: str) -> "Case":
         """One of two closed tracks, "right" or "left", with its own side frame and without a turn."""
         apart = self.track_middles[SIDES.index(side)] - self.track_middles[0]
-        track, count = self.track, self.loop.shoe_count
+        track, count, first = self.track, self.loop.shoe_count, SIDES.index(side) * self.loop.shoe_count
+        bent = [] if self.flexible is None else [number - first for number in self.flexible.shoes]
+        bent = [number for number in bent if 0 < number <= count]
         return self.with_(
             name=f"{self.name}, {side} track",
             track=track.with_(
@@ -229,6 +222,7 @@ class Case(Parameters):
             drive=self.drive.with_(turn_rate=None),
             machine=None,
             car_body=None,
+            flexible=self.flexible.with_(shoes=bent) if self.flexible and bent else None,
         )
 
     @property
@@ -268,8 +262,7 @@ class Case(Parameters):
     @property
     def idler_reference(self) -> np.ndarray:
         """Centres of the idlers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
-        assert self.closed_track is not None
-        (x, z), start = self.closed_track.idler.place, self.assembled
+        (x, z), start = self.closed_gear().idler.place, self.assembled
         center = start.frame + np.array([x + start.take_up, 0.0, z])
         return self._beside(np.array([[*center, 0.0, 0.0, 0.0]]))
 
@@ -336,6 +329,12 @@ class Case(Parameters):
         if not isinstance(found := getattr(self, part), kind):
             raise ValueError(f"{part}.model must be {tag_of(kind)!r}, got {found.model!r}")
         return found
+
+    def closed_gear(self) -> ClosedTrack:
+        """Closed track of the case; raises `ValueError` if the track is open."""
+        if self.closed_track is None:
+            raise ValueError(f"closed_track must be given, got a case of an open track, {self.name!r}")
+        return self.closed_track
 
     def unit_terrain(self) -> Terrain:
         """Terrain of units of the case; this and those below raise `ValueError` if it is another."""

@@ -245,6 +245,9 @@ IDLER: Mapping[str, Any] = {
     "range": (-0.4, 0.4),  # m. Open
 }
 """Front idler on shims."""
+SLIDE_FRICTION = 0.42
+"""Hard steel sliding dry on hard steel (Marks' Standard Handbook for Mechanical Engineers, table of friction;
+greasy 0.03 to 0.12). Open for rails of a shovel, and so is where slides are."""
 _CARRIER_RADIUS = 0.25
 CLOSED_TRACK: Mapping[str, Any] = {
     "mass": 0.5 * MACHINE_MASS - CLOSED_SHOES * SHOE["mass"] - _TUMBLER_MASS,  # kg

@@ -141,9 +141,9 @@ class _Builder:
             second[own] = second_moment(tumbler.mass, inertia_tensor(tumbler.inertia), none)
             reference[own] = case.tumbler_reference
             if self.tensioner is not None:
-                own, disc = self.idlers, self.tensioner.mass * self.closed.idler.radius**2
+                own, inertia = self.idlers, self.tensioner.inertia_tensor(self.closed.idler.radius)
                 mass[own], first[own] = self.tensioner.mass, none
-                second[own] = second_moment(self.tensioner.mass, disc * np.diag([0.25, 0.5, 0.25]), none)
+                second[own] = second_moment(self.tensioner.mass, inertia, none)
                 reference[own] = case.idler_reference
         modal = np.full(self.count, -1)
         chosen = np.flatnonzero(self.flexible)
@@ -152,15 +152,16 @@ class _Builder:
         coordinate = np.concatenate((6 * np.arange(n), others))
         return Bodies(coordinate, modal, reference, mass, first, second), modes
 
-    def _pin(self, shoe: int, name: str) -> int:
-        """Marker of a joint centre of a shoe."""
+    def _pin(self, shoe: int, name: str, place: np.ndarray | None = None) -> int:
+        """Marker of a joint centre of a shoe, or of a place (3,), m, that goes with its bore."""
+        at = self._worn(name) if place is None else place
         if self.floating is None or not self.flexible[shoe]:
-            return self.markers.add(shoe, self._worn(name))
+            return self.markers.add(shoe, at)
         joint = self.floating.joints.index(name)
         moved, turned = self.floating.reduced.pilots[joint, :3], self.floating.reduced.pilots[joint, 3:]
-        worn = self._worn(name) - self.case.track.joint_centers[name]
-        center = self.floating.reduced.interfaces[joint].center + worn
-        return self.markers.add(shoe, center, moved + np.cross(turned.T, worn).T, turned)
+        arm = at - self.case.track.joint_centers[name]
+        center = self.floating.reduced.interfaces[joint].center + arm
+        return self.markers.add(shoe, center, moved + np.cross(turned.T, arm).T, turned)
 
     def _worn(self, name: str) -> np.ndarray:
         """Joint centre of a shoe, or the middle of two; the pins of a worn chain are farther apart."""
@@ -293,20 +294,13 @@ class _Builder:
         closed, track = self.closed, self.case.track
         if closed is None:
             return None
-        tumbler, markers, sides = closed.tumbler, [], []
-        for shoe in range(self.shoes):
-            for end in SIDES:
-                center = track.joint_centers[f"rear {end}"]
-                if tumbler.lugs:
-                    markers += [self.markers.add(shoe, (x, center[1], z)) for x, z in tumbler.lugs]
-                else:
-                    markers.append(self._pin(shoe, f"rear {end}"))
-                sides += [center[1]] * max(1, len(tumbler.lugs))
+        tumbler, lugs = closed.tumbler, closed.lugs(track)
+        markers = [self._pin(shoe, *lug) for shoe in range(self.shoes) for lug in lugs]
         half = 0.5  # of the guide at each gear plane
         return Teeth(
             markers=np.array(markers),
             tumblers=np.repeat(self.tumblers, len(markers) // len(self.tumblers)),
-            side=np.array(sides),
+            side=np.tile([place[1] for _, place in lugs], self.shoes),
             profile=tumbler.profile(track),
             law=(tumbler.stiffness, tumbler.exponent, tumbler.damping, tumbler.damping_depth),
             flange=(closed.guide_play, half * closed.guide_stiffness, half * closed.guide_damping),

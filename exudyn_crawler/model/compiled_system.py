@@ -121,6 +121,7 @@ class CompiledSystem(TrackSystem):
         self._loads = plain(profiles_of([case.loads.profile(number) for number in case.track.shoes]))
         turn = case.drive.turn_rate or StepProfile.constant(0.0)
         self._speeds = plain(profiles_of([case.drive.speed, turn, case.loads.side_shift]))
+        self._resistances = np.zeros(1) if case.running_gear is None else case.running_gear.resistances
         self._gravity, self._down = tuple(case.gravity_vector().tolist()), case.terrain.down
         self._limits = (0.0, 0)
         self._singular = False
@@ -464,7 +465,7 @@ class CompiledSystem(TrackSystem):
         of_tracks = speeds[0] - speeds[1] * self.case.track_middles
         if gear is not None:
             loads[len(shoes)] = machine
-            drag = gear.rolling_resistance * of_tracks / np.hypot(of_tracks, gear.resistance_speed)
+            drag = np.outer(of_tracks / np.hypot(of_tracks, gear.resistance_speed), self._resistances).ravel()
         if frame is not None:
             loads[len(shoes) + 1 :, 0] = -frame.end_tension, frame.end_tension
         turning = self._driven and self.case.drive.turn_rate is not None
@@ -473,8 +474,6 @@ class CompiledSystem(TrackSystem):
             active[:] = 0.0
             motors = np.zeros(len(self.tables.closed.motors))  # what keeps sliding idlers from spinning last
             motors[: len(of_tracks)] = of_tracks / self.case.closed_track.travel_per_angle(self.case.track)
-        if self.tables.wheels is not None:
-            drag = np.repeat(drag, len(self.tables.wheels.frames) // len(drag))
         return Inputs(self._gravity, loads, float(speeds[2]), active, speeds[:2], drag, motors)
 
     def _accelerate(self, time: float) -> None:

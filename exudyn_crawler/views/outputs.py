@@ -12,7 +12,7 @@ import xarray as xr
 
 from exudyn_crawler import files
 from exudyn_crawler.case import Case, CellTerrain, Outputs
-from exudyn_crawler.results.checks.roller_path import roller_path
+from exudyn_crawler.results.checks.roller_path import has_treads, roller_path
 from exudyn_crawler.results.history.catalogue import select
 from exudyn_crawler.results.history.ground_map import ground_map
 from exudyn_crawler.results.history.history import History
@@ -44,7 +44,7 @@ def write_tables(history: History, stresses: StressResults | None, folder: Path,
         found["highest_stresses"] = hot_spots.highest_by_phase(history, data)
         found["highest_by_region"] = hot_spots.region_table(stresses.by_region, data)
         found |= {f"hot_spots_shoe_{k}": hot_spots.hot_spot_table(one, data) for k, one in spots.items()}
-    if history.case.is_rolled and history.tread_force.any():
+    if has_treads(history) and (history.case.is_closed or history.tread_force.any()):
         found[figures.ROLLER_PATH] = roller_path(history)
     for name, table in found.items():
         tables.write_table(table, folder / f"{name}.csv", overwrite=True)

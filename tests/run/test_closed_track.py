@@ -15,7 +15,14 @@ from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.results.history.catalogue import link_name
 from exudyn_crawler.results.history.states import system_history
-from exudyn_crawler.results.loads.balance import energy_balance, shoe_actions, shoe_imbalance
+from exudyn_crawler.results.loads.balance import (
+    energy_balance,
+    frame_imbalance,
+    powers,
+    shoe_actions,
+    shoe_imbalance,
+    tumbler_imbalance,
+)
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.both import compiled_matrix, residual_of
 
@@ -202,6 +209,62 @@ def test_work_of_the_torque_is_losses_and_what_is_stored():
         assert float(balance[name][-1]) > 1e-2 * work.max(), name
     for name in ("treads", "teeth", "springs", "gravitational", "frame_gravitational"):
         assert float(abs(balance[name]).max()) > 1e-2 * work.max(), name
+
+
+def test_a_slide_carries_the_upper_run_and_rubs_on_it():
+    """Each line bears its share of the weight; tension, torque and losses have its friction."""
+    case, friction, speed = Case.closed(), 0.3, 0.3
+    top = case.closed_track.carriers[0][1] + case.closed_track.carrier_radius
+    changes = {"support": "posts", "carriers": (), "slides": ((-2.7, 2.7, top),), "slide_friction": friction}
+    case = case.with_({f"closed_track.{name}": value for name, value in changes.items()})
+    drive = Drive(speed=StepProfile(times=(0.0, 0.3), values=(0.0, speed)))
+    history = simulate(case.with_(drive=drive), 5.2, progress=False)
+    balance, closed = energy_balance(history), case.closed_track
+    assert np.abs(balance.imbalance.values).max() < 1e-3 * balance.drive.values.max()
+    # two pitches at the full speed
+    late = history.time.values >= history.time.values[-1] - 2.0 * case.track.pitch / speed
+    lines = [name.startswith("slide") for name in case.wheel_names]
+    on_slide = history.wheel_force.values[late][:, lines]
+    along, down = on_slide[..., 0], -on_slide[..., 2]
+    full = speed / np.hypot(speed, closed.resistance_speed)
+    weight = case.shoe.mass * case.gravity / case.track.pitch  # N/m
+    step = np.diff(closed.slide_lines[0][:, 0])[0]
+    assert down.mean(axis=0)[2:-2] == pytest.approx(weight * step, rel=0.03)
+    assert along.sum() == pytest.approx(friction * full * down.sum(), rel=5e-3)
+    place = (history.position.values - history.side_frame_position.values[:, None])[late]
+    tension = history.link_tension.values[late]
+    upper = place[..., 2] > top
+    ahead, behind = (
+        tension[upper & (abs(place[..., 0] - x) < 0.5 * case.track.pitch)].mean() for x in (1.8, -1.8)
+    )
+    assert ahead - behind == pytest.approx(friction * full * weight * 3.6, rel=0.05)
+    lost = powers(history).wheel_losses.values[late].mean()
+    others = closed.rolling_resistance * np.linalg.norm(
+        history.wheel_force.values[late][:, ~np.array(lines)], axis=-1
+    )
+    assert lost == pytest.approx(speed * (along.sum(axis=1).mean() + others.sum(axis=1).mean()), rel=0.02)
+
+
+@pytest.mark.parametrize("tensioner", [False, True], ids=["shims", "spring"])
+def test_all_that_acts_on_frame_and_tumbler_is_the_rate_of_their_momentum(tensioner):
+    """And the work of the torque, where a spring and a damper push the idler."""
+    case = Case.closed()
+    if tensioner:
+        push = 1.3e6 + 2e8 * case.assembled.take_up
+        spring = Tensioner(mass=8e3, stiffness=2e8, preload=push, damping=1e6)
+        case = case.with_({"closed_track.idler.tensioner": spring})
+    drive = Drive(speed=StepProfile(times=(0.0, 0.3), values=(0.0, 0.3)))
+    history = simulate(case.with_(drive=drive), 0.6, progress=False)
+    late = history.time.values > 0.01
+    left, weight = frame_imbalance(history), case.closed_track.mass * case.gravity
+    for name, values in left.items():
+        assert np.abs(values.values[late]).max() < 1e-3 * weight, name
+    torque = history.drive_moment.values
+    assert np.abs(tumbler_imbalance(history)[0, late]).max() < 1e-3 * torque.max()
+    balance = energy_balance(history)
+    assert np.abs(balance.imbalance.values).max() < 1e-3 * balance.drive.values.max()
+    if tensioner:
+        assert abs(balance.tensioners.values).max() > 1e-2 * balance.drive.values.max()
 
 
 def test_drive_with_a_limited_torque_keeps_to_it():

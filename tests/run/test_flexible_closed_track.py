@@ -13,18 +13,19 @@ from exudyn_crawler import (
     simulate,
 )
 from exudyn_crawler.case import Drive
-from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.flexible_shoes import whole_reduction
+from exudyn_crawler.results.checks.roller_path import PRESSURE, plane_modulus, roller_path
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.results.loads.actions import actions
-from exudyn_crawler.results.loads.balance import shoe_actions, shoe_imbalance
+from exudyn_crawler.results.loads.balance import energy_balance, shoe_actions, shoe_imbalance
 from exudyn_crawler.results.loads.exports import shoe_loads
 from exudyn_crawler.results.loads.load_map import coordinates, unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
+from fem.elasticity import Material
 from tests.model.both import residual_of
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
@@ -128,6 +129,40 @@ def test_life_counts_cycles_of_the_loop_with_their_causes(bent):
         assert sum(one.values()) == pytest.approx(1.0, abs=1e-6)
 
 
-def test_lugs_beside_the_pins_are_refused():
-    with pytest.raises(ParameterError, match="take the teeth at their rear pins"):
-        flexible_case((5,)).with_({"closed_track.tumbler.lugs": ((0.2, 0.05),)})
+def test_work_of_the_torque_goes_into_modes_too(bent):
+    balance = energy_balance(bent)
+    assert np.abs(balance.imbalance.values).max() < 1e-2 * balance.drive.values.max()
+    assert {"elastic", "modal_damping"} <= set(balance.data_vars)
+
+
+def test_lugs_beside_the_pins_load_the_bores_next_to_them():
+    """Two circles a shoe, one beside each pin: its own bores hold both, and the shoe is in balance."""
+    track = Case.closed().track
+    rear, front = (track.joint_centers[f"{end} right"] for end in ("rear", "front"))
+    lugs = tuple((float(x + beside), float(z)) for (x, _, z), beside in ((rear, 0.05), (front, -0.05)))
+    case = flexible_case((ON_TUMBLER,)).with_({"closed_track.tumbler.lugs": lugs})
+    history = simulate(case, 0.1, progress=False)
+    assert history.lug_force.sizes["lug"] == 4
+    acts, left = shoe_actions(history).force, shoe_imbalance(history).force
+    assert np.abs(left).max() < 1e-5 * np.abs(acts).max()
+    teeth = [one for one in actions(history, ON_TUMBLER) if one.kind == "tooth"]
+    assert {"rear right", "rear left"} <= {one.where for one in teeth}
+    loads = shoe_loads(history, ON_TUMBLER, 0.1)
+    assert np.abs(loads.residual).max() < 1e-5 * np.abs(loads.centers).max()
+    shares = recover_stresses(history).by_region[ON_TUMBLER].filter(like="share of ")
+    np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=1e-9)
+
+
+def test_roller_path_of_a_closed_track_is_hertz_of_its_treads(bent):
+    """Rollers and idler, each by its radius; a rigid chain has no strips."""
+    table = roller_path(bent)
+    assert {"idler"} < set(table["roller"]) and table["roller"].str.startswith("roller").any()
+    row = table.loc[table[PRESSURE].idxmax()]
+    closed = bent.case.closed_track
+    radius = closed.idler.radius if row["roller"] == "idler" else closed.roller_radius
+    steel = Material(bent.case.flexible.youngs_modulus, bent.case.flexible.poissons_ratio, 7850.0)
+    line_load = row["edge over mean"] * row["greatest force in kN"] * 1e3 / closed.tread_width
+    expected = np.sqrt(line_load * plane_modulus(steel) / (np.pi * radius))
+    assert row[PRESSURE] == pytest.approx(1e-6 * expected)
+    with pytest.raises(ValueError, match="flexible shoes"):
+        roller_path(simulate(Case.closed(), 0.004, progress=False))

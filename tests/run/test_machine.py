@@ -3,13 +3,18 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, StepProfile, simulate
+from exudyn_crawler import Case, FlexibleShoes, StepProfile, recover_stresses, simulate
 from exudyn_crawler.case import CarBody, Drive, LoadCycle
 from exudyn_crawler.case.parameters.undercarriage import Part
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.catalogue import link_name
-from exudyn_crawler.results.loads.balance import shoe_imbalance
+from exudyn_crawler.results.loads.balance import (
+    energy_balance,
+    frame_imbalance,
+    shoe_imbalance,
+    tumbler_imbalance,
+)
 from exudyn_crawler.views.figures import history_series, run_figures
 from exudyn_crawler.views.scenes.gear import gear_solids
 
@@ -57,6 +62,29 @@ def test_straight_each_of_two_tracks_is_a_single_one():
     torque = two.drive_moment.sel(track="left").values
     assert torque == pytest.approx(one.drive_moment.values, abs=1e-5 * torque.max())
     assert np.abs(two.side_frame_angles.values[:, [0, 2]]).max() < 1e-9
+
+
+def test_flexible_shoes_of_two_tracks_are_those_of_one():
+    """With their stress, of both tracks together and of one of them by itself."""
+    flexible = FlexibleShoes.ph4100c("coarse").with_(shoes=(8,), highest_frequency=1500.0)
+    places = {"track.first_com[1]": 9.3, "track.spherical_y": 9.3 - PINS, "track.parallel_y": 9.3 + PINS}
+    drive = Drive(speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.3)))
+    case = Case.closed().with_({"terrain.rows": 6, **places}, drive=drive, flexible=flexible)
+    case = case.on_cells(RockFloor.hard_floor())
+    both = twice(case).with_({"flexible.shoes": (8, 46)})
+    one, two = (simulate(each, 0.06, progress=False) for each in (case, both))
+    modes = one.modal_coordinate.values[:, 0]
+    for shoe in (8, 46):
+        found = two.modal_coordinate.sel(flexible_shoe=shoe).values
+        assert found == pytest.approx(modes, abs=1e-4 * np.abs(modes).max())
+    left, single = two.of_track("left"), recover_stresses(one).dataset.highest_von_mises
+    assert left.flexible_shoe.values.tolist() == [8]
+    whole = recover_stresses(two).dataset.highest_von_mises
+    highest = recover_stresses(left).dataset.highest_von_mises
+    np.testing.assert_allclose(highest.sel(shoe=8), whole.sel(shoe=46), rtol=1e-9)
+    for shoe in (8, 46):
+        np.testing.assert_allclose(whole.sel(shoe=shoe), single.sel(shoe=8), rtol=1e-3)
+    np.testing.assert_array_equal(left.strip_wheel, one.strip_wheel)
 
 
 @pytest.fixture(scope="module")
@@ -130,10 +158,21 @@ def test_all_forces_on_the_machine_are_the_rate_of_its_momentum(spot):
         mass += own
     weight = mass * case.gravity_vector()
     assert abs(rate - outside - weight).max() < 2e-6 * mass * case.gravity
+    # the machine with its tumblers, and these about their axles
+    for values in frame_imbalance(spot).values():
+        assert np.abs(values.values).max() < 1e-3 * mass * case.gravity
+    torque = np.abs(data.drive_moment.values).max()
+    assert np.abs(tumbler_imbalance(spot)[:, 2:-2]).max() < 1e-3 * torque
     # each shoe by itself, with the links of its own loop
     left = shoe_imbalance(spot)
     assert float(abs(left.force).max()) < 2e-6 * mass * case.gravity
     assert float(abs(left.moment).max()) < 2e-6 * mass * case.gravity
+
+
+def test_work_of_both_torques_is_losses_and_what_is_stored(spot):
+    balance = energy_balance(spot)
+    assert np.abs(balance.imbalance.values).max() < 1e-2 * balance.drive.values.max()
+    assert float(balance.friction[-1]) > 0.5 * float(balance.drive[-1])
 
 
 def test_one_track_of_a_machine_is_a_history_of_its_own(spot):

@@ -14,6 +14,8 @@ from exudyn_crawler.case.parameters.undercarriage import RunningGear, overlap_er
 
 CLEARANCE = 0.5
 """m, between the lowest shoes of a frame on posts and the ground."""
+SLIDE_MARGIN = 0.02
+"""m, by which a round line of a slide touches a rail beyond the rail's ends, at most."""
 MOST_SAG = 0.5
 """Of the upper run's length: how far it may sag."""
 Wheel = tuple[base.Place, base.Place]
@@ -93,6 +95,10 @@ class Tensioner(Parameters):
     preload: float = quantity("N", "its push on the idler without take-up", (1e3, 1e7), ge=0, le=1e10)
     damping: base.Damping = quantity("N s/m", "of the damper", (0.0, 1e7), default=0.0)
 
+    def inertia_tensor(self, radius: float) -> np.ndarray:
+        """Of the idler as a disc of this radius (m), about its centre: array (3, 3), kg m2."""
+        return self.mass * radius**2 * np.diag([0.25, 0.5, 0.25])
+
 
 class Idler(Parameters):
     """Front idler: shims hold it where the take-up puts it, or a tensioner pushes it from there."""
@@ -144,6 +150,18 @@ class ClosedTrack(RunningGear):
         "m", "x and z of carrier rollers under the upper run, rear to front; none: it hangs", default=()
     )
     carrier_radius: base.Length = quantity("m", "radius of their treads", (0.03, 1.0), default=0.25)
+    slides: tuple[base.Three, ...] = quantity(
+        "m", "x of rear and front end, z of the top of slides under the upper run, rear to front", default=()
+    )
+    slide_step: base.Length = quantity(
+        "m", "of the lines across a slide on which rails rub, so round as carriers", (0.1, 2.0), default=0.45
+    )
+    slide_friction: base.Coefficient = quantity(
+        "1",
+        "of rails on slides, 0 at rest as rolling resistance",
+        (0.05, 0.8),
+        default=ph4100c.SLIDE_FRICTION,
+    )
     guide_play: base.Extent = quantity("m", "a shoe's way to each side of a flange", (0.0, 0.1))
     guide_height: base.Depth = quantity("m", "of the flanges above a tread", (0.005, 0.3))
     guide_stiffness: base.Stiffness = quantity(
@@ -180,6 +198,9 @@ class ClosedTrack(RunningGear):
     def _errors(self) -> Errors:
         yield from overlap_errors("rollers", self.rollers, self.roller_radius)
         yield from overlap_errors("carriers", [x for x, _ in self.carriers], self.carrier_radius)
+        ends = [x for rear, front, _ in self.slides for x in (rear, front)]
+        if np.any(np.diff(ends) <= 0.0):
+            yield f"slides must have a length and stand in order, rear to front, got {list(self.slides)}"
         turn = 2.0 * math.pi / self.tumbler.teeth
         if self.fold_limit <= turn:
             yield (
@@ -194,12 +215,43 @@ class ClosedTrack(RunningGear):
         """Closed track of the P&H 4100C BOSS; `case.ph4100c` says what is open."""
         return cls(tumbler=Tumbler.ph4100c(), idler=Idler.ph4100c(), **ph4100c.CLOSED_TRACK)
 
+    @property
+    def slide_lines(self) -> list[np.ndarray]:
+        """X and z of the axes of the lines on which rails rub, of every slide: arrays (lines, 2), m."""
+        found = []
+        for rear, front, top in self.slides:
+            x = np.linspace(rear, front, 1 + max(1, math.floor((front - rear) / self.slide_step + 1e-9)))
+            found.append(np.column_stack((x, np.full(len(x), top - self.carrier_radius))))
+        return found
+
+    @property
+    def upper(self) -> np.ndarray:
+        """X and z of the axes of carriers and of the lines of slides: array (n, 2), m."""
+        return np.concatenate((np.array(self.carriers).reshape(-1, 2), *self.slide_lines))
+
+    @property
+    def resistances(self) -> np.ndarray:
+        """As of `RunningGear`."""
+        rolling = len(self.rollers) + 1 + len(self.carriers)
+        rubbing = sum(len(lines) for lines in self.slide_lines)
+        return np.repeat([self.rolling_resistance, self.slide_friction], [rolling, rubbing])
+
     def wheels(self, take_up: float) -> np.ndarray:
-        """Lower rollers, idler and carriers: array (wheels, 3) of x and z in the frame and radius, m."""
+        """Lower rollers, idler, carriers, lines of slides: x and z in the frame, radius, (wheels, 3), m."""
         x, z = self.idler.place
         rollers = [(place, 0.0, self.roller_radius) for place in self.rollers]
-        carriers = [(*place, self.carrier_radius) for place in self.carriers]
-        return np.array([*rollers, (x + take_up, z, self.idler.radius), *carriers])
+        upper = [(*place, self.carrier_radius) for place in self.upper.tolist()]
+        return np.array([*rollers, (x + take_up, z, self.idler.radius), *upper])
+
+    def lugs(self, chain: track.Track) -> list[tuple[str, np.ndarray]]:
+        """Joint centre that is next to each lug of a shoe on its side, and place (3,), m, of the lug."""
+        found, middle = [], chain.pin_ahead - 0.5 * chain.pitch
+        for side in track.SIDES:
+            rear = np.array(chain.joint_centers[f"rear {side}"])
+            worn = rear - [self.pitch_growth * chain.pitch, 0.0, 0.0]
+            places = [np.array([x, rear[1], z]) for x, z in self.tumbler.lugs] or [worn]
+            found += [(f"{'rear' if one[0] < middle else 'front'} {side}", one) for one in places]
+        return found
 
     def idler_circle(self, take_up: float, rise: float, pitch: float) -> tuple[Wheel, float]:
         """Axis of the idler in the frame, and radius of the pins about it, m: rails touch between pins."""
@@ -210,7 +262,10 @@ class ClosedTrack(RunningGear):
     def wheel_names(self) -> list[str]:
         """Names of the wheels in their order."""
         rollers = [f"roller {number}" for number in range(1, len(self.rollers) + 1)]
-        return [*rollers, "idler", *(f"carrier {number}" for number in range(1, len(self.carriers) + 1))]
+        carriers = [f"carrier {number}" for number in range(1, len(self.carriers) + 1)]
+        numbered = enumerate(self.slide_lines, start=1)
+        slides = [f"slide {n}, line {k}" for n, lines in numbered for k in range(1, len(lines) + 1)]
+        return [*rollers, "idler", *carriers, *slides]
 
     def chain_pitch(self, chain: track.Track) -> float:
         """Distance of the pins of a shoe, m."""
@@ -269,13 +324,14 @@ def _closed(
     """Take-up, sag of the upper run and chain that closes; `rise` is the rails' height above the pins, m."""
     (x, z), (ix, iz), count = closed.tumbler.place, closed.idler.place, chain.shoe_count
     rollers, carriers = closed.roller_radius + rise, closed.carrier_radius + rise
+    upper = sorted(closed.upper.tolist())
     _, on_idler = closed.idler_circle(0.0, rise, pitch)
 
     def shape(take_up: float, sag: float = 0.0) -> list[assembly.Piece]:
         wheels = [(x, z, closed.tumbler.radius(chain.pitch))]
         wheels += [(closed.rollers[k], 0.0, rollers) for k in (0, -1)]
         wheels.append((ix + take_up, iz, on_idler))
-        wheels += [(*place, carriers) for place in closed.carriers[:: -max(1, len(closed.carriers) - 1)]]
+        wheels += [(*place, carriers) for place in upper[:: -max(1, len(upper) - 1)]]
         return assembly.belt(wheels, sag)
 
     take_up = closed.idler.take_up
@@ -310,6 +366,12 @@ def closed_errors(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> 
         )
     if rails.height <= chain.pin_height:
         yield f"shoe.rails.height must be above the pins at {chain.pin_height} m, got {rails.height}"
+    x, length = np.sort(closed.upper[:, 0]), rails.front - rails.rear
+    if closed.slides and np.any(x[2:] - x[:-2] < length + SLIDE_MARGIN):
+        yield (
+            f"slide_step, slides and carriers must leave every rail, which is {length:g} m long, on two of "
+            f"their lines at once, got lines at {np.round(x, 3).tolist()}"
+        )
     yield from closed.tumbler.tooth_errors(chain)
     try:
         assembled(closed, shoe, chain)

@@ -54,6 +54,11 @@ class RunningGear(Parameters):
         points, _ = np.polynomial.legendre.leggauss(self.strips)
         return 0.5 * self.tread_width * points
 
+    @property
+    def resistances(self) -> np.ndarray:
+        """Of wheels against the travel over their normal force: array (1,), or (wheels,) where they differ."""
+        return np.array([self.rolling_resistance])
+
 
 def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Errors:
     """Wheels at places (x, m) that are nearer to each other than their diameter."""

@@ -1,4 +1,4 @@
-"""Roller path: line contact of treads on rails, of check cases and of every pass of a rolled run.
+"""Roller path: line contact of treads on rails, of check cases and of every pass of a run.
 
 Hertz gives pressure and stress below the surface, shakedown is Melan's (`fem.line_contact`). Left out are
 the hardened layer, plastic flow itself, sliding across (with a coefficient of 0.3 it lowers the limit of 4 k
@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
-from exudyn_crawler.case.case import Case
+from exudyn_crawler.case import Case, RunningGear
 from exudyn_crawler.files import blocks
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.checks.cases import CheckCase, ShoeCheck
@@ -43,7 +44,7 @@ INSTANTS = 400
 """Of a run, at most, over which the range of the structure's stress is looked for."""
 MATERIALS = (FatigueMaterial.cast_nicrmo(), FatigueMaterial.cast_manganese(), FatigueMaterial.a36())
 PASSES, PRESSURE, TYPICAL = "passes", "pressure in MPa", "median of the passes in MPa"
-MIDDLE, RAIL = "x of its middle in m", "rail"
+MIDDLE, RAIL, INTENSITY = "x of its middle in m", "rail", "line load over radius"
 
 
 def limits(material: FatigueMaterial) -> tuple[float, float]:
@@ -88,32 +89,37 @@ def _contact_columns(contact: LineContact, stress: PathStress) -> dict[str, floa
 
 
 def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIALS) -> pd.DataFrame:
-    """Line contact of all treads that passed over the shoes of a rolled run, by place on the rail.
+    """Line contact of all treads that passed over the shoes of a run, by place on the rail.
 
     A row each for the rear and the front end and for the parts between: how many treads passed (of every
     roller, rail and shoe), their greatest pressure and its median, the shear below it, and by what the
     stresses may grow until yield and until ratchetting. If treads press on flexible shoes, these alone count,
     and the stress of the structure within the surface is superposed: that of the instant, and what comes and
-    goes over the run. A ValueError if the case is not rolled, or no tread ever pressed.
+    goes over the run. In closed tracks rollers, idler and carriers are read on flexible shoes alone, whose
+    strips a history has. A ValueError without such treads, or if none ever pressed.
     """
-    case, frame = history.case, frame_of(history)
-    steel = STEEL
+    case, gear, steel = history.case, history.case.running_gear, STEEL
+    if gear is None or not has_treads(history):
+        raise ValueError(
+            f"a roller path needs an undercarriage, or flexible shoes in a closed track, {case.name!r} has none"
+        )
     if (bent := case.flexible) is not None:
         steel = replace(STEEL, youngs_modulus=bent.youngs_modulus, poissons_ratio=bent.poissons_ratio)
-    passes = _passes(history)
-    worst = passes.loc[passes.groupby("place")["line load"].idxmax()].set_index("place")
-    medians = passes.groupby("place")["line load"].median()
-    beside = _beside(history, worst)
+    passes = _passes(history, gear)
+    worst = passes.loc[passes.groupby("place")[INTENSITY].idxmax()].set_index("place")
+    medians = passes.groupby("place")[INTENSITY].median()
+    beside = _beside(history, gear, worst)
     rows = []
     for place, tread in worst.iterrows():
         contact, typical = (
-            line_contact(q, frame.radius, plane_modulus(steel)) for q in (tread["line load"], medians[place])
+            line_contact(one * tread["radius"], tread["radius"], plane_modulus(steel))
+            for one in (tread[INTENSITY], medians[place])
         )
         below = beside.get(place)
         stress = path_stress(contact, MEGA, steel.poissons_ratio, None if below is None else below.stress)
         row = _place_columns(case, place)
         row |= {PASSES: int((passes["place"] == place).sum()), "greatest force in kN": tread["force"] / KILO}
-        row |= {"edge over mean": tread["line load"] * frame.tread_width / tread["force"]}
+        row |= {"edge over mean": tread["line load"] * gear.tread_width / tread["force"]}
         row |= _contact_columns(contact, stress) | {TYPICAL: float(typical.pressure) / MEGA}
         if below is not None:
             along, across, _ = below.stress[0] / MEGA
@@ -122,7 +128,7 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
             own = stress.of_strength(one.yield_strength / MEGA)
             row |= {f"{one.name} to yield": own.to_yield, f"{one.name} to shakedown": own.to_shakedown}
             row |= {one.name: own.verdict}
-        row |= {"shoe": int(tread["shoe"]), "roller": int(tread["roller"]), "time in s": tread["time"]}
+        row |= {"shoe": int(tread["shoe"]), "roller": tread["roller"], "time in s": tread["time"]}
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -142,38 +148,76 @@ def _place_columns(case: Case, place: int) -> dict[str, object]:
     return {"place": RAIL, MIDDLE: 0.5 * (edges[place - 1] + edges[place])}
 
 
-def _passes(history: History) -> pd.DataFrame:
-    """Greatest force per width (N/m) of every shoe, roller, rail and place of a run: a row each.
+class _Treads(NamedTuple):
+    """Treads that press on a rail at an instant each, p of them."""
+
+    row: np.ndarray  # (p,): of the instant
+    shoe: np.ndarray  # (p,): from 1
+    roller: np.ndarray  # (p,): number from 1, or name of a wheel
+    rail: np.ndarray  # (p,)
+    radius: np.ndarray  # (p,), m
+    size: np.ndarray  # (p, strips): force, N
+    foot: np.ndarray  # (p, strips, 3), m, global
+
+
+def _rolled_treads(history: History, part: xr.Dataset) -> _Treads:
+    size = np.linalg.norm(part.tread_force.values, axis=-1)
+    row, roller, rail, ahead = np.nonzero(size.sum(axis=3))
+    shoe, at = part.roller_shoe.values[row, roller] + ahead, (row, roller, rail, slice(None), ahead)
+    radius = np.full(len(row), frame_of(history).radius)
+    return _Treads(row, shoe, roller + 1, rail, radius, size[at], part.tread_foot.values[at])
+
+
+def _closed_treads(history: History, part: xr.Dataset) -> _Treads:
+    """Of the flexible shoes; those of slides are left out, which do not roll."""
+    wheel, gear = part.strip_wheel.values - 1, history.case.closed_gear()
+    names = np.array(history.case.wheel_names)
+    rolling = np.char.find(names, "slide") < 0
+    size = np.linalg.norm(part.strip_force.values - part.strip_guide.values, axis=-1)
+    pressed = size.sum(axis=-1) * ((wheel >= 0) & rolling[wheel])[..., None]
+    row, shoe, slot, rail = at = np.nonzero(pressed)
+    own = wheel[row, shoe, slot]
+    radii = np.tile(gear.wheels(0.0)[:, 2], history.case.tracks)
+    number = part.flexible_shoe.values[shoe]
+    return _Treads(row, number, names[own], rail, radii[own], size[at], part.strip_foot.values[at])
+
+
+def has_treads(history: History) -> bool:
+    """Whether a history has the strips of treads: of a rolled track, or of flexible shoes in a closed one."""
+    return "tread_force" in history.dataset or "strip_force" in history.dataset
+
+
+def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
+    """Greatest force per width and radius (N/m2) of every shoe, roller, rail and place of a run: a row each.
 
     Beside it when (s and row), where on the rail (m), the tread's force (N) and to which side it leans.
     """
-    frame, edges = frame_of(history), _places(history.case)
-    names = ["tread_force", "tread_foot", "roller_shoe", "position", "angles"]
+    edges = _places(history.case)
+    treads_of, kind = (_closed_treads, "strip") if history.case.is_closed else (_rolled_treads, "tread")
+    names = [f"{kind}_force", f"{kind}_foot", "position", "angles"]
+    names += ["strip_guide", "strip_wheel"] if history.case.is_closed else ["roller_shoe"]
     keys, found, done = ["shoe", "roller", "rail", "place"], [], 0
     for part in blocks(history.dataset[names]):
-        size = np.linalg.norm(part.tread_force.values, axis=-1)
-        force = size.sum(axis=3)
-        row, roller, rail, ahead = np.nonzero(force)
-        shoe = part.roller_shoe.values[row, roller] - 1 + ahead
-        at = (row, roller, rail, slice(None), ahead)
-        total, moment = force[row, roller, rail, ahead], size[at] @ frame.strip_places
-        foot = np.einsum("ps,psi->pi", size[at], part.tread_foot.values[at]) / total[:, None]
-        axes = rotation_matrices(part.angles.values)[row, shoe, :, 0]
-        x = np.einsum("pi,pi->p", foot - part.position.values[row, shoe], axes)
+        one = treads_of(history, part)
+        total, moment = one.size.sum(axis=1), one.size @ gear.strip_places
+        foot = np.einsum("ps,psi->pi", one.size, one.foot) / total[:, None]
+        axes = rotation_matrices(part.angles.values)[one.row, one.shoe - 1, :, 0]
+        x = np.einsum("pi,pi->p", foot - part.position.values[one.row, one.shoe - 1], axes)
         place = np.searchsorted(edges[1:-1], x) + 1
         place[x <= edges[0] + AT_END], place[x >= edges[-1] - AT_END] = 0, len(edges)
-        line_load = greatest_line_load(total, moment, frame.tread_width)
-        columns = {"shoe": shoe + 1, "roller": roller + 1, "rail": rail, "place": place, "x": x}
-        columns |= {"row": done + row, "time": part.time.values[row], "force": total}
+        line_load = greatest_line_load(total, moment, gear.tread_width)
+        columns = {"shoe": one.shoe, "roller": one.roller, "rail": one.rail, "place": place, "x": x}
+        columns |= {"row": done + one.row, "time": part.time.values[one.row], "force": total}
+        columns |= {"radius": one.radius, INTENSITY: line_load / one.radius}
         table = pd.DataFrame(columns | {"leans": np.sign(moment), "line load": line_load})
-        found.append(table.loc[table.groupby(keys)["line load"].idxmax()])
+        found.append(table.loc[table.groupby(keys)[INTENSITY].idxmax()])
         done += part.sizes["time"]
     whole = pd.concat(found, ignore_index=True)
     if whole.empty:
         raise ValueError("a tread must press on a shoe at a stored instant, none does")
     bent = whole["shoe"].isin(() if history.case.flexible is None else history.case.flexible.shoes)
     whole = whole[bent] if bent.any() else whole
-    return whole.loc[whole.groupby(keys)["line load"].idxmax()].reset_index(drop=True)
+    return whole.loc[whole.groupby(keys)[INTENSITY].idxmax()].reset_index(drop=True)
 
 
 class Beside(NamedTuple):
@@ -183,7 +227,7 @@ class Beside(NamedTuple):
     stress: np.ndarray
 
 
-def _beside(history: History, worst: pd.DataFrame) -> Mapping[int, Beside]:
+def _beside(history: History, gear: RunningGear, worst: pd.DataFrame) -> Mapping[int, Beside]:
     """Stress of the structure by place, at the surface's node nearest to the tread's more loaded edge."""
     case = history.case
     if case.flexible is None or not set(worst["shoe"]) <= set(case.flexible.shoes):
@@ -195,7 +239,7 @@ def _beside(history: History, worst: pd.DataFrame) -> Mapping[int, Beside]:
     sides = rail_nodes(mesh)
     for place, tread in worst.iterrows():
         nodes = sides[int(tread["rail"])]
-        y = mesh.nodes[nodes, 1].mean() + 0.5 * tread["leans"] * frame_of(history).tread_width
+        y = mesh.nodes[nodes, 1].mean() + 0.5 * tread["leans"] * gear.tread_width
         node = nodes[np.hypot(*(mesh.nodes[nodes, :2] - (tread["x"], y)).T).argmin()]
         stress = basis.coordinates[int(tread["shoe"])] @ basis.shapes.stress_modes[node][[0, 1, 3]].T
         here = stress[np.searchsorted(rows, tread["row"])]

@@ -133,6 +133,11 @@ class History:
         if "contact" in own.dims:
             own = own.isel(contact=np.isin(own.contact_shoe, own.shoe))
             own = own.assign_coords(contact_shoe=own.contact_shoe - mine.start)
+        if "flexible_shoe" in own.dims:
+            own = own.isel(flexible_shoe=np.isin(own.flexible_shoe, own.shoe))
+            own = own.assign_coords(flexible_shoe=own.flexible_shoe - mine.start)
+            number_of = own.strip_wheel - number * len(wheels)
+            own = own.assign(strip_wheel=number_of.where(own.strip_wheel > 0, 0).astype(int))
         joint = ("joint", case.joints, {"long_name": catalogue.CLOSED_LINKS})
         own = own.drop_vars(["shoe_track", "joint_track"]).assign_coords(
             shoe=case.track.shoes, joint=joint, wheel=wheels

@@ -148,7 +148,7 @@ def tension_along_chain(history: History) -> xr.Dataset:
         np.hypot(x - at[0], z - at[1]) < radius + 0.1 * track.pitch
         for at, radius in (
             (closed.tumbler.place, closed.tumbler.radius(track.pitch)),
-            closed.idler_circle(case.assembled.take_up, rise, closed.chain_pitch(track)),
+            closed.idler_circle(float(start.take_up), rise, closed.chain_pitch(track)),
         )
     )
     part = np.where(z > closed.tumbler.place[1], "upper run", "lower run")

@@ -73,8 +73,8 @@ class Action:
 
     Kinds on shoes are "joint", "weight", "load", "contact" and "drive", under a side frame also "roller" and
     "chain" (pull of the drive, tension of the ends), in a closed track "wheel" and "tooth", each with its
-    flanges, on its flexible shoes "roller", "idler", "carrier" and "tooth" without, and "guide" of all
-    flanges; on the frame "weight", "machine", "roller" and "pull".
+    flanges, on its flexible shoes "roller", "idler", "carrier", "slide" and "tooth" without, and "guide" of
+    all flanges; on the frame "weight", "machine", "roller" and "pull".
     """
 
     kind: str
@@ -262,22 +262,22 @@ def _strips(history: History, shoe: int, position: np.ndarray, frames: np.ndarra
             entry, where = OnRail(rail * strips + strip, x, wheel), f"{name} {SIDES[rail]}"
             if pressed.any():
                 # with two tracks wheels are "right idler" and so on
-                kind = next(kind for kind in ("roller", "idler", "carrier") if kind in name)
+                kind = next(kind for kind in ("roller", "idler", "carrier", "slide") if kind in name)
                 yield Action(kind, shoe, where, point, pressed, zero, entry)
             if sideways.any():
                 yield Action("guide", shoe, f"flange of {where}", point, sideways, zero, entry)
 
 
 def _lugs(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Teeth of the tumbler on the lugs of a flexible shoe, about its rear pins, and their flange."""
-    on_shoe = history.dataset.sel(flexible_shoe=shoe)
+    """Teeth on the lugs of a flexible shoe, which the bores next to them hold, and their flange."""
+    on_shoe, track = history.dataset.sel(flexible_shoe=shoe), history.case.track
     guide = on_shoe.lug_guide.values
     for kind, forces in (("tooth", on_shoe.lug_force.values - guide), ("guide", guide)):
-        for side, name in enumerate(SIDES):
-            force, where = forces[:, side], f"rear {name}"
+        for lug, (where, place) in enumerate(history.case.closed_gear().lugs(track)):
+            force, center = forces[:, lug], np.array(track.joint_centers[where])
             if force.any():
-                point = position + frames @ np.array(history.case.track.joint_centers[where])
-                moment = _by_wear(history.case, where, frames, force)
+                moment = np.cross(frames @ (place - center), force)
+                point = position + frames @ center
                 yield Action(kind, shoe, where, point, force, moment, AtInterface(where))
 
 
@@ -345,17 +345,50 @@ def frame_of(history: History) -> Undercarriage:
 
 
 def frame_actions(history: History) -> Iterator[Action]:
-    """All that acts on the side frame of a history that has one, but for what holds its y and its yaw."""
-    case, frame = history.case, frame_of(history)
-    origin = history.side_frame_position.values
+    """All that acts on a history's side frame, but for what holds its y and its yaw; ValueError without one.
+
+    In closed tracks on the frame, or the machine, with its tumblers and with idlers that slide.
+    """
+    case, gear = history.case, history.case.running_gear
+    if gear is None or (case.closed_track is not None and case.closed_track.support == "posts"):
+        raise ValueError(f"{case.name!r} must have a side frame that no posts hold")
+    origin, turn = history.side_frame_position.values, rotation_matrices(history.side_frame_angles.values)
     zero = np.zeros_like(origin)
-    center = origin + rotation_matrices(history.side_frame_angles.values) @ np.array(frame.com)
-    weight = zero + frame.mass * case.gravity_vector()
-    yield Action("weight", 0, "COM", center, weight, zero)
+    places = [(part.mass, part.com) for part in case.frame_parts]
+    if case.closed_track is not None:
+        places += [
+            (case.closed_track.tumbler.mass, one - case.frame_start) for one in case.tumbler_reference[:, :3]
+        ]
+    for mass, place in places:
+        yield Action("weight", 0, "COM", origin + turn @ place, zero + mass * case.gravity_vector(), zero)
     yield Action("machine", 0, "origin", origin, *case.machine_wrench(history.time.values))
+    if case.closed_track is not None:
+        yield from _of_gear(history)
+        return
+    frame = frame_of(history)
     pulls, pins = drive_pulls(history, frame), middle_pins(history, "front")
     for shoe in case.track.shoes.tolist():
         for one in _rollers(history, shoe, *shoe_frames(history, shoe)):
             yield replace(one, shoe=0, force=-one.force)
         pull = pulls[:, shoe - 1, None] * np.array((1.0, 0.0, 0.0))
         yield Action("pull", 0, f"pins of shoe {shoe}", pins[:, shoe - 1], pull, zero)
+
+
+def _of_gear(history: History) -> Iterator[Action]:
+    """What shoes of closed tracks do to wheels and tumblers, and the weight of idlers that slide."""
+    case, tensioner = history.case, history.case.closed_gear().idler.tensioner
+    for shoe in case.track.shoes.tolist():
+        for one in _wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
+            yield replace(one, shoe=0, force=-one.force, moment=-one.moment)
+    if tensioner is not None:
+        for place in idler_places(history):
+            zero = np.zeros_like(place)
+            yield Action("weight", 0, "idler", place, zero + tensioner.mass * case.gravity_vector(), zero)
+
+
+def idler_places(history: History) -> np.ndarray:
+    """Centres of the idlers of closed tracks: array (tracks, times, 3), m, global."""
+    case, origin = history.case, history.side_frame_position.values
+    arm = np.tile(case.idler_reference[:, None, :3] - case.frame_start, (1, len(origin), 1))
+    arm[..., 0] += history.take_up.values.reshape(len(origin), -1).T - case.assembled.take_up
+    return origin + np.einsum("tij,ktj->kti", rotation_matrices(history.side_frame_angles.values), arm)

@@ -5,6 +5,7 @@ All vectors are global, all units SI.
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from copy import copy
 
 import numpy as np
 import xarray as xr
@@ -15,10 +16,12 @@ from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions as acting
+from exudyn_crawler.results.loads.load_map import loads_by_kind, unit_loads
 
 KINDS = ("weight", "load", "contact", "drive", "joint")
 ROLLED_KINDS = (*KINDS, "roller", "chain")
-CLOSED_KINDS = ("weight", "load", "contact", "joint", "wheel", "tooth", "roller", "idler", "carrier", "guide")
+ON_FLEXIBLE = ("roller", "idler", "carrier", "slide", "guide")
+CLOSED_KINDS = ("weight", "load", "contact", "joint", "wheel", "tooth", *ON_FLEXIBLE)
 """Kinds of actions on shoes, in the order in which they are added; under a side frame; in a closed track."""
 
 
@@ -77,8 +80,75 @@ def _shoes(history: History) -> _Motion:
     return _Motion(history, "", mass, center, case.shoe.inertia_tensor)
 
 
-def _side_frame(history: History, frame: Undercarriage) -> _Motion:
-    return _Motion(history, "side_frame_", frame.mass, frame.com, frame.inertia_tensor)
+def _side_frame(history: History) -> _Motion:
+    """Motion of the side frame, or of the machine on two tracks."""
+    parts = history.case.frame_parts
+    mass = sum(part.mass for part in parts)
+    center = sum(part.mass * part.com for part in parts) / mass
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        arm = part.com - center
+        inertia += part.inertia + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return _Motion(history, "side_frame_", mass, center, inertia)
+
+
+def _of_tracks(history: History, name: str) -> np.ndarray:
+    """A quantity of tumblers or idlers: array (tracks, times, ...)."""
+    one = history.dataset[name]
+    return (one if "track" in one.dims else one.expand_dims("track")).transpose("track", "time", ...).values
+
+
+def _rigidly(frame: _Motion, place: np.ndarray, mass: float, inertia: np.ndarray) -> _Motion:
+    """Motion of a body that goes with a frame and has its COM at a place (times, 3), m."""
+    body, arm = copy(frame), place - frame.origin
+    body.velocity = frame.velocity_at(place)
+    swung = np.cross(frame.alpha, arm) + np.cross(frame.omega, np.cross(frame.omega, arm))
+    body.acceleration = frame.acceleration + swung
+    body.origin, body.center = place, np.zeros_like(place)
+    body.mass, body.inertia = np.asarray(mass), inertia
+    return body
+
+
+def _tumblers(history: History, frame: _Motion) -> list[_Motion]:
+    """Motions of the tumblers of closed tracks, which turn in the side frame."""
+    tumbler, time, found = history.case.closed_gear().tumbler, history.time.values, []
+    names = ("tumbler_position", "tumbler_angle", "tumbler_speed")
+    for place, angle, speed in zip(*(_of_tracks(history, name) for name in names), strict=True):
+        body = _rigidly(frame, place, tumbler.mass, inertia_tensor(tumbler.inertia))
+        axle, spin = frame.axes[..., 1], speed[:, None]
+        body.omega = frame.omega + spin * axle
+        body.alpha = frame.alpha + _rate(spin, time) * axle + spin * np.cross(frame.omega, axle)
+        turned = (history.case.assembled.tumbler[4] + angle)[:, None] * np.eye(3)[1]
+        body.axes = frame.axes @ rotation_matrices(turned)
+        found.append(body)
+    return found
+
+
+def _idlers(history: History, frame: _Motion) -> list[_Motion]:
+    """Motions of the idlers of closed tracks that tensioners push along the side frame."""
+    closed, time, found = history.case.closed_track, history.time.values, []
+    if closed is None or (tensioner := closed.idler.tensioner) is None:
+        return []
+    ahead = frame.axes[..., 0]
+    for place, take_up in zip(acting.idler_places(history), _of_tracks(history, "take_up"), strict=True):
+        body = _rigidly(frame, place, tensioner.mass, tensioner.inertia_tensor(closed.idler.radius))
+        rate = _rate(take_up[:, None], time)
+        body.velocity = body.velocity + rate * ahead
+        faster = _rate(rate, time) * ahead + 2.0 * rate * np.cross(frame.omega, ahead)
+        body.acceleration = body.acceleration + faster
+        found.append(body)
+    return found
+
+
+def _rate(values: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Rate of values (times, ...) by differences; zero for a single time."""
+    return np.gradient(values, time, axis=0) if len(time) > 1 else np.zeros_like(values)
+
+
+def _gear(history: History) -> list[_Motion]:
+    """Motions of the side frame and, of closed tracks, of tumblers and of idlers that slide."""
+    frame = _side_frame(history)
+    return [frame, *(_tumblers(history, frame) if history.case.is_closed else ()), *_idlers(history, frame)]
 
 
 def shoe_actions(history: History) -> xr.Dataset:
@@ -139,15 +209,35 @@ def frame_imbalance(history: History) -> xr.Dataset:
     """Rate of the side frame's momentum less all that acts on it: zero where mechanics holds.
 
     `travel` and `heave` (N) along x and z, `roll` and `pitch` (N m) about the axes of these angles and the
-    frame's origin, each (time,); what holds y and yaw is left out. ValueError if there is no side frame.
+    frame's origin, each (time,); what holds y and yaw is left out: those of a machine on two tracks are
+    `sway` and `yaw`. In a closed track the frame is taken with its tumblers, and with idlers that slide, so
+    that what acts between them is left out. ValueError if there is no side frame, or posts hold it.
     """
-    motion = _side_frame(history, acting.frame_of(history))
-    force, moment = motion.momentum_rates()
+    case, (frame, *others) = history.case, _gear(history)
+    force, moment = frame.momentum_rates()
+    for body in others:
+        rate, spin = body.momentum_rates()
+        force, moment = force + rate, moment + spin + np.cross(body.origin - frame.origin, rate)
     for action in acting.frame_actions(history):
-        force, moment = force - action.force, moment - action.moment_about(motion.origin)
+        force, moment = force - action.force, moment - action.moment_about(frame.origin)
     angles = moments_on_angles(history.side_frame_angles.values, moment)
-    forces = _over_time(history, "N", travel=force[:, 0], heave=force[:, 2])
-    return forces.assign(_over_time(history, "N m", roll=angles[:, 0], pitch=angles[:, 1]))
+    forces = _over_time(history, "N", travel=force[:, 0], sway=force[:, 1], heave=force[:, 2])
+    turned = _over_time(history, "N m", roll=angles[:, 0], pitch=angles[:, 1], yaw=angles[:, 2])
+    found = forces.assign(turned)
+    return found if case.car_body is not None else found.drop_vars(["sway", "yaw"])
+
+
+def tumbler_imbalance(history: History) -> np.ndarray:
+    """Rate of tumblers' spin about their axles less drive and teeth: (tracks, times), N m; zero as above."""
+    data, frame, left = history.dataset, _side_frame(history), []
+    bodies, torques = _tumblers(history, frame), _of_tracks(history, "drive_moment")
+    shoes = np.split(np.arange(data.sizes["shoe"]), len(bodies))
+    for body, torque, own in zip(bodies, torques, shoes, strict=True):
+        arm = data.position.values[:, own] - body.origin[:, None]
+        moment = data.tooth_moment.values[:, own] + np.cross(arm, data.tooth_force.values[:, own])
+        spin = body.momentum_rates()[1] + moment.sum(axis=1)
+        left.append(np.sum(spin * frame.axes[..., 1], axis=-1) - torque)
+    return np.array(left)
 
 
 def energies(history: History) -> xr.Dataset:
@@ -155,10 +245,11 @@ def energies(history: History) -> xr.Dataset:
 
     Each (time,). Heights count from the origin of the COMs of shoes and from free springs of the units.
     Under a side frame also `frame_kinetic`; `frame_gravitational`, heights from z = 0; and `treads`, stored
-    in their contacts with rails. In a closed track the frame's are with those of the tumbler, and `teeth` is
-    what their contacts store. ValueError for a history with flexible shoes.
+    in their contacts with rails. In a closed track the frame's are with those of tumblers and idlers, `teeth`
+    is what their contacts store, `tensioners` the springs of idlers and `elastic` the modes of flexible
+    shoes. ValueError for an open track with flexible shoes.
     """
-    _only_rigid(history)
+    _only_known(history)
     case, terrain, frame = history.case, history.case.unit_terrain(), history.case.undercarriage
     gravity = case.gravity_vector()
     kinetic, height = (one.sum(axis=1) for one in _shoes(history).energies(gravity))
@@ -170,15 +261,27 @@ def energies(history: History) -> xr.Dataset:
     springs = 0.5 * terrain.heave_stiffness * np.sum(heave**2, axis=1)
     springs += 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
     stored = {"kinetic": kinetic, "gravitational": height, "springs": springs}
-    if case.is_closed:
-        both = [motion.energies(gravity) for motion in (_closed_frame(history), _tumbler(history))]
+    if case.running_gear is not None:
+        both = [motion.energies(gravity) for motion in _gear(history)]
         stored["frame_kinetic"], stored["frame_gravitational"] = (sum(one) for one in zip(*both, strict=True))
-        stored["treads"], stored["teeth"] = history.wheel_energy.values, history.tooth_energy.values
     if frame is not None:
-        motion = _side_frame(history, frame)
-        stored["frame_kinetic"], stored["frame_gravitational"] = motion.energies(gravity)
-        stored["treads"], _, _ = _treads(history, frame, motion, _shoes(history))
+        stored["treads"], _, _ = _treads(history, frame, _side_frame(history), _shoes(history))
+    if case.closed_track is not None:
+        stored["treads"], stored["teeth"] = history.wheel_energy.values, history.tooth_energy.values
+        if (spring := case.closed_track.idler.tensioner) is not None:
+            push = spring.preload - spring.stiffness * _of_tracks(history, "take_up")
+            stored["tensioners"] = 0.5 * np.sum(push**2, axis=0) / spring.stiffness
+    if case.flexible is not None:
+        squares = (history.modal_coordinate.values * _omega(history)) ** 2
+        stored["elastic"] = 0.5 * squares.sum(axis=(1, 2))
+        stored["kinetic"] += 0.5 * np.sum(history.modal_velocity.values**2, axis=(1, 2))
     return _over_time(history, "J", **stored)
+
+
+def _omega(history: History) -> np.ndarray:
+    """Angular frequencies of the modes of flexible shoes: array (modes,), rad/s."""
+    omega: np.ndarray = 2.0 * np.pi * history.frequency.values
+    return omega
 
 
 def powers(history: History) -> xr.Dataset:
@@ -188,11 +291,12 @@ def powers(history: History) -> xr.Dataset:
     back from it; `friction` (with the friction torque), `contact_damping` and `terrain_damping` take power.
     Under a side frame the drive pulls on frame and chain, the machine's load is that on the frame with the
     tension of the chain's ends, and `rolling_resistance` and `tread_damping` take power, too. In a closed
-    track the drive is its torque on the tumbler, and `wheel_losses` and `tooth_losses` are what these take
-    and do not store: by resistance, damping and flanges. ValueError for a history of contact by spheres, of
-    which a row does not say what each takes, or one with flexible shoes.
+    track the drive is its torque on the tumblers, and `wheel_losses` and `tooth_losses` are what these take
+    and do not store: by resistance, damping and flanges; `modal_damping` and `tensioner_damping` take power
+    where there are such. ValueError for a history of contact by spheres, of which a row does not say what
+    each takes, or one of an open track with flexible shoes.
     """
-    _only_rigid(history)
+    _only_known(history)
     case, terrain, law = history.case, history.case.unit_terrain(), history.case.contact
     if law.model != "pair":
         raise ValueError("powers need a history of contact.model 'pair', whose law they divide")
@@ -232,7 +336,7 @@ def _rolled_powers(
     history: History, frame: Undercarriage, shoes: _Motion, chain: np.ndarray
 ) -> dict[str, np.ndarray]:
     """Powers about a side frame over rigid shoes, on whose pins the chain has a power (times,)."""
-    motion = _side_frame(history, frame)
+    motion = _side_frame(history)
     on_frame = motion.powers(acting.frame_actions(history))
     last, pins = history.case.track.shoe_count, acting.middle_pins
     front = shoes.velocity_at(pins(history, "front")[:, -1], last)
@@ -242,41 +346,45 @@ def _rolled_powers(
     return supplied | {"rolling_resistance": resisted, "tread_damping": damped}
 
 
-def _closed_frame(history: History) -> _Motion:
-    """Motion of a closed track's side frame."""
-    closed = history.case.closed_track
-    assert closed is not None
-    return _Motion(history, "side_frame_", closed.mass, closed.com, closed.inertia_tensor)
-
-
-def _tumbler(history: History) -> _Motion:
-    """Motion of a closed track's tumbler, with the side frame and against it."""
-    case, data, motion = history.case, history.dataset, _closed_frame(history)
-    assert case.closed_track is not None
-    tumbler = case.closed_track.tumbler
-    motion.velocity = motion.velocity_at(data.tumbler_position.values)
-    motion.origin, motion.center = data.tumbler_position.values, np.zeros(3)
-    motion.omega = motion.omega + data.tumbler_speed.values[:, None] * motion.axes[..., 1]
-    angle = case.assembled.tumbler[4] + data.tumbler_angle.values
-    motion.axes = motion.axes @ rotation_matrices(angle[:, None] * np.eye(3)[1])
-    motion.mass, motion.inertia = np.asarray(tumbler.mass), inertia_tensor(tumbler.inertia)
-    return motion
-
-
 def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
-    """Powers about the gear of a closed track with rigid shoes."""
-    data, time = history.dataset, history.time.values
+    """Powers about the gear of closed tracks."""
+    data, time, case, frame = history.dataset, history.time.values, history.case, _side_frame(history)
+    tumblers, of_track = _tumblers(history, frame), np.arange(data.sizes["shoe"]) // case.loop.shoe_count
     taken = {}
-    for kind, gear in (("wheel", _closed_frame(history)), ("tooth", _tumbler(history))):
-        force, moment = data["wheel_load" if kind == "wheel" else "tooth_force"], data[f"{kind}_moment"]
+    for kind, stored in (("wheel", "wheel_load"), ("tooth", "tooth_force")):
+        force, moment = data[stored].values, data[f"{kind}_moment"].values
         lost = -np.gradient(data[f"{kind}_energy"].values, time)
         for shoe in range(data.sizes["shoe"]):
+            gear = frame if kind == "wheel" else tumblers[of_track[shoe]]
             slip = shoes.velocity[:, shoe] - gear.velocity_at(shoes.origin[:, shoe])
             spin = shoes.omega[:, shoe] - gear.omega
-            lost -= np.sum(force.values[:, shoe] * slip + moment.values[:, shoe] * spin, axis=-1)
+            lost -= np.sum(force[:, shoe] * slip + moment[:, shoe] * spin, axis=-1)
         taken[f"{kind}_losses"] = lost
-    drive = (data.drive_moment * data.tumbler_speed).values
-    return {"drive": drive, "machine_load": np.zeros(len(time))} | taken
+    if case.flexible is not None:
+        taken["modal_damping"] = _modal_powers(history, taken)
+    if (spring := case.closed_gear().idler.tensioner) is not None:
+        rate = np.gradient(_of_tracks(history, "take_up"), time, axis=1)
+        taken["tensioner_damping"] = spring.damping * np.sum(rate**2, axis=0)
+        idlers = [name.endswith("idler") for name in case.wheel_names]
+        pushed = np.einsum("twc,tc->wt", data.wheel_force.values[:, idlers], frame.axes[..., 0])
+        taken["wheel_losses"] -= np.sum(pushed * rate, axis=0)
+    drive = np.sum(_of_tracks(history, "drive_moment") * _of_tracks(history, "tumbler_speed"), axis=0)
+    machine = frame.powers(one for one in acting.frame_actions(history) if one.kind == "machine")
+    return {"drive": drive, "machine_load": machine["machine"]} | taken
+
+
+def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
+    """Power that damping of modes takes (times,), W; takes what bends off the losses of wheels and teeth."""
+    flexible, units = history.case.flexible_shoes(), unit_loads(history.case)
+    rates = 2.0 * flexible.damping.value(history.frequency.values) * _omega(history)
+    for shoe in flexible.shoes:
+        velocity = history.modal_velocity.sel(flexible_shoe=shoe).values
+        for kind, loads in loads_by_kind(history, shoe).items():
+            if kind in (*ON_FLEXIBLE, "tooth"):
+                name = "tooth_losses" if kind == "tooth" else "wheel_losses"
+                taken[name] -= np.sum((loads @ units.work @ units.integrated.inside) * velocity, axis=1)
+    damped: np.ndarray = np.sum(rates * history.modal_velocity.values**2, axis=(1, 2))
+    return damped
 
 
 def _treads(
@@ -320,12 +428,11 @@ def energy_balance(history: History) -> xr.Dataset:
     return balance
 
 
-def _only_rigid(history: History) -> None:
-    closed = history.case.closed_track
-    if history.case.car_body is not None or (closed is not None and closed.idler.tensioner is not None):
-        raise ValueError("the energy balance of closed tracks needs one track with its idler on shims")
-    if history.case.flexible is not None:
-        raise ValueError("the energy balance needs a history of rigid shoes: it leaves out elastic energy")
+def _only_known(history: History) -> None:
+    if history.case.flexible is not None and not history.case.is_closed:
+        raise ValueError(
+            "the energy balance of an open track needs rigid shoes: it leaves out elastic energy"
+        )
 
 
 def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:

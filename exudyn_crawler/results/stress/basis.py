@@ -36,7 +36,7 @@ MOST_FIELDS = 0.4  # greatest number of fields over that of modes
 LONG = 2**14
 """Stored times of a run whose loads and coordinates are in memory together: 33 s, stored every 2 ms."""
 LOADS = {"joint": "pins", "load": "machine load", "contact": "ground", "roller": "rollers", "chain": "drive"}
-LOADS |= {"carrier": "carriers"}
+LOADS |= {"carrier": "carriers", "slide": "slides"}
 """Words for kinds of actions; others are their own. The chain pulls for the drive and at its ends."""
 GROUND_SPACING = 0.2  # m, at most, between points of the ground's grid: a fifth of a unit
 RAIL_REACH = 0.1

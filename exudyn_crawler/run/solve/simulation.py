@@ -140,10 +140,7 @@ class ChainWatch:
         assert case.closed_track is not None
         self.case, self.layout, self.closed = case, layout, case.closed_track
         self._teeth, _, _, self._addendum, _ = self.closed.tumbler.profile(case.track)
-        worn = self.closed.pitch_growth * case.track.pitch
-        rear = case.track.joint_centers["rear right"]
-        x, z = next(iter(self.closed.tumbler.lugs), (rear[0] - worn, rear[2]))
-        self._lug = np.array([x, rear[1], z])
+        _, self._lug = self.closed.lugs(case.track)[0]
         self._gaps = np.full(case.track.shoe_count, -1)
         self._ahead = case.links[:, 1] - 1
         self._pins = [

@@ -22,9 +22,9 @@ BEAM = (0.05, 0.85)
 """m above the rollers' axes that the drawn beam of a rolling side frame reaches from and to."""
 GAP, MARK = 0.03, 0.012
 """m between the beam and the treads beside it; width of the line that shows how far a wheel turns."""
-TEETH, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.3, 16, 7
-"""m, width of drawn teeth and lugs; radius of the tumbler's shaft over that of its pins' circle; sides of a
-drawn lug; points along a gap between two teeth."""
+TEETH, SLIDE, SHAFT, LUG_SIDES, ARC_POINTS = 0.18, 0.12, 0.3, 16, 7
+"""m, width of drawn teeth and lugs, height of drawn slides; radius of the tumbler's shaft over that of its
+pins' circle; sides of a drawn lug; points along a gap between two teeth."""
 
 
 class WheelRow(NamedTuple):
@@ -70,7 +70,7 @@ def gear_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
         return []
     solids = [] if case.car_body is None else [car_body(case, dataset)]
     for name, one, own in each_track(case, dataset):
-        found = [beam(one, own), *wheel_solids(one, own)]
+        found = [beam(one, own), *wheel_solids(one, own), *slide_solids(one, own)]
         found += tumbler_solids(one, own) if goes_round(own) else []
         solids += [replace(solid, name=f"{name}{solid.name}") for solid in found]
     return solids
@@ -102,7 +102,7 @@ def beam(case: Case, dataset: xr.Dataset) -> Solid:
     if isinstance(frame, ClosedTrack):
         idler = frame.wheels(case.assembled.take_up)[len(frame.rollers)]
         rear, front = frame.tumbler.place[0], float(idler[0])
-        high = min([frame.tumbler.place[1], *(z for _, z in frame.carriers)])
+        high = min([frame.tumbler.place[1], *frame.upper[:, 1]])
     else:
         rear, front = frame.ends
     shape = box(np.array([rear, -half, low]), np.array([front, half, high]))
@@ -122,11 +122,25 @@ def _wheels(case: Case) -> list[WheelRow]:
         return [treads("rollers", labels, np.array([(x, 0.0) for x in frame.rollers]), frame.radius)]
     table, labels = frame.wheels(case.assembled.take_up), frame.wheel_names
     found = []
-    for name in ("rollers", "idler", "carriers"):
+    for name in ("rollers", "idler", "carriers"):  # slides do not turn
         own = [k for k, label in enumerate(labels) if label.startswith(name.removesuffix("s"))]
         if own:
             found.append(treads(name, [labels[k] for k in own], table[own, :2], table[own[0], 2]))
     return found
+
+
+def slide_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
+    """Slides under the upper run of a closed track, on both rails."""
+    frame, rails = frame_on_rails(case)
+    origin, turn = frame_poses(dataset)
+    slides = frame.slides if isinstance(frame, ClosedTrack) else ()
+    beside = origin[:, None] + np.array(rails.middles)[:, None] * turn[..., 1][:, None]
+    half, both = 0.5 * frame.tread_width, np.repeat(turn[:, None], len(rails.middles), axis=1)
+    shapes = (box(np.array([x0, -half, z - SLIDE]), np.array([x1, half, z])) for x0, x1, z in slides)
+    return [
+        Solid(f"slide {n}", *shape, style.ROLLER, beside, both, edges=style.ROLLER_EDGE)
+        for n, shape in enumerate(shapes, start=1)
+    ]
 
 
 def wheel_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
@@ -144,7 +158,10 @@ def wheel_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
         way = origin[:, :1] - frame.start
     solids, edge = [], style.ROLLER_EDGE
     for kind in _wheels(case):
-        centers = origin[:, None] + np.einsum("tij,nj->tni", turn, kind.places)
+        places = np.repeat(kind.places[None], len(origin), axis=0)
+        if kind.name == "idler":  # a tensioner moves it from where it was assembled
+            places[..., 0] += dataset.take_up.values[:, None] - case.assembled.take_up
+        centers = origin[:, None] + np.einsum("tij,tnj->tni", turn, places)
         rolled = level @ rotation_matrices(way / kind.radius * np.eye(3)[1])
         placed = centers, np.repeat(rolled[:, None], len(kind.places), axis=1)
         half = np.array([0.5 * MARK, 0.5 * frame.tread_width + 0.002, kind.radius])
@@ -186,9 +203,7 @@ def tumbler_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
     both = np.repeat(turned[:, None], len(planes), axis=1)
     shaft = disc(SHAFT * tumbler.radius(case.track.pitch), float(np.ptp(planes[:, 1])))
     middle = axis + np.einsum("tij,j->ti", turn, planes.mean(axis=0))[:, None]
-    worn = frame.pitch_growth * case.track.pitch
-    places = tumbler.lugs or [(centers["rear right"][0] - worn, case.track.pin_height)]
-    lugs = np.array([(x, plane[1], z) for plane in planes for x, z in places])
+    lugs = np.array([place for _, place in frame.lugs(case.track)])
     pose = (dataset[name].transpose("time", "shoe", "axis").values for name in ("position", "angles"))
     origin, shoes = next(pose), rotation_matrices(next(pose))
     at = (origin[:, :, None] + np.einsum("tsij,lj->tsli", shoes, lugs)).reshape(len(origin), -1, 3)
