@@ -86,3 +86,22 @@ def test_refuses_what_has_no_machine_and_rollers_off_the_track(tmp_path, loaded)
         SteppedRun(Case.translation(), WRENCH)
     with pytest.raises(ValueError, match="track must be long enough"):
         SteppedRun(loaded, WRENCH).advance(100.0, 1.0, WRENCH)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("base", [Case.closed, Case.shovel])
+def test_closed_tracks_are_units_too(base, tmp_path):
+    """Pushed down from outside they bear more, and the drive's speed reaches the tumblers."""
+    case = base()
+    unit = write_fmu(CaseFile(case=case, duration=DURATION), tmp_path / "closed.fmu")
+    names = {one.name for one in read_model_description(unit).modelVariables if one.causality == "output"}
+    run, under = SteppedRun(case, 0.0 * WRENCH), SteppedRun(case, WRENCH)
+    free, rest = outputs(run.history()), outputs(under.history())
+    assert names == free.keys()
+    carried = [sum(one[f"ground_force[{shoe}].z"] for shoe in case.track.shoes) for one in (free, rest)]
+    np.testing.assert_allclose(carried[1] - carried[0], -WRENCH[2], rtol=2e-2)
+    for end in np.arange(0.01, 0.11, 0.01):
+        run.advance(0.01, float(end), 0.0 * WRENCH)
+    speed = np.atleast_1d(run.history().tumbler_speed.values[0])
+    expected = 0.1 / case.closed_track.travel_per_angle(case.track)
+    np.testing.assert_allclose(speed, expected, rtol=1e-6)

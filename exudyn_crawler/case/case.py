@@ -116,8 +116,8 @@ class Case(Parameters):
                     "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
                     f"not go with {name}, which the compiled equations alone carry"
                 )
-        if self.machine is not None and self.undercarriage is None and self.car_body is None:
-            yield "machine must be None without an undercarriage or a car_body, on which it acts"
+        if self.machine is not None and self.running_gear is None:
+            yield "machine must be None without an undercarriage or a closed_track, on which it acts"
         if self.car_body is not None and (self.closed_track is None or count % 2):
             yield "car_body needs a closed_track, and shoes for two tracks: an even track.shoe_count"
             return

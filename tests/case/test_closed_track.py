@@ -43,6 +43,39 @@ def test_chain_closes_to_rounding(changes):
     assert case.shoe_reference[0, 0] == pytest.approx(case.track.first_com[0], abs=1e-12)
 
 
+def with_slides(**changes):
+    """Slides where the carriers are, the first from the first to the second of them."""
+    closed = Case.closed().closed_track
+    (x, z), top = closed.carriers[0], closed.carriers[0][1] + closed.carrier_radius
+    values = {"carriers": (), "slides": ((x, x + 1.8, top), (x + 3.6, x + 5.4, top))} | changes
+    assert z < top
+    return Case.closed().with_({f"closed_track.{name}": value for name, value in values.items()})
+
+
+def test_slides_are_lines_that_do_not_turn_at_even_steps():
+    """Between the outer lines the belt is that over carriers at the same places."""
+    case = with_slides()
+    closed, wheels = case.closed_track, case.closed_track.wheels(0.0)
+    assert openings(case).max() < 1e-12
+    assert case.assembled.take_up == pytest.approx(Case.closed().assembled.take_up, abs=1e-12)
+    first = [name.startswith("slide 1, line ") for name in case.wheel_names]
+    lines = wheels[first]
+    assert lines[:, 0] == pytest.approx(np.linspace(-2.7, -0.9, 5))
+    assert lines[:, 1] + lines[:, 2] == pytest.approx(closed.slides[0][2])
+    assert np.unique(closed.resistances[first]) == closed.slide_friction
+    assert set(closed.resistances) == {closed.slide_friction, closed.rolling_resistance}
+    assert len(wheels) == len(case.wheel_names) == len(closed.resistances)
+
+
+@pytest.mark.parametrize(("changes", "said"), [
+    ({"slide_step": 0.2}, "must leave every rail, which is .* m long, on two"),
+    ({"slides": ((0.0, 1.0, 2.0), (0.5, 1.5, 2.0))}, "slides must have a length and stand in order"),
+])  # fmt: skip
+def test_slides_that_rails_lie_on_three_lines_of_or_that_overlap_are_refused(changes, said):
+    with pytest.raises(ParameterError, match=said):
+        with_slides(**changes)
+
+
 @pytest.mark.parametrize("count", [37, 39])
 def test_other_numbers_of_shoes_move_the_idler(count):
     case = Case.closed(count)

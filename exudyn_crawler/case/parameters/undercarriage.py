@@ -56,7 +56,7 @@ class RunningGear(Parameters):
 
     @property
     def resistances(self) -> np.ndarray:
-        """Of wheels against the travel over their normal force: array (1,), or (wheels,) where they differ."""
+        """Of wheels against the travel over their normal force: array (1,), (wheels,) where they differ."""
         return np.array([self.rolling_resistance])
 
 

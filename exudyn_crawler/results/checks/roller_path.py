@@ -101,7 +101,7 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
     case, gear, steel = history.case, history.case.running_gear, STEEL
     if gear is None or not has_treads(history):
         raise ValueError(
-            f"a roller path needs an undercarriage, or flexible shoes in a closed track, {case.name!r} has none"
+            f"roller paths need an undercarriage, or a closed track's flexible shoes; {case.name!r} has none"
         )
     if (bent := case.flexible) is not None:
         steel = replace(STEEL, youngs_modulus=bent.youngs_modulus, poissons_ratio=bent.poissons_ratio)
