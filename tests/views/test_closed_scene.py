@@ -12,6 +12,8 @@ from exudyn_crawler.views.scenes import gear
 
 ANGLE = 0.7
 """rad that the tumbler turns between the two instants."""
+MOVED = 0.02
+"""m that the idler slides forward meanwhile."""
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +37,7 @@ def closed():
             "side_frame_angles": (("time", "axis"), np.zeros((2, 3))),
             "tumbler_position": (("time", "axis"), np.tile(start.tumbler[:3], (2, 1))),
             "tumbler_angle": ("time", [0.0, ANGLE]),
+            "take_up": ("time", [start.take_up, start.take_up + MOVED]),
             "wheel_force": (("time", "wheel", "axis"), np.zeros((2, 12, 3))),
             "wheel_load": (per_shoe, forces),
             "wheel_moment": (per_shoe, moments),
@@ -87,12 +90,26 @@ def test_wheels_stand_below_the_rails_and_roll_with_the_chain(closed):
     kinds = ("rollers", "idler", "carriers")
     axes = np.concatenate([found[name].origin[0, ::2] for name in kinds]) - case.assembled.frame
     assert axes[:, [0, 2]] == pytest.approx(table[:, :2])
+    slid = {name: found[name].origin[1] - found[name].origin[0] for name in kinds}
+    assert slid["idler"] == pytest.approx(np.tile([MOVED, 0.0, 0.0], (2, 1)))
+    assert np.concatenate([slid["rollers"], slid["carriers"]]) == pytest.approx(0.0)
     radii = [np.abs(found[name].points[:, 2]).max() for name in kinds]
     assert radii == pytest.approx([0.4, 0.9, 0.25])
     way = ANGLE * case.closed_track.travel_per_angle(case.track)
     for name, radius in zip(kinds, radii, strict=True):
         turn = found[name].turn[0, 0].T @ found[name].turn[1, 0]
         assert turn[0, 2] == pytest.approx(np.sin(way / radius))
+
+
+def test_slides_are_bars_below_the_upper_run(closed):
+    case = closed.case.with_({"closed_track.carriers": (), "closed_track.slides": ((-2.0, 1.0, 1.9),)})
+    found = {one.name: one for one in gear.gear_solids(case, closed.dataset)}
+    bar, (x, z) = found["slide 1"], closed.case.assembled.frame[[0, 2]]
+    points = bar.points + bar.origin[0, 0]
+    assert bar.origin.shape == (2, 2, 3)
+    assert [points[:, 0].min() - x, points[:, 0].max() - x] == pytest.approx([-2.0, 1.0])
+    assert points[:, 2].max() - z == pytest.approx(1.9)
+    assert "carriers" not in found
 
 
 def test_forces_act_along_their_lines(closed):
