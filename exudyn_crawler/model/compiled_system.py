@@ -465,7 +465,8 @@ class CompiledSystem(TrackSystem):
         of_tracks = speeds[0] - speeds[1] * self.case.track_middles
         if gear is not None:
             loads[len(shoes)] = machine
-            drag = np.outer(of_tracks / np.hypot(of_tracks, gear.resistance_speed), self._resistances).ravel()
+            faded = np.hypot(of_tracks, gear.resistance_speed)
+            drag = (np.outer(of_tracks, self._resistances) / faded[:, None]).ravel()
         if frame is not None:
             loads[len(shoes) + 1 :, 0] = -frame.end_tension, frame.end_tension
         turning = self._driven and self.case.drive.turn_rate is not None
