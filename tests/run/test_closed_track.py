@@ -18,7 +18,6 @@ from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.balance import (
     energy_balance,
     frame_imbalance,
-    powers,
     shoe_actions,
     shoe_imbalance,
     tumbler_imbalance,
@@ -211,38 +210,40 @@ def test_work_of_the_torque_is_losses_and_what_is_stored():
         assert float(abs(balance[name]).max()) > 1e-2 * work.max(), name
 
 
+@pytest.mark.filterwarnings("ignore:closed_track.slide_friction")
 def test_a_slide_carries_the_upper_run_and_rubs_on_it():
-    """Each line bears its share of the weight; tension, torque and losses have its friction."""
-    case, friction, speed = Case.closed(), 0.3, 0.3
-    top = case.closed_track.carriers[0][1] + case.closed_track.carrier_radius
-    changes = {"support": "posts", "carriers": (), "slides": ((-2.7, 2.7, top),), "slide_friction": friction}
-    case = case.with_({f"closed_track.{name}": value for name, value in changes.items()})
-    drive = Drive(speed=StepProfile(times=(0.0, 0.3), values=(0.0, speed)))
-    history = simulate(case.with_(drive=drive), 5.2, progress=False)
-    balance, closed = energy_balance(history), case.closed_track
-    assert np.abs(balance.imbalance.values).max() < 1e-3 * balance.drive.values.max()
-    # two pitches at the full speed
-    late = history.time.values >= history.time.values[-1] - 2.0 * case.track.pitch / speed
-    lines = [name.startswith("slide") for name in case.wheel_names]
-    on_slide = history.wheel_force.values[late][:, lines]
-    along, down = on_slide[..., 0], -on_slide[..., 2]
-    full = speed / np.hypot(speed, closed.resistance_speed)
-    weight = case.shoe.mass * case.gravity / case.track.pitch  # N/m
-    step = np.diff(closed.slide_lines[0][:, 0])[0]
-    assert down.mean(axis=0)[2:-2] == pytest.approx(weight * step, rel=0.03)
-    assert along.sum() == pytest.approx(friction * full * down.sum(), rel=5e-3)
-    place = (history.position.values - history.side_frame_position.values[:, None])[late]
-    tension = history.link_tension.values[late]
-    upper = place[..., 2] > top
-    ahead, behind = (
-        tension[upper & (abs(place[..., 0] - x) < 0.5 * case.track.pitch)].mean() for x in (1.8, -1.8)
-    )
-    assert ahead - behind == pytest.approx(friction * full * weight * 3.6, rel=0.05)
-    lost = powers(history).wheel_losses.values[late].mean()
-    others = closed.rolling_resistance * np.linalg.norm(
-        history.wheel_force.values[late][:, ~np.array(lines)], axis=-1
-    )
-    assert lost == pytest.approx(speed * (along.sum(axis=1).mean() + others.sum(axis=1).mean()), rel=0.02)
+    """Lines bear the weight between them; tension and work of the torque have its friction."""
+    closed, speed, friction = Case.closed().closed_track, 0.3, 0.3
+    slide = (-2.7, 2.7, closed.carriers[0][1] + closed.carrier_radius)
+    changes = {"closed_track.support": "posts", "closed_track.carriers": (), "closed_track.slides": (slide,)}
+    drive, supplied = Drive(speed=StepProfile(times=(0.0, 0.3), values=(0.0, speed))), []
+    for rubbing in (0.0, friction):
+        case = Case.closed().with_(changes | {"closed_track.slide_friction": rubbing}, drive=drive)
+        history = simulate(case, 3.0, progress=False)
+        # a pitch at the full speed
+        late = history.time.values >= history.time.values[-1] - case.track.pitch / speed
+        supplied.append((history.drive_moment * history.tumbler_speed).values[late].mean())
+        on_slide = history.wheel_force.values[late].mean(axis=0)[8:]
+        place = (history.position.values - history.side_frame_position.values[:, None])[late]
+        upper = place[..., 2] > slide[2]
+        front, rear = (
+            history.link_tension.values[late][
+                upper & (abs(place[..., 0] - x) < 0.5 * case.track.pitch)
+            ].mean()
+            for x in (1.35, -1.35)
+        )
+        # links are cut over the outer ones of these lines, which bend no chain
+        rubbed = 0.5 * (on_slide[3:-3, 0].sum() + on_slide[4:-4, 0].sum())
+        assert front - rear == pytest.approx(rubbed, rel=0.05, abs=500.0)
+        weight = case.shoe.mass * case.gravity / case.track.pitch * 0.45
+        assert -on_slide[3:-3, 2].mean() == pytest.approx(weight, rel=0.05)
+        # the chain's tension presses it on the ends of the slide
+        assert (-on_slide[[0, -1], 2] > 4.0 * weight).all()
+    pressed = np.linalg.norm(history.wheel_force.values[late][:, 8:], axis=-1) / math.hypot(1.0, friction)
+    work = friction * pressed.sum(axis=1).mean() * speed
+    assert supplied[1] - supplied[0] == pytest.approx(work, rel=0.02)
+    balance = energy_balance(history)
+    assert np.abs(balance.imbalance.values).max() < 2e-3 * balance.drive.values.max()
 
 
 @pytest.mark.parametrize("tensioner", [False, True], ids=["shims", "spring"])
@@ -250,19 +251,21 @@ def test_all_that_acts_on_frame_and_tumbler_is_the_rate_of_their_momentum(tensio
     """And the work of the torque, where a spring and a damper push the idler."""
     case = Case.closed()
     if tensioner:
-        push = 1.3e6 + 2e8 * case.assembled.take_up
-        spring = Tensioner(mass=8e3, stiffness=2e8, preload=push, damping=1e6)
+        push = 1.3e6 + 1e8 * case.assembled.take_up
+        spring = Tensioner(mass=8e3, stiffness=1e8, preload=push, damping=1e6)
         case = case.with_({"closed_track.idler.tensioner": spring})
     drive = Drive(speed=StepProfile(times=(0.0, 0.3), values=(0.0, 0.3)))
     history = simulate(case.with_(drive=drive), 0.6, progress=False)
     late = history.time.values > 0.01
     left, weight = frame_imbalance(history), case.closed_track.mass * case.gravity
+    # the acceleration of an idler that slides is known by differences of its place
+    within = 5e-3 if tensioner else 1e-4
     for name, values in left.items():
-        assert np.abs(values.values[late]).max() < 1e-3 * weight, name
+        assert np.abs(values.values[late]).max() < within * weight, name
     torque = history.drive_moment.values
-    assert np.abs(tumbler_imbalance(history)[0, late]).max() < 1e-3 * torque.max()
+    assert np.abs(tumbler_imbalance(history)[0, late]).max() < 1e-4 * torque.max()
     balance = energy_balance(history)
-    assert np.abs(balance.imbalance.values).max() < 1e-3 * balance.drive.values.max()
+    assert np.abs(balance.imbalance.values).max() < 2e-3 * balance.drive.values.max()
     if tensioner:
         assert abs(balance.tensioners.values).max() > 1e-2 * balance.drive.values.max()
 

@@ -369,8 +369,9 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
         pushed = np.einsum("twc,tc->wt", data.wheel_force.values[:, idlers], frame.axes[..., 0])
         taken["wheel_losses"] -= np.sum(pushed * rate, axis=0)
     drive = np.sum(_of_tracks(history, "drive_moment") * _of_tracks(history, "tumbler_speed"), axis=0)
-    machine = frame.powers(one for one in acting.frame_actions(history) if one.kind == "machine")
-    return {"drive": drive, "machine_load": machine["machine"]} | taken
+    force, moment = case.machine_wrench(time)
+    machine = np.sum(force * frame.velocity + moment * frame.omega, axis=-1)
+    return {"drive": drive, "machine_load": machine} | taken
 
 
 def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
