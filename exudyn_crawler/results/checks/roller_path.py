@@ -148,16 +148,9 @@ def _place_columns(case: Case, place: int) -> dict[str, object]:
     return {"place": RAIL, MIDDLE: 0.5 * (edges[place - 1] + edges[place])}
 
 
-class _Treads(NamedTuple):
-    """Treads that press on a rail at an instant each, p of them."""
-
-    row: np.ndarray  # (p,): of the instant
-    shoe: np.ndarray  # (p,): from 1
-    roller: np.ndarray  # (p,): number from 1, or name of a wheel
-    rail: np.ndarray  # (p,)
-    radius: np.ndarray  # (p,), m
-    size: np.ndarray  # (p, strips): force, N
-    foot: np.ndarray  # (p, strips, 3), m, global
+_Treads = tuple[np.ndarray, ...]
+"""Treads that press, p of them: instant, shoe (from 1), roller, rail and radius (m), each (p,), and of their
+strips forces (p, strips), N, and places (p, strips, 3), m."""
 
 
 def _rolled_treads(history: History, part: xr.Dataset) -> _Treads:
@@ -165,21 +158,19 @@ def _rolled_treads(history: History, part: xr.Dataset) -> _Treads:
     row, roller, rail, ahead = np.nonzero(size.sum(axis=3))
     shoe, at = part.roller_shoe.values[row, roller] + ahead, (row, roller, rail, slice(None), ahead)
     radius = np.full(len(row), frame_of(history).radius)
-    return _Treads(row, shoe, roller + 1, rail, radius, size[at], part.tread_foot.values[at])
+    return row, shoe, roller + 1, rail, radius, size[at], part.tread_foot.values[at]
 
 
 def _closed_treads(history: History, part: xr.Dataset) -> _Treads:
     """Of the flexible shoes; those of slides are left out, which do not roll."""
-    wheel, gear = part.strip_wheel.values - 1, history.case.closed_gear()
-    names = np.array(history.case.wheel_names)
-    rolling = np.char.find(names, "slide") < 0
+    wheel, names = part.strip_wheel.values - 1, np.array(history.case.wheel_names)
+    rolls = (wheel >= 0) & (np.char.find(names, "slide") < 0)[wheel]
     size = np.linalg.norm(part.strip_force.values - part.strip_guide.values, axis=-1)
-    pressed = size.sum(axis=-1) * ((wheel >= 0) & rolling[wheel])[..., None]
-    row, shoe, slot, rail = at = np.nonzero(pressed)
+    row, shoe, slot, rail = at = np.nonzero(size.sum(axis=-1) * rolls[..., None])
     own = wheel[row, shoe, slot]
-    radii = np.tile(gear.wheels(0.0)[:, 2], history.case.tracks)
-    number = part.flexible_shoe.values[shoe]
-    return _Treads(row, number, names[own], rail, radii[own], size[at], part.strip_foot.values[at])
+    radii = np.tile(history.case.closed_gear().wheels(0.0)[:, 2], history.case.tracks)
+    shoes = part.flexible_shoe.values[shoe]
+    return row, shoes, names[own], rail, radii[own], size[at], part.strip_foot.values[at]
 
 
 def has_treads(history: History) -> bool:
@@ -198,17 +189,17 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
     names += ["strip_guide", "strip_wheel"] if history.case.is_closed else ["roller_shoe"]
     keys, found, done = ["shoe", "roller", "rail", "place"], [], 0
     for part in blocks(history.dataset[names]):
-        one = treads_of(history, part)
-        total, moment = one.size.sum(axis=1), one.size @ gear.strip_places
-        foot = np.einsum("ps,psi->pi", one.size, one.foot) / total[:, None]
-        axes = rotation_matrices(part.angles.values)[one.row, one.shoe - 1, :, 0]
-        x = np.einsum("pi,pi->p", foot - part.position.values[one.row, one.shoe - 1], axes)
+        row, shoe, roller, rail, radius, size, feet = treads_of(history, part)
+        total, moment = size.sum(axis=1), size @ gear.strip_places
+        foot = np.einsum("ps,psi->pi", size, feet) / total[:, None]
+        axes = rotation_matrices(part.angles.values)[row, shoe - 1, :, 0]
+        x = np.einsum("pi,pi->p", foot - part.position.values[row, shoe - 1], axes)
         place = np.searchsorted(edges[1:-1], x) + 1
         place[x <= edges[0] + AT_END], place[x >= edges[-1] - AT_END] = 0, len(edges)
         line_load = greatest_line_load(total, moment, gear.tread_width)
-        columns = {"shoe": one.shoe, "roller": one.roller, "rail": one.rail, "place": place, "x": x}
-        columns |= {"row": done + one.row, "time": part.time.values[one.row], "force": total}
-        columns |= {"radius": one.radius, INTENSITY: line_load / one.radius}
+        columns = {"shoe": shoe, "roller": roller, "rail": rail, "place": place, "x": x, "radius": radius}
+        columns |= {"row": done + row, "time": part.time.values[row], "force": total}
+        columns |= {INTENSITY: line_load / radius}
         table = pd.DataFrame(columns | {"leans": np.sign(moment), "line load": line_load})
         found.append(table.loc[table.groupby(keys)[INTENSITY].idxmax()])
         done += part.sizes["time"]

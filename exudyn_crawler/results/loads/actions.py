@@ -347,23 +347,21 @@ def frame_of(history: History) -> Undercarriage:
 def frame_actions(history: History) -> Iterator[Action]:
     """All that acts on a history's side frame, but for what holds its y and its yaw; ValueError without one.
 
-    In closed tracks on the frame, or the machine, with its tumblers and with idlers that slide.
+    In closed tracks with what acts on tumblers and on idlers that slide, but for the weight of these.
     """
     case, gear = history.case, history.case.running_gear
     if gear is None or (case.closed_track is not None and case.closed_track.support == "posts"):
         raise ValueError(f"{case.name!r} must have a side frame that no posts hold")
     origin, turn = history.side_frame_position.values, rotation_matrices(history.side_frame_angles.values)
     zero = np.zeros_like(origin)
-    places = [(part.mass, part.com) for part in case.frame_parts]
-    if case.closed_track is not None:
-        places += [
-            (case.closed_track.tumbler.mass, one - case.frame_start) for one in case.tumbler_reference[:, :3]
-        ]
-    for mass, place in places:
-        yield Action("weight", 0, "COM", origin + turn @ place, zero + mass * case.gravity_vector(), zero)
+    for part in case.frame_parts:
+        weight = zero + part.mass * case.gravity_vector()
+        yield Action("weight", 0, "COM", origin + turn @ part.com, weight, zero)
     yield Action("machine", 0, "origin", origin, *case.machine_wrench(history.time.values))
-    if case.closed_track is not None:
-        yield from _of_gear(history)
+    if case.is_closed:
+        for shoe in case.track.shoes.tolist():
+            for one in _wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
+                yield replace(one, shoe=0, force=-one.force, moment=-one.moment)
         return
     frame = frame_of(history)
     pulls, pins = drive_pulls(history, frame), middle_pins(history, "front")
@@ -372,23 +370,3 @@ def frame_actions(history: History) -> Iterator[Action]:
             yield replace(one, shoe=0, force=-one.force)
         pull = pulls[:, shoe - 1, None] * np.array((1.0, 0.0, 0.0))
         yield Action("pull", 0, f"pins of shoe {shoe}", pins[:, shoe - 1], pull, zero)
-
-
-def _of_gear(history: History) -> Iterator[Action]:
-    """What shoes of closed tracks do to wheels and tumblers, and the weight of idlers that slide."""
-    case, tensioner = history.case, history.case.closed_gear().idler.tensioner
-    for shoe in case.track.shoes.tolist():
-        for one in _wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
-            yield replace(one, shoe=0, force=-one.force, moment=-one.moment)
-    if tensioner is not None:
-        for place in idler_places(history):
-            zero = np.zeros_like(place)
-            yield Action("weight", 0, "idler", place, zero + tensioner.mass * case.gravity_vector(), zero)
-
-
-def idler_places(history: History) -> np.ndarray:
-    """Centres of the idlers of closed tracks: array (tracks, times, 3), m, global."""
-    case, origin = history.case, history.side_frame_position.values
-    arm = np.tile(case.idler_reference[:, None, :3] - case.frame_start, (1, len(origin), 1))
-    arm[..., 0] += history.take_up.values.reshape(len(origin), -1).T - case.assembled.take_up
-    return origin + np.einsum("tij,ktj->kti", rotation_matrices(history.side_frame_angles.values), arm)

@@ -4,7 +4,7 @@ All vectors are global, all units SI.
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from copy import copy
 
 import numpy as np
@@ -98,57 +98,56 @@ def _of_tracks(history: History, name: str) -> np.ndarray:
     return (one if "track" in one.dims else one.expand_dims("track")).transpose("track", "time", ...).values
 
 
-def _rigidly(frame: _Motion, place: np.ndarray, mass: float, inertia: np.ndarray) -> _Motion:
-    """Motion of a body that goes with a frame and has its COM at a place (times, 3), m."""
-    body, arm = copy(frame), place - frame.origin
-    body.velocity = frame.velocity_at(place)
-    swung = np.cross(frame.alpha, arm) + np.cross(frame.omega, np.cross(frame.omega, arm))
-    body.acceleration = frame.acceleration + swung
+def _others(history: History, frame: _Motion) -> Iterator[_Motion]:
+    """Motions of tumblers, which turn in their side frame, then of idlers that slide along it."""
+    case, time = history.case, history.time.values
+    if (closed := case.closed_track) is None:
+        return
+    places, take_up = _of_tracks(history, "tumbler_position"), _of_tracks(history, "take_up")
+    inertia, still = inertia_tensor(closed.tumbler.inertia), np.zeros_like(take_up)
+    angle = case.assembled.tumbler[4] + _of_tracks(history, "tumbler_angle")
+    for place, *turn in zip(places, angle, _of_tracks(history, "tumbler_speed"), still, strict=True):
+        yield _riding(frame, time, place, turn, closed.tumbler.mass, inertia)
+    if (tensioner := closed.idler.tensioner) is not None:
+        arms = case.idler_reference[:, None, :3] - case.frame_start
+        arms = arms + (take_up - case.assembled.take_up)[..., None] * np.eye(3)[0]
+        inertia = tensioner.inertia_tensor(closed.idler.radius)
+        for place, way in zip(_times(frame.axes, arms), take_up, strict=True):
+            yield _riding(
+                frame, time, frame.origin + place, [still[0], still[0], way], tensioner.mass, inertia
+            )
+
+
+def _riding(
+    frame: _Motion,
+    time: np.ndarray,
+    place: np.ndarray,
+    own: list[np.ndarray],
+    mass: float,
+    inertia: np.ndarray,
+) -> _Motion:
+    """Motion of a body in a frame with its COM at a place (times, 3), m.
+
+    Its `own` are angle (rad) and speed (rad/s) about the y of the frame, and way along its x (m).
+    """
+    body, arm, (angle, spin, way) = copy(frame), place - frame.origin, (one[:, None] for one in own)
+    ahead, axle, rate = frame.axes[..., 0], frame.axes[..., 1], _rate(way, time)
+    body.velocity = frame.velocity_at(place) + rate * ahead
+    swung = np.cross(frame.alpha, arm) + np.cross(
+        frame.omega, np.cross(frame.omega, arm) + 2.0 * rate * ahead
+    )
+    body.acceleration = frame.acceleration + swung + _rate(rate, time) * ahead
+    body.omega = frame.omega + spin * axle
+    body.alpha = frame.alpha + _rate(spin, time) * axle + np.cross(frame.omega, spin * axle)
+    body.axes = frame.axes @ rotation_matrices(angle * np.eye(3)[1])
     body.origin, body.center = place, np.zeros_like(place)
     body.mass, body.inertia = np.asarray(mass), inertia
     return body
 
 
-def _tumblers(history: History, frame: _Motion) -> list[_Motion]:
-    """Motions of the tumblers of closed tracks, which turn in the side frame."""
-    tumbler, time, found = history.case.closed_gear().tumbler, history.time.values, []
-    names = ("tumbler_position", "tumbler_angle", "tumbler_speed")
-    for place, angle, speed in zip(*(_of_tracks(history, name) for name in names), strict=True):
-        body = _rigidly(frame, place, tumbler.mass, inertia_tensor(tumbler.inertia))
-        axle, spin = frame.axes[..., 1], speed[:, None]
-        body.omega = frame.omega + spin * axle
-        body.alpha = frame.alpha + _rate(spin, time) * axle + spin * np.cross(frame.omega, axle)
-        turned = (history.case.assembled.tumbler[4] + angle)[:, None] * np.eye(3)[1]
-        body.axes = frame.axes @ rotation_matrices(turned)
-        found.append(body)
-    return found
-
-
-def _idlers(history: History, frame: _Motion) -> list[_Motion]:
-    """Motions of the idlers of closed tracks that tensioners push along the side frame."""
-    closed, time, found = history.case.closed_track, history.time.values, []
-    if closed is None or (tensioner := closed.idler.tensioner) is None:
-        return []
-    ahead = frame.axes[..., 0]
-    for place, take_up in zip(acting.idler_places(history), _of_tracks(history, "take_up"), strict=True):
-        body = _rigidly(frame, place, tensioner.mass, tensioner.inertia_tensor(closed.idler.radius))
-        rate = _rate(take_up[:, None], time)
-        body.velocity = body.velocity + rate * ahead
-        faster = _rate(rate, time) * ahead + 2.0 * rate * np.cross(frame.omega, ahead)
-        body.acceleration = body.acceleration + faster
-        found.append(body)
-    return found
-
-
 def _rate(values: np.ndarray, time: np.ndarray) -> np.ndarray:
     """Rate of values (times, ...) by differences; zero for a single time."""
     return np.gradient(values, time, axis=0) if len(time) > 1 else np.zeros_like(values)
-
-
-def _gear(history: History) -> list[_Motion]:
-    """Motions of the side frame and, of closed tracks, of tumblers and of idlers that slide."""
-    frame = _side_frame(history)
-    return [frame, *(_tumblers(history, frame) if history.case.is_closed else ()), *_idlers(history, frame)]
 
 
 def shoe_actions(history: History) -> xr.Dataset:
@@ -213,10 +212,11 @@ def frame_imbalance(history: History) -> xr.Dataset:
     `sway` and `yaw`. In a closed track the frame is taken with its tumblers, and with idlers that slide, so
     that what acts between them is left out. ValueError if there is no side frame, or posts hold it.
     """
-    case, (frame, *others) = history.case, _gear(history)
+    case, frame = history.case, _side_frame(history)
     force, moment = frame.momentum_rates()
-    for body in others:
+    for body in _others(history, frame):
         rate, spin = body.momentum_rates()
+        rate = rate - body.mass * case.gravity_vector()
         force, moment = force + rate, moment + spin + np.cross(body.origin - frame.origin, rate)
     for action in acting.frame_actions(history):
         force, moment = force - action.force, moment - action.moment_about(frame.origin)
@@ -230,9 +230,9 @@ def frame_imbalance(history: History) -> xr.Dataset:
 def tumbler_imbalance(history: History) -> np.ndarray:
     """Rate of tumblers' spin about their axles less drive and teeth: (tracks, times), N m; zero as above."""
     data, frame, left = history.dataset, _side_frame(history), []
-    bodies, torques = _tumblers(history, frame), _of_tracks(history, "drive_moment")
-    shoes = np.split(np.arange(data.sizes["shoe"]), len(bodies))
-    for body, torque, own in zip(bodies, torques, shoes, strict=True):
+    torques = _of_tracks(history, "drive_moment")
+    shoes = np.split(np.arange(data.sizes["shoe"]), len(torques))
+    for body, torque, own in zip(_others(history, frame), torques, shoes, strict=False):
         arm = data.position.values[:, own] - body.origin[:, None]
         moment = data.tooth_moment.values[:, own] + np.cross(arm, data.tooth_force.values[:, own])
         spin = body.momentum_rates()[1] + moment.sum(axis=1)
@@ -262,26 +262,21 @@ def energies(history: History) -> xr.Dataset:
     springs += 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
     stored = {"kinetic": kinetic, "gravitational": height, "springs": springs}
     if case.running_gear is not None:
-        both = [motion.energies(gravity) for motion in _gear(history)]
+        side = _side_frame(history)
+        both = [motion.energies(gravity) for motion in (side, *_others(history, side))]
         stored["frame_kinetic"], stored["frame_gravitational"] = (sum(one) for one in zip(*both, strict=True))
     if frame is not None:
-        stored["treads"], _, _ = _treads(history, frame, _side_frame(history), _shoes(history))
+        stored["treads"], _, _ = _treads(history, frame, side, _shoes(history))
     if case.closed_track is not None:
         stored["treads"], stored["teeth"] = history.wheel_energy.values, history.tooth_energy.values
         if (spring := case.closed_track.idler.tensioner) is not None:
             push = spring.preload - spring.stiffness * _of_tracks(history, "take_up")
             stored["tensioners"] = 0.5 * np.sum(push**2, axis=0) / spring.stiffness
     if case.flexible is not None:
-        squares = (history.modal_coordinate.values * _omega(history)) ** 2
+        squares = (history.modal_coordinate.values * 2.0 * np.pi * history.frequency.values) ** 2
         stored["elastic"] = 0.5 * squares.sum(axis=(1, 2))
         stored["kinetic"] += 0.5 * np.sum(history.modal_velocity.values**2, axis=(1, 2))
     return _over_time(history, "J", **stored)
-
-
-def _omega(history: History) -> np.ndarray:
-    """Angular frequencies of the modes of flexible shoes: array (modes,), rad/s."""
-    omega: np.ndarray = 2.0 * np.pi * history.frequency.values
-    return omega
 
 
 def powers(history: History) -> xr.Dataset:
@@ -349,13 +344,13 @@ def _rolled_powers(
 def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     """Powers about the gear of closed tracks."""
     data, time, case, frame = history.dataset, history.time.values, history.case, _side_frame(history)
-    tumblers, of_track = _tumblers(history, frame), np.arange(data.sizes["shoe"]) // case.loop.shoe_count
+    tumblers, count = list(_others(history, frame)), case.loop.shoe_count
     taken = {}
     for kind, stored in (("wheel", "wheel_load"), ("tooth", "tooth_force")):
         force, moment = data[stored].values, data[f"{kind}_moment"].values
         lost = -np.gradient(data[f"{kind}_energy"].values, time)
         for shoe in range(data.sizes["shoe"]):
-            gear = frame if kind == "wheel" else tumblers[of_track[shoe]]
+            gear = frame if kind == "wheel" else tumblers[shoe // count]
             slip = shoes.velocity[:, shoe] - gear.velocity_at(shoes.origin[:, shoe])
             spin = shoes.omega[:, shoe] - gear.omega
             lost -= np.sum(force[:, shoe] * slip + moment[:, shoe] * spin, axis=-1)
@@ -363,11 +358,11 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     if case.flexible is not None:
         taken["modal_damping"] = _modal_powers(history, taken)
     if (spring := case.closed_gear().idler.tensioner) is not None:
-        rate = np.gradient(_of_tracks(history, "take_up"), time, axis=1)
-        taken["tensioner_damping"] = spring.damping * np.sum(rate**2, axis=0)
+        rate = _rate(_of_tracks(history, "take_up").T, time)
+        taken["tensioner_damping"] = spring.damping * np.sum(rate**2, axis=1)
         idlers = [name.endswith("idler") for name in case.wheel_names]
-        pushed = np.einsum("twc,tc->wt", data.wheel_force.values[:, idlers], frame.axes[..., 0])
-        taken["wheel_losses"] -= np.sum(pushed * rate, axis=0)
+        pushed = data.wheel_force.values[:, idlers] @ frame.axes[..., :1]
+        taken["wheel_losses"] -= np.sum(pushed[..., 0] * rate, axis=1)
     drive = np.sum(_of_tracks(history, "drive_moment") * _of_tracks(history, "tumbler_speed"), axis=0)
     force, moment = case.machine_wrench(time)
     machine = np.sum(force * frame.velocity + moment * frame.omega, axis=-1)
@@ -377,7 +372,7 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
 def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
     """Power that damping of modes takes (times,), W; takes what bends off the losses of wheels and teeth."""
     flexible, units = history.case.flexible_shoes(), unit_loads(history.case)
-    rates = 2.0 * flexible.damping.value(history.frequency.values) * _omega(history)
+    rates = 4.0 * np.pi * history.frequency.values * flexible.damping.value(history.frequency.values)
     for shoe in flexible.shoes:
         velocity = history.modal_velocity.sel(flexible_shoe=shoe).values
         for kind, loads in loads_by_kind(history, shoe).items():
