@@ -1,8 +1,9 @@
-"""Closed track: one revolution straight on the papers' ground, beside the rolled open track.
+"""Closed track: one revolution straight on the papers' ground beside the rolled open track, and turns.
 
 No paper reports it. The papers' track is open: its tension is an assumed force at its ends, and no shoe goes
 over tumbler and idler. The rolled track has the same rollers here, the same ground and the same contact. It
-is run with its assumed tension, and as a trial with that of the closed one.
+is run with its assumed tension, and as a trial with that of the closed one. The machine on two tracks turns
+about one of them and on the spot.
 """
 
 from collections.abc import Mapping
@@ -11,9 +12,10 @@ from typing import NamedTuple, Unpack
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
-from exudyn_crawler import Case, CaseFile, FlexibleShoes, History, LoadCycle
-from exudyn_crawler.case import Undercarriage, ph4100c
+from exudyn_crawler import Case, CaseFile, FlexibleShoes, History, LoadCycle, StepProfile
+from exudyn_crawler.case import Drive, Undercarriage, ph4100c
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.summary import tension_along_chain
@@ -29,6 +31,10 @@ CUTS = (0.0, 0.3)
 OPEN_SHOES, OPEN_DURATION = 31, 70.0
 """Shoes of the open track, and s in which all rollers pass its middle."""
 CLOSED, ROLLED, TRIAL = "closed", "rolled", "rolled at the closed tension"
+ABOUT_LEFT, ON_SPOT = "turn about the left track", "turn on the spot"
+TURNS = {ABOUT_LEFT: (0.1, 0.02), ON_SPOT: (0.0, 0.03)}
+"""Speed (m/s) and rate (rad/s) that the drive of the machine on two tracks goes to in 1 s."""
+TURNING = 6.0  # s, of a turn
 KILO = 1e3
 
 
@@ -60,6 +66,14 @@ def rolled_case(tension: float = ph4100c.UNDERCARRIAGE["end_tension"]) -> Case:
     )
 
 
+def turning_case(speed: float, rate: float) -> Case:
+    """Machine on two tracks whose drive goes to a speed (m/s) and a rate of turning (rad/s)."""
+    case = Case.shovel()
+    profiles = [StepProfile(times=(0.0, 1.0), values=(0.0, one)) for one in (speed, rate)]
+    drive = Drive(speed=profiles[0], turn_rate=profiles[1])
+    return case.with_(drive=drive, solver=case.solver.with_(output_interval=INTERVAL))
+
+
 def study_cases(
     duration: float | None = None, flexible: int | None = None, mesh: str = "coarse"
 ) -> dict[str, CaseFile]:
@@ -75,6 +89,7 @@ def study_cases(
         )
     cases = {CLOSED: (closed, revolution(closed)), ROLLED: (rolled_case(), OPEN_DURATION)}
     cases[TRIAL] = rolled_case(TENSION), OPEN_DURATION
+    cases |= {name: (turning_case(*TURNS[name]), TURNING) for name in TURNS}
     return {
         name: CaseFile(case=case.with_(name=name), duration=min(whole, most))
         for name, (case, whole) in cases.items()
@@ -128,6 +143,40 @@ def loads_round_the_loop(history: History) -> pd.DataFrame:
     return pd.DataFrame(parts)
 
 
+def loads_across(history: History) -> dict[str, float]:
+    """What lugs and pins bear, kN and kN m: tension, loads across the chain, flanges, teeth and torque."""
+    data = history.dataset.isel(time=history.time >= min(START, 0.5 * history.duration))
+    late = History(history.case, data)
+    left = rotation_matrices(data.side_frame_angles.transpose("time", "axis").values)[..., 1]
+
+    def across(one: xr.DataArray) -> np.ndarray:
+        return np.einsum("tnc,tc->tn", one.transpose("time", ..., "axis").values, left)
+
+    tension, ground = late.quantity("link_tension").values, late.contacts_by_shoe()
+    stands = np.linalg.norm(ground.normal_force.transpose("time", "shoe", "axis").values, axis=-1) > 0.0
+    link, torque = across(data.joint_force), np.linalg.norm(data.joint_torque.transpose(..., "axis"), axis=-1)
+    tooth = np.linalg.norm(data.tooth_force.transpose(..., "axis").values, axis=-1)
+    found = {"least tension in kN": tension.min(), "greatest tension in kN": tension.max()}
+    found |= {
+        "link across, greatest in kN": abs(link).max(),
+        "link across, rms in kN": np.sqrt(np.mean(link**2)),
+    }
+    found |= {"yaw and roll moment of a link in kN m": torque.max()}
+    found |= {
+        "flange on a shoe in kN": abs(data.guide_force.values).max(),
+        "teeth on a shoe in kN": tooth.max(),
+    }
+    for side, moment in zip(
+        ("right", "left"), np.atleast_2d(data.drive_moment.mean("time").values.T).T, strict=False
+    ):
+        found[f"mean torque, {side} tumbler, in kN m"] = moment.item()
+    rubbed = abs(across(ground.friction_force))[stands].mean()
+    return {
+        name: float(value) / KILO
+        for name, value in (found | {"ground across a shoe, mean in kN": rubbed}).items()
+    }
+
+
 def torque_by_tension(history: History) -> pd.DataFrame:
     """Mean torque of the drive over whole pitches beside what the tension says of it, kN m.
 
@@ -171,12 +220,13 @@ def torque_by_tension(history: History) -> pd.DataFrame:
 
 
 class ClosedStudy(NamedTuple):
-    """Runs by case; loads round the loop, torque by tension, and forces on shoes in mid-track by case."""
+    """Runs by case; loads round the loop, torque by tension, forces on shoes in mid-track, loads of turns."""
 
     runs: Mapping[str, CaseRun]
     loads: pd.DataFrame
     torque: pd.DataFrame
     peaks: pd.DataFrame
+    turns: pd.DataFrame
 
 
 def study(
@@ -189,14 +239,17 @@ def study(
 ) -> ClosedStudy:
     """Run the closed track and the rolled ones, and compare what shoes in mid-track bear.
 
-    Cases are those of `study_cases`; with `out` it gets their folders, `loads.csv`, `torque.csv` and
-    `peaks.csv`. Errors are those of `study_runs`.
+    Cases are those of `study_cases`; with `out` it gets their folders, `loads.csv`, `torque.csv`,
+    `peaks.csv` and `turns.csv`. Errors are those of `study_runs`.
     """
     with study_runs(out, study_cases(duration, flexible, mesh), **how) as runs:
         loads, torque = (of(runs[CLOSED].history) for of in (loads_round_the_loop, torque_by_tension))
-        peaks = pd.DataFrame([{"case": name} | peaks_in_mid_track(run.history) for name, run in runs.items()])
-        save(out, loads=loads, torque=torque, peaks=peaks)
-        return ClosedStudy(runs, loads, torque, peaks)
+        tables = [
+            pd.DataFrame([{"case": name} | of(runs[name].history) for name in names])
+            for of, names in ((peaks_in_mid_track, (CLOSED, ROLLED, TRIAL)), (loads_across, (CLOSED, *TURNS)))
+        ]
+        save(out, loads=loads, torque=torque, peaks=tables[0], turns=tables[1])
+        return ClosedStudy(runs, loads, torque, *tables)
 
 
 if __name__ == "__main__":

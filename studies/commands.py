@@ -231,16 +231,17 @@ def closed(
     out: Out = RESULTS / "closed",
     overwrite: Overwrite = False,
 ) -> None:
-    """One revolution of a closed track on the papers' ground; beside the rolled open track.
+    """One revolution of a closed track on the papers' ground, beside the rolled open track, and turns.
 
     Example: exudyn-crawler closed --duration 2 --out results/short
     """
     from studies.closed import study
 
     how: dict[str, Any] = {"duration": duration, "flexible": flexible, "mesh": mesh, "overwrite": overwrite}
-    _, loads, torque, peaks = study(out, **how, say=typer.echo)
+    _, loads, torque, peaks, turns = study(out, **how, say=typer.echo)
     shown = {"loads": (loads, "Loads round the loop", ()), "torque": (torque, "Torque by tension", ())}
-    _show_tables(out, shown | {"peaks": (peaks, "Shoes in mid-track", ())})
+    shown |= {"peaks": (peaks, "Shoes in mid-track", ()), "turns": (turns, "Straight and in turns", ())}
+    _show_tables(out, shown)
 
 
 def grounds(

@@ -2,7 +2,19 @@
 
 import pytest
 
-from studies.closed import CLOSED, OPEN_DURATION, ROLLED, TENSION, TRIAL, rolled_case, study, study_cases
+from studies.closed import (
+    ABOUT_LEFT,
+    CLOSED,
+    ON_SPOT,
+    OPEN_DURATION,
+    ROLLED,
+    TENSION,
+    TRIAL,
+    TURNS,
+    rolled_case,
+    study,
+    study_cases,
+)
 
 
 def test_chain_goes_once_round_in_the_whole_run():
@@ -30,6 +42,15 @@ def test_rolled_track_differs_from_its_trial_by_the_tension_alone():
     assert rolled_case(TENSION).undercarriage == trial.undercarriage
 
 
+def test_one_track_stands_in_a_turn_about_it_and_both_go_against_each_other_on_the_spot():
+    for name, left in ((ABOUT_LEFT, 0.0), (ON_SPOT, -1.0)):
+        case = study_cases()[name].case
+        speed, rate = case.drive.speed.values[-1], case.drive.turn_rate.values[-1]
+        of_tracks = speed - rate * case.track_middles
+        assert of_tracks[1] == pytest.approx(left * of_tracks[0], abs=0.05 * of_tracks[0])
+        case.check_support(study_cases()[name].duration)
+
+
 def test_a_shoe_may_be_flexible():
     case = study_cases(flexible=7)[CLOSED].case
     assert case.flexible_shoes().shoes == (7,)
@@ -39,8 +60,12 @@ def test_a_shoe_may_be_flexible():
 @pytest.mark.slow
 @pytest.mark.simulation
 def test_reduced_study_has_loads_round_the_loop_and_in_mid_track():
-    runs, loads, torque, peaks = study(None, duration=0.1, progress=False)
-    assert list(runs) == [CLOSED, ROLLED, TRIAL] == peaks["case"].tolist()
+    runs, loads, torque, peaks, turns = study(None, duration=0.1, progress=False)
+    assert list(runs) == [CLOSED, ROLLED, TRIAL, *TURNS]
+    assert peaks["case"].tolist() == [CLOSED, ROLLED, TRIAL]
+    assert turns["case"].tolist() == [CLOSED, *TURNS]
+    assert turns["mean torque, left tumbler, in kN m"].isna().tolist() == [True, False, False]
+    assert (turns["greatest tension in kN"] > turns["least tension in kN"]).all()
     assert (loads["greatest in kN"] >= loads["mean in kN"]).all()
     tensions = loads[loads["of"].str.startswith("tension")].set_index("of")
     assert set(tensions.index) == {
