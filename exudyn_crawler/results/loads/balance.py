@@ -427,7 +427,7 @@ def energy_balance(history: History) -> xr.Dataset:
 def _only_known(history: History) -> None:
     if history.case.flexible is not None and not history.case.is_closed:
         raise ValueError(
-            "the energy balance of an open track needs rigid shoes: it leaves out elastic energy"
+            "of an open track the energy balance needs a history of rigid shoes: modes are left out"
         )
 
 
