@@ -326,7 +326,7 @@ def chain_figure(history: History) -> Figure:
         begins = [k for k in range(len(parts)) if k == 0 or parts[k] != parts[k - 1]]
         for number, (begin, end) in enumerate(pairwise([*begins, len(parts)])):
             _band(by_place, number, begin + 0.5, end + 0.5, parts[begin])
-        by_link.legend(loc="upper right", ncols=2)
+        by_link.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     return figure
 
 
