@@ -15,7 +15,7 @@ from exudyn_crawler.results.life.duty import DutyRun, DutyStage
 from exudyn_crawler.results.life.life import LifeResults, in_words
 from exudyn_crawler.run.folder.record import HISTORY
 from exudyn_crawler.views.tables import write_table
-from studies.rollers import OVERHANG
+from studies.rollers import OVERHANG, STANDS, overhang_cases
 from studies.running import by_name
 from studies.stress import RUN
 from studies.stress import study as stress_study
@@ -49,15 +49,17 @@ def digging_duty(kind: str, propel: Path, dig: Path, material: FatigueMaterial) 
 
 
 def overhang_duty(rollers: Path, material: FatigueMaterial) -> Duty:
-    """Rolled propel alone over rails that overhang, new in a first stage and worn in a second one."""
-    stages = tuple(DutyStage(name=name.removeprefix("pass "), hours=WEAR_HOURS) for name in OVERHANG)
-    runs = tuple(
-        DutyRun(
-            name=f"rolled on {stage.name}", folder=str(rollers / name), share=PROPEL_SHARE, stage=stage.name
-        )
-        for name, stage in zip(OVERHANG, stages, strict=True)
-    )
-    return Duty(name=f"rails that overhang, {material.name}", runs=runs, stages=stages, material=material)
+    """The same over rails that overhang, new in a first stage and worn in a second one; it digs anywhere."""
+    runs: list[DutyRun] = []
+    for name in OVERHANG:
+        passing = str(rollers / f"pass {name}")
+        runs.append(DutyRun(name=f"rolled on {name}", folder=passing, share=PROPEL_SHARE, stage=name))
+        for part in STANDS:
+            folder, often = str(rollers / f"loading {name} {part}"), CYCLES_AN_HOUR / len(STANDS)
+            runs.append(DutyRun(name=f"dig, {name} {part}", folder=folder, an_hour=often, stage=name))
+    stages = tuple(DutyStage(name=name, hours=WEAR_HOURS) for name in OVERHANG)
+    name, changes = f"rails that overhang, {material.name}", CHANGES_AN_HOUR
+    return Duty(name=name, runs=tuple(runs), stages=stages, material=material, changes_an_hour=changes)
 
 
 def study(
@@ -80,7 +82,7 @@ def study(
     if rollers is not None:
         kinds = "rolled", rollers / "pass", rollers / "loading"
         duties |= {f"rolled_{one.__name__}": digging_duty(*kinds, one()) for one in MATERIALS}
-        if all((rollers / name / HISTORY).is_file() for name in OVERHANG):
+        if all((rollers / name / HISTORY).is_file() for name in overhang_cases()):
             duties |= {f"overhang_{one.__name__}": overhang_duty(rollers, one()) for one in MATERIALS}
     lives: dict[str, LifeResults] = {}
     for name, duty in duties.items():

@@ -30,10 +30,10 @@ BEFORE, ABOVE = 15.5, 22.2
 """m, x of the frame's origin: its front roller just behind the flexible shoes, and above their middle."""
 PASS_DURATION = 137.0
 """s, after which the rear roller has left the last flexible shoe."""
-OVERHANG = {"pass overhang": "shoe_overhang.msh.gz", "pass overhang worn": "shoe_overhang_25mm.msh.gz"}
+OVERHANG = {"overhang": "shoe_overhang.msh.gz", "overhang worn": "shoe_overhang_25mm.msh.gz"}
 """Ready meshes of shoes whose rails overhang by 0.132 m, as fine as the coarse one."""
-UNDER_OVERHANG, OVERHANG_DURATION = (17, 18), 111.0
-"""Flexible ones of these shoes, and s until the rear roller has left them."""
+STANDS = {"front": -2.9, "middle": 0.0, "rear": 2.9}
+"""Part of the machine that digs above six of these shoes, and m that its middle is ahead of them."""
 CHOICES_DURATION = 8.0
 """s."""
 FOLDED = 1.0
@@ -57,10 +57,10 @@ def rolled_case(mesh: str = "study") -> Case:
     )
 
 
-def loading_case(mesh: str = "study") -> Case:
-    """Loading cycle of the machine that stands above the flexible shoes, from the end of propel."""
+def loading_case(mesh: str = "study", ahead: float = 0.0) -> Case:
+    """Loading cycle of the machine that stands `ahead` m of the flexible shoes, from the end of propel."""
     case = rolled_case(mesh)
-    frame = Undercarriage.ph4100c().with_(start=ABOVE)
+    frame = Undercarriage.ph4100c().with_(start=ABOVE + ahead)
     whole = MachineCycle.shovel(frame)
     start = whole.phases[0].end
     phases = tuple(phase.with_(end=phase.end - start) for phase in whole.phases)
@@ -72,16 +72,18 @@ def loading_case(mesh: str = "study") -> Case:
     )
 
 
-def overhang_case(name: str) -> Case:
-    """The pass over two shoes of a mesh of `OVERHANG` among rigid ones with its mass and rails."""
-    path = str(shoe_path("coarse").with_name(OVERHANG[name]))
-    case, found = rolled_case(path), mesh_named(path)
-    rails = Rails(**rail_outline(found)._asdict())
-    return case.with_(
-        name=name,
-        shoe=case.shoe.of_mass(STEEL.density * found.volume).with_(rails=rails),
-        flexible=case.flexible_shoes().with_(shoes=UNDER_OVERHANG),
-    )
+def overhang_cases() -> dict[str, Case]:
+    """The pass, and loading cycles on all of `STANDS`, of shoes of the meshes of `OVERHANG`."""
+    cases = {}
+    for name, file in OVERHANG.items():
+        path = str(shoe_path("coarse").with_name(file))
+        found, named = mesh_named(path), {f"pass {name}": rolled_case(path)}
+        rails = Rails(**rail_outline(found)._asdict())
+        named |= {f"loading {name} {part}": loading_case(path, ahead) for part, ahead in STANDS.items()}
+        for own, case in named.items():
+            shoe = case.shoe.of_mass(STEEL.density * found.volume).with_(rails=rails)
+            cases[own] = case.with_(name=own, shoe=shoe)
+    return cases
 
 
 def study_cases(mesh: str = "study", duration: float | None = None) -> dict[str, CaseFile]:
@@ -91,12 +93,11 @@ def study_cases(mesh: str = "study", duration: float | None = None) -> dict[str,
     """
     most = np.inf if duration is None else duration
     loading = ph4100c.RETURN_END - ph4100c.PROPEL_END
-    overhang = min(OVERHANG_DURATION, most)
+    durations = {"pass": PASS_DURATION, "loading": loading, "dragged": CYCLE_DURATION}
+    cases = {"pass": rolled_case(mesh), "loading": loading_case(mesh), "dragged": Case.stress(mesh)}
     return {
-        "pass": CaseFile(case=rolled_case(mesh), duration=min(PASS_DURATION, most)),
-        "loading": CaseFile(case=loading_case(mesh), duration=min(loading, most)),
-        "dragged": CaseFile(case=Case.stress(mesh), duration=min(CYCLE_DURATION, most)),
-        **{name: CaseFile(case=overhang_case(name), duration=overhang) for name in OVERHANG},
+        name: CaseFile(case=case, duration=min(durations[name.split()[0]], most))
+        for name, case in (cases | overhang_cases()).items()
     }
 
 

@@ -12,7 +12,7 @@ from exudyn_crawler.results.life.duty_runs import check_cases_of
 from meshes import mesh_named
 from meshes.rails import rail_outline
 from studies import life as life_study
-from studies.rollers import OVERHANG, study_cases
+from studies.rollers import overhang_cases, study_cases
 
 
 @pytest.fixture
@@ -48,8 +48,10 @@ def test_rolled_runs_are_those_of_the_rollers_study(tmp_path):
     assert {folder.name for folder in folders} < set(study_cases("coarse"))
     assert {folder.parent for folder in folders} == {tmp_path}
     wears = life_study.overhang_duty(tmp_path, FatigueMaterial.a36())
-    assert [Path(run.folder).name for run in wears.runs] == [*OVERHANG]
-    assert [one.runs[0].share for one in wears.by_stage()] == [life_study.PROPEL_SHARE] * 2
+    assert [Path(run.folder).name for run in wears.runs] == [*overhang_cases()]
+    for one in wears.by_stage():
+        assert one.runs[0].share == life_study.PROPEL_SHARE
+        assert sum(run.an_hour for run in one.runs[1:]) == pytest.approx(life_study.CYCLES_AN_HOUR)
     assert duty.times_an_hour([137.0, 25.0]) == pytest.approx([0.07 * 3600.0 / 137.0, 70.0])
 
 

@@ -10,10 +10,10 @@ from studies.rollers import (
     FIRM_SPRINGS,
     FLEXIBLE,
     OVERHANG,
-    OVERHANG_DURATION,
-    UNDER_OVERHANG,
+    STANDS,
     choices,
     highest_by_region,
+    overhang_cases,
     study,
     study_cases,
 )
@@ -30,15 +30,23 @@ def test_pass_begins_behind_the_flexible_shoes_and_ends_beyond_them():
 
 
 @pytest.mark.parametrize(("name", "lower"), [*zip(OVERHANG, (0.0, 0.025), strict=True)])
-def test_machine_passes_over_shoes_whose_rails_overhang(name, lower):
-    whole = study_cases("coarse")[name]
-    case, frame, ready = whole.case, whole.case.undercarriage, study_cases("coarse")["pass"].case
+def test_machine_passes_and_digs_over_shoes_whose_rails_overhang(name, lower):
+    cases = {own: one for own, one in study_cases("coarse").items() if own.split(" ", 1)[1:] == [name]}
+    assert list(cases) == [f"pass {name}"]
+    ready, case = study_cases("coarse")["pass"].case, cases[f"pass {name}"].case
     assert case.shoe.rails.height == pytest.approx(ready.shoe.rails.height - lower, abs=1e-6)
     assert 0.9 < case.shoe.mass / ready.shoe.mass < 0.95
     check_shoe(case)
-    assert whole.duration == OVERHANG_DURATION
-    last = case.track.first_com[0] + (UNDER_OVERHANG[-1] - 1) * case.track.pitch
-    assert frame.start + case.drive.travel(whole.duration) + frame.rollers[0] > last + case.shoe.rails.front
+    # wherever it stands, some of its rollers are above flexible shoes, all of them on one of its stands
+    middles = case.track.first_com[0] + (np.array(FLEXIBLE) - 1) * case.track.pitch
+    above = []
+    for part in STANDS:
+        frame = study_cases("coarse")[f"loading {name} {part}"].case.undercarriage
+        rollers = frame.start + np.array(frame.rollers)
+        low, high = middles[0] - 0.5 * case.track.pitch, middles[-1] + 0.5 * case.track.pitch
+        above.append((rollers > low) & (rollers < high))
+    assert np.any(above, axis=0).all()
+    assert np.sum(above, axis=1).min() >= 2
 
 
 def test_machine_digs_above_the_flexible_shoes():
@@ -62,7 +70,7 @@ def test_open_choices_differ_from_what_is_chosen_by_one_thing():
 @pytest.mark.simulation
 def test_reduced_study_finds_stresses_in_all_regions():
     runs, regions = study(None, "coarse", duration=0.3, progress=False)
-    assert list(runs) == ["pass", "loading", "dragged", *OVERHANG]
+    assert list(runs) == ["pass", "loading", "dragged", *overhang_cases()]
     names = {"roller path", "notches", "lugs", "web", "wings"}
     assert set(regions["region"]) == names
     assert (regions["von Mises in MPa"] > 0.0).all()
