@@ -75,9 +75,7 @@ def life(
     inputs = [(one, _histories(one)) for one in duty.by_stage()]
     with heartbeat(f"life of {duty.name}"):
         lives = [_life_of(one, histories, say) for one, histories in inputs]
-        found = lives[0]
-        if duty.stages:
-            found = life_of_stages(duty, lives, lambda last: _life_of(last, inputs[-1][1], say))
+        found = life_of_stages(duty, lives) if duty.stages else lives[0]
         if folder is not None:
             write_life(found, writable_folder(folder), overwrite)
     return found

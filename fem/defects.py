@@ -7,6 +7,7 @@ survive), da/dN = 5.21e-13 mm (dK in N/mm^1.5)^3 above a threshold of 63 to 170 
 recommendations have too; dK is the whole range, also with negative stress ratios. Both as others quote them.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -65,8 +66,21 @@ def threshold(ratio: float | Floats) -> Floats:
     return MM15 * np.clip(170.0 - 214.0 * np.asarray(ratio), 63.0, 170.0)
 
 
-def growth_time(low: Floats, high: Floats, rate: Floats, start: float, end: float) -> float:
-    """Time that a crack takes to grow, infinite if it never does; in the unit of which `rate` are cycles.
+class CycleStage(NamedTuple):
+    """Cycles between two stresses each (n,), Pa, how often each happens, and for how long."""
+
+    begin: Floats
+    end: Floats
+    rate: Floats
+    lasts: float = np.inf
+
+
+def growth(
+    low: Floats, high: Floats, rate: Floats, start: float, end: float, lasts: float = np.inf
+) -> tuple[float, float]:
+    """Time that a crack takes to grow, at most `lasts`, and its sqrt(area) (m) then.
+
+    Infinite if it never grows so far; in the unit of time of which `rate` are cycles.
 
     Parameters
     ----------
@@ -84,30 +98,42 @@ def growth_time(low: Floats, high: Floats, rate: Floats, start: float, end: floa
     order = np.argsort(grows_from)
     sizes, sums = grows_from[order], np.cumsum((rate * stress**EXPONENT)[order])
     if not len(sizes) or sizes[0] > start or end <= start:
-        return np.inf if end > start else 0.0
+        return (lasts, start) if end > start else (0.0, start)
     edges = np.concatenate(([start], sizes[(sizes > start) & (sizes < end)], [end]))
     each = DEPTHS * RATE * (GEOMETRY * np.sqrt(np.pi)) ** EXPONENT
     speed = each * sums[sizes.searchsorted(edges[:-1], "right") - 1]
     # of d size / dt = speed size^1.5, exactly
-    return float(np.sum(2.0 / speed * (edges[:-1] ** -0.5 - edges[1:] ** -0.5)))
+    until = np.cumsum(2.0 / speed * (edges[:-1] ** -0.5 - edges[1:] ** -0.5))
+    if until[-1] <= lasts:
+        return float(until[-1]), end
+    k = int(until.searchsorted(lasts, "right"))
+    rest = lasts - (until[k - 1] if k else 0.0)
+    return lasts, float((edges[k] ** -0.5 - 0.5 * speed[k] * rest) ** -2)
 
 
-def defect_life(
-    defect: Defect, curve: SNCurve, begin: Floats, end: Floats, rate: Floats, survival: float
-) -> float:
-    """Time until a defect is a crack under cycles between two stresses (Pa), each so often in a unit of time.
+def defect_life(defect: Defect, curve: SNCurve, stages: Sequence[CycleStage], survival: float) -> float:
+    """Time until a defect is a crack under cycles of stages, one after the other; infinite if it never is.
 
     Up to `SMALL` by Miner's rule with the curve, without a casting factor, whose strength is Murakami's limit
     if that is less; beyond by growth, whatever the survival. The curve's residual stress adds to both.
     """
-    low, high = (part + curve.residual_stress for part in (np.minimum(begin, end), np.maximum(begin, end)))
-    if defect.size > SMALL:
-        return growth_time(low, high, rate, defect.size, defect.crack)
-    moves = high > low
-    amplitude, mean = 0.5 * (high - low)[moves], 0.5 * (high + low)[moves]
-    equal = equivalent_amplitude(defect.hardness, amplitude, mean)
     limit = float(murakami_limit(defect.size, defect.hardness))
     own = replace(curve, strength=min(curve.strength, limit), residual_stress=0.0)
-    each = own.damage(equal, np.zeros_like(equal), (survival,))[0]
-    damage = float(each @ np.broadcast_to(rate, moves.shape)[moves])
-    return 1.0 / damage if damage > 0.0 else np.inf
+    time, size, damage = 0.0, defect.size, 0.0
+    for begin, end, rate, lasts in stages:
+        low = np.minimum(begin, end) + curve.residual_stress
+        high = np.maximum(begin, end) + curve.residual_stress
+        if defect.size > SMALL:
+            spent, size = growth(low, high, rate, size, defect.crack, lasts)
+        else:
+            moves = high > low
+            amplitude, mean = 0.5 * (high - low)[moves], 0.5 * (high + low)[moves]
+            equal = equivalent_amplitude(defect.hardness, amplitude, mean)
+            each = own.damage(equal, np.zeros_like(equal), (survival,))[0]
+            speed = float(each @ np.broadcast_to(rate, moves.shape)[moves])
+            spent = min(lasts, (1.0 - damage) / speed) if speed > 0.0 else lasts
+            damage = 1.0 if spent < lasts else damage + speed * spent
+        time += spent
+        if size >= defect.crack or damage >= 1.0:
+            break
+    return time

@@ -8,10 +8,11 @@ from fem import SNCurve
 from fem.defects import (
     GEOMETRY,
     MM15,
+    CycleStage,
     Defect,
     defect_life,
     equivalent_amplitude,
-    growth_time,
+    growth,
     murakami_limit,
     threshold,
 )
@@ -85,11 +86,11 @@ def test_growth_of_one_range_is_the_closed_form():
     assert geometry == pytest.approx(0.728, abs=1e-3)
     way = (0.01 / depths) ** -0.5 - (0.06 / depths) ** -0.5
     expected = 2.0 * way / (1.6475e-11 * (geometry * 200.0) ** 3 * np.pi**1.5)
-    assert growth_time(low, high, np.ones(1), 0.01, 0.06) == pytest.approx(expected, rel=1e-3)
+    assert growth(low, high, np.ones(1), 0.01, 0.06)[0] == pytest.approx(expected, rel=1e-3)
     # 0.65 dS sqrt(pi s) = 5.376 MPa m^0.5
     asleep = 5.376 / 0.65 / np.sqrt(np.pi * 0.01)
     for factor, grows in ((0.999, False), (1.001, True)):
-        time = growth_time(low, np.array([asleep * factor * MEGA]), np.ones(1), 0.01, 0.06)
+        time = growth(low, np.array([asleep * factor * MEGA]), np.ones(1), 0.01, 0.06)[0]
         assert np.isfinite(time) == grows
 
 
@@ -102,22 +103,26 @@ def test_growth_under_many_ranges_is_scipys_integral():
     rate = random.uniform(0.1, 3.0, 40)
     opens = high > 0.0
     expected = by_scipy(low[opens], high[opens], rate[opens], 0.003, 0.03)
-    assert growth_time(low, high, rate, 0.003, 0.03) == pytest.approx(expected, rel=1e-4)
-    assert growth_time(low, high, 2.0 * rate, 0.003, 0.03) == pytest.approx(0.5 * expected, rel=1e-4)
-    assert growth_time(low - 400e6, high - 400e6, rate, 0.003, 0.03) == np.inf
+    assert growth(low, high, rate, 0.003, 0.03)[0] == pytest.approx(expected, rel=1e-4)
+    assert growth(low, high, 2.0 * rate, 0.003, 0.03)[0] == pytest.approx(0.5 * expected, rel=1e-4)
+    assert growth(low - 400e6, high - 400e6, rate, 0.003, 0.03) == (np.inf, 0.003)
 
 
 def test_a_small_defect_counts_by_its_limit_and_a_smaller_one_not_at_all():
-    def life(size, residual=0.0, strength=CURVE.strength):
+    def life(size, residual=0.0, strength=CURVE.strength, lasts=np.inf):
         curve = SNCurve(strength, 5.0, 1e6, 0.35, 1.4, 0.975, residual_stress=residual)
         zero = np.zeros(1)
-        return defect_life(Defect(size, 270.0, 0.06), curve, zero, np.array([300e6]), np.ones(1), 0.975)
+        stages = [CycleStage(zero, np.array([300e6]), np.ones(1), one) for one in (lasts, np.inf)]
+        return defect_life(Defect(size, 270.0, 0.06), curve, stages, 0.975)
 
     limit = murakami_limit(1e-3, 270.0, 0.0)
     assert life(1e-3) == pytest.approx(1e6 * (limit / 150e6) ** 5, rel=1e-9)
     assert life(1e-6) == life(2e-6) > life(1e-3)
     assert life(1e-3, residual=200e6) < life(1e-3) < life(1e-3, residual=-200e6)
-    assert life(1.1e-3) == growth_time(np.zeros(1), np.array([300e6]), np.ones(1), 1.1e-3, 0.06)
+    assert life(1.1e-3) == growth(np.zeros(1), np.array([300e6]), np.ones(1), 1.1e-3, 0.06)[0]
+    # the same twice is the same
+    for size in (1e-3, 3e-3):
+        assert life(size, lasts=0.4 * life(size)) == pytest.approx(life(size), rel=1e-9)
     assert life(3e-3, residual=-400e6) == np.inf
 
 
@@ -128,3 +133,25 @@ def test_residual_stress_adds_to_the_mean_of_a_curve():
     np.testing.assert_allclose(
         shifted.damage(amplitude, mean, (0.5,)), plain.damage(amplitude, mean + 80e6, (0.5,))
     )
+
+
+def test_a_defect_grows_over_stages_of_other_cycles():
+    """Twice: what is left of it after the first stage goes on, by scipy's integral, and Miner's damage."""
+    defect, zero, one = Defect(3e-3, 270.0, 0.03), np.zeros(1), np.ones(1)
+    new, worn = np.array([150e6]), np.array([250e6])
+
+    def life(size: float, lasts: float) -> float:
+        stages = [CycleStage(zero, new, one, lasts), CycleStage(zero, worn, 2.0 * one)]
+        return defect_life(defect._replace(size=size), CURVE, stages, 0.975)
+
+    hours = 0.3 * by_scipy(zero, new, one, 3e-3, 0.03)
+    _, size = growth(zero, new, one, 3e-3, 0.03, hours)
+    assert by_scipy(zero, new, one, 3e-3, size) == pytest.approx(hours, rel=1e-4)
+    assert life(3e-3, hours) == pytest.approx(hours + by_scipy(zero, worn, 2.0 * one, size, 0.03), rel=1e-4)
+    # a crack that sleeps in the first stage grows in the second one
+    asleep = np.array([40e6])
+    stages = [CycleStage(zero, asleep, one, 1e5), CycleStage(zero, worn, one)]
+    awake = by_scipy(zero, worn, one, 3e-3, 0.03)
+    assert defect_life(defect, CURVE, stages, 0.975) == pytest.approx(1e5 + awake, rel=1e-4)
+    alone, then = life(5e-4, np.inf), life(5e-4, 0.0)
+    assert life(5e-4, 0.25 * alone) == pytest.approx(0.25 * alone + 0.75 * then, rel=1e-9)

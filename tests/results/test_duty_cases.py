@@ -14,6 +14,7 @@ from exudyn_crawler.results.checks.solve import UNLOADED, CheckedShoe, case_shap
 from exudyn_crawler.results.life.duty import DutyCase, DutyRun, DutyStage
 from exudyn_crawler.results.life.life import BETWEEN, BEYOND, hours_in_stages, life_of, life_of_stages
 from fem import Shapes
+from fem.defects import growth
 from meshes.shoe import STEEL, joint_interfaces
 
 STRENGTH, SENSITIVITY, KNEE = 100e6, 0.3, 1e6
@@ -101,7 +102,7 @@ def test_damage_of_stages_adds_up_at_the_nearest_nodes(mesh):
         life_of(one, [], shapes=pulled(shape, stress))
         for one, shape, stress in zip(whole.by_stage(), (mesh, worn), (150e6, 200e6), strict=True)
     ]
-    found = life_of_stages(whole, of_stages, lambda _duty: of_stages[-1])
+    found = life_of_stages(whole, of_stages)
     new, later = (100.0 * damage_of(one) for one in (75e6, 100e6))
     lasts = 1000.0 + (1.0 - 1000.0 * new) / later
     assert 1000.0 * new < 0.5
@@ -114,6 +115,30 @@ def test_damage_of_stages_adds_up_at_the_nearest_nodes(mesh):
     assert found.duty == whole
     assert found.table["life in h that 97.5 % survive"].iloc[0] == pytest.approx(lasts)
     assert found.table["main part"].iloc[0] == "worn, stones"
+
+
+def test_a_defect_grows_over_the_stages_of_a_duty(mesh):
+    """1000 h at 150 MPa and then 200 MPa, 100 times an hour, by the growth law alone; 0.5 mm by Miner."""
+    stages = (DutyStage(name="new", hours=1000.0), DutyStage(name="worn", hours=500.0))
+    castings = ({"region": "web", "defect_size": 3e-3}, {"region": "lugs", "defect_size": 5e-4})
+    strong = MATERIAL.with_(castings=castings, fatigue_strength=400e6)
+    whole = duty(STONE.with_(an_hour=100.0), stages=stages, material=strong)
+    worn = dataclasses.replace(mesh, nodes=mesh.nodes + np.array([0.0, 0.0, 1e-4]))
+    of_stages = [
+        life_of(one, [], shapes=pulled(shape, stress))
+        for one, shape, stress in zip(whole.by_stage(), (mesh, worn), (150e6, 200e6), strict=True)
+    ]
+    table = life_of_stages(whole, of_stages).table.set_index("region")
+    zero, once = np.zeros(1), np.full(1, 100.0)
+    hours, size = growth(zero, np.array([150e6]), once, 3e-3, 0.06, 1000.0)
+    rest, _ = growth(zero, np.array([200e6]), once, size, 0.06)
+    assert hours == 1000.0
+    assert table.loc["web", "life in h, defect"] == pytest.approx(1000.0 + rest, rel=1e-6)
+    alone = [one.table.set_index("region")["life in h, defect"] for one in of_stages]
+    assert alone[1]["web"] < table.loc["web", "life in h, defect"] < alone[0]["web"]
+    left = 1.0 - 1000.0 / alone[0]["lugs"]
+    assert table.loc["lugs", "life in h, defect"] == pytest.approx(1000.0 + left * alone[1]["lugs"], rel=1e-6)
+    assert np.isnan(table.loc["wings", "life in h, defect"])
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ import pytest
 
 from exudyn_crawler import FatigueMaterial
 from exudyn_crawler.errors import ParameterError
+from fem.defects import CycleStage
 
 
 def test_strength_by_hand():
@@ -68,13 +69,13 @@ def test_castings_differ_by_region():
     material = FatigueMaterial.cast_nicrmo().with_(castings=({"defect_size": 1e-3}, path))
     assert material.curve("elementary", "roller path").residual_stress == -200e6
     assert material.curve("elementary", "lugs") == FatigueMaterial.cast_nicrmo().curve()
-    ends, once = (np.zeros(1), np.array([300e6])), np.ones(1)
-    assert np.isnan(material.defect_life("roller path", "elementary", ends, once, 0.975))
+    once = [CycleStage(np.zeros(1), np.array([300e6]), np.ones(1))]
+    assert np.isnan(material.defect_life("roller path", "elementary", once, 0.975))
     # HV 860 / 3.2; a defect of 1 mm is about what the casting factor of 1.25 stands for
     hardness = 860.0 / 3.2
     limit = 1.43 * (hardness + 120.0) / 1000.0 ** (1.0 / 6.0) * 0.5 ** (0.226 + 1e-4 * hardness)
     expected = 1e6 * (limit / 150.0) ** 5
-    assert material.defect_life("lugs", "elementary", ends, once, 0.975) == pytest.approx(expected, rel=1e-6)
+    assert material.defect_life("lugs", "elementary", once, 0.975) == pytest.approx(expected, rel=1e-6)
     sound = 1.0 / material.curve().damage(np.array([150e6]), np.array([150e6]), (0.975,))[0, 0]
     assert 0.3 < expected / sound < 3.0
     with pytest.raises(ParameterError, match="regions must differ"):

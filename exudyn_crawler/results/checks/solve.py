@@ -19,6 +19,7 @@ from exudyn_crawler.results.checks.roller_path import hertz_table
 from exudyn_crawler.results.life.duty import UNLOADED
 from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS, shoe_regions
 from fem import ElasticBody, Mesh, Partition, Shapes, trust
+from fem.defects import CycleStage
 from fem.interfaces import Spider, rigid_motion_of_centers
 from fem.stress import principal, von_mises
 from fem.supports import UPRIGHT, OneSidedBed, Rest, SurfacePoints, section, surface_points
@@ -475,15 +476,9 @@ def cycle_table(
             )
             if check.material.castings:
                 tension = signed[own] + amplitude[own] + curves[region].residual_stress > 0.0
-                lives = [
-                    check.material.defect_life(
-                        region,
-                        "elementary",
-                        (signed[[one]] - amplitude[[one]], signed[[one]] + amplitude[[one]]),
-                        np.ones(1),
-                        SURVIVAL,
-                    )
-                    for one in (at, *own[np.argsort(tension * amplitude[own])[-WIDEST:]])
-                ]
+                widest = [at, *own[np.argsort(tension * amplitude[own])[-WIDEST:]]]
+                ends = np.stack((signed - amplitude, signed + amplitude))[:, widest, None]
+                each = ([CycleStage(low, high, np.ones(1))] for low, high in ends.swapaxes(0, 1))
+                lives = (check.material.defect_life(region, "elementary", one, SURVIVAL) for one in each)
                 rows[-1] |= {"cycles to a crack, defect": min(lives)}
     return pd.DataFrame(rows)

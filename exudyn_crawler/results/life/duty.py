@@ -4,6 +4,7 @@ The strength is by local stresses of the FKM guideline ("Analytical Strength Ass
 Forschungskuratorium Maschinenbau, 6th ed., 2012), whose formulas are pyLife's.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
@@ -14,7 +15,7 @@ from pydantic import Field, model_validator
 from exudyn_crawler.case.parameters.base import Name, Parameters, option, quantity
 from exudyn_crawler.case.parameters.reading import read_parameters, with_base
 from exudyn_crawler.results.stress.hot_spots import Region
-from fem.defects import Defect, defect_life
+from fem.defects import CycleStage, Defect, defect_life
 from fem.fatigue import Miner, SNCurve
 
 FKMClass = Literal["steel", "forged steel", "case-hardened steel", "stainless steel", "cast steel"]
@@ -182,17 +183,16 @@ class FatigueMaterial(Parameters):
         self,
         region: str,
         miner: Miner,
-        ends: tuple[np.ndarray, np.ndarray],
-        rate: np.ndarray,
+        stages: Sequence[CycleStage],
         survival: float,
     ) -> float:
-        """Time to a crack from a region's defect by cycles between two stresses (Pa); NaN without one."""
+        """Time to a crack from a region's defect by the cycles of stages; NaN without one."""
         size = self.casting(region).defect_size
         if not size:
             return np.nan
         hardness = self.tensile_strength / MEGA / HARDNESS if self.hardness is None else self.hardness
         sound = self.with_(casting_factor=1.0).curve(miner, region)
-        return defect_life(Defect(size, hardness, self.crack_size), sound, *ends, rate, survival)
+        return defect_life(Defect(size, hardness, self.crack_size), sound, stages, survival)
 
     def curve(self, miner: Miner = "elementary", region: str = "") -> SNCurve:
         """S-N curve of the part's surface by local stresses, in a region with its residual stress."""

@@ -26,6 +26,7 @@ from exudyn_crawler.results.stress import hot_spots
 from exudyn_crawler.results.stress.basis import same_squares
 from fem import Shapes, SNCurve, critical_plane, trust
 from fem.damage import damage_between, recover_damage
+from fem.defects import CycleStage
 
 BEYOND = 1e9  # h, beyond which lives are not distinguished; damage below one over it is left out
 BETWEEN = "between runs"  # part of the damage that no run has alone
@@ -49,6 +50,7 @@ class LifeResults:
     dataset: xr.Dataset
     table: pd.DataFrame  # of `shortest_lives`: the shortest life of every region; then the chosen nodes
     nodes: Mapping[int, NodeLife]  # cycles and causes at the nodes of the table, in the last stage
+    runs: Sequence[UsedRun]  # runs and check cases, in the last stage
     whole: Shapes  # modes, and static fields, that the stresses are made of
     regions: np.ndarray  # (nodes,) of str
     bounded: bool  # whether it is known what left-out static fields may do
@@ -125,21 +127,9 @@ def life_of(
     say(f"causes at {len(shown)} nodes")
     nodes = node_lives(duty, runs, {node: duty.material.curve(duty.miner, regions[node]) for node in shown})
     bounded = all(one.basis.bound is not None for one in runs)
-    table = _table(duty, dataset, nodes, whole, regions, bounded)
-    return LifeResults(duty, dataset, table, nodes, whole, regions, bounded)
-
-
-def _table(
-    duty: Duty,
-    dataset: xr.Dataset,
-    nodes: Mapping[int, NodeLife],
-    whole: Shapes,
-    regions: np.ndarray,
-    bounded: bool,
-) -> pd.DataFrame:
-    """Shortest lives, with castings' columns where the material has any."""
     table = shortest_lives(dataset, nodes, whole, regions, bounded)
-    return pd.concat((table, _castings(duty, table, nodes)), axis=1) if duty.material.castings else table
+    found = LifeResults(duty, dataset, table, nodes, runs, whole, regions, bounded)
+    return _with_castings(found, [found], [np.arange(len(whole.nodes))])
 
 
 class _Group(NamedTuple):
@@ -158,17 +148,30 @@ def _groups(duty: Duty, regions: np.ndarray, surface: np.ndarray) -> list[_Group
     ]
 
 
-def _castings(duty: Duty, table: pd.DataFrame, nodes: Mapping[int, NodeLife]) -> pd.DataFrame:
-    """Residual stress, defect and life with it of the nodes of a table, without what goes between runs."""
-    rows = []
-    for region, node in zip(table["region"], table["node"], strict=True):
-        casting, cycles = duty.material.casting(region), nodes[node].cycles
-        ends = (cycles["begin in Pa"].to_numpy(), cycles["end in Pa"].to_numpy())
-        often = cycles["times an hour"].to_numpy()
-        life = duty.material.defect_life(region, duty.miner, ends, often, duty.survivals[-1])
+def _with_castings(
+    found: LifeResults, stages: Sequence[LifeResults], nearest: Sequence[np.ndarray]
+) -> LifeResults:
+    """Same with residual stress, defect and life with it in its table, if its material has castings.
+
+    Without what goes between runs; at the nodes of its table, and the `nearest` ones of earlier stages.
+    """
+    duty, material, rows = found.duty, found.duty.material, []
+    if not material.castings:
+        return found
+    lasting = [*(stage.hours for stage in duty.stages[:-1]), np.inf]
+    for region, node in zip(found.table["region"], found.table["node"], strict=True):
+        cycles = []
+        for one, near, hours in zip(stages, nearest, lasting, strict=True):
+            at, curve = int(near[node]), material.curve(duty.miner, region)
+            own = found.nodes if one is stages[-1] else node_lives(one.duty, one.runs, {at: curve})
+            names = ("begin in Pa", "end in Pa", "times an hour")
+            begin, end, rate = (own[at].cycles[name].to_numpy(dtype=float) for name in names)
+            cycles.append(CycleStage(begin, end, rate, hours))
+        life = material.defect_life(region, duty.miner, cycles, duty.survivals[-1])
+        casting = material.casting(region)
         row = {"residual stress in MPa": casting.residual_stress / MEGA}
         rows.append(row | {"defect in mm": casting.defect_size / MILLI, f"{LIFE}, defect": min(life, BEYOND)})
-    return pd.DataFrame(rows)
+    return replace(found, table=pd.concat((found.table, pd.DataFrame(rows)), axis=1))
 
 
 def _shown(damage: np.ndarray, regions: np.ndarray, duty: Duty) -> list[int]:
@@ -178,17 +181,13 @@ def _shown(damage: np.ndarray, regions: np.ndarray, duty: Duty) -> list[int]:
     return list(dict.fromkeys([*shortest, *duty.nodes]))
 
 
-def life_of_stages(
-    duty: Duty,
-    stages: Sequence[LifeResults],
-    again: Callable[[Duty], LifeResults],
-) -> LifeResults:
+def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     """Life over stages of wear from the lives of each alone: damage adds up until a node's is 1.
 
     On the mesh of the last stage; a node of it stands for the nearest one of the same region before. Its
     `damage_an_hour` is the mean until the crack, and so are the parts of it, which have the names of their
-    stages; planes, the stress's uncertainty, and cycles at nodes are those of the last stage. `again` gives
-    the last stage's life with nodes of a changed duty. ValueError if stages have other places in the track.
+    stages; planes, the stress's uncertainty, and cycles at nodes are those of the last stage. ValueError if
+    stages have other places in the track.
     """
     last = stages[-1]
     if any(one.dataset.shoe.values.tolist() != last.dataset.shoe.values.tolist() for one in stages):
@@ -220,14 +219,20 @@ def life_of_stages(
         "part_damage": np.concatenate(parts),
     }
     shown = _shown(mean[-1], last.regions, duty)
-    if set(shown) - set(last.nodes):
-        last = again(last.duty.with_(nodes=tuple(shown)))
+    nodes = {node: last.nodes[node] for node in shown if node in last.nodes}
+    if more := [node for node in shown if node not in nodes]:
+        curves = {node: duty.material.curve(duty.miner, last.regions[node]) for node in more}
+        nodes |= node_lives(last.duty, last.runs, curves)
+        groups = _groups(duty, last.regions, last.whole.mesh.surface_nodes)
+        planes = _on_critical_planes(last.duty, last.runs, groups, np.array(more))
+        for name, own in zip(("plane_damage", "plane_normal"), planes, strict=True):
+            values[name] = np.where(np.isnan(own), last.dataset[name].values, own)
     dataset = last.dataset.drop_dims("part").assign_coords(part=np.array(names, dtype=object))
     dataset = dataset.assign({name: variable(name, value) for name, value in values.items()})
     dataset = dataset.assign_attrs(duty=duty.model_dump_json())
-    nodes = {node: last.nodes[node] for node in shown}
-    table = _table(duty, dataset, nodes, last.whole, last.regions, last.bounded)
-    return replace(last, duty=duty, dataset=dataset, table=table, nodes=nodes)
+    table = shortest_lives(dataset, nodes, last.whole, last.regions, last.bounded)
+    found = replace(last, duty=duty, dataset=dataset, table=table, nodes=nodes)
+    return _with_castings(found, stages, nearest)
 
 
 def hours_in_stages(damage: np.ndarray, hours: Sequence[float]) -> np.ndarray:
