@@ -72,13 +72,18 @@ def life(
     if folder is not None:
         for name in FILES:
             refuse_existing(folder / name, overwrite)
+    lives = stage_lives(duty, say)
+    found = life_of_stages(duty, lives) if duty.stages else lives[0]
+    if folder is not None:
+        write_life(found, writable_folder(folder), overwrite)
+    return found
+
+
+def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> list[LifeResults]:
+    """Life over each stage of a duty alone, or over all of it; arguments and errors as of `life`."""
     inputs = [(one, _histories(one)) for one in duty.by_stage()]
     with heartbeat(f"life of {duty.name}"):
-        lives = [_life_of(one, histories, say) for one, histories in inputs]
-        found = life_of_stages(duty, lives) if duty.stages else lives[0]
-        if folder is not None:
-            write_life(found, writable_folder(folder), overwrite)
-    return found
+        return [_life_of(one, histories, say) for one, histories in inputs]
 
 
 def _life_of(duty: Duty, histories: Sequence[History], say: Callable[[str], None]) -> LifeResults:

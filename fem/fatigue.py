@@ -4,8 +4,8 @@ All formulas are pyLife's; values needed thousands of times are computed once an
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -86,12 +86,10 @@ class SNCurve:
         """
         return 2.0 * self.slope - 1.0 if self.miner == "haibach" else self.slope
 
-    @cached_property
+    @property
     def _woehler(self) -> WoehlerCurve:
         """Same curve in pyLife."""
-        values = {"k_1": self.slope, "ND": self.knee, "SD": self.strength, "TS": self.scatter}
-        curve = WoehlerCurve(pd.Series(values | {"failure_probability": 1.0 - self.survival}))
-        return getattr(curve, f"miner_{self.miner}")()
+        return _woehler_of(replace(self, residual_stress=0.0))
 
     def equivalent(self, amplitude: Floats, mean: Floats) -> Floats:
         """Amplitudes at R = -1 with the same damage as cycles of positive amplitudes and their means.
@@ -101,27 +99,44 @@ class SNCurve:
         """
         return amplitude * np.interp(mean / amplitude, HAIGH_CORNERS, self._mean_factors)
 
-    @cached_property
+    @property
     def _mean_factors(self) -> Floats:
         """Factor of an amplitude at each of the corners of the Haigh diagram."""
-        third, none = self.mean_sensitivity / 3.0, 0.0
-        slopes = {"M0": self.mean_sensitivity, "M1": third, "M2": none, "M3": none, "M4": none}
-        diagram = HaighDiagram.five_segment(pd.Series(slopes | {"R12": 0.5, "R23": 0.9}))
-        cycles = pd.DataFrame({"range": np.full(len(HAIGH_CORNERS), 2.0), "mean": HAIGH_CORNERS})
-        return 0.5 * diagram.transform(cycles, -1.0)["range"].to_numpy()
+        return _mean_factors_of(self.mean_sensitivity)
 
     def damage(self, amplitude: Floats, mean: Floats, survivals: Sequence[float]) -> Floats:
         """Damage (s, n) of cycles of positive amplitudes (n,) and their means, by survival."""
         equivalent = self.equivalent(amplitude, mean + self.residual_stress)
         scales = [self.strength / self.strength_at(survival) for survival in survivals]
-        loads = np.multiply.outer(scales, equivalent)
-        return 1.0 / self._woehler.cycles(loads.ravel()).reshape(loads.shape)
+        over = np.multiply.outer(scales, equivalent) / self.strength
+        slopes = np.where(over < 1.0, _slope_below(self), self.slope)
+        return over**slopes / self.knee
 
     def harmless(self, damage: float, survival: float) -> float:
         """Amplitude in Pa up to which no cycle, of whatever mean, does more than this positive damage."""
         scale = self.strength_at(survival) / self.strength
         load = float(self._woehler.load(np.array(1.0 / damage)))
         return scale * load / float(self._mean_factors.max())
+
+
+@lru_cache(maxsize=64)
+def _woehler_of(curve: SNCurve) -> WoehlerCurve:
+    values = {"k_1": curve.slope, "ND": curve.knee, "SD": curve.strength, "TS": curve.scatter}
+    found = WoehlerCurve(pd.Series(values | {"failure_probability": 1.0 - curve.survival}))
+    return getattr(found, f"miner_{curve.miner}")()
+
+
+@lru_cache(maxsize=64)
+def _slope_below(curve: SNCurve) -> float:
+    return float(curve._woehler.k_2)
+
+
+@lru_cache(maxsize=64)
+def _mean_factors_of(sensitivity: float) -> Floats:
+    slopes = {"M0": sensitivity, "M1": sensitivity / 3.0, "M2": 0.0, "M3": 0.0, "M4": 0.0}
+    diagram = HaighDiagram.five_segment(pd.Series(slopes | {"R12": 0.5, "R23": 0.9}))
+    cycles = pd.DataFrame({"range": np.full(len(HAIGH_CORNERS), 2.0), "mean": HAIGH_CORNERS})
+    return 0.5 * diagram.transform(cycles, -1.0)["range"].to_numpy()
 
 
 @lru_cache(maxsize=64)

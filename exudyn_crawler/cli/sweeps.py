@@ -13,15 +13,13 @@ from exudyn_crawler.views.tables import print_rows, print_table
 if TYPE_CHECKING:
     import pandas as pd
 
-    from exudyn_crawler.sweep.definition import Sweep
     from exudyn_crawler.sweep.running import SweepRun
+    from exudyn_crawler.sweep.scatter import AnySweep
 
 NEEDED = ("distributed", "SALib", "pyarrow")
 """Modules of the extra `sweep`."""
 SHOWN = 60
 """Rows of the table of runs that are printed."""
-QUANTILES = ["value", "least", "most", "of a quarter", "of half"]
-"""Columns of a table of quantiles that have its unit."""
 
 
 SweepFile = Annotated[Path, typer.Argument(help="sweep file", metavar="SWEEP.toml")]
@@ -84,9 +82,9 @@ def scatter(
     storage: Storage = None,
     retry: Retry = False,
 ) -> None:
-    """Run a case with values drawn from distributions: quantiles of answers, shoes that crack in a fleet.
+    """Run a case, or count a duty, with values drawn: quantiles of answers, shoes that crack in a fleet.
 
-    Example: exudyn-crawler scatter studies/scatter.toml --dry-run
+    Example: exudyn-crawler scatter studies/duty_scatter.toml
     """
     plan = _planned(file)
     if not plan.is_sampled:
@@ -107,6 +105,7 @@ def scatter(
 def _for_reading(table: "pd.DataFrame") -> "pd.DataFrame":
     """Table with a unit a row, if it has one, with its other numbers in units for reading."""
     from exudyn_crawler.results.history.catalogue import READ_IN
+    from exudyn_crawler.views.pages.sweep import QUANTILES
 
     made = table.copy()
     for row, unit in table.get("unit", {}).items():
@@ -115,23 +114,26 @@ def _for_reading(table: "pd.DataFrame") -> "pd.DataFrame":
     return made
 
 
-def _planned(file: Path) -> "Sweep":
-    """Sweep of a file; ValueError if what sweeps need is not installed."""
+def _planned(file: Path) -> "AnySweep":
+    """Sweep, or scatter over a duty, of a file; ValueError if what these need is not installed."""
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise ValueError(f"sweeps need {', '.join(missing)}: pip install 'exudyn-crawler[sweep]'")
-    from exudyn_crawler.sweep.definition import read_sweep
+    from exudyn_crawler.sweep.scatter import read_scatter
 
-    return read_sweep(file)
+    return read_scatter(file)
 
 
-def _swept(plan: "Sweep", out: Path, dry_run: bool, how: dict[str, Any]) -> "SweepRun | None":
+def _swept(plan: "AnySweep", out: Path, dry_run: bool, how: dict[str, Any]) -> "SweepRun | None":
     """Sweep that was run; None where its runs are only to be shown."""
     if how["scheduler"] is not None and how["workers"] is not None:
         raise ValueError("--workers must be left out with --scheduler, which has workers of its own")
-    from exudyn_crawler.sweep.running import folder_state, run_sweep
+    from exudyn_crawler.sweep.definition import Sweep
+    from exudyn_crawler.sweep.running import folder_state, run_duty_scatter, run_sweep
 
     if not dry_run:
+        if not isinstance(plan, Sweep):
+            return run_duty_scatter(plan, out, typer.echo)
         return run_sweep(plan, out, say=typer.echo, **how)
     from exudyn_crawler.case.parameters.fields import value_text
 
@@ -141,7 +143,8 @@ def _swept(plan: "Sweep", out: Path, dry_run: bool, how: dict[str, Any]) -> "Swe
     title = f"{len(table)} runs{shown}; {', '.join(plan.columns)}"
     print_table(table.head(SHOWN).assign(**read), title)
     del how["scheduler"]
-    typer.echo(folder_state(plan, out, **how))
+    if isinstance(plan, Sweep):
+        typer.echo(folder_state(plan, out, **how))
     return None
 
 

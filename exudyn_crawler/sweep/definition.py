@@ -10,7 +10,7 @@ from contextlib import suppress
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -22,6 +22,7 @@ from exudyn_crawler.case.parameters import checks, fields
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.reading import Content, read_parameters, with_base
 from exudyn_crawler.case.parameters.units import number_of
+from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.run.folder.record import PROGRAM
 from exudyn_crawler.sweep.answers import ANSWERS, Answers, Damage, Life, Often
 from exudyn_crawler.sweep.vary import Varied, Vary, checked_case, idle
@@ -64,20 +65,25 @@ class Fleet(Parameters):
     )
 
 
-class Sweep(Parameters):
-    """A case, what of it varies, by which design, and the answers that are wanted of every run.
+class Variation(Parameters):
+    """What varies, and by which design."""
 
-    Unknown paths, other units and answers that the runs cannot give are refused when it is made.
-    """
-
-    case: CaseFile
     vary: tuple[Vary, ...] = option("what varies", min_length=1)
-    answers: tuple[Answers, ...] = option("what is wanted of every run", min_length=1)
     design: Design = option("grid, list, latin_hypercube, sobol or saltelli", "grid")
     runs: int | None = option("points that latin_hypercube, sobol or saltelli draw", None, ge=1, le=MOST_RUNS)
     seed: int = option("of the random numbers", 1, ge=0, le=2**32 - 1)
-    outputs: Outputs = option("what every run leaves, whatever its case says", LIGHT)
     fleet: Fleet = option("shoes that a scatter of lives is counted for", Fleet())
+
+    if TYPE_CHECKING:  # what each kind has
+
+        @property
+        def answers(self) -> tuple[Answers, ...]: ...  # noqa: D102
+        @property
+        def named(self) -> str: ...  # noqa: D102
+        @property
+        def planned(self) -> tuple[PlannedRun, ...]: ...  # noqa: D102
+        @property
+        def _varied(self) -> CaseFile | Duty: ...
 
     def _errors(self) -> Errors:
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]
@@ -89,14 +95,6 @@ class Sweep(Parameters):
         sizes = [len(one.values) if one.values is not None else one.count or 1 for one in self.vary]
         if self.design == "grid" and self.runs is None and (count := math.prod(sizes)) > MOST_RUNS:
             yield f"runs must be at most {MOST_RUNS}, got a grid of at least {count}"
-        if isinstance(self._varied, Varied) and self._varied.life is None:
-            yield "vary: paths of life need an answer of model 'life'"
-            return
-        for one in self.vary:
-            one.check(self._varied)
-        for answer in self.answers:
-            answer.check(self.case)
-        self.rows  # noqa: B018 - refuses numbers of runs that do not fit the design
 
     @property
     def is_sampled(self) -> bool:
@@ -113,6 +111,70 @@ class Sweep(Parameters):
         """Values of all runs."""
         return design_rows(self.design, self.vary, self.runs, self.seed)
 
+    def units(self) -> dict[str, str]:
+        """Units of the columns of what varies and of the answers, empty for what has none."""
+        varied = {one.label: one.unit_in(self._varied) for one in self.vary}
+        return varied | {answer.label: answer.unit for answer in self.answers}
+
+    def meanings(self) -> dict[str, str]:
+        """What those columns are."""
+        varied = {one.label: ("factor of " if one.factor else "") + ", ".join(one.keys) for one in self.vary}
+        return varied | {answer.label: answer.meaning for answer in self.answers}
+
+    @cached_property
+    def _content(self) -> dict[str, Any]:
+        return self._varied.model_dump(mode="json")
+
+    def _changed(self, values: Row) -> Any:
+        """What is varied, with the values of a run."""
+        content = self._content
+        for one, value in zip(self.vary, values, strict=True):
+            content = one.applied(content, value)
+        return checked_case(content, type(self._varied))
+
+    def _refuse(self, errors: Mapping[int, ValueError]) -> None:
+        """Raise the first of the errors by the numbers of their runs, with the values of these."""
+
+        def line(number: int, error: ValueError) -> str:
+            pairs = zip(self.columns, self.rows[number - 1], strict=True)
+            return f"run {number} ({', '.join(f'{name} = {value}' for name, value in pairs)}): {error}"
+
+        more = f"; {len(errors)} of {len(self.rows)} runs are at fault" if len(errors) > 1 else ""
+        if errors:
+            raise ValueError("; ".join(itertools.starmap(line, [*errors.items()][:SHOWN_ERRORS])) + more)
+
+    def table(self) -> pd.DataFrame:
+        """All runs: columns run, folder and those of what varies; raises and warns as `planned`."""
+        rows = [(one.number, one.digest[:FOLDER_DIGITS], *one.values) for one in self.planned]
+        return pd.DataFrame(rows, columns=["run", "folder", *self.columns])
+
+
+class Sweep(Variation):
+    """A case, what of it varies, by which design, and the answers that are wanted of every run.
+
+    Unknown paths, other units and answers that the runs cannot give are refused when it is made.
+    """
+
+    case: CaseFile
+    answers: tuple[Answers, ...] = option("what is wanted of every run", min_length=1)
+    outputs: Outputs = option("what every run leaves, whatever its case says", LIGHT)
+
+    def _errors(self) -> Errors:
+        yield from super()._errors()
+        if isinstance(self._varied, Varied) and self._varied.life is None:
+            yield "vary: paths of life need an answer of model 'life'"
+            return
+        for one in self.vary:
+            one.check(self._varied)
+        for answer in self.answers:
+            answer.check(self.case)
+        self.rows  # noqa: B018 - refuses numbers of runs that do not fit the design
+
+    @property
+    def named(self) -> str:
+        """Name of its case and duration, for reading."""
+        return f"{self.case.case.name}, {self.case.duration:g} s"
+
     @cached_property
     def _varied(self) -> CaseFile:
         """What is varied: a case file; where paths ask for it with the first answer of life, for all."""
@@ -122,10 +184,6 @@ class Sweep(Parameters):
         life = next((one for one in self.answers if isinstance(one, Life)), None)
         return Varied(**dict(case_file), life=life)
 
-    @cached_property
-    def _content(self) -> dict[str, Any]:
-        return self._varied.model_dump(mode="json")
-
     def case_of(self, values: Row) -> tuple[CaseFile, str]:
         """Case, duration and outputs of a run, and a digest, with which the case's name ends."""
         case_file, _, digest = self._run_of(values)
@@ -133,10 +191,7 @@ class Sweep(Parameters):
 
     def _run_of(self, values: Row) -> tuple[CaseFile, tuple[Answers, ...], str]:
         """Same with the answers of the run between both."""
-        content = self._content
-        for one, value in zip(self.vary, values, strict=True):
-            content = one.applied(content, value)
-        varied, answers, life = checked_case(content, type(self._varied)), self.answers, None
+        varied, answers, life = self._changed(values), self.answers, None
         case_file = varied
         if isinstance(varied, Varied):
             case_file = CaseFile.model_construct(
@@ -154,7 +209,7 @@ class Sweep(Parameters):
     @cached_property
     def planned(self) -> tuple[PlannedRun, ...]:
         """All runs, checked; warns of what varies without any effect or is implausible."""
-        planned, errors, idling = [], [], Counter[str]()
+        planned, errors, idling = [], dict[int, ValueError](), Counter[str]()
         odd: dict[str, list[int]] = {}
         for number, values in enumerate(self.rows, 1):
             try:
@@ -162,16 +217,13 @@ class Sweep(Parameters):
                 for answer in asked:
                     answer.check(case_file)
             except ValueError as error:
-                settings = (f"{name} = {value}" for name, value in zip(self.columns, values, strict=True))
-                errors.append(f"run {number} ({', '.join(settings)}): {error}")
+                errors[number] = error
                 continue
             idling.update(line for one in self.vary for line in idle(one.keys, case_file.case))
             for line in checks.implausible(case_file.case, case_file.duration):
                 odd.setdefault(line, []).append(number)
             planned.append(PlannedRun(number, values, digest, asked))
-        if errors:
-            more = f"; {len(errors)} of {len(self.rows)} runs are at fault" if len(errors) > 1 else ""
-            raise ValueError("; ".join(errors[:SHOWN_ERRORS]) + more)
+        self._refuse(errors)
         lines = [line for line, count in idling.items() if count == len(self.rows)]
         checks.warn_of([*lines, *self._odd_lines(odd)])
         return tuple(planned)
@@ -185,21 +237,6 @@ class Sweep(Parameters):
             yield line if len(runs) == len(self.rows) else f"run {runs[0]}{more}: {line}"
         if len(odd) > SHOWN_WARNINGS:
             yield f"{len(odd) - SHOWN_WARNINGS} more warnings of this sweep's values"
-
-    def table(self) -> pd.DataFrame:
-        """All runs: columns run, folder and those of what varies; raises and warns as `planned`."""
-        rows = [(one.number, one.digest[:FOLDER_DIGITS], *one.values) for one in self.planned]
-        return pd.DataFrame(rows, columns=["run", "folder", *self.columns])
-
-    def units(self) -> dict[str, str]:
-        """Units of the columns of what varies and of the answers, empty for what has none."""
-        varied = {one.label: one.unit_in(self._varied) for one in self.vary}
-        return varied | {answer.label: answer.unit for answer in self.answers}
-
-    def meanings(self) -> dict[str, str]:
-        """What those columns are."""
-        varied = {one.label: ("factor of " if one.factor else "") + ", ".join(one.keys) for one in self.vary}
-        return varied | {answer.label: answer.meaning for answer in self.answers}
 
 
 def run_digest(case_file: CaseFile, life: Any = None) -> str:

@@ -14,7 +14,8 @@ from exudyn_crawler.case.parameters.fields import value_text
 from exudyn_crawler.files import note_written, whole_file
 from exudyn_crawler.run.folder.record import note_file
 from exudyn_crawler.sweep.answers import Life
-from exudyn_crawler.sweep.definition import FOLDER_DIGITS, Sweep, salib_problem
+from exudyn_crawler.sweep.definition import FOLDER_DIGITS, salib_problem
+from exudyn_crawler.sweep.scatter import AnySweep
 from exudyn_crawler.sweep.worker import DONE, OUTCOME, Outcome
 from exudyn_crawler.views.pages.report import REPORT, write_report
 from exudyn_crawler.views.pages.sweep import Best, SweepView, sweep_page
@@ -28,7 +29,7 @@ EFFECTS = ("answer", "varied", "level", "mean", "least", "greatest", "runs")
 INDICES = ("answer", "varied", "first", "first_conf", "total", "total_conf")
 
 
-def results_table(sweep: Sweep, outcomes: Mapping[str, Outcome]) -> pd.DataFrame:
+def results_table(sweep: AnySweep, outcomes: Mapping[str, Outcome]) -> pd.DataFrame:
     """A row a run; its `attrs` have "units" and "meanings" by column, answers are NaN if there is none."""
     rows: list[dict[str, Any]] = []
     for one in sweep.planned:
@@ -59,7 +60,7 @@ def _attributes(table: pd.DataFrame, name: str) -> dict[str, str]:
     return {"units": units.get(name, ""), "long_name": meanings.get(name, "")}
 
 
-def results_dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
+def results_dataset(sweep: AnySweep, table: pd.DataFrame) -> xr.Dataset:
     """Answers of a table over what varies if the design is a grid, else over the runs; with units."""
     names = [answer.label for answer in sweep.answers]
     if sweep.design == "grid":
@@ -77,7 +78,7 @@ def results_dataset(sweep: Sweep, table: pd.DataFrame) -> xr.Dataset:
     return dataset
 
 
-def scatter_tables(sweep: Sweep, table: pd.DataFrame) -> dict[str, pd.DataFrame]:
+def scatter_tables(sweep: AnySweep, table: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Tables of a sample's scatter by the names of their files; none of other designs and of a few runs.
 
     The bounds of quantiles are order statistics, those of portions Clopper and Pearson's: both hold for any
@@ -103,7 +104,7 @@ def drawn_answers(table: pd.DataFrame) -> pd.DataFrame:
     return table[table["status"] == DONE].sort_values("run")
 
 
-def quantiles(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
+def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Quantiles of every answer over the finished runs, with their bounds and those of fewer runs.
 
     Columns answer, unit, runs, portion below, value, least and most (of `CONFIDENCE`; NaN where so few runs
@@ -122,7 +123,7 @@ def quantiles(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=columns)
 
 
-def sensitivities(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
+def sensitivities(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Spearman's rank correlation of every answer with every number that was drawn, and its p value.
 
     The p value is how often runs that do not depend on the number would show as much.
@@ -139,7 +140,7 @@ def sensitivities(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
     return found.loc[order].sort_values("answer", kind="stable", ignore_index=True)
 
 
-def failures(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
+def failures(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Shoes of a fleet that crack before a rebuild, by every answer of life, with bounds of `CONFIDENCE`.
 
     A run stands for a shoe. Columns answer, hours, cracked (runs of all), portion with least and most, and
@@ -186,7 +187,7 @@ def numbers_of(table: pd.DataFrame, name: str) -> tuple[np.ndarray, list[str]]:
     return codes.astype(float), list(texts)
 
 
-def main_effects(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
+def main_effects(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Mean and extremes of answers over all else, `EFFECTS`, at levels of what varies, or in bins of many."""
     done = table[table["status"] == DONE]
     frames = [pd.DataFrame(columns=list(EFFECTS))]
@@ -204,7 +205,7 @@ def main_effects(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
     return pd.concat(frames[1:] or frames, ignore_index=True)[list(EFFECTS)]
 
 
-def sobol_indices(sweep: Sweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]:
+def sobol_indices(sweep: AnySweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]:
     """Shares of every answer's variance that what varies makes, alone (first) and in all (total): `INDICES`.
 
     On a whole grid they are those of its points, exactly: the variance of the means over all else, and what
@@ -232,7 +233,7 @@ def sobol_indices(sweep: Sweep, table: pd.DataFrame) -> tuple[pd.DataFrame, str]
     return pd.concat(frames, ignore_index=True).reindex(columns=list(INDICES)), method
 
 
-def _of_grid(sweep: Sweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
+def _of_grid(sweep: AnySweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
     values = answer.reshape([len(one.levels()) for one in sweep.vary])
     axes = range(values.ndim)
     alone = [values.mean(axis=tuple(one for one in axes if one != axis)).var() for axis in axes]
@@ -240,14 +241,14 @@ def _of_grid(sweep: Sweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[str,
     return {"first": alone / values.var(), "total": 1.0 - others / values.var()}
 
 
-def _of_saltelli(sweep: Sweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
+def _of_saltelli(sweep: AnySweep, _done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
     from SALib.analyze.sobol import analyze
 
     found = analyze(salib_problem(len(sweep.vary)), answer, calc_second_order=False, seed=sweep.seed)
     return dict(zip(INDICES[2:], (found[name] for name in ("S1", "S1_conf", "ST", "ST_conf")), strict=True))
 
 
-def _of_sample(sweep: Sweep, done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
+def _of_sample(sweep: AnySweep, done: pd.DataFrame, answer: np.ndarray) -> dict[str, Any]:
     from SALib.analyze.rbd_fast import analyze
 
     points = np.column_stack([numbers_of(done, name)[0] for name in sweep.columns])
@@ -262,7 +263,7 @@ METHODS = {
 
 
 def write_page(
-    sweep: Sweep, table: pd.DataFrame, folder: Path, runs: Path, say: Callable[[str], None]
+    sweep: AnySweep, table: pd.DataFrame, folder: Path, runs: Path | None, say: Callable[[str], None]
 ) -> None:
     """Write tables of a scatter and the page of results into a sweep's folder, and reports of `runs`.
 
@@ -272,14 +273,15 @@ def write_page(
     for name, one in scatter.items():
         write_table(one, folder / f"{name}.csv", overwrite=True)
     best = best_and_worst(sweep, table)
-    for name in dict.fromkeys(one.folder for one in best):
-        _report_of(runs / name, say)
+    names = {} if runs is None else {name: runs / name for name in table["folder"]}
+    for name in dict.fromkeys(one.folder for one in best if one.folder in names):
+        _report_of(names[name], say)
     indices, method = sobol_indices(sweep, table)
     counts = ", ".join(f"{count} {status}" for status, count in table["status"].value_counts().items())
     drawn = f", {sweep.runs} points drawn with seed {sweep.seed}" if sweep.runs else ""
-    lead = f"{len(table)} runs of {sweep.case.duration:g} s, design {sweep.design}{drawn}: {counts}"
+    lead = f"{len(table)} runs of {sweep.named}, design {sweep.design}{drawn}: {counts}"
     view = SweepView(
-        title=f"Sweep of {sweep.case.case.name}",
+        title=f"Sweep of {sweep.named}",
         lead=(lead,),
         table=table,
         varied=sweep.columns,
@@ -290,14 +292,14 @@ def write_page(
         indices=indices,
         method=method,
         best=best,
-        links={name: _link(folder, runs / name) for name in table["folder"]},
+        links={name: _link(folder, path) for name, path in names.items()},
         scatter=scatter,
     )
     with whole_file(folder / REPORT, overwrite=True) as temporary:
         temporary.write_text(sweep_page(view), encoding="utf-8")
 
 
-def best_and_worst(sweep: Sweep, table: pd.DataFrame) -> list[Best]:
+def best_and_worst(sweep: AnySweep, table: pd.DataFrame) -> list[Best]:
     """Best and worst finished run of every answer."""
     done, rows = table[table["status"] == DONE], []
     for answer in sweep.answers:

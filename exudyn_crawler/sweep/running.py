@@ -1,7 +1,7 @@
 """A sweep into its folder: what has finished is taken, what is missing run, and all of it gathered."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -18,6 +18,7 @@ from exudyn_crawler.run.folder.record import RunFolder, held, quiet, recorded
 from exudyn_crawler.sweep import results
 from exudyn_crawler.sweep.answers import ANSWERS
 from exudyn_crawler.sweep.definition import FOLDER_DIGITS, PlannedRun, Sweep
+from exudyn_crawler.sweep.scatter import AnySweep, DutyScatter
 from exudyn_crawler.sweep.worker import DONE, FAILED, Outcome, Task, own_versions, read_outcome
 
 RUNS = "runs"  # folder of the folders of runs, where a sweep names no other storage
@@ -31,7 +32,7 @@ PACKED = 0.75  # size of a history on disk to that in memory
 class SweepRun:
     """A sweep that was run into a folder: its runs, and its answers over a grid or over the runs."""
 
-    sweep: Sweep
+    sweep: AnySweep
     table: pd.DataFrame
     dataset: xr.Dataset
     folder: Path
@@ -72,8 +73,6 @@ def run_sweep(
     work = RunFolder(folder, say)
     with held(folder, "sweep"), recorded(work):
         write_case(sweep.case, folder / BASE_CASE, overwrite=True)
-        with whole_file(folder / DEFINITION, overwrite=True) as temporary:
-            temporary.write_text(sweep.model_dump_json(indent=2) + "\n", encoding="utf-8")
         stored, missing, line = _state(sweep, runs, retry)
         work.say(line)
         if missing:
@@ -92,14 +91,35 @@ def run_sweep(
                     if outcome["status"] == FAILED:
                         work.say(f"run {outcome['digest'][:FOLDER_DIGITS]} failed: {outcome['reason']}")
                     tell(count)
-        with work.timed("tables and page"):
-            table = results.results_table(sweep, stored)
-            dataset = results.results_dataset(sweep, table)
-            results.write_units_csv(table, folder / TABLE)
-            results.write_parquet(table, folder / COLUMNS)
-            write_netcdf(dataset, folder / DATASET, overwrite=True)
-            results.write_page(sweep, table, folder, runs, work.say)
-            return SweepRun(sweep, table, dataset, folder)
+        return _gathered(sweep, stored, folder, runs, work)
+
+
+def run_duty_scatter(sweep: DutyScatter, out: str | Path, say: Callable[[str], None] = quiet) -> SweepRun:
+    """Lives of all draws over a duty, in one process: its cycles are counted once; raises as `life`."""
+    sweep.planned  # noqa: B018 - refuses draws before a folder is made
+    folder = writable_folder(Path(out))
+    work = RunFolder(folder, say)
+    with held(folder, "sweep"), recorded(work):
+        with work.timed("draws"):
+            answers = sweep.lives(work.say).to_dict("records")
+        stored = {str(k): {"status": DONE, "answers": one} for k, one in enumerate(answers, 1)}
+        return _gathered(sweep, stored, folder, None, work)
+
+
+def _gathered(
+    sweep: AnySweep, stored: Mapping[str, Outcome], folder: Path, runs: Path | None, work: RunFolder
+) -> SweepRun:
+    """Tables and page of a sweep's outcomes; runs, if they have them, are in folders of `runs`."""
+    with whole_file(folder / DEFINITION, overwrite=True) as temporary:
+        temporary.write_text(sweep.model_dump_json(indent=2) + "\n", encoding="utf-8")
+    with work.timed("tables and page"):
+        table = results.results_table(sweep, stored)
+        dataset = results.results_dataset(sweep, table)
+        results.write_units_csv(table, folder / TABLE)
+        results.write_parquet(table, folder / COLUMNS)
+        write_netcdf(dataset, folder / DATASET, overwrite=True)
+        results.write_page(sweep, table, folder, runs, work.say)
+        return SweepRun(sweep, table, dataset, folder)
 
 
 def folder_state(sweep: Sweep, out: Path, *, storage: str | None, workers: int | None, retry: bool) -> str:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 from pydantic import Field, ValidationError
@@ -14,11 +14,13 @@ from exudyn_crawler.case.parameters import fields
 from exudyn_crawler.case.parameters.base import Errors, Name, Parameters, error_lines, option, shown
 from exudyn_crawler.case.parameters.loads import with_equal_loads
 from exudyn_crawler.case.parameters.reading import from_content
+from exudyn_crawler.results.life.duty import Duty
 from exudyn_crawler.sweep.answers import Life
 
 MOST_ERRORS = 3  # that an error names
 WITHIN = 0.9  # of drawn values between low and high
 Puts = tuple[Any, ...]  # values, one a path
+Base = TypeVar("Base", bound=CaseFile | Duty)
 Key = Annotated[str, Field(min_length=1, max_length=200)]
 IDLE: dict[str, dict[str, Any]] = {
     "contact.edge_width": {"contact.sharing": "area"},
@@ -37,11 +39,11 @@ class Varied(CaseFile):
     life: Life | None = None
 
 
-def checked_case(content: dict[str, Any], kind: type[CaseFile] = CaseFile) -> CaseFile:
-    """Case file of a content; raises `ValueError` naming a few errors by their paths."""
-    case = content["case"]
-    loads = with_equal_loads(case["loads"], case["track"]["shoe_count"])
-    content = content | {"case": case | {"loads": loads}}
+def checked_case(content: dict[str, Any], kind: type[Base]) -> Base:
+    """Case file, or duty, of a content; raises `ValueError` naming a few errors by their paths."""
+    if (case := content.get("case")) is not None:
+        loads = with_equal_loads(case["loads"], case["track"]["shoe_count"])
+        content = content | {"case": case | {"loads": loads}}
     try:
         return from_content(kind, content)
     except ValidationError as error:
@@ -170,7 +172,7 @@ class Vary(Parameters):
         """Whether it varies what the answers of life have."""
         return any(fields.names_of(fields.parse_path(path))[:1] == ["life"] for path in self.keys)
 
-    def unit_in(self, case_file: CaseFile) -> str:
+    def unit_in(self, case_file: CaseFile | Duty) -> str:
         """Unit of the column; empty for factors and for what has none."""
         if self.settings is not None:
             return self.unit or ""
@@ -193,10 +195,11 @@ class Vary(Parameters):
         for path, put in zip(self.keys, puts, strict=True):
             with fields.errors_at(path):
                 change_to = partial(change, put=put)
-                content = fields.with_change(content, fields.parse_path(path), change_to, Varied)
+                kind = Varied if "case" in content else None
+                content = fields.with_change(content, fields.parse_path(path), change_to, kind)
         return content
 
-    def check(self, case_file: CaseFile) -> None:
+    def check(self, case_file: CaseFile | Duty) -> None:
         """Refuse, naming the path, what does not fit a case: unknown paths, another unit, wrong values."""
         for path in self.keys:
             entry = fields.entry_at(case_file, fields.parse_path(path))
@@ -218,12 +221,8 @@ class Vary(Parameters):
                 kinds = {one["type"] for one in cause.errors()} if isinstance(cause, ValidationError) else {}
                 if kinds != {"value_error"}:
                     raise
-        if self.factor:
-            after = content
-            for value in values[:2]:
-                after = self.applied(after, value)
-            if after == content:
-                raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
+        if self.factor and all(self.applied(content, value) == content for value in values[:2]):
+            raise ValueError(f"{', '.join(self.keys)}: a factor of zero changes nothing")
 
     def _check_unit(self, path: str, entry: fields.Entry) -> None:
         """Refuse another unit, and numbers that without a unit are likely in another."""

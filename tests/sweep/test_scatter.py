@@ -1,5 +1,6 @@
 """Values drawn from distributions against scipy, quantiles and their bounds, drawn lives, fleets."""
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,9 @@ import pandas as pd
 import pytest
 from scipy import stats
 
-from exudyn_crawler import Case, CaseFile, FatigueMaterial
+import meshes
+from exudyn_crawler import Case, CaseFile, FatigueMaterial, life, life_run
+from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.sweep.answers import Life
 from exudyn_crawler.sweep.definition import Fleet, Sweep, read_sweep
 from exudyn_crawler.sweep.results import (
@@ -19,7 +22,11 @@ from exudyn_crawler.sweep.results import (
     sensitivities,
     write_page,
 )
+from exudyn_crawler.sweep.running import run_duty_scatter
+from exudyn_crawler.sweep.scatter import read_scatter
 from exudyn_crawler.sweep.vary import Vary
+from fem import Shapes
+from meshes.shoe import STEEL, joint_interfaces
 from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, small_case, small_sweep
 
 NICRMO = FatigueMaterial.cast_nicrmo()
@@ -254,3 +261,162 @@ def test_the_ready_sample_can_be_planned():
     stiffness = np.sort([row[0] for row in sweep.rows])
     # 90 % of the soils lie within what is known
     assert np.searchsorted(stiffness, [1.65e6, 5.45e6]).tolist() == [10, 190]
+
+
+CASES = ("pass", "ends", "sand", "rock")
+
+
+def hills(mesh, names) -> Shapes:
+    """Shoe under check cases each of which pulls along x, most of all around a few places of its own."""
+    random, stress = np.random.default_rng(3), np.zeros((len(mesh.nodes), 6, len(CASES)))
+    for k in range(len(CASES)):
+        for place in mesh.nodes[random.choice(mesh.surface_nodes, 6)]:
+            away = np.linalg.norm(mesh.nodes - place, axis=1)
+            stress[:, 0, k] += random.uniform(60e6, 200e6) * np.exp(-((away / 0.2) ** 2))
+    modes = np.zeros((len(mesh.nodes), 3, len(names)))
+    chosen = stress[..., [CASES.index(one) for one in names]]
+    return Shapes(mesh, STEEL, tuple(joint_interfaces(mesh)), modes, chosen)
+
+
+DUTY = """
+survivals = [0.5, 0.975]
+changes_an_hour = 0.5
+
+[material]
+base = "cast_nicrmo"
+[[material.castings]]
+region = "web"
+
+[[stages]]
+name = "new"
+hours = 2000
+check = "coarse"
+[[stages]]
+name = "worn"
+hours = 500
+check = "fine"
+
+[[cases]]
+name = "passes"
+case = "pass"
+after = "ends"
+an_hour = 10
+[[cases]]
+name = "stones"
+case = "sand"
+an_hour = 2
+"""
+SCATTER = """
+duty = "duty.toml"
+runs = 12
+[[vary]]
+key = "survivals[0]"
+name = "strength"
+low = 0.01
+high = 0.99
+[[vary]]
+key = "material.castings[0].residual_stress"
+unit = "Pa"
+low = -50e6
+high = 50e6
+[[vary]]
+key = ["cases[0].an_hour", "cases[1].an_hour"]
+name = "often"
+factor = true
+low = 0.5
+high = 2.0
+scale = "log"
+distribution = "normal"
+[[vary]]
+key = "cases[0].load"
+low = 0.8
+high = 1.2
+[[vary]]
+key = "cases[1].case"
+name = "ground"
+values = ["sand", "rock"]
+[[vary]]
+key = "stages[*].hours"
+name = "wear"
+factor = true
+low = 0.7
+high = 1.4
+"""
+
+
+@pytest.fixture
+def drawn_duty(tmp_path, monkeypatch):
+    (tmp_path / "duty.toml").write_text(DUTY)
+    (tmp_path / "scatter.toml").write_text(SCATTER)
+    mesh = meshes.mesh_named("coarse")
+    worn = dataclasses.replace(mesh, nodes=mesh.nodes + np.array([0.0, 0.0, 1e-4]))
+
+    def shapes(check, names, _say):
+        return hills(worn if check.mesh == "fine" else mesh, names)
+
+    monkeypatch.setattr(life_run, "case_shapes", shapes)
+    return tmp_path / "scatter.toml"
+
+
+def test_lives_of_draws_are_those_of_their_duties(drawn_duty):
+    """Counted once for all draws of strength, residual stress, rates, loads, ground and wear.
+
+    A life counts stresses within 1e-4, which with a slope of 5 is 5e-4 of it.
+    """
+    scatter = read_scatter(drawn_duty)
+    found = scatter.lives()
+    assert len(found) == 12
+    assert {one.cases[1].case for one in scatter.duties} == {"sand", "rock"}
+    for number in (0, 5, 11):
+        whole = life(scatter.duties[number])
+        lives = pd.Series(whole.dataset.life.values[-1]).groupby(whole.regions).min().drop("bores")
+        for region, hours in lives.items():
+            assert found.loc[number, f"life_{region}".replace(" ", "_")] == pytest.approx(hours, rel=1e-3)
+        assert found.loc[number, "life"] == pytest.approx(lives.min(), rel=1e-3)
+
+
+def test_a_drawn_defect_cracks_its_region_as_in_a_life(drawn_duty):
+    text = drawn_duty.read_text().replace("residual_stress", "defect_size").replace('"Pa"', '"m"')
+    drawn_duty.write_text(text.replace("-50e6", "2e-3").replace("= 50e6", "= 8e-3"))
+    scatter = read_scatter(drawn_duty)
+    found, duty = scatter.lives(), scatter.duties[3].with_(changes_an_hour=0.0)
+    table = life(duty.with_(survivals=(0.5,))).table.set_index("region")
+    assert found.loc[3, "life_web"] <= table.loc["web", "life in h, defect"] * 1.001
+    longer = table.loc["web", "life in h that 50 % survive"]
+    assert found.loc[3, "life_web"] < 0.9 * longer
+
+
+def test_a_scatter_over_a_duty_leaves_what_a_sweep_leaves(drawn_duty, tmp_path):
+    run = run_duty_scatter(read_scatter(drawn_duty), tmp_path / "out")
+    assert {"results.csv", "results.nc", "quantiles.csv", "failures.csv", "sensitivities.csv"} <= {
+        one.name for one in run.folder.iterdir()
+    }
+    assert (run.table["status"] == "done").all()
+    assert set(failures(run.sweep, run.table)["answer"]) == {one.label for one in run.sweep.answers}
+    page = (run.folder / "report.html").read_text()
+    assert "duty duty, design latin_hypercube" in page
+    assert "shoes a year" in page
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('"cases[0].load"', '"criterion"', "criterion cannot be drawn"),
+        ("low = 0.8", "low = -0.8", r"cases\[0\].load"),
+        ('"cases[0].load"', '"cases[4].load"', "cases has 2 items"),
+        ("runs = 12", "", "runs must be given"),
+    ],
+)
+def test_faults_of_what_is_drawn_are_told(drawn_duty, old, new, told):
+    drawn_duty.write_text(drawn_duty.read_text().replace(old, new))
+    with pytest.raises(CaseFileError, match=told):
+        read_scatter(drawn_duty)
+
+
+def test_the_ready_scatter_over_a_duty_can_be_planned():
+    scatter = read_scatter(Path(__file__).parents[2] / "studies" / "duty_scatter.toml")
+    assert len(scatter.duties) == len(scatter.planned) == 1000
+    assert {one.cases[7].case for one in scatter.duties} == {
+        "stone at the edge, sand, mean",
+        "stone at the edge, rock, mean",
+    }

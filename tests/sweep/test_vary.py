@@ -10,14 +10,14 @@ from tests.sweep.cases import STIFFNESS, small_case
 
 
 def applied(vary, value):
-    return checked_case(vary.applied(small_case().model_dump(mode="json"), value)).case
+    return checked_case(vary.applied(small_case().model_dump(mode="json"), value), CaseFile).case
 
 
 def case_with(**values):
     content = small_case().model_dump(mode="json")
     for path, value in values.items():
         content = with_value(content, parse_path(path.replace("__", ".")), value, CaseFile)
-    return checked_case(content).case
+    return checked_case(content, CaseFile).case
 
 
 def test_levels_lie_evenly_or_in_equal_ratios():
@@ -123,7 +123,7 @@ def test_values_that_only_others_allow_are_left_to_the_runs():
 
 def test_a_content_is_the_same_case():
     case = small_case()
-    assert checked_case(case.model_dump(mode="json")) == case
+    assert checked_case(case.model_dump(mode="json"), CaseFile) == case
 
 
 def test_values_are_changed_in_tables_lists_and_beside_the_case():
@@ -135,7 +135,7 @@ def test_values_are_changed_in_tables_lists_and_beside_the_case():
         (Vary(key="shoe.load_point[2]", values=(0.2,)), 0.2),
     ):
         content = vary.applied(content, value)
-    found = checked_case(content)
+    found = checked_case(content, CaseFile)
     assert found.duration == 2.0 * before.duration
     # one number is that of every shoe
     assert found.case.loads.phases[0].loads == (4e5, 4e5, 4e5)

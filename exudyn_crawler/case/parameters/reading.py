@@ -18,6 +18,7 @@ Model = TypeVar("Model", bound=BaseModel)
 Content = dict[str, Any]
 MOST_NAMED = 3  # files of a folder that an error names
 KINDS: dict[str, tuple[str, Callable[[Content], bool]]] = {
+    "duty scatter file": ("scatter", lambda content: {"vary", "duty"} <= content.keys()),
     "sweep file": ("sweep", lambda content: "vary" in content),
     "duty file": ("life", lambda content: isinstance(content.get("runs"), list)),
     "case file": ("run", lambda content: not {"drive", "terrain", "duration", "track"}.isdisjoint(content)),

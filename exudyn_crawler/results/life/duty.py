@@ -5,6 +5,8 @@ Forschungskuratorium Maschinenbau, 6th ed., 2012), whose formulas are pyLife's.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
@@ -191,12 +193,13 @@ class FatigueMaterial(Parameters):
         if not size:
             return np.nan
         hardness = self.tensile_strength / MEGA / HARDNESS if self.hardness is None else self.hardness
-        sound = self.with_(casting_factor=1.0).curve(miner, region)
+        curve = self.curve(miner, region)
+        sound = replace(curve, strength=curve.strength * self.casting_factor)
         return defect_life(Defect(size, hardness, self.crack_size), sound, stages, survival)
 
     def curve(self, miner: Miner = "elementary", region: str = "") -> SNCurve:
         """S-N curve of the part's surface by local stresses, in a region with its residual stress."""
-        factors = self.factors()
+        factors = _factors_of(self.with_(casting_factor=1.0, castings=()))
         return SNCurve(
             strength=factors["fatigue_strength"] / factors["design"] / self.casting_factor,
             slope=self.slope,
@@ -207,6 +210,11 @@ class FatigueMaterial(Parameters):
             miner=miner,
             residual_stress=self.casting(region).residual_stress,
         )
+
+
+@lru_cache(maxsize=64)
+def _factors_of(material: FatigueMaterial) -> dict[str, float]:
+    return material.factors()
 
 
 HOUR = 3600.0  # s
@@ -247,6 +255,9 @@ class DutyCase(Parameters):
         default=UNLOADED, description="check case from which the shoe comes and to which it returns"
     )
     an_hour: float = quantity("1/h", "times a machine hour that a shoe has it", gt=0, le=1e6)
+    load: float = quantity(
+        "1", "factor of the stress in both", plausible=(0.2, 5.0), gt=0, le=100, default=1.0
+    )
     stage: Name | None = Field(default=None, description="stage in which it happens; none: in all")
 
 

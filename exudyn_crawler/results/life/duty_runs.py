@@ -14,7 +14,7 @@ from exudyn_crawler.results.life.duty import UNLOADED, Duty, DutyCase, DutyRun
 from exudyn_crawler.results.stress.basis import StressBasis, segments, stress_basis
 from exudyn_crawler.results.stress.hot_spots import SHARE, stress_directions
 from fem import Shapes
-from fem.damage import SIGNED_CRITERIA, Counting, signed_signals
+from fem.damage import SIGNED_CRITERIA, Counting, SignedCriterion, signed_signals
 from fem.fatigue import SNCurve
 
 SAME_TIME = 1e-9  # relative, by which times may differ and be the same
@@ -77,9 +77,9 @@ def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[Used
     used = []
     for case in duty.cases:
         q = np.zeros((3, len(columns)))
-        q[1, columns.index(case.case)] = 1.0
+        q[1, columns.index(case.case)] = case.load
         if case.after != UNLOADED:
-            q[::2, columns.index(case.after)] = 1.0
+            q[::2, columns.index(case.after)] = case.load
         loads = {place: {STATIC: csr_array(q)} for place in places}
         basis = StressBasis(shapes, loads, np.eye(len(columns)), dict.fromkeys(places, q), 0.0)
         used.append(UsedRun(case, None, basis, case.an_hour, (case.case,), np.zeros(3, int), np.arange(3.0)))
@@ -203,6 +203,15 @@ def node_lives(duty: Duty, runs: Sequence[UsedRun], curves: Mapping[int, SNCurve
                     found = counting.damage(signals[criterion][None]).sum()
                     by_criterion[node][criterion] += often * float(found)
     return {node: NodeLife(pd.concat(cycles[node], ignore_index=True), by_criterion[node]) for node in nodes}
+
+
+def node_signals(criterion: SignedCriterion, basis: StressBasis, shoe: int, nodes: np.ndarray) -> np.ndarray:
+    """Signals (nodes, t) of a criterion at nodes of a shoe, Pa."""
+    modes, q, found = basis.shapes.stress_modes[nodes], basis.coordinates[shoe], []
+    for rows in segments(len(q)):
+        stress = modes.reshape(-1, modes.shape[2]) @ q[rows].T
+        found.append(signed_signals(criterion, stress.reshape(len(nodes), 6, -1)))
+    return np.concatenate(found, axis=1)
 
 
 def _signals(

@@ -156,7 +156,7 @@ def _with_castings(
     Without what goes between runs; at the nodes of its table, and the `nearest` ones of earlier stages.
     """
     duty, material, rows = found.duty, found.duty.material, []
-    if not material.castings:
+    if not any(one.defect_size or one.residual_stress for one in material.castings):
         return found
     lasting = [*(stage.hours for stage in duty.stages[:-1]), np.inf]
     for region, node in zip(found.table["region"], found.table["node"], strict=True):
@@ -192,7 +192,7 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     last = stages[-1]
     if any(one.dataset.shoe.values.tolist() != last.dataset.shoe.values.tolist() for one in stages):
         raise ValueError("all stages must have flexible shoes at the same places in the track")
-    nearest = [_nearest(one, last) for one in stages]
+    nearest = [nearest_nodes(one, last) for one in stages]
     damage = np.stack(
         [one.dataset.damage_an_hour.values[:, k] for one, k in zip(stages, nearest, strict=True)]
     )
@@ -248,7 +248,7 @@ def hours_in_stages(damage: np.ndarray, hours: Sequence[float]) -> np.ndarray:
     return spent
 
 
-def _nearest(one: LifeResults, last: LifeResults) -> np.ndarray:
+def nearest_nodes(one: LifeResults, last: LifeResults) -> np.ndarray:
     """Node of a stage's mesh nearest to each of the last stage's (nodes,), of the same region's surface."""
     found = np.arange(len(last.whole.nodes))
     if one.whole.mesh.digest == last.whole.mesh.digest:

@@ -17,6 +17,8 @@ from exudyn_crawler.views.tables import cell_text
 
 LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
 """Runs in the table, runs that are drawn, and levels of what is not on the axis that have a curve each."""
+QUANTILES = ["value", "least", "most", "of a quarter", "of half"]
+"""Columns of a table of quantiles that have the unit of its answer."""
 HEIGHT = 420
 """Pixels of a plot."""
 
@@ -75,7 +77,13 @@ class SweepView:
             effects.loc[effects["answer"] == name, values] *= factor
             effects.loc[effects["varied"] == name, "level"] *= factor
         best = [one._replace(value=one.value * factors.get(one.answer, 1.0)) for one in self.best]
-        return replace(self, table=table, effects=effects, best=best)
+        scatter = dict(self.scatter)
+        if "quantiles" in scatter:
+            factor = scatter["quantiles"]["answer"].map(factors).fillna(1.0)
+            scaled = scatter["quantiles"][QUANTILES].mul(factor, axis=0)
+            named = scatter["quantiles"]["answer"].map(table.attrs["units"])
+            scatter["quantiles"] = scatter["quantiles"].assign(unit=named, **scaled.to_dict("series"))
+        return replace(self, table=table, effects=effects, best=best, scatter=scatter)
 
     @property
     def done(self) -> pd.DataFrame:
@@ -112,16 +120,44 @@ def sweep_page(view: SweepView) -> str:
 
 
 SCATTER = {
-    "quantiles": "Quantiles of the finished runs, in SI units; least and most hold at 95 % for independent "
+    "quantiles": "Quantiles of the finished runs; least and most hold at 95 % for independent "
     "draws. Where those of a quarter and of half of the runs lie beyond them, draw more.",
     "failures": "Shoes that crack, by answers of life: every run is a shoe.",
-    "sensitivities": "Rank correlations (Spearman); a p value is how often chance alone would show as much.",
+    "sensitivities": "Rank correlations (Spearman): 1 or -1 where one thing decides. How often chance alone "
+    "would show as much is in sensitivities.csv.",
 }
 
 
 def _scatter(view: SweepView) -> Markup:
-    shown = [(said, view.scatter[name]) for name, said in SCATTER.items() if not view.scatter[name].empty]
-    return page.together(*(part for said, one in shown for part in (page.paragraph(said), page.table(one))))
+    tables, quantiles = dict(view.scatter), view.scatter["quantiles"]
+    ranks = tables["sensitivities"].pivot(index="varied", columns="answer", values="rank correlation")
+    order = ranks.abs().max(axis=1).sort_values(ascending=False).index
+    answers = [one for one in view.answers if one in ranks]
+    tables["sensitivities"] = ranks.loc[order, answers].round(2).reset_index()
+    shown = [(said, tables[name]) for name, said in SCATTER.items() if not tables[name].empty]
+    parts = [part for said, one in shown for part in (page.paragraph(said), page.table(one))]
+    if not quantiles.empty:
+        parts.insert(0, page.plot(distribution_figure(view)))
+    return page.together(*parts)
+
+
+def distribution_figure(view: SweepView) -> go.Figure:
+    """Portion of the runs below each value of an answer, a panel each, with bounds of its quantiles."""
+    units, quantiles = view.table.attrs["units"], view.scatter["quantiles"]
+    known = [name for name in view.answers if name in set(quantiles["answer"])]
+    figure = make_subplots(cols=len(known), shared_yaxes=True)
+    for k, name in enumerate(known, 1):
+        values, own = view.done[name].sort_values(), quantiles[quantiles["answer"] == name]
+        portions = np.arange(1, len(values) + 1) / len(values)
+        figure.add_scatter(x=values, y=portions, mode="lines", row=1, col=k, showlegend=False)
+        upper, lower = own["most"] - own["value"], own["value"] - own["least"]
+        bars = {"type": "data", "symmetric": False, "array": upper, "arrayminus": lower, "thickness": 1}
+        how = {"mode": "markers", "error_x": bars, "marker_color": "#444", "showlegend": False}
+        figure.add_scatter(x=own["value"], y=own["portion below"], row=1, col=k, **how)
+        kind = "log" if units[name] == "h" else None
+        figure.update_xaxes(title_text=view.label(name), type=kind, row=1, col=k)
+    figure.update_yaxes(title_text="portion of the runs below", row=1, col=1)
+    return figure.update_layout(height=HEIGHT, margin={"t": 30})
 
 
 def _best(view: SweepView) -> Markup:

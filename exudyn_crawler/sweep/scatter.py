@@ -1,0 +1,222 @@
+"""Scatter of lives over a duty: values are drawn, and cycles that were counted once get another weight."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from exudyn_crawler.case.parameters import fields
+from exudyn_crawler.case.parameters.base import Errors, option
+from exudyn_crawler.case.parameters.reading import Content, read_parameters, toml_content, with_base
+from exudyn_crawler.life_run import stage_lives
+from exudyn_crawler.results.life.duty import Damage, Duty, DutyCase, read_duty
+from exudyn_crawler.results.life.duty_runs import UsedRun, node_signals
+from exudyn_crawler.results.life.life import BEYOND, LifeResults, hours_in_stages, nearest_nodes
+from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS
+from exudyn_crawler.sweep.answers import Life
+from exudyn_crawler.sweep.definition import Design, PlannedRun, Sweep, Variation, read_sweep
+from fem.defects import CycleStage
+
+WORST = 5
+"""Nodes of a region that any part of a duty, or all together, damages most: at these draws are counted."""
+DEFECTS = 10
+"""Worst nodes of a region at which its defect is looked at."""
+DRAWN = ("material", "miner", "survivals", "an_hour", "share", "load", "case", "after", "hours")
+"""What of a duty may be drawn, by the first or the last name of its path."""
+
+
+class DutyScatter(Variation):
+    """Lives over a duty of which values are drawn: every draw is a shoe."""
+
+    duty: Duty
+    design: Design = option("as of a sweep", "latin_hypercube")
+
+    def _errors(self) -> Errors:
+        yield from super()._errors()
+        for path in (path for one in self.vary for path in one.keys):
+            names = fields.names_of(fields.parse_path(path))
+            if not {names[0], names[-1]} & set(DRAWN):
+                yield f"{path} cannot be drawn; what can begins or ends with {', '.join(DRAWN)}"
+        for one in self.vary:
+            one.check(self.duty)
+        self.rows  # noqa: B018 - refuses numbers of runs that do not fit the design
+
+    @property
+    def named(self) -> str:
+        """Name of its duty, for reading."""
+        return f"duty {self.duty.name}"
+
+    @property
+    def _varied(self) -> Duty:
+        return self.duty
+
+    @cached_property
+    def answers(self) -> tuple[Life, ...]:
+        """Life of the shoe, its bores left out, and of each of its regions."""
+        damage = {name: getattr(self.duty, name) for name in Damage.model_fields}
+        regions = [None, *(one for one in REGIONS if one != BORES)]
+        return tuple(Life(region=one, survival=self.duty.survivals[-1], **damage) for one in regions)
+
+    @cached_property
+    def duties(self) -> list[Duty]:
+        """Duty of every draw, checked."""
+        found, errors = [], {}
+        for number, values in enumerate(self.rows, 1):
+            try:
+                found.append(self._changed(values))
+            except ValueError as error:
+                errors[number] = error
+        self._refuse(errors)
+        return found
+
+    @property
+    def planned(self) -> tuple[PlannedRun, ...]:
+        """All draws."""
+        self.duties  # noqa: B018 - refuses draws that cannot be
+        return tuple(PlannedRun(k, values, str(k), ()) for k, values in enumerate(self.rows, 1))
+
+    def lives(self, say: Callable[[str], None] = lambda _text: None) -> pd.DataFrame:
+        """Life in h of every draw, a column an answer; raises as `life`."""
+        counted = CountedDuty.of(stage_lives(_with_all_cases(self.duties), say), self.duty)
+        say(f"{len(self.duties)} draws at {len(counted.regions)} nodes")
+        found = pd.DataFrame([counted.lives(one) for one in self.duties])
+        return found.reindex(columns=[one.label for one in self.answers]).fillna(BEYOND).clip(upper=BEYOND)
+
+
+AnySweep = Sweep | DutyScatter
+
+
+def _with_all_cases(duties: Sequence[Duty]) -> Duty:
+    """First of some duties with the check cases of all of them."""
+    cases = {_key(one): one for duty in duties for one in duty.cases}
+    named = (one.with_(name=key, load=1.0) for key, one in cases.items())
+    return duties[0].with_(cases=tuple(named))
+
+
+def _key(case: DutyCase) -> str:
+    return f"case {hash((case.name, case.case, case.after))}"
+
+
+class CountedStage(NamedTuple):
+    """Cycles at the nodes of a duty's draws in a stage: their part, node and stresses (Pa), each (n,).
+
+    `extremes` (2, parts, places, nodes) are the greatest and the least stress.
+    """
+
+    runs: Sequence[UsedRun]
+    part: np.ndarray
+    node: np.ndarray
+    begin: np.ndarray
+    end: np.ndarray
+    extremes: np.ndarray
+
+
+@dataclass(frozen=True)
+class CountedDuty:
+    """Cycles over a duty at the nodes that may crack first, whose damage any draw gives another weight."""
+
+    regions: np.ndarray  # (nodes,) of str
+    stages: tuple[CountedStage, ...]
+
+    @classmethod
+    def of(cls, stages: Sequence[LifeResults], duty: Duty) -> "CountedDuty":
+        """Cycles in the stages of a duty at nodes of the last one's mesh."""
+        last, near = stages[-1], [nearest_nodes(one, stages[-1]) for one in stages]
+        chosen: set[int] = set()
+        for one, nearest in zip(stages, near, strict=True):
+            damage = [*one.dataset.part_damage.values, one.dataset.damage_an_hour.values[-1]]
+            for own in (np.nan_to_num(part[nearest], nan=-1.0) for part in damage):
+                for region in set(last.regions) - {BORES}:
+                    there = np.flatnonzero((last.regions == region) & (own > 0.0))
+                    chosen |= {*there[np.argsort(own[there])[-WORST:]].tolist()}
+        nodes = np.array(sorted(chosen))
+        counted = (_counted(one, nearest[nodes]) for one, nearest in zip(stages, near, strict=True))
+        return cls(last.regions[nodes], tuple(counted))
+
+    def lives(self, duty: Duty) -> dict[str, float]:
+        """Life in h of the shoe and of each of its regions over a drawn duty, by names of answers."""
+        material, survival = duty.material, duty.survivals[-1:]
+        curve = replace(material.curve(duty.miner), residual_stress=0.0)
+        residual = np.array([material.casting(region).residual_stress for region in self.regions])
+        weighed = [self._weighed(one, of) for one, of in zip(self.stages, duty.by_stage(), strict=True)]
+        damage = np.zeros((len(weighed), len(self.regions)))
+        for own, (node, begin, end, often) in zip(damage, weighed, strict=True):
+            moves = begin != end
+            amplitude, mean = 0.5 * np.abs(end - begin)[moves], 0.5 * (begin + end)[moves]
+            each = curve.damage(amplitude, mean + residual[node[moves]], survival)[0]
+            own += np.bincount(node[moves], often[moves] * each, len(own))
+        hours = [*(stage.hours for stage in duty.stages[:-1]), np.inf]
+        lives, found = hours_in_stages(damage, hours).sum(axis=0), {"life": BEYOND}
+        for region in dict.fromkeys(self.regions):
+            here = np.flatnonzero(self.regions == region)
+            worst = here[np.argsort(lives[here])]
+            life = float(lives[worst[0]])
+            for node in worst[:DEFECTS] if material.casting(region).defect_size else ():
+                stages = [
+                    CycleStage(begin[of == node], end[of == node], often[of == node], lasts)
+                    for (of, begin, end, often), lasts in zip(weighed, hours, strict=True)
+                ]
+                life = min(life, material.defect_life(region, duty.miner, stages, survival[0]))
+            found[f"life_{region}".replace(" ", "_")] = life
+            found["life"] = min(found["life"], life)
+        return found
+
+    def _weighed(self, stage: CountedStage, duty: Duty) -> tuple[np.ndarray, ...]:
+        """Node, both stresses (Pa) and number an hour of all cycles in a stage of a drawn duty."""
+        runs = {one.name: one for one in duty.runs}
+        cases = {_key(one): one for one in duty.cases}
+        often, load = np.zeros(len(stage.runs)), np.ones(len(stage.runs))
+        for k, one in enumerate(stage.runs):
+            if isinstance(one.run, DutyCase):
+                if (case := cases.get(one.run.name)) is not None:
+                    often[k], load[k] = case.an_hour, case.load
+            else:
+                often[k] = runs[one.run.name].times_an_hour(float(one.time[-1] - one.time[0]))
+        there, places = often > 0.0, stage.extremes.shape[2]
+        between = load[there, None, None] * stage.extremes[:, there]
+        high, low = between[0].max(axis=0).ravel(), between[1].min(axis=0).ravel()
+        changes = often[there].min() if duty.changes_an_hour is None else duty.changes_an_hour
+        changes = changes if there.sum() > 1 else 0.0
+        factor, nodes = load[stage.part], np.tile(np.arange(stage.extremes.shape[3]), places)
+        return (
+            np.concatenate((stage.node, nodes)),
+            np.concatenate((factor * stage.begin, low)),
+            np.concatenate((factor * stage.end, high)),
+            np.concatenate((often[stage.part], np.full(len(nodes), changes))) / places,
+        )
+
+
+def _counted(one: LifeResults, nodes: np.ndarray) -> CountedStage:
+    """Cycles in a stage at some nodes, without those that no draw notices."""
+    found, extremes = [], []
+    for part, run in enumerate(one.runs):
+        counting = run.counting(one.duty.material.curve(one.duty.miner), (0.999,), 1e-3 / BEYOND)
+        at_places = []
+        for shoe in run.basis.coordinates:
+            signals = node_signals(one.duty.criterion, run.basis, shoe, nodes)
+            at_places.append((signals.max(axis=1), signals.min(axis=1)))
+            for node, signal in enumerate(signals):
+                cycles = counting.cycles(signal)
+                columns = np.full(len(cycles.begin), part), np.full(len(cycles.begin), node)
+                found.append(np.stack((*columns, cycles.begin, cycles.end)))
+        extremes.append(np.array(at_places).swapaxes(0, 1))
+    part, node, begin, end = np.concatenate(found, axis=1)
+    return CountedStage(one.runs, part.astype(int), node.astype(int), begin, end, np.stack(extremes, axis=1))
+
+
+def read_scatter(path: str | Path) -> AnySweep:
+    """Read a sweep file, or one that names a duty file beside what is drawn of it; raises as `read_sweep`."""
+    path = Path(path)
+
+    def values(content: Content) -> Content:
+        duty = read_duty(path.parent / str(content.pop("duty")))
+        one = duty.with_(survivals=duty.survivals[-1:], plane_nodes=0)
+        return with_base(content, DutyScatter) | {"duty": one.model_dump(mode="json")}
+
+    if path.is_file() and "duty" in toml_content(path, "sweep file"):
+        return read_parameters(path, DutyScatter, "duty scatter file", values)
+    return read_sweep(path)
