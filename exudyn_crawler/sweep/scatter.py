@@ -126,13 +126,13 @@ class CountedDuty:
     def of(cls, stages: Sequence[LifeResults], duty: Duty) -> "CountedDuty":
         """Cycles in the stages of a duty at nodes of the last one's mesh."""
         last, near = stages[-1], [nearest_nodes(one, stages[-1]) for one in stages]
-        chosen: set[int] = set()
+        surface, chosen = last.whole.mesh.surface_nodes, set[int]()
         for one, nearest in zip(stages, near, strict=True):
             damage = [*one.dataset.part_damage.values, one.dataset.damage_an_hour.values[-1]]
-            for own in (np.nan_to_num(part[nearest], nan=-1.0) for part in damage):
+            for own in (part[nearest[surface]] for part in damage):
                 for region in set(last.regions) - {BORES}:
-                    there = np.flatnonzero((last.regions == region) & (own > 0.0))
-                    chosen |= {*there[np.argsort(own[there])[-WORST:]].tolist()}
+                    there = np.flatnonzero((last.regions[surface] == region) & (own > 0.0))
+                    chosen |= {*surface[there[np.argsort(own[there])[-WORST:]]].tolist()}
         nodes = np.array(sorted(chosen))
         counted = (_counted(one, nearest[nodes]) for one, nearest in zip(stages, near, strict=True))
         return cls(last.regions[nodes], tuple(counted))
