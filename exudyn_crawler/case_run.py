@@ -80,15 +80,10 @@ def run_case(
 
     Parameters
     ----------
-    case_file : CaseFile
-        Case, duration and outputs.
     out : path, optional
         Folder of the run; None writes nothing.
-    overwrite : bool
-        Empty the folder of an earlier run first.
-    take_finished : bool
-        Take a run of the same case that has finished in `out` as it is, in place of refusing the folder or
-        emptying it.
+    overwrite, take_finished : bool
+        Empty the folder of an earlier run first; take a run of the same case that has finished as it is.
     reuse : path, optional
         Folder of an earlier run whose history takes the place of the simulation.
     progress : bool, optional
@@ -96,22 +91,17 @@ def run_case(
     say : callable
         Gets a line on each thing that goes on.
     reductions : path, optional
-        Folder in which reductions of flexible shoes are stored; `model.reductions.reductions_folder` says
-        which otherwise.
+        Folder in which reductions of flexible shoes are stored, else `model.reductions.reductions_folder`.
 
     Raises
     ------
-    TypeError
-        If `case_file` is none.
-    FileNotFoundError, ValueError
-        Before anything is written, if a path is empty, `reuse` holds no history or one of other parameters,
-        or the mesh of flexible shoes or the ruts do not fit; or if checkpoints come from other parameters.
+    TypeError, FileNotFoundError, ValueError
+        Before anything is written, if `case_file` is none, a path is empty, `reuse` holds no history or that
+        of other parameters, mesh or ruts do not fit; or if checkpoints come from other parameters.
     FileExistsError, BlockingIOError
         Before anything runs, if the folder has results and `overwrite` is false, or another run works there.
-    EquilibriumError
-        If the track finds no rest before t = 0.
-    SimulationStopped
-        If the run ends early; its history stays in the folder.
+    EquilibriumError, SimulationStopped
+        If the track finds no rest before t = 0, or the run ends early; its history stays in the folder.
     """
     check_case_file(case_file)
     case, outputs = case_file.case, case_file.outputs

@@ -36,29 +36,13 @@ def check_cases(
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
 ) -> CheckResults:
-    """Check a shoe by static cases in balance: peaks by region, section moments, cycles to a crack.
+    """Check a shoe, or that of a file, by static cases: peaks by region, section moments, cycles to a crack.
 
-    Parameters
-    ----------
-    check : ShoeCheck or path
-        Or its file.
-    out : path, optional
-        Folder of the tables and pictures; None writes nothing.
-    pictures : bool
-        Whether to draw each case, too.
-    overwrite : bool
-        Replace earlier results.
-    say : callable
-        Gets a line on what is going on.
+    Tables, page and, if asked for, `pictures` of all cases go into the folder `out`, if one is given; `say`
+    gets a line on what goes on.
 
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file.
-    ValueError
-        If a case is not in balance, or ground cannot carry it; naming the case.
-    FileExistsError
-        Before anything is solved, if the folder has results and `overwrite` is false.
+    FileNotFoundError if there is no such file; FileExistsError, before anything is solved, if the folder has
+    results and `overwrite` is false; ValueError, naming it, if a case is not in balance or has no support.
     """
     check = check if isinstance(check, ShoeCheck) else read_check(check)
     warn_of(out_of_range(check))

@@ -42,29 +42,14 @@ def life(
     overwrite: bool = False,
     say: Callable[[str], None] = lambda _text: None,
 ) -> LifeResults:
-    """Life of the shoes in machine hours over a duty, and a folder with it.
+    """Life of the shoes in machine hours over a duty, or over that of its file.
 
-    Parameters
-    ----------
-    duty : Duty or path
-        Or its file.
-    out : path, optional
-        Folder of the results; None writes nothing.
-    overwrite : bool
-        Replace earlier results.
-    say : callable
-        Gets a line on each thing that goes on.
+    Tables, fields and page go into the folder `out`, if one is given; `say` gets a line on what goes on.
 
-    Raises
-    ------
-    FileNotFoundError
-        If there is no such file, or no history in the folder of a run.
-    ValueError
-        Before anything is counted, if the duty or its runs do not fit together, as of `read_duty`,
-        `results.life.duty_runs.used_runs` and `results.checks.solve.case_shapes`; or if a spread beside a run
-        is of another case.
-    FileExistsError
-        Before anything is counted, if the folder has results and `overwrite` is false.
+    Before anything is counted: FileNotFoundError if there is no such file or no history of a run,
+    FileExistsError if the folder has results and `overwrite` is false, ValueError if the duty, its runs or a
+    spread beside one do not fit together, as of `read_duty`, `results.life.duty_runs.used_runs` and
+    `results.checks.solve.case_shapes`.
     """
     duty = duty if isinstance(duty, Duty) else read_duty(duty)
     warn_of(out_of_range(duty))

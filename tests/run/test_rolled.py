@@ -144,7 +144,7 @@ def test_loads_of_an_instant_have_the_rollers(bent):
 
 
 def beams(case, k, weight_of_shoe):
-    """Heights of the pins and the frame's heave and pitch of hinged rigid beams on springs, solved directly.
+    """Depths of pins and frame, places of pins, forces of rollers: hinged beams on springs, solved directly.
 
     Each shoe is a beam from pin to pin on an even bed of stiffness k; rollers are springs between it and the
     frame. Unknown are the depth of every pin, with the track's two free ends, and the frame's motion.
@@ -152,7 +152,7 @@ def beams(case, k, weight_of_shoe):
     frame, track, shoe = case.undercarriage, case.track, case.shoe
     n = track.shoe_count
     pins = track.first_com[0] + track.pin_ahead + track.pitch * np.arange(-1, n)
-    matrix, load = np.zeros((n + 3, n + 3)), np.zeros(n + 3)
+    matrix, load, rows = np.zeros((n + 3, n + 3)), np.zeros(n + 3), []
     for s in range(n):
         at = lambda x, s=s: np.array([(pins[s + 1] - x), (x - pins[s])]) / track.pitch  # noqa: E731
         center = track.first_com[0] + s * track.pitch
@@ -166,10 +166,11 @@ def beams(case, k, weight_of_shoe):
         row = np.zeros(n + 3)
         row[s : s + 2] = [(pins[s + 1] - place) / track.pitch, (place - pins[s]) / track.pitch]
         row[n + 1], row[n + 2] = -1.0, -x
-        matrix += 2.0 * frame.stiffness * np.outer(row, row)
+        rows.append(2.0 * frame.stiffness * row)
+        matrix += np.outer(rows[-1], row)
     load[n + 1] = frame.mass * case.gravity
     found = np.linalg.solve(matrix, load)
-    return found, pins
+    return found, pins, -np.array(rows) @ found
 
 
 def test_rest_is_that_of_hinged_beams_on_springs():
@@ -182,7 +183,7 @@ def test_rest_is_that_of_hinged_beams_on_springs():
     case = case.with_(contact=contact, terrain=terrain, shoe=case.shoe.of_mass(shoe_mass))
     q = static_equilibrium(case)
     shoes, frame = q[: 6 * case.track.shoe_count].reshape(-1, 6), q[-4:]
-    found, pins = beams(case, k, shoe_mass * case.gravity)
+    found, pins, rollers = beams(case, k, shoe_mass * case.gravity)
     share = (case.track.com_positions(0.0)[:, 0] - pins[:-1]) / case.track.pitch
     depth = found[:-3] * (1.0 - share) + found[1:-2] * share
     tilt = np.diff(found[:-2]) / case.track.pitch
@@ -190,4 +191,7 @@ def test_rest_is_that_of_hinged_beams_on_springs():
     np.testing.assert_allclose(-shoes[:, 2] - level, depth - level, atol=0.02 * np.ptp(depth))
     np.testing.assert_allclose(shoes[:, 4], tilt, atol=0.02 * np.abs(tilt).max())
     assert -frame[0] == pytest.approx(found[-2], rel=0.01)
-    assert len(ROLLERS) == len(case.undercarriage.rollers)
+    system = compiled_system(case)
+    force, _, _ = system.treads(0.0, q, np.zeros_like(q))
+    single = -force[..., 2].reshape(len(ROLLERS), -1).sum(axis=1)
+    np.testing.assert_allclose(single, rollers, rtol=3e-3)

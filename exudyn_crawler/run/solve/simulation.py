@@ -337,8 +337,6 @@ def simulate(
 
     Parameters
     ----------
-    case : Case
-        All that the run depends on.
     duration : float
         s, simulated time.
     progress : bool, optional
@@ -350,21 +348,15 @@ def simulate(
 
     Raises
     ------
-    TypeError
-        If `case` is no case.
-    ValueError
-        Before anything runs, if `duration` is not positive and finite, the run would take more memory than
-        there is, the drive takes the track off the terrain or the checkpoints come from other parameters.
+    TypeError, ValueError
+        Before anything runs, if `case` is none, `duration` is not positive and finite, the run would take
+        too much memory, the drive takes the track off the terrain or checkpoints have other parameters.
     EquilibriumError
         If the track finds no rest before t = 0.
     SimulationStopped
         If a step fails at its least size, if spheres of the second contact model sink through the ground,
-        or on an interrupt; it carries the history up to there.
-
-    Warns
-    -----
-    ImplausibleWarning
-        Before anything runs, of what no machine and no ground is known to have.
+        or on an interrupt; it carries the history up to there. An `ImplausibleWarning` before anything runs
+        says what no machine and no ground is known to have.
     """
     check_run(case, duration)
     warn_implausible(case, duration)
