@@ -90,23 +90,23 @@ class SteppedRun:
         self._system.commands = self._at
         self._settings = solver_settings(case.solver)
         self._span = (0.0, 1.0)
-        self._before = self._after = np.array([0.0, *force, *moment])
+        self._before = self._after = np.array([0.0, 0.0, *force, *moment])
         self._settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
         self.time, self.travel = 0.0, 0.0
         # a step at rest before the start gives the start its forces
         self.advance(case.solver.step, 0.0, wrench)
         self.time = 0.0
 
-    def _at(self, time: float) -> tuple[float, np.ndarray]:
-        """Speed and wrench at a time within the step, s."""
+    def _at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Speed and rate of turning (2,), and wrench at a time within the step, s."""
         start, end = self._span
         share = min(max((time - start) / (end - start), 0.0), 1.0)
         values = (1.0 - share) * self._before + share * self._after
-        return float(values[0]), values[1:]
+        return values[:2], values[2:]
 
     @threadpool_limits.wrap(limits=1, user_api="blas")
-    def advance(self, step: float, speed: float, wrench: ArrayLike) -> None:
-        """Integrate a step (s) to a speed (m/s) and a wrench (6,) at its end.
+    def advance(self, step: float, speed: float, wrench: ArrayLike, turn_rate: float = 0.0) -> None:
+        """Integrate a step (s) to a speed (m/s), a wrench (6,) and on two tracks a turn (rad/s) at its end.
 
         Raises
         ------
@@ -120,7 +120,7 @@ class SteppedRun:
             for error in length_errors(self.case.undercarriage, self.case.track, travel, end):
                 raise ValueError(error)
         self._span, self._before = (self.time, end), self._after
-        self._after = np.array([speed, *np.asarray(wrench, dtype=float)])
+        self._after = np.array([speed, turn_rate, *np.asarray(wrench, dtype=float)])
         set_times(self._settings, self.case.solver, self.time, end)
         try:
             self._system.solve(self._settings)
@@ -185,11 +185,14 @@ class MachineOnTrack(Fmi2Slave):
         self._run: SteppedRun | None = None
         self._outputs = dict.fromkeys(_output_names(self._case), 0.0)
         force, moment = self._case.machine_wrench(0.0)
-        self._inputs = {"speed": 0.0} | _by_axis("force", force[0]) | _by_axis("moment", moment[0])
+        self._inputs = _by_axis("force", force[0]) | _by_axis("moment", moment[0]) | {"speed": 0.0}
         self.default_experiment = DefaultExperiment(start_time=0.0, step_size=STEP)
         units = {"speed": "m/s, of the drive, at the end of a step"}
         units |= {f"force.{axis}": "N, on the side frame's origin beside its weight" for axis in AXES}
         units |= {f"moment.{axis}": "N m, about the side frame's origin" for axis in AXES}
+        if self._case.tracks > 1:
+            self._inputs["turn_rate"] = 0.0
+            units["turn_rate"] = "rad/s, to the left, at the end of a step"
         for name, meaning in units.items():
             self._add(name, meaning, self._inputs, Fmi2Causality.input)
         for name, meaning in _output_names(self._case).items():
@@ -204,9 +207,9 @@ class MachineOnTrack(Fmi2Slave):
         ways = {"getter": lambda: values[name], "setter": write}
         self.register_variable(Real(name, causality=causality, description=meaning, **ways), nested=False)
 
-    def _commands(self) -> tuple[float, np.ndarray]:
-        speed, *wrench = self._inputs.values()
-        return speed, np.array(wrench)
+    def _commands(self) -> tuple[float, np.ndarray, float]:
+        *wrench, speed, turn_rate = (*self._inputs.values(), 0.0)[:8]
+        return speed, np.array(wrench), turn_rate
 
     def exit_initialization_mode(self) -> None:
         """Bring the track to rest under the load that the inputs have."""

@@ -101,7 +101,9 @@ def test_closed_tracks_are_units_too(base, tmp_path):
     carried = [sum(one[f"ground_force[{shoe}].z"] for shoe in case.track.shoes) for one in (free, rest)]
     np.testing.assert_allclose(carried[1] - carried[0], -WRENCH[2], rtol=2e-2)
     for end in np.arange(0.01, 0.11, 0.01):
-        run.advance(0.01, float(end), 0.0 * WRENCH)
+        run.advance(0.01, float(end), 0.0 * WRENCH, 0.1 * float(end) * (case.tracks - 1))
     speed = np.atleast_1d(run.history().tumbler_speed.values[0])
-    expected = 0.1 / case.closed_track.travel_per_angle(case.track)
+    expected = (0.1 - 0.01 * case.track_middles) / case.closed_track.travel_per_angle(case.track)
     np.testing.assert_allclose(speed, expected, rtol=1e-6)
+    described = {one.name for one in read_model_description(unit).modelVariables}
+    assert ("turn_rate" in described) == (case.tracks == 2)

@@ -125,8 +125,8 @@ class CompiledSystem(TrackSystem):
         self._gravity, self._down = tuple(case.gravity_vector().tolist()), case.terrain.down
         self._limits = (0.0, 0)
         self._singular = False
-        # speed (m/s) and wrench on the side frame (6,) at a time (s) in place of the case's
-        self.commands: Callable[[float], tuple[float, np.ndarray]] | None = None
+        # speed (m/s) with rate of turning (rad/s), and wrench on the side frame (6,) in place of the case's
+        self.commands: Callable[[float], tuple[np.ndarray, np.ndarray]] | None = None
         self._bending = np.flatnonzero(self.tables.bodies.modal >= 0)
         if self.tables.teeth is not None:
             lugs = np.arange(len(self.tables.teeth.markers)).reshape(self.layout.shoes, -1)
@@ -460,7 +460,7 @@ class CompiledSystem(TrackSystem):
         frame, gear, drag, motors = self.case.undercarriage, self.case.running_gear, np.zeros(1), np.zeros(0)
         machine = np.concatenate(self.case.machine_wrench(time), axis=1)[0]
         if self.commands is not None:
-            speeds[0], machine = self.commands(time)
+            speeds[:2], machine = self.commands(time)
         # a turn makes the right track faster than the left one
         of_tracks = speeds[0] - speeds[1] * self.case.track_middles
         if gear is not None:
