@@ -182,7 +182,7 @@ def stress_picture(
         ax = figure.add_axes((0.08, FOOT / tall, 0.85, (STRIP - 0.3) / tall))
         now = track.instants(history, [frame])
         pictures.draw_side(ax, history.case, now, 1.0, scales.shoe_force, opacity=0.0)
-        _, window = pictures.windows(history)
+        _, window = pictures.windows(History(history.case, now))
         pictures.paint(ax, [one.at() for one in bent], pictures.FROM_THE_RIGHT, window)
         ax.set(xlabel="x in m", ylabel="z in m")
         ax.set_title("in place, seen from the right", fontsize=9.5, loc="left")
