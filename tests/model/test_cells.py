@@ -6,7 +6,7 @@ import pytest
 from exudyn_crawler import Case, Drive, LoadCycle, StepProfile, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
-from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from exudyn_crawler.results.loads.balance import shoe_imbalance, track_imbalance
 from exudyn_crawler.results.loads.load_map import INERTIA, loads_by_kind, unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
@@ -51,6 +51,24 @@ def test_what_acts_on_dragged_shoes_is_the_rate_of_their_momentum(dragged):
     assert np.abs(imbalance.force).max() < 0.05  # N, of 400 kN in single precision
     assert np.abs(imbalance.moment).max() < 1.0  # N m: places are stored to a micrometre
     assert np.abs(track_imbalance(dragged).force).max() < 0.1
+
+
+def test_newton_takes_two_iterations_at_most_on_sand(monkeypatch):
+    iterations, step = [], CompiledSystem._step
+
+    def counted(self, *arguments):
+        converged, count = step(self, *arguments)
+        iterations.append((converged, count))
+        return converged, count
+
+    monkeypatch.setattr(CompiledSystem, "_step", counted)
+    speed = StepProfile(times=(0.0, 0.05), values=(0.0, 0.2))
+    case = three_shoes(BekkerSoil.lete_sand(), drive=Drive.translation().with_(speed=speed))
+    steps = simulate(case, 0.3, False).time.size - 1
+    made = iterations[-steps:]
+    assert len(made) == steps > 100
+    assert all(converged for converged, _ in made)
+    assert max(count for _, count in made) <= 2
 
 
 def test_a_dragged_track_is_held_back_by_the_strength_of_the_soil(dragged):

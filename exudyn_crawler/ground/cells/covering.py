@@ -18,6 +18,8 @@ from exudyn_crawler.ground.rotations import FloatArray, IntArray
 
 LEAST = 1e-9
 """Share of a cell below which a part of it is left out."""
+FARTHEST = 1e7
+"""m, what is farther meets no ground: Newton's method went astray, and cells that far have no numbers."""
 NO_TILE, NO_HEIGHT = -1, -2
 """In place of a number of points: a tile has to be made first; a shoe is beyond all heights."""
 
@@ -39,13 +41,15 @@ def cover(ground: tuple, values: tuple, frames: FloatArray, before: FloatArray) 
     outline, total = np.empty((4, 2)), 0
     for s in range(shoes.counts.shape[0]):
         frame, count = frame_at(frames[s]), 0
-        if frame.R[2][2] < FACING:
-            shoes.counts[s] = 0
-            continue
+        meets = frame.R[2][2] >= FACING
         for a in range(4):
             corner = shoes.corners[a]
             place = along(frame.r, 1.0, turned(frame.R, (corner[0], corner[1], corner[2])))
             outline[a, 0], outline[a, 1] = place[0] / tiles.cell, place[1] / tiles.cell
+            meets = meets and abs(place[0]) < FARTHEST and abs(place[1]) < FARTHEST
+        if not meets:
+            shoes.counts[s] = 0
+            continue
         i, j = int(math.floor(outline[:, 0].min())), int(math.floor(outline[:, 1].min()))
         sums = _sums(outline, i, j)
         points, index = shoes.points[s], shoes.cells[s]

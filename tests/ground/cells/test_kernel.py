@@ -24,6 +24,18 @@ def test_clipped_areas_and_centroids_are_those_of_the_outline():
         assert np.abs(points[:, 7] @ points[:, :2]).max() < 1e-11 * true
 
 
+def test_a_shoe_that_is_nowhere_meets_no_ground():
+    cells = ground(SAND)
+    for place, R in (
+        ([np.nan, 0.0, 0.0], np.eye(3)),
+        ([0.0, 1e300, 0.0], np.eye(3)),
+        (np.zeros(3), -np.eye(3)),
+    ):
+        cells.cover(frame(place, R), frame([0.0, 0.0, 0.0]))
+        assert cells.shoes.counts[0] == 0
+        assert not cells.press(frame(place, R)).any()
+
+
 @pytest.mark.parametrize(("law", "rough", "step"), [(SAND, 0.01, 1e-8), (ROCK, 1e-4, 1e-10)])
 def test_tangents_are_the_differences_of_the_wrench(law, rough, step):
     """While shoes turn at 0.1 rad/s, the turning arms' velocities make the difference of 0.2 %."""
