@@ -37,31 +37,31 @@ demo: $(INSTALLED)  ## a machine rolls over a track with a flexible shoe: a page
 	$(BIN)/exudyn-crawler demo --out $(OUT)/demo $(ARGS)
 
 kinematics: $(INSTALLED)  ## the kinematics study: 10 s, straight and turning
-	$(BIN)/python -m studies.kinematics --out $(OUT)/kinematics $(ARGS)
+	$(BIN)/python -m studies kinematics --out $(OUT)/kinematics $(ARGS)
 
 forces: $(INSTALLED)  ## the forces study; reuses the histories of the kinematics study
-	$(BIN)/python -m studies.forces --out $(OUT)/forces $(ARGS)
+	$(BIN)/python -m studies forces --out $(OUT)/forces $(ARGS)
 
 uneven: $(INSTALLED)  ## the track over a step, a ramp and rough ground, with the second contact model
-	$(BIN)/python -m studies.uneven_ground --out $(OUT)/uneven $(ARGS)
+	$(BIN)/python -m studies uneven --out $(OUT)/uneven $(ARGS)
 
 stress: $(INSTALLED)  ## the stress study: 40 s with six flexible shoes; goes on where it was stopped
-	$(BIN)/python -m studies.stress --out $(OUT)/stress $(ARGS)
+	$(BIN)/python -m studies stress --out $(OUT)/stress $(ARGS)
 
 life: $(INSTALLED)  ## life of the shoes in machine hours, of the stress study; ARGS="--rollers results/rollers" adds the rolled
-	$(BIN)/python -m studies.life --out $(OUT)/life --stress $(OUT)/stress $(ARGS)
+	$(BIN)/python -m studies shovel-life --out $(OUT)/life --stress $(OUT)/stress $(ARGS)
 
 rollers: $(INSTALLED)  ## the machine rolls over six flexible shoes and digs above them; beside the papers' dragging
-	$(BIN)/python -m studies.rollers --out $(OUT)/rollers $(ARGS)
+	$(BIN)/python -m studies rollers --out $(OUT)/rollers $(ARGS)
 
 closed: $(INSTALLED)  ## one revolution of a closed track on the papers' ground; ARGS="--flexible 7" with the stress of a shoe
-	$(BIN)/python -m studies.closed --out $(OUT)/closed $(ARGS)
+	$(BIN)/python -m studies closed --out $(OUT)/closed $(ARGS)
 
 ground: $(INSTALLED)  ## the machine rolls over sand, oil sand and hard floor with ruts, stones and ridges
-	$(BIN)/python -m studies.ground --out $(OUT)/ground $(ARGS)
+	$(BIN)/python -m studies grounds --out $(OUT)/ground $(ARGS)
 
 verify: $(INSTALLED)  ## the two-body problem against its hand solution
-	$(BIN)/python -m studies.two_bodies
+	$(BIN)/python -m studies verify
 
 sweep-terrain: $(INSTALLED)  ## 40 runs: stiffness of the ground and friction against the forces in the links
 	$(BIN)/exudyn-crawler sweep studies/terrain_sweep.toml --out $(OUT)/terrain_sweep $(ARGS)
@@ -70,7 +70,7 @@ scatter: $(INSTALLED)  ## 200 runs over oil sand that is drawn from a distributi
 	$(BIN)/exudyn-crawler scatter studies/scatter.toml --out $(OUT)/scatter $(ARGS)
 
 sweep-plate: $(MESHER)  ## 9 runs: top plate of the shoe and the ground against the life of the roller path
-	$(BIN)/python -m studies.plate_sweep --out $(OUT)/plate_sweep $(ARGS)
+	$(BIN)/python -m studies plate-sweep --out $(OUT)/plate_sweep $(ARGS)
 
 check: $(INSTALLED) lint  ## lint and the tests that run no simulation, within a minute
 	$(ONE_THREAD) $(BIN)/python -m pytest -m "not slow and not simulation" -n 2

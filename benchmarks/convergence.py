@@ -8,7 +8,7 @@ import pandas as pd
 from exudyn_crawler import Case, simulate
 from exudyn_crawler.views.tables import print_table
 from studies.comparison import compare_kinematics
-from studies.force_comparison import compare_forces
+from studies.forces import compare_forces
 
 DURATION = 10.0
 SETTINGS = {

@@ -26,7 +26,7 @@ from exudyn_crawler.run.solve.simulation import integrate_from
 from exudyn_crawler.views.figures import stress_figures
 from exudyn_crawler.views.tables import print_table
 from fem import ReducedBody, recover_extremes
-from studies.stress_comparison import compare_stresses
+from studies.stress import compare_stresses
 
 WINDOW = 0.1
 """s of each window."""

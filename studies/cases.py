@@ -2,7 +2,7 @@
 
 from exudyn_crawler import Case, CaseFile, Drive, FlexibleShoes, StepProfile
 from exudyn_crawler.case import Outputs
-from studies.defaults import CYCLE_DURATION, DURATION
+from studies import CYCLE_DURATION, DURATION
 from studies.grounds import uneven_case
 
 

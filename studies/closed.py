@@ -6,9 +6,8 @@ is run with its assumed tension, and as a trial with that of the closed one. The
 about one of them and on the spot.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple, Unpack
+from typing import Unpack
 
 import numpy as np
 import pandas as pd
@@ -21,15 +20,11 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history.summary import tension_along_chain
 from studies.running import Running, save, study_runs
 
-START = 10.0
-"""s, before which the machine starts: peaks do not count."""
+START = 10.0  # s, before which the machine starts: peaks do not count
 INTERVAL = 0.02  # s between stored states
-TENSION = 8.9e5
-"""N, mean tension of all links of the closed track over its revolution: that of the trial."""
-CUTS = (0.0, 0.3)
-"""m ahead of the tumbler's axis, where its torque is compared with the tension."""
-OPEN_SHOES, OPEN_DURATION = 31, 70.0
-"""Shoes of the open track, and s in which all rollers pass its middle."""
+TENSION = 8.9e5  # N, mean tension of all links of the closed track over its revolution: that of the trial
+CUTS = (0.0, 0.3)  # m ahead of the tumbler's axis, where its torque is compared with the tension
+OPEN_SHOES, OPEN_DURATION = 31, 70.0  # shoes of the open track, and s in which all rollers pass its middle
 CLOSED, ROLLED, TRIAL = "closed", "rolled", "rolled at the closed tension"
 ABOUT_LEFT, ON_SPOT = "turn about the left track", "turn on the spot"
 TURNS = {ABOUT_LEFT: (0.1, 0.02), ON_SPOT: (0.0, 0.03)}
@@ -77,10 +72,7 @@ def turning_case(speed: float, rate: float) -> Case:
 def study_cases(
     duration: float | None = None, flexible: int | None = None, mesh: str = "coarse"
 ) -> dict[str, CaseFile]:
-    """Cases of the study with their durations (s), at most `duration`.
-
-    `flexible` is the number of a flexible shoe of the closed track, `mesh` its mesh as of `FlexibleShoes`.
-    """
+    """Cases of the study over `duration` (s) at most; `flexible`: a shoe of the closed track that bends."""
     most, closed = np.inf if duration is None else duration, closed_case()
     if flexible is not None:
         closed = closed.with_(
@@ -219,16 +211,6 @@ def torque_by_tension(history: History) -> pd.DataFrame:
     return pd.DataFrame(found)
 
 
-class ClosedStudy(NamedTuple):
-    """Runs by case; loads round the loop, torque by tension, forces on shoes in mid-track, loads of turns."""
-
-    runs: Mapping[str, CaseRun]
-    loads: pd.DataFrame
-    torque: pd.DataFrame
-    peaks: pd.DataFrame
-    turns: pd.DataFrame
-
-
 def study(
     out: Path | None = None,
     *,
@@ -236,23 +218,18 @@ def study(
     flexible: int | None = None,
     mesh: str = "coarse",
     **how: Unpack[Running],
-) -> ClosedStudy:
-    """Run the closed track and the rolled ones, and compare what shoes in mid-track bear.
+) -> tuple[dict[str, CaseRun], pd.DataFrame, pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Run the closed track and the rolled ones: runs by case, and four tables.
 
-    Cases are those of `study_cases`; with `out` it gets their folders, `loads.csv`, `torque.csv`,
-    `peaks.csv` and `turns.csv`. Errors are those of `study_runs`.
+    Cases are those of `study_cases`. With `out` it gets their folders and the tables: `loads.csv`, round the
+    loop, `torque.csv`, by tension, `peaks.csv`, what shoes in mid-track bear by case, and `turns.csv`. Errors
+    are those of `study_runs`.
     """
     with study_runs(out, study_cases(duration, flexible, mesh), **how) as runs:
         loads, torque = (of(runs[CLOSED].history) for of in (loads_round_the_loop, torque_by_tension))
-        tables = [
+        peaks, turns = (
             pd.DataFrame([{"case": name} | of(runs[name].history) for name in names])
             for of, names in ((peaks_in_mid_track, (CLOSED, ROLLED, TRIAL)), (loads_across, (CLOSED, *TURNS)))
-        ]
-        save(out, loads=loads, torque=torque, peaks=tables[0], turns=tables[1])
-        return ClosedStudy(runs, loads, torque, *tables)
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:closed")
+        )
+        save(out, loads=loads, torque=torque, peaks=peaks, turns=turns)
+        return runs, loads, torque, peaks, turns

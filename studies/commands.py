@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from exudyn_crawler.cli import RESULTS, Out, Overwrite
+from exudyn_crawler.cli.application import RESULTS, Out, Overwrite, with_example
 from exudyn_crawler.views.tables import print_table, within_by_class
-from studies.defaults import CYCLE_DURATION, DURATION
+from studies import CYCLE_DURATION, DURATION
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,16 +68,14 @@ def _show_comparison(table: "pd.DataFrame", study: str, out: Path) -> None:
     print_table(within_by_class(table), "Rows within their class")
 
 
+@with_example("exudyn-crawler kinematics --case translation --duration 2 --out results/short")
 def kinematics(
     case: Chosen = "both",
     duration: Duration = DURATION,
     out: Out = KINEMATICS,
     overwrite: Overwrite = False,
 ) -> None:
-    """Run the kinematics study and compare it with the papers.
-
-    Example: exudyn-crawler kinematics --case translation --duration 2 --out results/short
-    """
+    """Run the kinematics study and compare it with the papers."""
     from studies.kinematics import study
 
     _, table = study(out, _names(case), duration=duration, overwrite=overwrite, say=typer.echo)
@@ -85,6 +83,7 @@ def kinematics(
     typer.echo(f"runs, figures and comparison.csv are in {out}")
 
 
+@with_example("exudyn-crawler forces --case translation --out results/straight")
 def forces(
     case: Chosen = "both",
     duration: Duration = DURATION,
@@ -96,10 +95,7 @@ def forces(
     overwrite: Overwrite = False,
     variants: Variants = False,
 ) -> None:
-    """Run the forces study and compare it with the paper.
-
-    Example: exudyn-crawler forces --case translation --out results/straight
-    """
+    """Run the forces study and compare it with the paper."""
     from studies.forces import study
 
     if variants:
@@ -115,6 +111,7 @@ def forces(
     typer.echo(f"runs, figures, comparison.csv and turning_ratios.csv are in {out}")
 
 
+@with_example("exudyn-crawler stress --duration 8 --mesh coarse --out results/short")
 def stress(
     duration: Duration = CYCLE_DURATION,
     mesh: MeshName = "study",
@@ -130,14 +127,10 @@ def stress(
     overwrite: Overwrite = False,
     choices: Choices = False,
 ) -> None:
-    """Run the stress study and compare it with the paper; a study that was stopped goes on.
-
-    Example: exudyn-crawler stress --duration 8 --mesh coarse --out results/short
-    """
+    """Run the stress study and compare it with the paper; a study that was stopped goes on."""
     from exudyn_crawler import Case, LoadCycle
     from exudyn_crawler.results.stress.hot_spots import hot_spot_table
-    from studies.stress import RUN, open_choices, study
-    from studies.stress_comparison import highest_in_propel_and_loading
+    from studies.stress import RUN, highest_in_propel_and_loading, open_choices, study
 
     if choices:
         print_table(open_choices(min(duration, 8.0), mesh), "Paper, and computed for some choices")
@@ -160,6 +153,7 @@ def stress(
     typer.echo(f"the run and comparison.csv are in {out}")
 
 
+@with_example("exudyn-crawler uneven ramp --duration 2")
 def uneven(
     grounds: Annotated[
         list[Ground] | None,
@@ -169,16 +163,14 @@ def uneven(
     out: Out = RESULTS / "uneven",
     overwrite: Overwrite = False,
 ) -> None:
-    """Run the track over uneven ground; each ground has a folder with its run and a figure of its end.
-
-    Example: exudyn-crawler uneven ramp --duration 2
-    """
+    """Run the track over uneven ground; each ground has a folder with its run and a figure of its end."""
     from studies.uneven_ground import study
 
     study(out, grounds or list(Ground), duration=duration, overwrite=overwrite, say=typer.echo)
     typer.echo(f"runs and figures are in {out}")
 
 
+@with_example("exudyn-crawler shovel-life --stress results/stress --out results/life")
 def shovel_life(
     stress: Annotated[
         Path, typer.Option(help="folder of the stress study, which is run there where it is missing")
@@ -189,10 +181,7 @@ def shovel_life(
     out: Out = RESULTS / "life",
     overwrite: Overwrite = False,
 ) -> None:
-    """Give the life of the P&H 4100C's shoes in machine hours for three materials.
-
-    Example: exudyn-crawler shovel-life --stress results/stress --out results/life
-    """
+    """Give the life of the P&H 4100C's shoes in machine hours for three materials."""
     from studies.life import study
 
     _, summary = study(out, stress, rollers, overwrite=overwrite, say=typer.echo)
@@ -200,6 +189,7 @@ def shovel_life(
     typer.echo(f"lives, pages and summary.csv are in {out}")
 
 
+@with_example("exudyn-crawler rollers --duration 2 --mesh coarse --out results/short")
 def rollers(
     duration: AtMost = None,
     mesh: MeshName = "study",
@@ -207,10 +197,7 @@ def rollers(
     overwrite: Overwrite = False,
     choices: Choices = False,
 ) -> None:
-    """Roll the machine over six flexible shoes and let it dig above them; beside the papers' dragging.
-
-    Example: exudyn-crawler rollers --duration 2 --mesh coarse --out results/short
-    """
+    """Roll the machine over six flexible shoes and let it dig above them; beside the papers' dragging."""
     from studies.rollers import open_choices, study
 
     if choices:
@@ -221,6 +208,7 @@ def rollers(
     _show_tables(out, {"regions": (regions, REGIONS, keys)})
 
 
+@with_example("exudyn-crawler closed --duration 2 --out results/short")
 def closed(
     duration: AtMost = None,
     flexible: Annotated[
@@ -231,10 +219,7 @@ def closed(
     out: Out = RESULTS / "closed",
     overwrite: Overwrite = False,
 ) -> None:
-    """One revolution of a closed track on the papers' ground, beside the rolled open track, and turns.
-
-    Example: exudyn-crawler closed --duration 2 --out results/short
-    """
+    """One revolution of a closed track on the papers' ground, beside the rolled open track, and turns."""
     from studies.closed import study
 
     how: dict[str, Any] = {"duration": duration, "flexible": flexible, "mesh": mesh, "overwrite": overwrite}
@@ -244,38 +229,31 @@ def closed(
     _show_tables(out, shown)
 
 
+@with_example("exudyn-crawler grounds --duration 2 --out results/short")
 def grounds(
     duration: Duration = 60.0,
     mesh: MeshName = "coarse",
     out: Out = RESULTS / "ground",
     overwrite: Overwrite = False,
 ) -> None:
-    """Roll the machine over sand, oil sand and hard floor; beside the papers' ground.
-
-    Example: exudyn-crawler grounds --duration 2 --out results/short
-    """
+    """Roll the machine over sand, oil sand and hard floor; beside the papers' ground."""
     from studies.ground import study
 
     _, table, regions, lives = study(out, mesh, duration=duration, overwrite=overwrite, say=typer.echo)
     keys = ("ground", "mean pull in kN", "greatest tilt of a shoe in mrad", "highest stress in MPa")
-    _show_tables(
-        out,
-        {
-            "grounds": (table, "The machine on every ground", keys),
-            "regions": (regions, REGIONS, ("ground", "region", "von Mises in MPa", "verdict")),
-            "lives": (lives, "Shortest life by region, in hours of propel", ("ground", *LIVES[1:-1])),
-        },
-    )
+    lives_keys = ("ground", *LIVES[1:-1])
+    shown: dict[str, Any] = {"grounds": (table, "The machine on every ground", keys)}
+    shown |= {"regions": (regions, REGIONS, ("ground", "region", "von Mises in MPa", "verdict"))}
+    shown |= {"lives": (lives, "Shortest life by region, in hours of propel", lives_keys)}
+    _show_tables(out, shown)
 
 
+@with_example("python -m studies plate-sweep --out results/plate_sweep")
 def plate_sweep(
     workers: Annotated[int | None, typer.Option(help="processes; one a core, if not given", min=1)] = None,
     out: Out = RESULTS / "plate_sweep",
 ) -> None:
-    """Sweep top plate and ground against the life of the roller path; the same command goes on.
-
-    Example: python -m studies.plate_sweep --out results/plate_sweep
-    """
+    """Sweep top plate and ground against the life of the roller path; the same command goes on."""
     from studies.plate_sweep import study
 
     run = study(out, workers=workers, say=typer.echo)
@@ -284,15 +262,13 @@ def plate_sweep(
     typer.echo(f"the runs, results.csv and report.html are in {out}")
 
 
+@with_example("python -m studies sliding-modes --out results/sliding_modes")
 def sliding_modes(
     runs: Annotated[bool, typer.Option("--runs", help="make the 10 s runs, too: ten minutes")] = False,
     out: Out = RESULTS / "sliding_modes",
     overwrite: Overwrite = False,
 ) -> None:
-    """Show why the shoes bounce: which modes of the sliding track grow, and over what.
-
-    Example: python -m studies.sliding_modes --out results/sliding_modes
-    """
+    """Show why the shoes bounce: which modes of the sliding track grow, and over what."""
     from studies.sliding_modes import study, table_name
 
     for title, table in study(out, runs=runs, overwrite=overwrite):
@@ -300,11 +276,9 @@ def sliding_modes(
     typer.echo(f"the tables and modes.png are in {out}")
 
 
+@with_example("exudyn-crawler verify")
 def verify() -> None:
-    """Solve the two-body problem by hand and by the engine, side by side.
-
-    Example: exudyn-crawler verify
-    """
+    """Solve the two-body problem by hand and by the engine, side by side."""
     from studies.two_bodies import study
 
     side_by_side, table = study()

@@ -1,33 +1,83 @@
-"""Paper value against computed value.
+"""Paper value against computed value, and how close a sound model should come.
 
 The tables of the papers name quantities in words (``shoe 13 x displacement``, ``any shoe z velocity``) and
 statistics (``max abs``, ``mean over 10 s``). This module parses both, so that a comparison needs nothing but
-a row of the reported values.
+a row of the reported values: `reported.csv` has one number a row, each with its source. The class of a row
+says what governs it, and so how close to come:
+
+============  ======================================  ==========================
+class         what governs it                         within
+============  ======================================  ==========================
+exact         algebra of the equations                0.01 %
+prescribed    the drive                               1 %
+statics       equilibrium and the friction law        10 %
+structural    the shoe's geometry, not published      25 %, frequencies 10 %
+              in full
+fluctuation   bouncing, step size, solver damping     a factor of 2
+lateral       asymmetry and noise in their contact    no verdict
+============  ======================================  ==========================
 """
 
 import math
 import re
 from collections.abc import Mapping
+from importlib.resources import files
+from typing import Literal
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.results.history.history import History
-from studies.reported import needed_time, reported_values, verdict
 
-KINEMATIC = {
-    "displacement": ("displacement", 1.0),
-    "displacement from equilibrium": ("displacement", 1.0),
-    "velocity": ("velocity", 1.0),
-    "acceleration": ("acceleration", 1.0),
-    "angular velocity": ("angular_velocity", 180.0 / math.pi),
-    "angular acceleration": ("angular_acceleration", 180.0 / math.pi),
-}
+Verdict = Literal["yes", "no", "not reached", ""]
+
+ENDS = {name: {"translation": 10.0, "turning": 10.0} for name in ("kinematics", "forces")}
+ENDS["stress"] = {"modal": 0.0, "propel": 15.0, "loading": 40.0, "hot spots": 40.0}
+"""s by study and case: ends of the papers' runs."""
+
+RELATIVE = {"exact": 1e-4, "prescribed": 0.01, "statics": 0.10, "structural": 0.25}
+FREQUENCY = 0.10
+FACTOR = 2.0
+
+
+def reported_values(study: str) -> pd.DataFrame:
+    """Rows of one study: kinematics, forces, stress or verification.
+
+    Columns: study, case, quantity, statistic, unit, value, class, source.
+    """
+    with files("studies").joinpath("reported.csv").open() as file:
+        table = pd.read_csv(file)
+    chosen = table[table["study"] == study]
+    if chosen.empty:
+        raise ValueError(f"study must be one of {sorted(table['study'].unique())}, got {study!r}")
+    return chosen.reset_index(drop=True)
+
+
+def needed_time(study: str, case: str, statistic: str) -> float:
+    """Time (s) that a run has to reach before a row can be compared with it."""
+    named = re.fullmatch(r"(?:at t=|mean over )(\d+) s", statistic)
+    return float(named[1]) if named else ENDS[study][case]
+
+
+def verdict(paper: float, computed: float, kind: str, unit: str) -> Verdict:
+    """Whether a computed value is within its class of the paper's: yes, no, or no verdict."""
+    if kind == "lateral" or computed != computed:
+        return ""
+    ratio = computed / paper
+    if kind == "fluctuation":
+        return "yes" if 1.0 / FACTOR <= ratio <= FACTOR else "no"
+    allowed = FREQUENCY if kind == "structural" and unit == "Hz" else RELATIVE[kind]
+    return "yes" if abs(ratio - 1.0) <= allowed else "no"
+
+
+_RATES = ("velocity", "acceleration")
+KINEMATIC = {name: (name, 1.0) for name in ("displacement", *_RATES)}
+KINEMATIC |= {f"angular {name}": (f"angular_{name}", 180.0 / math.pi) for name in _RATES}
+KINEMATIC["displacement from equilibrium"] = KINEMATIC["displacement"]
 """Kinematic quantities of the papers: quantity of the catalogue and factor to the papers' unit."""
 
-SAME_TIME = 1e-9
-"""s, below which two times are the same."""
+SAME_TIME = 1e-9  # s, below which two times are the same
 
 SHOE_QUANTITY = re.compile(r"(?:any shoe|shoe (?P<shoe>\d+)) (?P<axis>[xyz]) (?P<kind>[a-z ]+)")
 
@@ -39,10 +89,7 @@ def time_mean(values: xr.DataArray) -> xr.DataArray:
 
 
 def kinematic_quantity(history: History, quantity: str) -> xr.DataArray:
-    """Kinematic quantity that a paper names, in the paper's unit: (time, shoe) for any shoe, (time) for one.
-
-    A ValueError for words that name no such quantity.
-    """
+    """Quantity that a paper names, else ValueError, in its unit: (time, shoe), or (time) of one shoe."""
     match = SHOE_QUANTITY.fullmatch(quantity)
     if match is None or match["kind"] not in KINEMATIC:
         raise ValueError(f"{quantity!r} names no kinematic quantity of a shoe")
@@ -54,10 +101,7 @@ def kinematic_quantity(history: History, quantity: str) -> xr.DataArray:
 
 
 def statistic_of(values: xr.DataArray, statistic: str) -> float:
-    """Statistic that a paper names over all times and shoes; NaN where the run is too short for it.
-
-    A ValueError for words that name no statistic.
-    """
+    """Statistic that a paper names, else ValueError, over times and shoes; NaN if the run is too short."""
     end = float(values.time[-1])
     if match := re.fullmatch(r"at t=(\d+) s", statistic):
         time = float(match[1])

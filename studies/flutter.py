@@ -18,17 +18,13 @@ from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies.sliding import LinearTrack, derivative, eigenmodes
 
-UNEVENNESS = (0.0, 0.05, 0.1, 0.12, 0.14, 0.16, 0.17, 0.18, 0.2, 0.25, 0.3)
-"""m."""
+UNEVENNESS = (0.0, 0.05, 0.1, 0.12, 0.14, 0.16, 0.17, 0.18, 0.2, 0.25, 0.3)  # m
 STEP = 1e-7
 """m, rad and their rates: of central differences, far below the 0.1 mm of the contact's damping law."""
 
 
 def swings(case: Case) -> np.ndarray:
-    """Complex eigenvalues (1/s) of a rigid track at rest without friction, its front shoe held along x.
-
-    Of pairs the one above the real axis, by falling growth rate.
-    """
+    """Eigenvalues as of `eigenmodes` of a rigid track at rest without friction, its front shoe held."""
     contact = case.pair_contact().with_(static_friction=0.0, dynamic_friction=0.0)
     case = case.with_(contact=contact)
     system = compiled_system(case)

@@ -4,13 +4,22 @@ Reproduces the F-paper ("Contact and Joint Forces Modeling and Simulation of Cra
 on the two runs of the K-paper: the extremes and means of contact and joint forces, penetration, slip and
 terrain deformation that it states, and its figures of shoes 1, 4, 7, 10 and 13, of shoe 7 where it crosses
 from unit to unit, and of shoe 10 and link 10-11 turning against translation.
+
+The paper takes its least, greatest and mean values from the shoes and links that it draws; so does every row
+here about "a shoe", "shoes" or "joints". It prints means of forces and torques as magnitudes, so magnitudes
+are compared. Its figures 5 to 8 (normal force, friction) show one contact each and figure 10 (contact force)
+the sum of a shoe's: extremes of the former are those of one volume here, too. What it says of shoe 7 on unit
+7 is taken while they touch, of one volume.
 """
 
+import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Unpack
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -18,28 +27,160 @@ from exudyn_crawler import CaseFile, History
 from exudyn_crawler.results.history.history import common_phases
 from exudyn_crawler.run.folder.folder import matching_history
 from exudyn_crawler.run.folder.record import quiet
-from exudyn_crawler.views.figures import (
-    CONTACT_SCALARS,
-    CONTACT_VECTORS,
-    JOINT_VECTORS,
-    Panel,
-    history_series,
-    link_names,
-    overlay,
-    panel_figure,
-    shoe_names,
-)
+from exudyn_crawler.views import figures
 from exudyn_crawler.views.style import save_figure
 from exudyn_crawler.views.tables import write_table
-from studies.defaults import DURATION
-from studies.force_comparison import compare_forces, turning_ratios
+from studies import DURATION
+from studies.comparison import comparison_table, ends, reported_values, statistic_of, time_mean
 from studies.kinematics import CASES, case_files
 from studies.running import Compared, Running, compare_cases
 
-CROSSING_SHOE = 7
-"""Shoe that stands on two units, which the F-paper draws apart."""
-COMPARED_SHOE, COMPARED_JOINT = 10, 10
-"""Shoe and link that the F-paper draws turning against translation."""
+CONTACT = {"penetration depth": "penetration", "sinkage velocity": "penetration_rate"}
+CONTACT |= {name: name.replace(" ", "_") for name in ("normal force", "slip velocity", "friction force")}
+CONTACT |= {name: name.replace(" ", "_") for name in ("friction torque", "contact force")}
+"""Contact quantities of the paper and their variables in `contacts_by_shoe`."""
+
+ONE_VOLUME = ("normal force", "friction force", "friction torque")
+"""Of these its figures show one contact each."""
+
+VOLUMES = re.compile(r"shoe (?P<shoe>\d+) on unit (?P<unit>\d+) (?P<words>.+)")
+
+REACTIONS = {"spherical joint reaction": "joint_force", "parallel joint torque": "joint_torque"}
+
+
+def force_quantity(history: History, contacts: xr.Dataset, quantity: str) -> xr.DataArray:
+    """Quantity that the F-paper names, else ValueError, in SI units; `contacts` as of `contacts_by_shoe`."""
+    if quantity == "total terrain deformation from equilibrium":
+        return history.terrain_deformation
+    name, axis, shoe = _words(quantity)
+    if name in REACTIONS:
+        values = history.dataset[REACTIONS[name]].sel(joint=list(figures.JOINTS))
+    elif name in CONTACT:
+        values = contacts[CONTACT[name]].sel(shoe=shoe or list(figures.SHOES))
+    else:
+        raise ValueError(f"{quantity!r} names no quantity of contact, joints or terrain")
+    if "axis" not in values.dims:
+        return values
+    # the friction torque turns about the normal, which is z but for the units' tilt
+    return values.sel(axis=axis)
+
+
+def _words(quantity: str) -> tuple[str, str, int]:
+    """Name, axis (z where none is named) and shoe (0 for none) of a quantity in the paper's words."""
+    words = re.sub(r" \(crossing two units\)| of a shoe", "", quantity)
+    shoe = re.search(r"shoe (\d+)", words)
+    words = re.sub(r"(of )?shoe \d+", "", words).strip()
+    match = re.fullmatch(r"(?P<name>[a-z ]+?)(?: (?P<axis>[xyz]))?", words)
+    return (match["name"], match["axis"] or "z", int(shoe[1]) if shoe else 0) if match else ("", "z", 0)
+
+
+def greatest_of_one_volume(history: History, quantity: str) -> xr.DataArray:
+    """Component of a force of every contact of the shoes that the paper draws: dimensions (time, contact)."""
+    name, axis, _ = _words(quantity)
+    drawn = np.isin(history.contact_shoe.values, figures.SHOES)
+    return history.dataset[CONTACT[name]].isel(contact=drawn).sel(axis=axis)
+
+
+def volumes_value(history: History, shoe: int, unit: int, words: str) -> float:
+    """What the paper says of the volumes of a shoe on a unit; NaN for volumes that a run does not have.
+
+    By the words "one volume" or "three volumes": until when, s; of a component: its mean over the time in
+    which they touch, of one volume, as a magnitude.
+    """
+    here = (history.contact_shoe.values == shoe) & (history.contact_unit.values == unit)
+    if not here.any():
+        return math.nan
+    own = history.dataset.isel(contact=here)
+    time = own.time.values
+    push = np.linalg.norm(own.normal_force.transpose("time", "contact", "axis").values, axis=-1)
+    whole, fingers = push[:, own.contact_finger.values == 0], push[:, own.contact_finger.values > 0]
+    if words == "one volume":
+        most = np.max(fingers, axis=1, initial=0.0)
+        return float(time[np.flatnonzero(np.max(whole, axis=1, initial=0.0) > most)[-1]])
+    if words == "three volumes":
+        pushed = np.flatnonzero(fingers.any(axis=1))
+        return float(time[pushed[-1]]) if len(pushed) else math.nan
+    name, axis, _ = _words(words)
+    values = own[CONTACT[name]].sel(axis=axis).transpose("time", "contact").values
+    touching = push > 0.0
+    count = touching.sum(axis=1)
+    mean = np.divide((values * touching).sum(axis=1), count, out=np.zeros(len(time)), where=count > 0)
+    return float(abs(np.trapezoid(mean, time)) / np.trapezoid((count > 0).astype(float), time))
+
+
+def force_statistic(values: xr.DataArray, statistic: str) -> float:
+    """Statistic as the F-paper takes it: means of magnitudes, greatest and least of shoes' means."""
+    if statistic.startswith("mean"):
+        means = np.abs(time_mean(values))
+        if statistic == "mean least":
+            return float(means.min())
+        if statistic.startswith("mean greatest"):
+            return float(means.max())
+        return float(means.mean())
+    return statistic_of(values, statistic)
+
+
+def _force_value(history: History, contacts: xr.Dataset, quantity: str, statistic: str) -> float:
+    """Computed value of a row of the F-paper."""
+    if match := VOLUMES.fullmatch(quantity):
+        return volumes_value(history, int(match["shoe"]), int(match["unit"]), match["words"])
+    name, _, shoe = _words(quantity)
+    if name in ONE_VOLUME and not shoe and statistic in ("max", "max abs"):
+        return statistic_of(greatest_of_one_volume(history, quantity), statistic)
+    return force_statistic(force_quantity(history, contacts, quantity), statistic)
+
+
+def compare_forces(histories: Mapping[str, History]) -> pd.DataFrame:
+    """Every row of the F-paper against the runs; columns as of `comparison.comparison_table`."""
+    contacts = {case: history.contacts_by_shoe() for case, history in histories.items()}
+    reported = reported_values("forces")
+    computed = [
+        _force_value(histories[row.case], contacts[row.case], row.quantity, row.statistic)
+        if row.case in histories
+        else math.nan
+        for row in reported.itertuples()
+    ]
+    return comparison_table(reported, computed, ends(histories))
+
+
+def turning_ratios(translation: History, turning: History, shoe: int = 10, joint: int = 10) -> pd.DataFrame:
+    """Turning against translation: extremes and means of every component of both, and their ratios.
+
+    Columns quantity, axis, unit, extreme translation, extreme turning, extreme ratio, mean translation, mean
+    turning, mean ratio. Extremes are greatest magnitudes, means are magnitudes of means; a ratio to a
+    translation value that is only rounding is left empty.
+    """
+    rows = []
+    pair = [_components(one, shoe, joint) for one in (translation, turning)]
+    for (quantity, axis), straight in pair[0].items():
+        turned = pair[1][quantity, axis]
+        extremes = [float(np.abs(values).max()) for values in (straight, turned)]
+        means = [float(np.abs(time_mean(values))) for values in (straight, turned)]
+        row = {"quantity": quantity, "axis": axis, "unit": straight.attrs.get("units", "")}
+        for kind, (before, after) in (("extreme", extremes), ("mean", means)):
+            scale = max(extremes)
+            ratio = after / before if before > 1e-6 * scale else math.nan
+            row |= {f"{kind} translation": before, f"{kind} turning": after, f"{kind} ratio": ratio}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _components(history: History, shoe: int, joint: int) -> dict[tuple[str, str], xr.DataArray]:
+    contacts = history.contacts_by_shoe().sel(shoe=shoe)
+    named = {f"shoe {shoe} {name}": contacts[variable] for name, variable in CONTACT.items()}
+    named |= {
+        f"joint {joint}-{joint + 1} {name}": history.dataset[variable].sel(joint=joint)
+        for name, variable in REACTIONS.items()
+    }
+    return {
+        (name, str(axis)): values.sel(axis=axis) if axis else values
+        for name, values in named.items()
+        for axis in (values.axis.values if "axis" in values.dims else ("",))
+    }
+
+
+CROSSING_SHOE = 7  # shoe that stands on two units, which the F-paper draws apart
+COMPARED_SHOE, COMPARED_JOINT = 10, 10  # shoe and link that the F-paper draws turning against translation
 
 
 def study(
@@ -79,55 +220,44 @@ def _source(case_file: CaseFile, reuse: Path | None, strict: bool, say: Callable
 
 def write_results(histories: Mapping[str, History], out: Path) -> None:
     """Draw what the F-paper draws beside the curves of each run; turning against translation as a table."""
-    figures = {
-        f"{name} shoe {CROSSING_SHOE} crossing": crossing_figure(one) for name, one in histories.items()
-    }
+    drawn = {f"{name} shoe {CROSSING_SHOE} crossing": crossing_figure(one) for name, one in histories.items()}
     if len(histories) > 1:
-        figures |= turning_figures(histories)
+        drawn |= turning_figures(histories)
         ratios = turning_ratios(histories["translation"], histories["turning"])
         write_table(ratios, out / "turning_ratios.csv", overwrite=True)
-    for title, figure in figures.items():
+    for title, figure in drawn.items():
         save_figure(figure, out / f"{title.replace(' ', '_')}.png", overwrite=True)
 
 
 def crossing_figure(history: History, shoe: int = CROSSING_SHOE) -> Figure:
     """Contacts of one shoe drawn apart, a curve for every volume with a unit that it meets."""
-    forces = history.contact_force
-    curves: dict[str, dict[str, xr.DataArray]] = {"penetration": {}, "normal": {}, "contact": {}}
+    shown = {"penetration depth": history.penetration}
+    shown["z normal force"] = history.normal_force.sel(axis="z")
+    shown["x contact force"] = history.contact_force.sel(axis="x")
+    volumes = {}
     for index in np.flatnonzero(history.contact_shoe.values == shoe):
-        unit = f"unit {int(history.contact_unit[index])}"
-        if finger := int(history.contact_finger[index]):
-            unit += f", finger {finger}"
-        curves["penetration"][unit] = history.penetration.isel(contact=index)
-        curves["normal"][unit] = history.normal_force.isel(contact=index).sel(axis="z")
-        curves["contact"][unit] = forces.isel(contact=index).sel(axis="x")
+        unit, finger = int(history.contact_unit[index]), int(history.contact_finger[index])
+        volumes[f"unit {unit}, finger {finger}" if finger else f"unit {unit}"] = index
     panels = [
-        Panel.of("penetration depth", curves["penetration"]),
-        Panel.of("z normal force", curves["normal"]),
-        Panel.of("x contact force", curves["contact"]),
+        figures.Panel.of(label, {name: values.isel(contact=index) for name, index in volumes.items()})
+        for label, values in shown.items()
     ]
     title = f"{history.case.name}: shoe {shoe} crossing units"
-    return panel_figure(title, panels, common_phases(history))
+    return figures.panel_figure(title, panels, common_phases(history))
 
 
 def turning_figures(histories: Mapping[str, History]) -> dict[str, Figure]:
     """Cases against each other: contact of one shoe, reactions of one link; by a name that can be a file."""
-    found = {case: history_series(one) for case, one in histories.items()}
-    shoe, link = shoe_names([COMPARED_SHOE])[0], link_names([COMPARED_JOINT])[0]
+    found = {case: figures.history_series(one) for case, one in histories.items()}
+    shoe, link = figures.shoe_names([COMPARED_SHOE])[0], figures.link_names([COMPARED_JOINT])[0]
 
-    def against(label: str, item: str) -> list[Panel]:
-        return overlay({case: one[label] for case, one in found.items()}, [item])
+    def against(label: str, item: str) -> list[figures.Panel]:
+        return figures.overlay({case: one[label] for case, one in found.items()}, [item])
 
-    panels = {f"{shoe} {label}": against(label, shoe) for label in CONTACT_VECTORS}
+    panels = {f"{shoe} {label}": against(label, shoe) for label in figures.CONTACT_VECTORS}
     panels[f"{shoe} sinkage and friction torque"] = [
-        panel for label in CONTACT_SCALARS for panel in against(label, shoe)
+        panel for label in figures.CONTACT_SCALARS for panel in against(label, shoe)
     ]
-    panels |= {f"link {COMPARED_JOINT} {label}": against(label, link) for label in JOINT_VECTORS}
+    panels |= {f"link {COMPARED_JOINT} {label}": against(label, link) for label in figures.JOINT_VECTORS}
     phases = common_phases(*histories.values())
-    return {name: panel_figure(name, one, phases) for name, one in panels.items()}
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:forces")
+    return {name: figures.panel_figure(name, one, phases) for name, one in panels.items()}

@@ -7,7 +7,7 @@ in the ruts of the first.
 """
 
 from pathlib import Path
-from typing import NamedTuple, Unpack
+from typing import Unpack
 
 import numpy as np
 import pandas as pd
@@ -25,10 +25,8 @@ from exudyn_crawler.run.folder.record import HISTORY
 from studies.rollers import highest_by_region, rolled_case
 from studies.running import Running, by_name, save, study_runs
 
-FLEXIBLE = 20
-"""Flexible shoe of every case."""
-PASS_DURATION = 60.0
-"""s, in which five of the six rollers pass over it."""
+FLEXIBLE = 20  # flexible shoe of every case
+PASS_DURATION = 60.0  # s, in which five of the six rollers pass over it
 PAPERS = "papers' units"
 AGAIN = "second pass"
 SOFT = "oil sand, soft end"
@@ -81,15 +79,6 @@ def study_cases(
         name: CaseFile(case=case.with_(name=name), duration=duration, outputs=start)
         for name, case in cases.items()
     }
-
-
-class GroundStudy(NamedTuple):
-    """Runs by ground, a row a ground, and the highest stresses and shortest lives by ground and region."""
-
-    runs: dict[str, CaseRun]
-    table: pd.DataFrame
-    regions: pd.DataFrame
-    lives: pd.DataFrame
 
 
 def kept_work(history: History, sinkage: xr.DataArray, pressure: xr.DataArray) -> float:
@@ -159,11 +148,12 @@ def study(
     *,
     duration: float = PASS_DURATION,
     **how: Unpack[Running],
-) -> GroundStudy:
-    """Roll the machine over every ground, with one flexible shoe, and compare pull, stress and life.
+) -> tuple[dict[str, CaseRun], pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Roll the machine over every ground, with one flexible shoe: runs by ground, and three tables.
 
-    Cases are those of `study_cases`; with `out` it gets their folders, `grounds.csv`, `regions.csv` and
-    `lives.csv`. Errors are those of `study_runs`.
+    Cases are those of `study_cases`. With `out` it gets their folders and the tables: `grounds.csv`, pull and
+    stress, and highest stresses and shortest lives by region, `regions.csv` and `lives.csv`. Errors are those
+    of `study_runs`.
     """
     with study_runs(out, study_cases(mesh, duration, out), **how) as runs:
         table = pd.DataFrame({"ground": name} | row(run) for name, run in runs.items())
@@ -173,10 +163,4 @@ def study(
         highest = regions.groupby("ground")["von Mises in MPa"].max()
         table["highest stress in MPa"] = highest[table["ground"]].values
         save(out, grounds=table, regions=regions, lives=lives)
-        return GroundStudy(runs, table, regions, lives)
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:grounds")
+        return runs, table, regions, lives

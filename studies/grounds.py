@@ -4,12 +4,9 @@ from exudyn_crawler import Case, PairContact, Shoe, SphereContact, Terrain
 from exudyn_crawler.case import Heights
 from exudyn_crawler.case.parameters.heights import Ramp, Roughness
 
-STEP_PLACE, STEP_HEIGHT = 14.0, 0.1
-"""m: below the middle of the track at t = 0; height."""
-RAMP_START, RAMP_END, RAMP_HEIGHT = 8.0, 20.0, 0.6
-"""m: 5 % over the whole track."""
-STEP_LENGTH = 1.0
-"""m, of the unit that climbs the step."""
+STEP_PLACE, STEP_HEIGHT = 14.0, 0.1  # m: below the middle of the track at t = 0; height
+RAMP_START, RAMP_END, RAMP_HEIGHT = 8.0, 20.0, 0.6  # m: 5 % over the whole track
+STEP_LENGTH = 1.0  # m, of the unit that climbs the step
 ROUGHNESS = Roughness(spectrum=1.4e-3, shortest=4.0, seed=1)
 """About 20 mm of standard deviation, in waves that units of 1 m follow."""
 
@@ -50,10 +47,7 @@ def pitching(case: Case) -> Case:
 
 
 def plain(case: Case) -> Case:
-    """Case in which nothing moves a straight track sideways.
-
-    Undersides have no fingers, forces are normal to the units' faces, and units pitch.
-    """
+    """Case in which nothing moves a straight track sideways: no fingers, face normals, units that pitch."""
     return pitching(case.with_(shoe=Shoe.ph4100c(), contact=PairContact.oil_sand()))
 
 

@@ -16,21 +16,16 @@ from exudyn_crawler import Case, CaseFile, History
 from exudyn_crawler.results.history.history import common_phases
 from exudyn_crawler.views.figures import KINEMATICS, history_series, overlay, panel_figure, shoe_names
 from exudyn_crawler.views.style import save_figure
+from studies import DURATION
 from studies.comparison import compare_kinematics
-from studies.defaults import DURATION
 from studies.running import Compared, Running, compare_cases
 
-CASES = {"translation": Case.translation, "turning": Case.turning}
-"""Cases of the rigid studies by name."""
-COMPARED_SHOE = 10
-"""Shoe that the K-chapter draws turning against translation."""
+CASES = {"translation": Case.translation, "turning": Case.turning}  # cases of the rigid studies by name
+COMPARED_SHOE = 10  # shoe that the K-chapter draws turning against translation
 
 
 def case_files(names: Sequence[str] = tuple(CASES), duration: float = DURATION) -> dict[str, CaseFile]:
-    """Cases of the rigid studies with their duration (s), checked before anything runs.
-
-    A ValueError for an unknown case or none, or a duration that is wrong or takes a track off its terrain.
-    """
+    """Cases of the rigid studies over a duration (s), checked; ValueError for an unknown one, or none."""
     if not names or set(names) - set(CASES):
         raise ValueError(f"cases must be of {list(CASES)}, got {list(names)}")
     return {name: CaseFile(case=CASES[name](), duration=duration) for name in names}
@@ -62,9 +57,3 @@ def write_figures(histories: Mapping[str, History], out: Path) -> None:
         panels = overlay({case: one[label] for case, one in found.items()}, [shoe])
         name = f"{shoe} {quantity}.png".replace(" ", "_")
         save_figure(panel_figure(f"{shoe}: {quantity}", panels, phases), out / name, overwrite=True)
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:kinematics")

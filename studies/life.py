@@ -20,16 +20,12 @@ from studies.running import by_name
 from studies.stress import RUN
 from studies.stress import study as stress_study
 
-PROPEL = "propel"
-"""Phase of the stress study's cycle in which the track is pulled, and its run in the duty."""
-PROPEL_SHARE = 0.07
-"""Of machine hours, at most (makers' figures for rope shovels)."""
-CYCLES_AN_HOUR = 70.0
-"""Dig cycles: one in 40 to 60 s makes 60 to 90 of a full hour; assumed within."""
+PROPEL = "propel"  # phase of the stress study's cycle in which the track is pulled, and its run in the duty
+PROPEL_SHARE = 0.07  # of machine hours, at most (makers' figures for rope shovels)
+CYCLES_AN_HOUR = 70.0  # dig cycles: one in 40 to 60 s makes 60 to 90 of a full hour; assumed within
 CHANGES_AN_HOUR = 4.0
 """Moves between digging positions, each of about a minute in which the run's 15 s repeat; assumed."""
-WEAR_HOURS = 12_500.0
-"""h for which rails that overhang count as new, and then as worn by 25 mm; assumed."""
+WEAR_HOURS = 12_500.0  # h for which rails that overhang count as new, and then as worn by 25 mm; assumed
 MATERIALS = (FatigueMaterial.cast_nicrmo, FatigueMaterial.cast_manganese, FatigueMaterial.a36)
 """First the usual material of shoes."""
 
@@ -93,9 +89,3 @@ def study(
     )
     write_table(summary, out / "summary.csv", overwrite)
     return lives, summary
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:shovel_life")

@@ -22,10 +22,8 @@ from exudyn_crawler.views.style import STYLE, save_figure
 from fem import write_mesh
 from meshes import ShoeDimensions, mesh_shoe
 
-THICKNESSES = (0.030, ShoeDimensions.top_thickness, 0.054)
-"""m, of the top plate."""
-STIFFNESSES = (10e6, 20e6, 40e6)
-"""N/m, of the ground's springs; the papers' in the middle."""
+THICKNESSES = (0.030, ShoeDimensions.top_thickness, 0.054)  # m, of the top plate
+STIFFNESSES = (10e6, 20e6, 40e6)  # N/m, of the ground's springs; the papers' in the middle
 FLEXIBLE = 11
 SIZE = "coarse"
 OUTPUT_INTERVAL = 0.02
@@ -37,10 +35,7 @@ VARIED = ("flexible.mesh", "shoe.mass", "shoe.inertia", "shoe.load_point")
 
 
 def plate_meshes(folder: Path, thicknesses: Sequence[float], say: Callable[[str], None]) -> dict[float, Path]:
-    """Meshes of shoes with these top plates (m) in a folder, made where they are missing.
-
-    A ValueError if one is missing and netgen is not there.
-    """
+    """Meshes of shoes with these top plates (m) in a folder, made if missing; ValueError without netgen."""
     found = {}
     for thickness in thicknesses:
         path = folder / f"shoe_{SIZE}_top_{1e3 * thickness:g}mm.msh.gz"
@@ -72,10 +67,7 @@ def passing_case(mesh: str = SIZE) -> CaseFile:
 def plate_sweep(
     meshes: Mapping[float, Path], stiffnesses: Sequence[float] = STIFFNESSES, case: CaseFile | None = None
 ) -> Sweep:
-    """Sweep over top plates, whose meshes are by their thickness (m), and stiffnesses of the ground (N/m).
-
-    The case is that of `passing_case`, if not given.
-    """
+    """Sweep of `passing_case` over top plates, meshes by thickness (m), and the ground's stiffness (N/m)."""
     base = case or passing_case()
     shoes = {path: Shoe.from_mesh(str(path)) for path in meshes.values()}
     begin = base.case.drive.speed.times[-1]
@@ -83,20 +75,12 @@ def plate_sweep(
     life = Life(
         name="life_of_shoe", material=FatigueMaterial.cast_nicrmo(), criterion="signed principal", begin=begin
     )
+    stands_for = tuple((str(path), one.mass, one.inertia, one.load_point) for path, one in shoes.items())
+    top_plate = Vary(key=VARIED, name="top_plate", unit="m", values=tuple(meshes), settings=stands_for)
+    springs = Vary(key="terrain.spring_stiffness", unit="N/m", values=tuple(stiffnesses))
     return Sweep(
         case=base,
-        vary=(
-            Vary(
-                key=VARIED,
-                name="top_plate",
-                unit="m",
-                values=tuple(meshes),
-                settings=tuple(
-                    (str(path), shoe.mass, shoe.inertia, shoe.load_point) for path, shoe in shoes.items()
-                ),
-            ),
-            Vary(key="terrain.spring_stiffness", unit="N/m", values=tuple(stiffnesses)),
-        ),
+        vary=(top_plate, springs),
         answers=(
             life.with_(name="life_of_roller_path", region="roller path"),
             life,
@@ -134,17 +118,8 @@ def lives_figure(dataset: xr.Dataset) -> Figure:
 def study(
     out: Path, *, workers: int | None = None, say: Callable[[str], None] = lambda _text: None
 ) -> SweepRun:
-    """Run the sweep into a folder, or what of it is missing, and draw the lives; meshes are made there.
-
-    `workers` and errors are as of `run_sweep` and `plate_meshes`.
-    """
+    """Run what of the sweep a folder lacks, and draw lives; errors of `plate_meshes` and `run_sweep`."""
     meshes = plate_meshes(out / "meshes", THICKNESSES, say)
     run = run_sweep(plate_sweep(meshes), out, workers=workers, say=say)
     save_figure(lives_figure(run.dataset), out / PICTURE, overwrite=True)
     return run
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:plate_sweep")

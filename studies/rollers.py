@@ -7,7 +7,7 @@ track: in the field shoes crack in the roller path, under the lower rollers.
 """
 
 from pathlib import Path
-from typing import NamedTuple, Unpack
+from typing import Unpack
 
 import numpy as np
 import pandas as pd
@@ -21,23 +21,19 @@ from exudyn_crawler.results.loads.balance import energy_balance
 from exudyn_crawler.results.stress.hot_spots import REGIONS, SHARE, region_table
 from meshes import STEEL, mesh_named, shoe_path
 from meshes.rails import rail_outline
-from studies.defaults import CYCLE_DURATION
-from studies.running import Running, by_name, save, study_runs
+from studies import CYCLE_DURATION
+from studies.running import Compared, Running, by_name, save, study_runs
 
-FLEXIBLE, COUNT = (17, 18, 19, 20, 21, 22), 38
-"""Flexible shoes, and the number of all shoes."""
+FLEXIBLE, COUNT = (17, 18, 19, 20, 21, 22), 38  # flexible shoes, and the number of all shoes
 BEFORE, ABOVE = 15.5, 22.2
 """m, x of the frame's origin: its front roller just behind the flexible shoes, and above their middle."""
-PASS_DURATION = 137.0
-"""s, after which the rear roller has left the last flexible shoe."""
+PASS_DURATION = 137.0  # s, after which the rear roller has left the last flexible shoe
 OVERHANG = {"overhang": "shoe_overhang.msh.gz", "overhang worn": "shoe_overhang_25mm.msh.gz"}
 """Ready meshes of shoes whose rails overhang by 0.132 m, as fine as the coarse one."""
 STANDS = {"front": -2.9, "middle": 0.0, "rear": 2.9}
 """Part of the machine that digs above six of these shoes, and m that its middle is ahead of them."""
-CHOICES_DURATION = 8.0
-"""s."""
-FOLDED = 1.0
-"""rad, tilt of a shoe beyond which the chain has folded up."""
+CHOICES_DURATION = 8.0  # s
+FOLDED = 1.0  # rad, tilt of a shoe beyond which the chain has folded up
 FIRM, FIRM_SPRINGS, FIRM_CONTACT = 10.0, "springs of the ground x 10", "contact with the ground x 10"
 KILO = 1e3
 
@@ -110,20 +106,13 @@ def highest_by_region(run: CaseRun) -> pd.DataFrame:
     return highest.set_index("region").loc[order].reset_index()
 
 
-class RollerStudy(NamedTuple):
-    """Runs by case, and the highest stresses by case and region."""
-
-    runs: dict[str, CaseRun]
-    regions: pd.DataFrame
-
-
 def study(
     out: Path | None = None,
     mesh: str = "study",
     *,
     duration: float | None = None,
     **how: Unpack[Running],
-) -> RollerStudy:
+) -> Compared:
     """Run the pass, the loading cycle and the papers' dragged study, and compare their hot spots.
 
     Cases are those of `study_cases`; with `out` it gets their folders and `regions.csv`. Errors are those of
@@ -134,7 +123,7 @@ def study(
         shares = table.filter(like=SHARE).fillna(0.0)
         table = table.assign(**shares.to_dict("series"))
         save(out, regions=table)
-        return RollerStudy(runs, table)
+        return runs, table
 
 
 def _with_rollers(frame: Undercarriage, count: int, spacing: float) -> Undercarriage:
@@ -198,9 +187,3 @@ def open_choices(duration: float = CHOICES_DURATION) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:rollers")

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple, TypedDict, Unpack
+from typing import Any, TypedDict, Unpack
 
 import pandas as pd
 
@@ -22,11 +22,8 @@ class Running(TypedDict, total=False):
     say: Callable[[str], None]
 
 
-class Compared(NamedTuple):
-    """Runs of a study by case, and their comparison with the paper."""
-
-    runs: dict[str, CaseRun]
-    comparison: pd.DataFrame
+Compared = tuple[dict[str, CaseRun], pd.DataFrame]
+"""Runs of a study by case, and their comparison with the paper, or what else a table says of them."""
 
 
 def save(out: Path | None, **tables: pd.DataFrame) -> None:
@@ -60,18 +57,11 @@ def study_runs(
     BlockingIOError if another run works there, else errors of `run_case`.
     """
     with run_in(out, overwrite=overwrite, report=say, cases=cases) as folder:
-        runs = {
-            name: run_case(
-                one,
-                out and out / name,
-                overwrite=folder.overwrites,
-                take_finished=True,
-                reuse=None if reuse is None else reuse[name],
-                progress=progress,
-                say=folder.say,
-            )
-            for name, one in cases.items()
-        }
+        how: dict[str, Any] = {"overwrite": folder.overwrites, "progress": progress, "say": folder.say}
+        runs = {}
+        for name, one in cases.items():
+            source = None if reuse is None else reuse[name]
+            runs[name] = run_case(one, out and out / name, take_finished=True, reuse=source, **how)
         yield runs
 
 
@@ -83,14 +73,11 @@ def compare_cases(
     reuse: Mapping[str, Path | None] | None = None,
     **how: Unpack[Running],
 ) -> Compared:
-    """Run cases as `study_runs` does, and `compare` their histories with a paper, into `comparison.csv`.
-
-    `write` puts further files of the histories into the folder.
-    """
+    """Run cases as `study_runs`, `compare` their histories with a paper, and `write` more files of them."""
     with study_runs(out, cases, reuse, **how) as runs:
         histories = {name: run.history for name, run in runs.items()}
         table = compare(histories)
         save(out, comparison=table)
         if out is not None:
             write(histories, out)
-    return Compared(runs, table)
+    return runs, table

@@ -21,22 +21,17 @@ from exudyn_crawler.model.equations import STIFFNESS
 from exudyn_crawler.model.state import pin_name
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 
-RESIDUAL = 1e-3
-"""N, greatest force out of balance that ends Newton's method: 1e-9 of a shoe's load."""
-GAP = 1e-10
-"""m and rad, greatest gap of the links at the end of Newton's method."""
+RESIDUAL = 1e-3  # N, greatest force out of balance that ends Newton's method: 1e-9 of a shoe's load
+GAP = 1e-10  # m and rad, greatest gap of the links at the end of Newton's method
 ITERATIONS = 15
 LONG_STEP = 1.0
 """m and rad, correction beyond which Newton's method has gone astray."""
-LEAST_PORTION = 0.01
-"""Of friction and travel, put on at a time."""
+LEAST_PORTION = 0.01  # of friction and travel, put on at a time
 POSITION_STEP, RATE_STEP = 1e-6, 1e-6
 """m and rad, and per second: half steps of central differences, far below the 0.1 mm of the damping law and
 the 10 mm/s of the friction law."""
-FORCE_SCALE = 1e6
-"""N, multiplier that the links' directions are taken with: their forces are linear in it."""
-STILL = 1e-9
-"""Imaginary over greatest eigenvalue below which a mode does not swing."""
+FORCE_SCALE = 1e6  # N, multiplier that the links' directions are taken with: their forces are linear in it
+STILL = 1e-9  # imaginary over greatest eigenvalue below which a mode does not swing
 
 
 @dataclass(frozen=True)
@@ -97,9 +92,7 @@ def check_sliding(case: Case, speed: float) -> None:
     if case.undercarriage is not None:
         raise ValueError("undercarriage must be None: shoes that a side frame rolls over do not slide")
     if case.terrain.side_slope != 0.0:
-        raise ValueError(
-            "terrain.side_slope must be 0: a track that slides along x slips down a side slope, too"
-        )
+        raise ValueError("terrain.side_slope must be 0: a track that slides slips down a side slope, too")
     if not case.unit_terrain().is_even:
         raise ValueError("terrain.relief must be level: a track has no steady state over hills")
     if case.drive.turn_rate is not None:

@@ -3,7 +3,7 @@
 No paper reports it. The tables are those of `docs/sliding_modes.md`.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,16 +19,14 @@ from exudyn_crawler.views.tables import write_table
 from studies.grounds import plain
 from studies.sliding import STILL, SteadySliding, eigenmodes, linearized, steady_sliding
 
-SPEED = 0.2
-"""m/s, where friction no longer changes with the speed."""
+SPEED = 0.2  # m/s, where friction no longer changes with the speed
 FRICTION = 0.3
 SWINGING = 0.1
 """Hz, least frequency of a swing."""
 COORDINATES = ["x", "y", "z", "roll", "pitch", "yaw"]
 """Of a shoe: displacement of the COM (m) and angles (rad)."""
 
-SWING = 0.1
-"""m, greatest motion drawn."""
+SWING = 0.1  # m, greatest motion drawn
 PHASES = {"at an instant": 1.0 + 0.0j, "a quarter period later": 1.0j}
 """Instants drawn of a swing, as factors of its shape; it does not grow between them in the figure."""
 
@@ -66,6 +64,8 @@ def _dataset(state: SteadySliding, values: np.ndarray, shapes: np.ndarray) -> xr
     units = [motion_of(s.real) + 1j * motion_of(s.imag) for s in ground]
     # a motion that nothing drives back, such as that across the path, has no damping ratio
     size = np.where(np.abs(values) > STILL * np.abs(values).max(), np.abs(values), np.nan)
+    numbers = {"mode": np.arange(1, len(values) + 1), "unit": case.unit_terrain().units}
+    numbers |= {"shoe": case.track.shoes, "joint": case.track.joints}
     return xr.Dataset(
         {
             "growth_rate": ("mode", values.real, {"units": "1/s"}),
@@ -77,14 +77,7 @@ def _dataset(state: SteadySliding, values: np.ndarray, shapes: np.ndarray) -> xr
             "tension": ("joint", state.tension, {"units": "N"}),
             "normal_force": ("shoe", state.normal_force, {"units": "N"}),
         },
-        coords={
-            "mode": np.arange(1, len(values) + 1),
-            "shoe": case.track.shoes,
-            "joint": case.track.joints,
-            "unit": case.unit_terrain().units,
-            "coordinate": COORDINATES,
-            "motion": ["heave", "tilt"],
-        },
+        coords=numbers | {"coordinate": COORDINATES, "motion": ["heave", "tilt"]},
         attrs={"title": case.name, "speed": state.speed},
     )
 
@@ -195,57 +188,32 @@ def _with_pin_height(case: Case, height: float) -> Case:
     return case.with_(track=case.track.with_(pin_height=height - case.shoe.com_height))
 
 
-EVERYWHERE, WITHOUT_1_M = ("even", "7 m units", "1 m units"), ("even", "7 m units")
-
+COARSE, ALL = ("even", "7 m units"), ("even", "7 m units", "1 m units")
+FRICTIONS = (0.0, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6)
+HEIGHTS, COUNTS = (0.07, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35), (2, 3, 4, 5, 7, 9, 11, 13, 16, 20)
 PARAMETERS: dict[str, tuple[Sequence[float], Callable[..., Case], Sequence[str]]] = {
-    "friction": (
-        (0.0, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6),
-        lambda case, value: with_friction(case, value, value),
-        EVERYWHERE,
-    ),
-    "damping factor": (
-        (0.0, 0.1, 0.3, 1, 3, 10, 30, 100),
-        lambda case, value: with_law(case, damping=value),
-        EVERYWHERE,
-    ),
-    "pin height, m": ((0.07, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35), _with_pin_height, WITHOUT_1_M),
-    "shoe length, m": (
-        (0.55, 0.59, 0.63, 0.65),
-        lambda case, value: case.with_(shoe=case.shoe.with_(length=value)),
-        WITHOUT_1_M,
-    ),
-    "contact stiffness factor": (
-        (0.5, 1, 2, 4),
-        lambda case, value: with_law(case, stiffness=value),
-        WITHOUT_1_M,
-    ),
-    "shoes": ((2, 3, 4, 5, 7, 9, 11, 13, 16, 20), with_shoes, WITHOUT_1_M),
+    "friction": (FRICTIONS, lambda case, mu: with_friction(case, mu, mu), ALL),
+    "damping factor": ((0, 0.1, 0.3, 1, 3, 10, 30, 100), lambda case, f: with_law(case, damping=f), ALL),
+    "pin height, m": (HEIGHTS, _with_pin_height, COARSE),
+    "shoe length, m": ((0.55, 0.59, 0.63, 0.65), lambda case, m: case.with_({"shoe.length": m}), COARSE),
+    "contact stiffness factor": ((0.5, 1, 2, 4), lambda case, f: with_law(case, stiffness=f), COARSE),
+    "shoes": (COUNTS, with_shoes, COARSE),
 }
 """Parameter: values, how they change a case with constant friction, and the grounds."""
-SPEEDS = (0.002, 0.005, 0.009, 0.012, 0.02, 0.03, 0.05, 0.08, 0.095, 0.1, 0.2)
-"""m/s."""
+SPEEDS = (0.002, 0.005, 0.009, 0.012, 0.02, 0.03, 0.05, 0.08, 0.095, 0.1, 0.2)  # m/s
 
-TRIALS: Mapping[str, Sequence[tuple[float, float, float]]] = {
-    "even": (
-        (0.4, 0.3, 1.0),
-        *((mu, mu, 1.0) for mu in (0.0, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4)),
-        (0.4, 0.3, 10.0),
-        (0.4, 0.3, 100.0),
-    ),
-    "7 m units": (
-        (0.4, 0.3, 1.0),
-        *((mu, mu, 1.0) for mu in (0.0, 0.1, 0.2, 0.3)),
-        *((0.3, 0.3, damping) for damping in (3.0, 10.0, 100.0)),
-        (0.4, 0.3, 10.0),
-        (0.4, 0.3, 100.0),
-    ),
-    "1 m units": (
-        (0.4, 0.3, 1.0),
-        *((mu, mu, 1.0) for mu in (0.0, 0.1, 0.3)),
-        (0.3, 0.3, 10.0),
-        (0.4, 0.3, 10.0),
-        (0.4, 0.3, 100.0),
-    ),
+
+def _trials(constant: Sequence[float], damped: Sequence[float] = ()) -> list[tuple[float, float, float]]:
+    """Trials with the papers' friction, with some constant coefficients, and with factors of damping."""
+    falling = [(0.4, 0.3, factor) for factor in (1.0, 10.0, 100.0)]
+    level = [*((mu, mu, 1.0) for mu in constant), *((0.3, 0.3, factor) for factor in damped)]
+    return [falling[0], *level, *falling[1:]]
+
+
+TRIALS = {
+    "even": _trials((0.0, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4)),
+    "7 m units": _trials((0.0, 0.1, 0.2, 0.3), (3.0, 10.0, 100.0)),
+    "1 m units": _trials((0.0, 0.1, 0.3), (10.0,)),
 }
 """By ground, coefficients of friction and factor of damping of the runs."""
 
@@ -348,9 +316,3 @@ def _tables(modes: xr.Dataset, runs: bool) -> Iterator[tuple[str, pd.DataFrame]]
     if runs:
         rows = [trial(ground, *one) for ground, some in TRIALS.items() for one in some]
         yield "runs", pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:sliding_modes")

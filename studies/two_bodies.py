@@ -17,25 +17,19 @@ from exudyn_crawler.case import PairContact, Shoe, Terrain
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.ground.terrain import UnitCoordinates
 from exudyn_crawler.model.engine import exu, items
-from studies.comparison import comparison_table
-from studies.reported import reported_values
+from studies.comparison import comparison_table, reported_values
 
 GRAVITY = 9.81
 DENSITY = 7801.0
 """kg/m3; K-paper: body 2 of 30 x 10 x 1 m weighs 2.340e6 kg."""
-PLATE = (30.0, 10.0, 1.0)
-"""m, sides of body 2; its centre is at (15, 5, -0.5) (K-paper)."""
-BLOCK = (0.5, 3.5, 0.5)
-"""m, sides of body 3; its COM is at (3.25, 5.0, 0.25) at t = 0 (K-paper)."""
+PLATE = (30.0, 10.0, 1.0)  # m, sides of body 2; its centre is at (15, 5, -0.5) (K-paper)
+BLOCK = (0.5, 3.5, 0.5)  # m, sides of body 3; its COM is at (3.25, 5.0, 0.25) at t = 0 (K-paper)
 BLOCK_START = (3.25, 5.0, 0.25)
 SPEED = 0.5
 """m/s, driven along x (K-paper)."""
-TIME = 0.5
-"""s, of the printed solution (K-paper, tables 7 and 8)."""
-NORMAL_FORCE = 44275.0
-"""N, contact force at that time: ADAMS output, from both printed values of the K-paper."""
-SINKING = 0.02
-"""m/s, penetration rate given to the block; any will do, since only the force is printed."""
+TIME = 0.5  # s, of the printed solution (K-paper, tables 7 and 8)
+NORMAL_FORCE = 44275.0  # N, contact force at that time: ADAMS output, from both printed values of the K-paper
+SINKING = 0.02  # m/s, penetration rate given to the block; any will do, since only the force is printed
 
 
 Three = tuple[float, float, float]
@@ -67,10 +61,7 @@ PLATE_MASS, PLATE_INERTIA = _box(PLATE)
 
 
 def block_penetration(law: PairContact) -> float:
-    """Penetration (m) that gives the printed force at the given sinking rate.
-
-    It is deeper than the damping depth, so that the whole damping acts.
-    """
+    """Penetration (m), beyond the damping depth, that gives the printed force at the given sinking rate."""
     return float(((NORMAL_FORCE - law.damping * SINKING) / law.stiffness) ** (1.0 / law.exponent))
 
 
@@ -107,14 +98,8 @@ def engine_solution(law: PairContact) -> TwoBodySolution:
     of_plate = {f"unit_{name}": side for name, side in zip(sides, PLATE, strict=True)}
     plate = Terrain.stress().with_(columns=1, rows=1, origin=(0.0, 0.0), density=DENSITY, **of_plate)
     half = 0.5 * BLOCK[2]
-    block = Shoe.ph4100c().with_(
-        mass=BLOCK_MASS,
-        inertia=(*BLOCK_INERTIA, 0.0, 0.0, 0.0),
-        com_height=half,
-        length=BLOCK[0],
-        width=BLOCK[1],
-        load_point=(0.0, 0.0, half),
-    )
+    flat = {"com_height": half, "length": BLOCK[0], "width": BLOCK[1], "load_point": (0.0, 0.0, half)}
+    block = Shoe.ph4100c().with_(mass=BLOCK_MASS, inertia=(*BLOCK_INERTIA, 0.0, 0.0, 0.0), **flat)
     reference = np.hstack((start, np.zeros((1, 3))))
     contact = PairGroundContact(reference, block, plate, law, UnitCoordinates(1, plate.tilt_axis))
     container = exu.SystemContainer()
@@ -125,9 +110,8 @@ def engine_solution(law: PairContact) -> TwoBodySolution:
     fixed = _add_body(mbs, plate.centers[0], (PLATE_MASS, PLATE_INERTIA), np.zeros(3), np.zeros(3))
     _add_contact(mbs, contact, [moved, fixed])
     ground = mbs.AddObject(items.ObjectGround())
-    at_ground = mbs.AddMarker(
-        items.MarkerBodyRigid(bodyNumber=ground, localPosition=plate.centers[0].tolist())
-    )
+    place = plate.centers[0].tolist()
+    at_ground = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localPosition=place))
     at_plate = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=fixed))
     fixing = mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[at_ground, at_plate]))
     holds = _add_holds(mbs, moved)
@@ -156,16 +140,12 @@ def _add_body(
 ) -> int:
     """Add a body of some mass and principal moments of inertia, with its weight; gives its node."""
     mass, inertia = body
-    node = mbs.AddNode(
-        items.NodeRigidBodyRxyz(
-            referenceCoordinates=[*position, 0.0, 0.0, 0.0],
-            initialCoordinates=[*displacement, 0.0, 0.0, 0.0],
-            initialVelocities=[*velocity, 0.0, 0.0, 0.0],
-        )
-    )
-    number = mbs.AddObject(
-        items.ObjectRigidBody(mass=mass, inertia=[*inertia, 0.0, 0.0, 0.0], nodeNumber=node)
-    )
+    names = ("referenceCoordinates", "initialCoordinates", "initialVelocities")
+    vectors = zip(names, (position, displacement, velocity), strict=True)
+    upright = {name: [*vector, 0.0, 0.0, 0.0] for name, vector in vectors}
+    node = mbs.AddNode(items.NodeRigidBodyRxyz(**upright))
+    body_of = items.ObjectRigidBody(mass=mass, inertia=[*inertia, 0.0, 0.0, 0.0], nodeNumber=node)
+    number = mbs.AddObject(body_of)
     com = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=number))
     mbs.AddLoad(items.LoadForceVector(markerNumber=com, loadVector=[0, 0, -mass * GRAVITY]))
     return node
@@ -241,9 +221,3 @@ def compare_with_paper(engine: TwoBodySolution) -> pd.DataFrame:
     }
     reported = reported_values("verification")
     return comparison_table(reported, [z[name.removesuffix(" at t=0.5 s")] for name in reported["quantity"]])
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:verify")

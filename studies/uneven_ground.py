@@ -10,7 +10,7 @@ from typing import Unpack
 
 from exudyn_crawler import CaseFile
 from exudyn_crawler.case_run import CaseRun
-from studies.defaults import DURATION
+from studies import DURATION
 from studies.grounds import GROUNDS, uneven_case
 from studies.running import Running, study_runs
 
@@ -30,9 +30,3 @@ def study(
     files = {ground: CaseFile(case=uneven_case(ground), duration=duration) for ground in grounds}
     with study_runs(out, files, **how) as runs:
         return runs
-
-
-if __name__ == "__main__":
-    from exudyn_crawler.cli import run_script
-
-    run_script("studies.commands:uneven")

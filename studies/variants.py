@@ -8,12 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 import pandas as pd
 
 from exudyn_crawler import Case, PairContact, Shoe, simulate
-from studies.comparison import compare_kinematics
-from studies.defaults import DURATION
-from studies.force_comparison import compare_forces
+from studies import DURATION
+from studies.comparison import compare_kinematics, verdict
+from studies.forces import compare_forces
 from studies.grounds import pitching
 from studies.kinematics import CASES
-from studies.reported import verdict
 
 Change = Callable[[Case], Case]
 

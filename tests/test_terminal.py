@@ -12,8 +12,7 @@ from exudyn_crawler import Case, cli
 from exudyn_crawler.cli.commands import show_answers
 from exudyn_crawler.results.stress.recovery import StressResults
 from exudyn_crawler.views.pages.sweep import Best
-from studies.comparison import comparison_table
-from studies.reported import reported_values
+from studies.comparison import comparison_table, reported_values
 
 WIDTHS = [80, 120]
 LIFE = pd.DataFrame(
@@ -91,7 +90,7 @@ FAKES = {
     "stress --mesh coarse": {
         "studies.stress.study": result(RUN, compared("stress")),
         "exudyn_crawler.results.stress.hot_spots.hot_spot_table": result(SPOTS),
-        "studies.stress_comparison.highest_in_propel_and_loading": result(SPREAD),
+        "studies.stress.highest_in_propel_and_loading": result(SPREAD),
     },
     "shovel-life": {"studies.life.study": result({}, LIFE.assign(propel_and_material="dragged_a36"))},
     "rollers": {"studies.rollers.study": result({}, SPOTS.assign(case="rolled", shoe=7))},

@@ -20,6 +20,7 @@ from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, Soi
 from exudyn_crawler.case.parameters.track import SIDES, Rails, Shoe, Track
 from exudyn_crawler.case.parameters.undercarriage import CarBody, MachineCycle, Part, Undercarriage
 
+NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
 Model = TypeVar("Model", bound=Parameters)
 
 
@@ -37,14 +38,7 @@ Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminat
 
 
 class Case(Parameters):
-    """Track, terrain, contact, drive, loads and solver of one run.
-
-    Raises
-    ------
-    ParameterError
-        Where the parts do not fit each other: loads for another number of shoes, or a track that does
-        not stand on the terrain.
-    """
+    """Track, terrain, contact, drive, loads and solver of one run; `ParameterError` if they do not fit."""
 
     name: Name = option("name of the case in results and figures", "case")
     shoe: Shoe
@@ -59,25 +53,19 @@ class Case(Parameters):
         "independent coordinates of the terrain, or all of them with its joints", "reduced"
     )
     formulation: Literal["compiled", "engine"] | None = option(
-        "equations of motion: compiled for the whole track, or of Exudyn's own bodies, joints "
-        "and contacts, the reference; None takes the compiled ones where they carry the case",
+        "equations of motion: compiled, or by Exudyn's items, the reference; None: compiled if it can",
         None,
     )
     gravity: float = quantity("m/s2", "on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY)
     undercarriage: Undercarriage | None = option(
-        "side frame that rolls over the shoes with the drive's speed; none: the drive drags the "
-        "front shoe, and the machine is a load on each",
-        None,
+        "side frame that rolls over the shoes at the drive's speed; none: this drags the front shoe", None
     )
     machine: MachineCycle | None = option("what the machine does on the side frame; none: its weight", None)
     closed_track: ClosedTrack | None = option(
-        "side frame with a drive tumbler, idler and rollers that the track is closed round; none: it is open",
-        None,
+        "side frame, tumbler, idler and rollers that the track is closed round; none: it is open", None
     )
     car_body: CarBody | None = option(
-        "of a machine on two closed tracks, whose shoes, the right track's first, share `track.shoe_count`; "
-        "none: there is one track",
-        None,
+        "of a machine on two closed tracks, which share `track.shoe_count`, the right first; none: one", None
     )
 
     def _errors(self) -> Errors:
@@ -86,10 +74,7 @@ class Case(Parameters):
         if (loaded := self.loads.shoe_count) != count:
             yield f"loads must name every shoe of the track ({count}), got loads for {loaded}"
         if self.track.pitch + 1e-9 < shoe.length:
-            yield (
-                f"shoe.length must not exceed the track's pitch {self.track.pitch}, got {shoe.length}: "
-                "neighbours would share ground"
-            )
+            yield f"shoe.length must not exceed the track's pitch {self.track.pitch}, got {shoe.length}"
         if self.flexible is not None:
             shoes = self.flexible.shoes
             if shoes[0] < 1 or shoes[-1] > count:
@@ -97,25 +82,17 @@ class Case(Parameters):
             if not reduced:
                 yield "flexible shoes need terrain_formulation 'reduced'"
             if spheres:
-                yield (
-                    "flexible must be None with contact.model 'spheres', whose shoes are rigid; flexible "
-                    "shoes go with contact.model 'pair' and 'cells'"
-                )
+                yield "flexible must be None with contact.model 'spheres'; it goes with 'pair' and 'cells'"
         if isinstance(terrain, Terrain):
             yield from self._unit_errors(terrain)
         if (terrain.model == "cells") != (contact.model == "cells"):
-            yield (
-                "contact.model must be 'cells' on terrain.model 'cells' and on no other, got "
-                f"{contact.model!r} on {terrain.model!r}"
-            )
+            got = f"got {contact.model!r} on {terrain.model!r}"
+            yield f"contact.model must be 'cells' on terrain.model 'cells' and on no other, {got}"
         elif contact.model == "cells" and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain of cells, which has no joints"
         for name in ("undercarriage", "closed_track"):
             if getattr(self, name) is not None and not self.is_compiled:
-                yield (
-                    "formulation 'engine', contact.model 'spheres' and terrain_formulation 'constrained' do "
-                    f"not go with {name}, which the compiled equations alone carry"
-                )
+                yield f"formulation 'engine', {NOT_COMPILED} do not go with {name}"
         if self.machine is not None and self.running_gear is None:
             yield "machine must be None without an undercarriage or a closed_track, on which it acts"
         if self.car_body is not None and (self.closed_track is None or count % 2):
@@ -124,10 +101,7 @@ class Case(Parameters):
         if self.closed_track is not None:
             yield from self._closed_errors(self.closed_track)
         if self.formulation == "compiled" and not self.is_compiled:
-            yield (
-                "formulation must be 'engine' with contact.model 'spheres' or terrain_formulation "
-                "'constrained', which the compiled equations do not carry"
-            )
+            yield f"formulation must be 'engine' or None with {NOT_COMPILED}"
         if isinstance(contact, SphereContact):
             yield from self._sphere_errors(contact.radius)
         if self.undercarriage is not None:
@@ -144,11 +118,8 @@ class Case(Parameters):
         shoe, contact, reduced = self.shoe, self.contact, self.terrain_formulation == "reduced"
         small = terrain.unit_length < shoe.length or terrain.unit_width < shoe.width
         if isinstance(contact, PairContact) and contact.normal == "area" and small:
-            yield (
-                f"contact.normal must be 'face' on units of {terrain.unit_length:g} x {terrain.unit_width:g} "
-                f"m, smaller than a shoe of {shoe.length:g} x {shoe.width:g} m: units under one shoe "
-                "would push each other aside through it, with 30 to 160 kN at rest"
-            )
+            sides = f"{terrain.unit_length:g} x {terrain.unit_width:g} m, smaller than a shoe"
+            yield f"contact.normal must be 'face' on units of {sides}: they push each other"
         if not terrain.is_even and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain.relief, got 'constrained'"
 
@@ -157,10 +128,7 @@ class Case(Parameters):
         if self.undercarriage is not None:
             yield "undercarriage must be None with a closed_track, which has a side frame of its own"
         if self.drive.on is not None or (self.drive.turn_rate is not None and self.car_body is None):
-            yield (
-                "drive.on must be None with a closed_track, which is always driven, and drive.turn_rate "
-                "without a car_body: one track does not turn"
-            )
+            yield "drive.on must be None with a closed_track, and drive.turn_rate without a car_body"
         if self.car_body is not None and closed.support == "posts":
             yield "closed_track.support must be 'ground' with a car_body, which stands on both tracks"
         if any(load != 0.0 for phase in self.loads.phases for load in phase.loads):
@@ -175,10 +143,8 @@ class Case(Parameters):
         load = max(max(phase.loads) for phase in self.loads.phases)
         depth = self.settled_penetration * float(self.pressed(load)) / self.mean_load
         if radius <= depth:
-            yield (
-                f"contact.radius must exceed the settled penetration of the most loaded shoe, "
-                f"{depth:.4g} m, got {radius}: its spheres would sink through the ground"
-            )
+            least = f"settled penetration of the most loaded shoe, {depth:.4g} m"
+            yield f"contact.radius must exceed the {least}, got {radius}"
         terrain = self.unit_terrain()
         side = 0.25 * min(terrain.unit_length, terrain.unit_width)
         if radius > side:
@@ -207,18 +173,14 @@ class Case(Parameters):
     def of_track(self, side: str) -> "Case":
         """One of two closed tracks, "right" or "left", with its own side frame and without a turn."""
         apart = self.track_middles[SIDES.index(side)] - self.track_middles[0]
-        track, count, first = self.track, self.loop.shoe_count, SIDES.index(side) * self.loop.shoe_count
+        one, (x, y), first = self.loop, self.track.first_com, SIDES.index(side) * self.loop.shoe_count
+        pins = {"spherical_y": one.spherical_y + apart, "parallel_y": one.parallel_y + apart}
         bent = [] if self.flexible is None else [number - first for number in self.flexible.shoes]
-        bent = [number for number in bent if 0 < number <= count]
+        bent = [number for number in bent if 0 < number <= one.shoe_count]
         return self.with_(
             name=f"{self.name}, {side} track",
-            track=track.with_(
-                shoe_count=count,
-                first_com=(track.first_com[0], track.first_com[1] + apart),
-                spherical_y=track.spherical_y + apart,
-                parallel_y=track.parallel_y + apart,
-            ),
-            loads=LoadCycle.constant([0.0] * count),
+            track=one.with_(first_com=(x, y + apart), **pins),
+            loads=LoadCycle.constant([0.0] * one.shoe_count),
             drive=self.drive.with_(turn_rate=None),
             machine=None,
             car_body=None,
@@ -412,10 +374,7 @@ class Case(Parameters):
 
     @classmethod
     def translation(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
-        """Straight propel of the K-chapter, the K-paper and the F-paper.
-
-        The uneven `shoe` is the variant `Shoe.uneven`, which is fitted to the turn.
-        """
+        """Straight propel of the K-chapter, K-paper and F-paper; `Shoe.uneven` is fitted to the turn."""
         return cls(
             name="translation" if shoe == "even" else "uneven translation",
             shoe=Shoe.kinematics() if shoe == "even" else Shoe.uneven(),
@@ -454,17 +413,14 @@ class Case(Parameters):
 
     @classmethod
     def rolled(cls, shoe_count: int = 24) -> Self:
-        """Straight propel of a side frame that rolls over rigid shoes laid out before it.
-
-        Contacts share a shoe by area: shoes that tilt under the rollers stand on several units. 24 shoes give
-        the frame 5 m of way.
-        """
+        """Straight propel of a side frame over rigid shoes laid out before it; 24 give it 5 m of way."""
         track = Track.ph4100c().with_(shoe_count=shoe_count)
         return cls(
             name="rolled",
             shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
             track=track,
             terrain=rolled.ground_below(track, Terrain.stress()),
+            # shoes that tilt under the rollers stand on several units
             contact=PairContact.oil_sand(sharing="area"),
             drive=Drive.translation(),
             loads=LoadCycle.constant([0.0] * shoe_count),
@@ -475,17 +431,11 @@ class Case(Parameters):
 
     @classmethod
     def closed(cls, shoe_count: int = ph4100c.CLOSED_SHOES) -> Self:
-        """Straight propel of half a machine on a closed track of rigid shoes, driven by its tumbler.
-
-        `drive.speed` is that of the chain against the side frame.
-        """
-        return cls(
+        """Straight propel of half a machine on a closed track of rigid shoes; its chain has `drive.speed`."""
+        return cls.translation().with_(
             name="closed",
             shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
             track=Track.ph4100c().with_(shoe_count=shoe_count),
-            terrain=Terrain.kinematics(),
-            contact=PairContact.adams(),
-            drive=Drive.translation(),
             loads=LoadCycle.constant([0.0] * shoe_count),
             closed_track=ClosedTrack.ph4100c(),
         )
@@ -547,8 +497,6 @@ class Case(Parameters):
         for name, places, (least, greatest) in zip("xy", corners.T, self.terrain.bounds, strict=True):
             low, high = places.min(), places.max()
             if low < least or high > greatest:
-                yield (
-                    f"terrain must carry the track over the whole drive: at t = {time:.3g} s the track "
-                    f"reaches {name} = {low:.3f}..{high:.3f} m, the terrain {least:g}..{greatest:g} m; a "
-                    "larger terrain, another terrain.origin or a shorter duration mends it"
-                )
+                at = f"at t = {time:.3g} s the track reaches {name} = {low:.3f}..{high:.3f} m"
+                reach = f"the terrain {least:g}..{greatest:g} m"
+                yield f"terrain must carry the track over the whole drive: {at}, {reach}"

@@ -111,12 +111,9 @@ class Outputs(Parameters):
     forces: bool = option("whether forces derived from the history are written", True)
     page: bool = option("whether all of it is put on one page, report.html", True)
     picture_times: tuple[float, ...] | None = quantity(
-        "s",
-        "times at which the stress of flexible shoes is kept whole and drawn, beside that of the highest; "
-        "none: begin and ends of the load cycle's phases, as far as the run goes",
-        min_length=1,
-        default=None,
-    )
+        "s", "whose stress is kept whole and drawn, beside the highest; none: ends of the loads' phases",
+        min_length=1, default=None,
+    )  # fmt: skip
     ground_times: tuple[float, ...] = quantity(
         "s", "times at which the map of ground of cells is kept and drawn, beside its end", default=()
     )

@@ -99,9 +99,8 @@ def _change(text: str) -> _Change:
     except ValueError:
         equals = ""
     if not equals:
-        raise ValueError(
-            f"a change must be like terrain.spring_stiffness=1e7 or loads.phases[0].end=15, got {text!r}"
-        )
+        like = "terrain.spring_stiffness=1e7 or loads.phases[0].end=15"
+        raise ValueError(f"a change must be like {like}, got {text!r}")
     known = list(fields.key_paths(CaseFile))
     if path[0] not in {fields.BASE, *Case.model_fields, *CaseFile.model_fields}:
         end = "." + ".".join(fields.names_of(path))

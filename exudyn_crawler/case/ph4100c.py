@@ -35,12 +35,8 @@ FINGERED_UNDERSIDE: Mapping[str, Any] = {
     "underside_center": (0.5 * PITCH - 0.344, 0.0),
     "finger_length": 0.117,
     "finger_sides": (
-        -0.5 * ShoeDimensions.width,
-        8.59 - TRACK_Y,
-        8.76 - TRACK_Y,
-        9.95 - TRACK_Y,
-        10.11 - TRACK_Y,
-        0.5 * ShoeDimensions.width,
+        *(-0.5 * ShoeDimensions.width, 8.59 - TRACK_Y, 8.76 - TRACK_Y),
+        *(9.95 - TRACK_Y, 10.11 - TRACK_Y, 0.5 * ShoeDimensions.width),
     ),
 }
 """Underside of the shoe in the rigid studies."""
@@ -208,8 +204,7 @@ SHOVEL_POSES: tuple[tuple[Any, ...], ...] = (
 """Upper structure at the ends of the phases of a cycle."""
 
 # closed track
-CLOSED_SHOES = 38
-"""Open: 38 of this pitch go round wheels 9 m apart, which the crawler's length leaves."""
+CLOSED_SHOES = 38  # Open: 38 of this pitch go round wheels 9 m apart, which the crawler's length leaves
 _TUMBLER_TEETH, _TUMBLER_MASS = 10, 20e3
 _PIN_CIRCLE = PITCH / (2.0 * math.sin(math.pi / _TUMBLER_TEETH))
 _RAIL_RISE = RAILS["height"] - PIN_HEIGHT  # m, of the rails above the pins
@@ -221,14 +216,7 @@ TUMBLER: Mapping[str, Any] = {
     "teeth": _TUMBLER_TEETH,  # Open
     "mass": _TUMBLER_MASS,  # kg. Open
     # kg m2. Open: a ring on the pins' circle, half of it
-    "inertia": (
-        0.3 * _TUMBLER_MASS * _PIN_CIRCLE**2,
-        0.5 * _TUMBLER_MASS * _PIN_CIRCLE**2,
-        0.3 * _TUMBLER_MASS * _PIN_CIRCLE**2,
-        0.0,
-        0.0,
-        0.0,
-    ),
+    "inertia": tuple(share * _TUMBLER_MASS * _PIN_CIRCLE**2 for share in (0.3, 0.5, 0.3, 0.0, 0.0, 0.0)),
     "depth": 0.2,  # m. Open, as the three below: teeth that leaving lugs get free of
     "reach": 0.12,  # m
     "lug_radius": 0.09,  # m
@@ -261,17 +249,8 @@ CLOSED_TRACK: Mapping[str, Any] = {
         for k in range(4)
     ),
     "carrier_radius": _CARRIER_RADIUS,  # m. Open
-    **{
-        name: UNDERCARRIAGE[name]
-        for name in (
-            "tread_width",
-            "stiffness",
-            "damping",
-            "damping_depth",
-            "rolling_resistance",
-            "resistance_speed",
-        )
-    },
+    **{name: UNDERCARRIAGE[name] for name in ("tread_width", "stiffness", "damping", "damping_depth")},
+    **{name: UNDERCARRIAGE[name] for name in ("rolling_resistance", "resistance_speed")},
     "guide_play": 0.01,  # m. Open, as all of the guides
     "guide_height": 0.05,  # m
     "guide_stiffness": 1.0e8,  # N/m

@@ -26,11 +26,14 @@ from typer.core import TyperGroup
 import exudyn_crawler as crawler
 from exudyn_crawler import errors
 
-RESULTS = Path("results")
-"""Folder of the folders of runs and studies, where a command names no other."""
+RESULTS = Path("results")  # folder of the folders of runs and studies, where a command names no other
 
 Run = Annotated[Path, typer.Argument(help="folder of a run, or its history (NetCDF)", metavar="RUN")]
 Out = Annotated[Path, typer.Option(help="folder for the results")]
+OfName = Annotated[
+    Path | None,
+    typer.Option("--out", help=f"folder of the results; {RESULTS}/NAME of the file, if not given"),
+]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace earlier results")]
 Debug = Annotated[bool, typer.Option("--debug", help="show the traceback of an error")]
 Changes = Annotated[
@@ -65,10 +68,7 @@ def history_path(run: Path) -> Path:
 
 
 def loaded(run: Path, shoe: int | None = None) -> "crawler.History":
-    """History of a run, named itself or by its folder; errors are those of `history_path` and loading.
-
-    A shoe that its track does not have is refused before the results are read.
-    """
+    """History of a run; a shoe that its track does not have is refused before the results are read."""
     path = history_path(run)
     if shoe is not None:
         from exudyn_crawler.results.history.files import case_in_file
@@ -85,8 +85,7 @@ def report_made(path: Path, what_now: str = "") -> None:
     typer.echo(f"{path}{what_now}")
 
 
-OTHER, BAD_INPUT, STOPPED = 1, 2, 3
-"""Exit codes."""
+OTHER, BAD_INPUT, STOPPED = 1, 2, 3  # exit codes
 OF_PATHS = FileNotFoundError, FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError
 BAD_INPUT_ERRORS = (ValueError, BlockingIOError, *OF_PATHS)
 
@@ -126,6 +125,16 @@ def readable(function: Callable[..., None]) -> Callable[..., None]:
     return reporting
 
 
+def with_example(words: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Put an example of its words into the help of a command."""
+
+    def described(function: Callable[..., None]) -> Callable[..., None]:
+        function.__doc__ = f"{function.__doc__}\n\nExample: {words}"
+        return function
+
+    return described
+
+
 def _interrupted(error: BaseException | None) -> bool:
     """Whether an interrupt led to an error, of which a library may have made another one."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
@@ -149,8 +158,7 @@ def _lines(error: BaseException) -> tuple[list[str], int]:
     return [text if of_system else f"{type(error).__name__}: {text} (unexpected; --debug shows where)"], OTHER
 
 
-COMMANDS, CASES = "exudyn_crawler.commands", "exudyn_crawler.cases"
-"""Groups of what packages register."""
+COMMANDS, CASES = "exudyn_crawler.commands", "exudyn_crawler.cases"  # groups of what packages register
 
 
 def registered(group: str) -> dict[str, EntryPoint]:
@@ -205,16 +213,8 @@ def _single(
     return single
 
 
-def run_script(reference: str) -> None:
-    """Run a command, referred to as packages register it (``studies.commands:stress``), as a script."""
-    call(_single(EntryPoint(reference, reference, COMMANDS).load()))
-
-
 def call(commands: typer.Typer) -> None:
-    """Call a command line; wrong words, and empty ones, are reported in a line, as all errors are.
-
-    A request to terminate ends a command as Ctrl-C does.
-    """
+    """Call a command line; wrong words are reported in a line, a request to terminate ends it as Ctrl-C."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     for before, word in itertools.pairwise(sys.argv):
         # an empty path would be the folder that the command is called in

@@ -13,15 +13,14 @@ import typer
 
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
-from exudyn_crawler.cli.application import CASES, RESULTS, Changes, Out, Overwrite, Run
+from exudyn_crawler.cli.application import CASES, RESULTS, Changes, OfName, Out, Overwrite, Run
 from exudyn_crawler.run.folder.progress import RunTimes, heartbeat
 from exudyn_crawler.views.tables import print_rows, print_table
 
 if TYPE_CHECKING:
     from exudyn_crawler.case_run import CaseRun
 
-START = "kinematics"
-"""Study whose case `init` starts from where none is named."""
+START = "kinematics"  # study whose case `init` starts from where none is named
 
 app = typer.Typer(
     cls=application.Commands,
@@ -36,9 +35,10 @@ def main() -> None:
     application.call(app)
 
 
-def command(function: Callable[..., None]) -> Callable[..., None]:
-    """Register a command that reports what goes wrong in a line."""
-    return app.command()(application.readable(function))
+def command(example: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Register a command that reports what goes wrong in a line; its help has an example of its words."""
+    described = application.with_example(f"exudyn-crawler {example}")
+    return lambda function: app.command()(application.readable(described(function)))
 
 
 def _show_versions(wanted: bool) -> None:
@@ -61,33 +61,27 @@ def common(
     """Options before the name of a command."""
 
 
-@command
+@command("init soft_ground --study kinematics")
 def init(
     name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml", metavar="NAME")],
     study: Annotated[str, typer.Option(help="study whose case to start from, such as stress")] = START,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing file")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
-    """Write a case file with every value, its unit and its meaning, to be changed and run.
-
-    Example: exudyn-crawler init soft_ground --study kinematics
-    """
+    """Write a case file with every value, its unit and its meaning, to be changed and run."""
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     case_file = application.study_case(study)
     written = crawler.write_case(case_file.with_({"name": path.stem}), path, overwrite, by_hand=True)
     typer.echo(f"{written}: change it, then: exudyn-crawler run {written}")
 
 
-@command
+@command("info soft_ground.toml")
 def info(
     case: Annotated[
         str, typer.Argument(help="case file, or name of a study", metavar="[CASE.toml|STUDY]")
     ] = START,
     changes: Changes = None,
 ) -> None:
-    """Show a case with everything filled in, and what differs from the papers' case that is nearest.
-
-    Example: exudyn-crawler info soft_ground.toml
-    """
+    """Show a case with everything filled in, and what differs from the papers' case that is nearest."""
     from exudyn_crawler.case.case_file import nearest_base, run_lines, shoe_weights
     from exudyn_crawler.case.parameters import checks, fields
 
@@ -116,10 +110,10 @@ def info(
         typer.echo(reductions_line())
 
 
-@command
+@command("run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7")
 def run(
     case: Annotated[Path, typer.Argument(help="case file", metavar="CASE.toml")],
-    out: Annotated[Path | None, typer.Option(help=f"folder of the run; {RESULTS}/CASE, if not given")] = None,
+    out: OfName = None,
     reuse: Annotated[
         Path | None, typer.Option(help="folder whose history takes the place of the simulation")
     ] = None,
@@ -129,10 +123,7 @@ def run(
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Run a case file into a folder of its own.
-
-    Example: exudyn-crawler run soft_ground.toml --out results/softer --set terrain.spring_stiffness=1e7
-    """
+    """Run a case file into a folder of its own."""
     from exudyn_crawler.run.folder.folder import refuse_occupied
 
     # what is refused is refused before the engine is loaded, which takes a second
@@ -173,23 +164,20 @@ def show_answers(run: "CaseRun") -> None:
         )
 
 
-@command
+@command("report results/stress")
 def report(
     run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
     out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Make one self-contained page of a run, to be read offline in a browser.
-
-    Example: exudyn-crawler report results/stress
-    """
+    """Make one self-contained page of a run, to be read offline in a browser."""
     folder = application.run_folder(run)  # refused before all that draws is loaded
     with heartbeat(f"report of {folder}"):
         page = crawler.write_report(folder, out, overwrite, typer.echo)
     application.report_made(page, ": open it in a browser")
 
 
-@command
+@command("animate results/kinematics/translation --end 5")
 def animate(
     run: Run,
     out: Annotated[
@@ -208,10 +196,7 @@ def animate(
     speed: Annotated[float, typer.Option(help="simulated seconds that a second shows")] = 1.0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Animate the track on the deforming terrain, or a flexible shoe with its stress, without a display.
-
-    Example: exudyn-crawler animate results/kinematics/translation --end 5
-    """
+    """Animate the track on the deforming terrain, or a flexible shoe with its stress, without a display."""
     if stress is not None and scale is not None:
         raise ValueError("--scale must go without --stress, whose picture shows no ground")
     beside = application.history_path(run)
@@ -226,7 +211,7 @@ def animate(
 DEMO = "demo"
 
 
-@command
+@command("demo")
 def demo(
     out: Out = RESULTS / DEMO,
     prepare: bool = typer.Option(
@@ -234,10 +219,7 @@ def demo(
     ),
     overwrite: Overwrite = False,
 ) -> None:
-    """Roll a machine over a track with a flexible shoe, and make a page to look at.
-
-    Example: exudyn-crawler demo
-    """
+    """Roll a machine over a track with a flexible shoe, and make a page to look at."""
     case_file = application.study_case(DEMO)
     if prepare:
         _prepare(case_file)
@@ -253,15 +235,12 @@ def demo(
     typer.echo(f"next, a machine of your own: exudyn-crawler init my_machine --study {DEMO}")
 
 
-@command
+@command("schema")
 def schema(
     out: Annotated[Path, typer.Argument(help="file to write", metavar="FILE")] = Path("case.schema.json"),
     overwrite: Overwrite = False,
 ) -> None:
-    """Write the JSON schema of case files, by which editors complete and check them.
-
-    Example: exudyn-crawler schema
-    """
+    """Write the JSON schema of case files, by which editors complete and check them."""
     from exudyn_crawler.case.files import case_schema
     from exudyn_crawler.files import whole_file
 
@@ -270,17 +249,14 @@ def schema(
     typer.echo(f"{out}: begin a case file beside it with the line '#:schema {out.name}'")
 
 
-@command
+@command("fmu mine.toml")
 def fmu(
     case: Annotated[Path, typer.Argument(help="case file of a machine on its track", metavar="CASE.toml")],
     changes: Changes = None,
     out: Annotated[Path | None, typer.Option(help="file to write; CASE.fmu, if not given")] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Write a case as a unit of co-simulation (FMU, FMI 2.0) that other programs step.
-
-    Example: exudyn-crawler fmu mine.toml
-    """
+    """Write a case as a unit of co-simulation (FMU, FMI 2.0) that other programs step."""
     if find_spec("pythonfmu") is None:
         raise ValueError("units of co-simulation need pythonfmu: pip install 'exudyn-crawler[fmu]'")
     case_file = crawler.read_case(case, changes or ())

@@ -7,7 +7,7 @@ import typer
 
 import exudyn_crawler as crawler
 from exudyn_crawler.cli import application
-from exudyn_crawler.cli.application import RESULTS, Overwrite, Run
+from exudyn_crawler.cli.application import RESULTS, OfName, Overwrite, Run
 from exudyn_crawler.cli.commands import command
 from exudyn_crawler.views.tables import print_table, write_table
 
@@ -23,7 +23,7 @@ Shoe = Annotated[int, typer.Option(help="number of the shoe")]
 Out = Annotated[Path | None, typer.Option(help="file to write; one beside the history, if not given")]
 
 
-@command
+@command("node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05")
 def node_stress(
     run: Run,
     shoe: Shoe,
@@ -35,10 +35,7 @@ def node_stress(
     out: Out = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Write the stress at a place of a flexible shoe over time: tensor, principal stresses, von Mises.
-
-    Example: exudyn-crawler node-stress results/stress/cycle --shoe 13 --near 0.3 -0.6 0.05
-    """
+    """Write the stress at a place of a flexible shoe over time: tensor, principal stresses, von Mises."""
     path = application.history_path(run)
     from exudyn_crawler.results.stress import recovery
 
@@ -60,12 +57,9 @@ def node_stress(
     _write(recovery.node_table(stress), out, overwrite)
 
 
-@command
+@command("pin-forces results/stress/cycle --shoe 13")
 def pin_forces(run: Run, shoe: Shoe, out: Out = None, overwrite: Overwrite = False) -> None:
-    """Write the forces and moments of a shoe's pins over time, in the shoe's axes.
-
-    Example: exudyn-crawler pin-forces results/stress/cycle --shoe 13
-    """
+    """Write the forces and moments of a shoe's pins over time, in the shoe's axes."""
     history = application.loaded(run, shoe)
     from exudyn_crawler.results.loads.exports import pin_table
 
@@ -73,7 +67,7 @@ def pin_forces(run: Run, shoe: Shoe, out: Out = None, overwrite: Overwrite = Fal
     _write(pin_table(history, shoe), out, overwrite)
 
 
-@command
+@command("shoe-loads results/stress/cycle --shoe 13 --program abaqus")
 def shoe_loads(
     run: Run,
     shoe: Shoe,
@@ -86,10 +80,7 @@ def shoe_loads(
     out: Annotated[Path | None, typer.Option(help="folder; that of the history, if not given")] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Write all that acts on a shoe at one instant, in balance: a table, and a deck if it is flexible.
-
-    Example: exudyn-crawler shoe-loads results/stress/cycle --shoe 13 --program abaqus
-    """
+    """Write all that acts on a shoe at one instant, in balance: a table, and a deck if it is flexible."""
     history = application.loaded(run, shoe)
     from exudyn_crawler.results.loads import exports
 
@@ -109,7 +100,7 @@ def shoe_loads(
     _write(table, folder / f"{name}.csv", overwrite)
 
 
-@command
+@command("compare results/soft_ground results/hard_ground --out soft_and_hard.html")
 def compare(
     first: Annotated[Path, typer.Argument(help="folder of a run, or its history", metavar="A")],
     second: Annotated[Path, typer.Argument(help="same of another", metavar="B")],
@@ -118,10 +109,7 @@ def compare(
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Lay two runs over each other: what differs in their cases and results, and their main curves.
-
-    Example: exudyn-crawler compare results/soft_ground results/hard_ground --out soft_and_hard.html
-    """
+    """Lay two runs over each other: what differs in their cases and results, and their main curves."""
     names = [application.run_folder(run).resolve().name for run in (first, second)]
     runs = dict(zip(names if names[0] != names[1] else "AB", (first, second), strict=True))
     histories = {name: application.loaded(run) for name, run in runs.items()}
@@ -149,7 +137,7 @@ def _write(table: "pd.DataFrame", path: Path, overwrite: bool) -> None:
     application.report_made(write_table(table, path, overwrite))
 
 
-@command
+@command("ground oil_sand.toml")
 def ground(
     file: Annotated[Path, typer.Argument(help="file of a law of the ground", metavar="LAW.toml")],
     out: Annotated[
@@ -157,10 +145,7 @@ def ground(
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Draw a law of the ground: pressure over sinkage with unloading, shear over slip with a reversal.
-
-    Example: exudyn-crawler ground oil_sand.toml
-    """
+    """Draw a law of the ground: pressure over sinkage with unloading, shear over slip with a reversal."""
     from exudyn_crawler.ground.cells.laws import read_law
     from exudyn_crawler.views.figures import law_figure
     from exudyn_crawler.views.style import save_figure
@@ -169,18 +154,13 @@ def ground(
     application.report_made(save_figure(figure, out or file.with_suffix(".png"), overwrite))
 
 
-@command
+@command("life digging.toml --out results/digging")
 def life(
     duty: Annotated[Path, typer.Argument(help="duty file", metavar="DUTY.toml")],
-    out: Annotated[
-        Path | None, typer.Option(help=f"folder of the results; {RESULTS}/DUTY, if not given")
-    ] = None,
+    out: OfName = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Give the life of the shoes in machine hours, where they crack and why, from a mix of runs.
-
-    Example: exudyn-crawler life digging.toml --out results/digging
-    """
+    """Give the life of the shoes in machine hours, where they crack and why, from a mix of runs."""
     asked = crawler.read_duty(duty)  # wrong files end the command before all that counts and draws is loaded
     from exudyn_crawler.results.life.life import in_words
     from exudyn_crawler.views.pages.life import life_lines
@@ -193,19 +173,14 @@ def life(
     typer.echo(f"life, tables, fields and page (life.html) are in {folder}")
 
 
-@command
+@command("check overhanging.toml --no-pictures")
 def check(
     file: Annotated[Path, typer.Argument(help="file of a shoe's check", metavar="SHOE.toml")],
-    out: Annotated[
-        Path | None, typer.Option(help=f"folder of the results; {RESULTS}/SHOE, if not given")
-    ] = None,
+    out: OfName = None,
     pictures: Annotated[bool, typer.Option(help="draw each case")] = True,
     overwrite: Overwrite = False,
 ) -> None:
-    """Check a shoe by static cases without a run: which case cracks which region after how many cycles.
-
-    Example: exudyn-crawler check overhanging.toml --no-pictures
-    """
+    """Check a shoe by static cases without a run: which case cracks which region after how many cycles."""
     folder = out or RESULTS / file.stem
     result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)
     shown = result.worst_cycles[["to", "from", "region", "cycles to a crack", "an hour"]]
@@ -214,7 +189,7 @@ def check(
     typer.echo(f"all regions, section moments and pictures are in {folder}; check.html: open it in a browser")
 
 
-@command
+@command("spread results/stress/cycle")
 def spread(
     run: Run,
     starts: Annotated[int, typer.Option(help="starts that differ by rounding, the run's own among them")] = 3,
@@ -223,10 +198,7 @@ def spread(
     ] = True,
     overwrite: Overwrite = False,
 ) -> None:
-    """Repeat a run from starts that differ by rounding and by another contact law, and judge its stresses.
-
-    Example: exudyn-crawler spread results/stress/cycle
-    """
+    """Repeat a run from starts that differ by rounding and by another contact law, and judge its stresses."""
     folder = application.run_folder(run)  # before all that runs is loaded
     from exudyn_crawler.spread_run import spread as spread_into
 

@@ -1,12 +1,13 @@
 """The commands that run a case many times: sweeps, and scatter over what is drawn from distributions."""
 
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from exudyn_crawler.cli.application import RESULTS
+from exudyn_crawler.cli.application import RESULTS, OfName
 from exudyn_crawler.cli.commands import command
 from exudyn_crawler.views.tables import print_rows, print_table
 
@@ -16,90 +17,96 @@ if TYPE_CHECKING:
     from exudyn_crawler.sweep.running import SweepRun
     from exudyn_crawler.sweep.scatter import AnySweep
 
-NEEDED = ("distributed", "SALib", "pyarrow")
-"""Modules of the extra `sweep`."""
-SHOWN = 60
-"""Rows of the table of runs that are printed."""
+NEEDED = ("distributed", "SALib", "pyarrow")  # modules of the extra `sweep`
+SHOWN = 60  # rows of the table of runs that are printed
 
 
-SweepFile = Annotated[Path, typer.Argument(help="sweep file", metavar="SWEEP.toml")]
-DryRun = Annotated[
-    bool, typer.Option("--dry-run", help="show the runs, their number and the time they take; run none")
-]
-SweepFolder = Annotated[
-    Path | None, typer.Option("--out", help=f"folder of the sweep; {RESULTS}/SWEEP, if not given")
-]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(help="Dask scheduler: tcp://host:8786 or a scheduler file; this machine, if not given"),
-]
-Workers = Annotated[
-    int | None, typer.Option(help="processes on this machine; one a core, if not given", min=1)
-]
-Storage = Annotated[str | None, typer.Option(help="folder of the runs instead, which all workers share")]
-Retry = Annotated[bool, typer.Option("--retry", help="run those anew that have failed")]
+def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = False) -> None:
+    """Register the command, named and described as `show`, that runs a sweep and shows its results."""
+
+    def run(
+        file: Annotated[Path, typer.Argument(help="sweep file", metavar="SWEEP.toml")],
+        dry_run: Annotated[
+            bool, typer.Option("--dry-run", help="show the runs, their number and their time; run none")
+        ] = False,
+        out: OfName = None,
+        scheduler: Annotated[
+            str | None,
+            typer.Option(help="Dask: tcp://host:8786 or a scheduler file; this machine, if not given"),
+        ] = None,
+        workers: Annotated[
+            int | None, typer.Option(help="processes on this machine; one a core, if not given", min=1)
+        ] = None,
+        storage: Annotated[
+            str | None, typer.Option(help="folder of the runs instead, which all workers share")
+        ] = None,
+        retry: Annotated[bool, typer.Option("--retry", help="run those anew that have failed")] = False,
+    ) -> None:
+        if missing := [module for module in NEEDED if find_spec(module) is None]:
+            raise ValueError(f"sweeps need {', '.join(missing)}: pip install 'exudyn-crawler[sweep]'")
+        from exudyn_crawler.sweep.scatter import read_scatter
+
+        plan, folder = read_scatter(file), out or RESULTS / file.stem
+        if sampled and not plan.is_sampled:
+            raise ValueError(
+                f"{file}: design must draw a sample, such as 'latin_hypercube', got {plan.design!r}"
+            )
+        if scheduler is not None and workers is not None:
+            raise ValueError("--workers must be left out with --scheduler, which has workers of its own")
+        from exudyn_crawler.sweep.definition import Sweep
+        from exudyn_crawler.sweep.running import folder_state, run_duty_scatter, run_sweep
+
+        how: dict[str, Any] = {"storage": storage, "workers": workers, "retry": retry}
+        if dry_run:
+            _show_plan(plan)
+            if isinstance(plan, Sweep):
+                typer.echo(folder_state(plan, folder, **how))
+            return
+        if isinstance(plan, Sweep):
+            done = run_sweep(plan, folder, scheduler=scheduler, say=typer.echo, **how)
+        else:
+            done = run_duty_scatter(plan, folder, typer.echo)
+        show(done)
+        failed = int((done.table["status"] != "done").sum())
+        more = f"; {failed} runs have failed, results.csv says why, --retry runs them again" if failed else ""
+        where = "open report.html in a browser; results.csv, .parquet and .nc hold the answers"
+        typer.echo(f"{done.folder}: {where}{more}")
+
+    run.__name__, run.__doc__ = show.__name__, show.__doc__
+    command(example)(run)
 
 
-@command
-def sweep(
-    file: SweepFile,
-    dry_run: DryRun = False,
-    out: SweepFolder = None,
-    scheduler: Scheduler = None,
-    workers: Workers = None,
-    storage: Storage = None,
-    retry: Retry = False,
-) -> None:
-    """Run a case with some of its values varied, on all cores or a cluster; the same command goes on.
+def _show_plan(plan: "AnySweep") -> None:
+    from exudyn_crawler.case.parameters.fields import value_text
 
-    Example: exudyn-crawler sweep soils.toml --dry-run
-    """
-    how = {"scheduler": scheduler, "workers": workers, "storage": storage, "retry": retry}
-    run = _swept(_planned(file), out or RESULTS / file.stem, dry_run, how)
-    if run is None:
-        return
+    table, units = plan.table(), plan.units()
+    shown = f", the first {SHOWN}" if len(table) > SHOWN else ""
+    read = {name: [value_text(one, units[name]) for one in table[name].head(SHOWN)] for name in plan.columns}
+    title = f"{len(table)} runs{shown}; {', '.join(plan.columns)}"
+    print_table(table.head(SHOWN).assign(**read), title)
+
+
+def sweep(run: "SweepRun") -> None:
+    """Run a case with some of its values varied, on all cores or a cluster; the same command goes on."""
     from exudyn_crawler.results.history.catalogue import READ_IN
     from exudyn_crawler.sweep.results import best_and_worst
 
     units, columns = run.table.attrs["units"], ("answer", "which", "run", "value", "unit", "folder")
-    rows = best_and_worst(run.sweep, run.table)
-    read = [READ_IN.get(units[one.answer], (units[one.answer], 1.0)) for one in rows]
-    best = [
-        (*one[:3], factor * one.value, unit, one.folder)
-        for one, (unit, factor) in zip(rows, read, strict=True)
-    ]
+    best = []
+    for one in best_and_worst(run.sweep, run.table):
+        unit, factor = READ_IN.get(units[one.answer], (units[one.answer], 1.0))
+        best.append((*one[:3], factor * one.value, unit, one.folder))
     print_rows(columns, best, "Best and worst runs", ("run", "value"))
-    typer.echo(_end_of(run))
 
 
-@command
-def scatter(
-    file: SweepFile,
-    dry_run: DryRun = False,
-    out: SweepFolder = None,
-    scheduler: Scheduler = None,
-    workers: Workers = None,
-    storage: Storage = None,
-    retry: Retry = False,
-) -> None:
-    """Run a case, or count a duty, with values drawn: quantiles of answers, shoes that crack in a fleet.
-
-    Example: exudyn-crawler scatter studies/duty_scatter.toml
-    """
-    plan = _planned(file)
-    if not plan.is_sampled:
-        raise ValueError(f"{file}: design must draw a sample, such as 'latin_hypercube', got {plan.design!r}")
-    how = {"scheduler": scheduler, "workers": workers, "storage": storage, "retry": retry}
-    run = _swept(plan, out or RESULTS / file.stem, dry_run, how)
-    if run is None:
-        return
+def scatter(run: "SweepRun") -> None:
+    """Run a case, or count a duty, with values drawn: quantiles of answers, shoes that crack in a fleet."""
     from exudyn_crawler.sweep.results import scatter_tables
 
     tables = scatter_tables(run.sweep, run.table)
     titles = {"quantiles": "Quantiles over the runs", "failures": "Shoes that crack"}
     for name in (one for one in titles if one in tables and len(tables[one])):
         print_table(_for_reading(tables[name]), titles[name])
-    typer.echo(_end_of(run))
 
 
 def _for_reading(table: "pd.DataFrame") -> "pd.DataFrame":
@@ -114,43 +121,5 @@ def _for_reading(table: "pd.DataFrame") -> "pd.DataFrame":
     return made
 
 
-def _planned(file: Path) -> "AnySweep":
-    """Sweep, or scatter over a duty, of a file; ValueError if what these need is not installed."""
-    missing = [name for name in NEEDED if find_spec(name) is None]
-    if missing:
-        raise ValueError(f"sweeps need {', '.join(missing)}: pip install 'exudyn-crawler[sweep]'")
-    from exudyn_crawler.sweep.scatter import read_scatter
-
-    return read_scatter(file)
-
-
-def _swept(plan: "AnySweep", out: Path, dry_run: bool, how: dict[str, Any]) -> "SweepRun | None":
-    """Sweep that was run; None where its runs are only to be shown."""
-    if how["scheduler"] is not None and how["workers"] is not None:
-        raise ValueError("--workers must be left out with --scheduler, which has workers of its own")
-    from exudyn_crawler.sweep.definition import Sweep
-    from exudyn_crawler.sweep.running import folder_state, run_duty_scatter, run_sweep
-
-    if not dry_run:
-        if not isinstance(plan, Sweep):
-            return run_duty_scatter(plan, out, typer.echo)
-        return run_sweep(plan, out, say=typer.echo, **how)
-    from exudyn_crawler.case.parameters.fields import value_text
-
-    table, units = plan.table(), plan.units()
-    shown = f", the first {SHOWN}" if len(table) > SHOWN else ""
-    read = {name: [value_text(one, units[name]) for one in table[name].head(SHOWN)] for name in plan.columns}
-    title = f"{len(table)} runs{shown}; {', '.join(plan.columns)}"
-    print_table(table.head(SHOWN).assign(**read), title)
-    del how["scheduler"]
-    if isinstance(plan, Sweep):
-        typer.echo(folder_state(plan, out, **how))
-    return None
-
-
-def _end_of(run: "SweepRun") -> str:
-    """Where the results of a sweep are, and how many runs failed."""
-    failed = int((run.table["status"] != "done").sum())
-    more = f"; {failed} runs have failed, results.csv says why, --retry runs them again" if failed else ""
-    where = "open report.html in a browser; results.csv, .parquet and .nc hold the answers"
-    return f"{run.folder}: {where}{more}"
+_sweeping(sweep, "sweep soils.toml --dry-run")
+_sweeping(scatter, "scatter studies/duty_scatter.toml", sampled=True)

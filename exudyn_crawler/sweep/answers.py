@@ -86,10 +86,8 @@ class Answer(AnyAnswer):
         # statistics are of real numbers of what is counted, of no matrix
         is_real = quantity.numbers in ("double", "single") and "body_axis" not in quantity.dimensions
         if not is_real or not (quantity.by_shoe or quantity.per not in NOT_COUNTED):
-            yield (
-                "quantity must be a number or a vector of a shoe, link, unit, roller or the whole track, "
-                f"got {self.quantity!r}: {quantity.meaning}"
-            )
+            got = f"got {self.quantity!r}: {quantity.meaning}"
+            yield f"quantity must be a number or a vector of a shoe, link, unit, roller or the track, {got}"
         if self.axis is not None and "axis" not in quantity.dimensions:
             yield f"axis must be left out with {self.quantity}, which is no vector"
         if self.end is not None and self.end <= self.start:
@@ -234,13 +232,10 @@ def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
     flexible = () if case.flexible is None else case.flexible.shoes
     joints = case.joints.tolist()
     rollers = [] if case.undercarriage is None else [*range(1, len(case.undercarriage.rollers) + 1)]
-    counted = {
-        "shoe": ("shoes", case.track.shoes.tolist()),
-        "flexible shoe": ("flexible shoes", [*flexible]),
-        "link": ("links", joints),
-        # a link has two pins where one of its shoes is flexible
-        "pin": ("links", [one for one in joints if {one, one % case.track.shoe_count + 1} & set(flexible)]),
-        "unit": ("units", case.terrain.units.tolist()),
-        "roller": ("rollers", rollers),
-    }
+    # a link has two pins where one of its shoes is flexible
+    pins = [one for one in joints if {one, one % case.track.shoe_count + 1} & set(flexible)]
+    shoes, units = case.track.shoes.tolist(), case.terrain.units.tolist()
+    counted = {"shoe": ("shoes", shoes), "flexible shoe": ("flexible shoes", [*flexible])}
+    counted |= {"link": ("links", joints), "pin": ("links", pins)}
+    counted |= {"unit": ("units", units), "roller": ("rollers", rollers)}
     return counted.get("shoe" if quantity.by_shoe else quantity.per, ("", []))

@@ -51,19 +51,14 @@ def connected(
 @contextmanager
 def _local(workers: int | None) -> Iterator[Client]:
     count = workers or os.cpu_count() or 1
+    quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
     environment = dask.config.get("distributed.nanny.pre-spawn-environ") | {"NUMBA_NUM_THREADS": 1}
     with (
         # Dask puts the environment of its workers into this process, too, which would go on with one thread
         patch.dict(os.environ),
         dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),
         # a process a run: two in one would wait for each other, and write into each other's logs
-        LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address="127.0.0.1:0",
-            silence_logs=logging.CRITICAL,
-        ) as cluster,
+        LocalCluster(n_workers=count, threads_per_worker=1, processes=True, **quiet) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
         yield client
@@ -124,10 +119,7 @@ def run_alone(task: Task) -> Outcome:
 def outcomes(
     client: Client, tasks: Iterator[Task], run: Callable[[Task], Outcome] = run_alone
 ) -> Iterator[Outcome]:
-    """Outcomes of tasks as they come; a task whose worker dies goes to another one, a few times.
-
-    Raises `VersionsDiffer` for a worker that came later, `ConnectionError` if the scheduler is lost.
-    """
+    """Outcomes as they come; `VersionsDiffer` for a late worker, `ConnectionError` for a lost scheduler."""
     running = as_completed(loop=client.loop, raise_errors=False)
     held: dict[str, Task] = {}
 

@@ -179,18 +179,14 @@ class Sweep(Variation):
     def _varied(self) -> CaseFile:
         """What is varied: a case file; where paths ask for it with the first answer of life, for all."""
         case_file = self.case.with_(outputs=self.outputs)
-        if not any(one.is_of_life for one in self.vary):
+        paths = (fields.parse_path(path) for one in self.vary for path in one.keys)
+        if not any(fields.names_of(path)[:1] == ["life"] for path in paths):
             return case_file
         life = next((one for one in self.answers if isinstance(one, Life)), None)
         return Varied(**dict(case_file), life=life)
 
-    def case_of(self, values: Row) -> tuple[CaseFile, str]:
-        """Case, duration and outputs of a run, and a digest, with which the case's name ends."""
-        case_file, _, digest = self._run_of(values)
-        return case_file, digest
-
-    def _run_of(self, values: Row) -> tuple[CaseFile, tuple[Answers, ...], str]:
-        """Same with the answers of the run between both."""
+    def case_of(self, values: Row) -> tuple[CaseFile, str, tuple[Answers, ...]]:
+        """Case, duration and outputs of a run; a digest, with which the case's name ends; and its answers."""
         varied, answers, life = self._changed(values), self.answers, None
         case_file = varied
         if isinstance(varied, Varied):
@@ -204,7 +200,7 @@ class Sweep(Variation):
         name = f"{case_file.case.name[:80]} {digest[:FOLDER_DIGITS]}"
         # it was checked as it is
         named = case_file.model_copy(update={"case": case_file.case.model_copy(update={"name": name})})
-        return named, answers, digest
+        return named, digest, answers
 
     @cached_property
     def planned(self) -> tuple[PlannedRun, ...]:
@@ -213,7 +209,7 @@ class Sweep(Variation):
         odd: dict[str, list[int]] = {}
         for number, values in enumerate(self.rows, 1):
             try:
-                case_file, asked, digest = self._run_of(values)
+                case_file, digest, asked = self.case_of(values)
                 for answer in asked:
                     answer.check(case_file)
             except ValueError as error:

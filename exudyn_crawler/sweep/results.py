@@ -95,8 +95,7 @@ PORTIONS = (0.01, 0.05, 0.1, 0.5, 0.9, 0.95, 0.99)
 CONFIDENCE = 0.95
 PARTS = (4, 2, 1)
 """Convergence shows quantiles of the first quarter, the first half and all of the runs."""
-LEAST_SCATTERED = 10
-"""Finished runs from which answers of a sample have a scatter."""
+LEAST_SCATTERED = 10  # finished runs from which answers of a sample have a scatter
 
 
 def drawn_answers(table: pd.DataFrame) -> pd.DataFrame:
@@ -124,10 +123,7 @@ def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
 
 
 def sensitivities(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
-    """Spearman's rank correlation of every answer with every number that was drawn, and its p value.
-
-    The p value is how often runs that do not depend on the number would show as much.
-    """
+    """Spearman's rank correlation of all answers with all drawn numbers; p: how often chance makes it."""
     done, rows = drawn_answers(table), []
     numeric = [name for name in sweep.columns if pd.api.types.is_numeric_dtype(done[name])]
     for answer in sweep.answers:
@@ -265,10 +261,7 @@ METHODS = {
 def write_page(
     sweep: AnySweep, table: pd.DataFrame, folder: Path, runs: Path | None, say: Callable[[str], None]
 ) -> None:
-    """Write tables of a scatter and the page of results into a sweep's folder, and reports of `runs`.
-
-    These are the best and the worst of every answer.
-    """
+    """Write the page and the scatter of a sweep into its folder, and reports of its best and worst `runs`."""
     scatter = scatter_tables(sweep, table)
     for name, one in scatter.items():
         write_table(one, folder / f"{name}.csv", overwrite=True)

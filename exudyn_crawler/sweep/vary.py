@@ -56,17 +56,14 @@ class Vary(Parameters):
     """A value of the case that varies from run to run, or several that change together."""
 
     key: Key | tuple[Key, ...] = option(
-        "path of the value, such as terrain.spring_stiffness; loads.phases[*].loads means all "
-        "phases, life.material.casting_factor that of all answers of life; several paths have the same value "
-        "or factor"
+        "path of the value, such as terrain.spring_stiffness, loads.phases[*].loads (of all phases), or "
+        "life.material.casting_factor (of all answers of life); several paths have the same value or factor"
     )
     name: Name | None = option("column of the table; the path's end, if not given", None)
     unit: str | None = option("of values and bounds, to be sure: that of the case", None)
     values: tuple[Any, ...] | None = option("all values, in place of bounds", None)
     settings: tuple[Puts, ...] | None = option(
-        "what each of the values stands for: one of each path, in their order; the values then "
-        "are what tables and axes show, in `unit`",
-        None,
+        "what each value, which tables and axes show in `unit`, stands for: one of each path in order", None
     )
     low: float | None = option("least value", None)
     high: float | None = option("greatest value", None)
@@ -76,10 +73,7 @@ class Vary(Parameters):
         "of the values that a sample draws; normal with scale log is log-normal", "uniform"
     )
     within: float | None = option(
-        "portion of the drawn values between low and high; 0.9, if not given",
-        None,
-        gt=0,
-        lt=1,
+        "portion of the drawn values between low and high; 0.9, if not given", None, gt=0, lt=1
     )
     factor: bool = option("whether values and bounds multiply what the base has", False)
 
@@ -166,11 +160,6 @@ class Vary(Parameters):
         low, high = np.log(bounds) if is_log else bounds
         value = low + (at - least) / (most - least) * (high - low)
         return float(np.exp(value) if is_log else value)
-
-    @property
-    def is_of_life(self) -> bool:
-        """Whether it varies what the answers of life have."""
-        return any(fields.names_of(fields.parse_path(path))[:1] == ["life"] for path in self.keys)
 
     def unit_in(self, case_file: CaseFile | Duty) -> str:
         """Unit of the column; empty for factors and for what has none."""

@@ -61,12 +61,9 @@ OF_FLEXIBLE_SHOES = ("displacement", "velocity", "angular velocity", "contact fo
 """Figures of the flexible shoes."""
 OF_PINS = {"revolute joint reaction": "pin force", "revolute joint torque": "pin torque"}
 """Same of the pins, a figure for each side."""
-ROLLER_PATH = "roller_path"
-"""Name of its table and its figure."""
-MODES_DRAWN = 6
-"""Lowest modal coordinates in the figure."""
-TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}
-"""Components of angles for reading."""
+ROLLER_PATH = "roller_path"  # name of its table and its figure
+MODES_DRAWN = 6  # lowest modal coordinates in the figure
+TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}  # components of angles for reading
 
 
 @dataclass(frozen=True)
@@ -152,10 +149,7 @@ def _band(ax: Axes, number: int, begin: float, end: float, name: str) -> Annotat
 
 @dataclass(frozen=True)
 class Series:
-    """One quantity over time: `values` have the dimensions time, item ("shoe 7", "link 7-8") and axis.
-
-    The one axis of what has none is named "".
-    """
+    """One quantity over time: `values` over time, item (such as "shoe 7") and axis, which may be ""."""
 
     group: str
     label: str
@@ -183,10 +177,7 @@ def history_series(history: History, stress: xr.Dataset | None = None) -> dict[s
 
 
 def overlay(found: Mapping[str, Series], items: Sequence[str]) -> list[Panel]:
-    """Panel for each axis of one quantity of some runs by name, with a curve for each of some items.
-
-    Curves are named after what differs, item or run or both.
-    """
+    """Panel for each axis of one quantity of runs by name, with a curve an item, named by what differs."""
     first = next(iter(found.values()))
     several = len(items) > 1 or len(found) == 1, len(found) > 1
     names = {
@@ -343,7 +334,11 @@ def stress_figures(history: History, results: StressResults) -> dict[str, Figure
             own = found[label].values.sel(item=pins).assign_coords(item=links)
             panels[f"{side} {name}"] = replace(found[label], values=own).panels()
     panels |= _deformation(found)
-    panels["modal coordinates"] = [_modal_panel(history, int(shoe)) for shoe in shoes]
+    panels["modal coordinates"] = []
+    for shoe in shoes:
+        modes = history.modal_coordinate.sel(flexible_shoe=shoe).isel(mode=slice(MODES_DRAWN))
+        named = {f"{float(one.frequency):.0f} Hz": one for one in modes.transpose("mode", "time")}
+        panels["modal coordinates"].append(Panel(f"shoe {shoe}", "kg0.5 m", named))
     highest = found[HIGHEST_STRESS]
     curves = {item: highest.values.sel(item=item, axis="") for item in highest.items}
     panels[HIGHEST_STRESS] = [Panel(item, highest.unit, {item: one}) for item, one in curves.items()]
@@ -390,10 +385,3 @@ def _deformation(found: Mapping[str, Series]) -> dict[str, list[Panel]]:
     """Figure of the terrain's deformation, with a label that fits beside it; none without springs."""
     whole = found.get(QUANTITIES["terrain_deformation"].label)
     return {} if whole is None else {"terrain deformation": replace(whole, label="deformation").panels()}
-
-
-def _modal_panel(history: History, shoe: int) -> Panel:
-    """Lowest modal coordinates of a shoe."""
-    lowest = history.modal_coordinate.sel(flexible_shoe=shoe).isel(mode=slice(MODES_DRAWN))
-    curves = {f"{float(mode.frequency):.0f} Hz": mode for mode in lowest.transpose("mode", "time")}
-    return Panel(f"shoe {shoe}", "kg0.5 m", curves)

@@ -131,9 +131,8 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
     name, nodes = history.case.flexible.mesh, stress.node_position.transpose("node", "axis").values
     mesh = mesh_named(name)
     if nodes.shape != mesh.nodes.shape or not np.allclose(nodes, mesh.nodes, atol=1e-6):
-        raise ValueError(
-            f"the {len(nodes)} nodes of the stresses are not the {len(mesh.nodes)} of the mesh {name!r}"
-        )
+        of_mesh = f"the {len(mesh.nodes)} of the mesh {name!r}"
+        raise ValueError(f"the {len(nodes)} nodes of the stresses are not {of_mesh}")
     parts = files.writable_folder(folder / PARTS)
     series = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = ElementTree.SubElement(series, "Collection")

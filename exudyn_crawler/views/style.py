@@ -28,18 +28,10 @@ MEGA, KILO, MILLI = 1e6, 1e3, 1e-3
 NEGLIGIBLE, NEGLIGIBLE_FORCE = 1e-6, 1e-3
 """Half the least range of an axis in units for reading: rounding must not look like motion or a force."""
 
-STYLE: dict[Any, Any] = {
-    "axes.formatter.limits": (-4, 5),
-    "axes.grid": True,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "figure.constrained_layout.use": True,
-    "font.size": 9,
-    "grid.alpha": 0.3,
-    "legend.frameon": False,
-    "lines.linewidth": 0.9,
-    "savefig.dpi": 130,
-}
+STYLE: dict[Any, Any] = {"figure.constrained_layout.use": True, "savefig.dpi": 130}
+STYLE |= {"axes.formatter.limits": (-4, 5), "axes.spines.right": False, "axes.spines.top": False}
+STYLE |= {"axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 0.9}
+STYLE |= {"font.size": 9, "legend.frameon": False}
 
 
 def negligible(unit: str) -> float:

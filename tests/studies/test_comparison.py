@@ -14,10 +14,12 @@ from studies.comparison import (
     comparison_table,
     kinematic_quantity,
     kinematics_value,
+    needed_time,
+    reported_values,
     statistic_of,
     time_mean,
+    verdict,
 )
-from studies.reported import needed_time, reported_values, verdict
 
 TIME = np.array([0.0, 1.0, 2.0, 5.0, 10.0])  # unequal on purpose
 

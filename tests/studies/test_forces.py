@@ -7,15 +7,15 @@ import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, simulate
 from exudyn_crawler.run.folder.folder import matching_history
-from studies.force_comparison import (
+from studies.comparison import reported_values
+from studies.forces import (
     compare_forces,
     force_quantity,
     force_statistic,
+    study,
     turning_ratios,
 )
-from studies.forces import study
 from studies.grounds import plain
-from studies.reported import reported_values
 
 
 def test_every_row_of_the_paper_is_computed(translation, turning):

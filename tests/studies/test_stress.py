@@ -15,14 +15,14 @@ from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.views.outputs import write_outputs
 from fem import write_mesh
 from meshes import shoe_mesh
-from studies.stress import PICTURE_TIMES
-from studies.stress import study as stress_study
-from studies.stress_comparison import (
+from studies.stress import (
+    PICTURE_TIMES,
     compare_stresses,
     flexible_quantity,
     highest_in_propel_and_loading,
     in_phase,
 )
+from studies.stress import study as stress_study
 
 pytestmark = pytest.mark.simulation
 

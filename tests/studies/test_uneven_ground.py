@@ -115,7 +115,8 @@ def test_study_runs_as_a_script(tmp_path):
     command = [
         sys.executable,
         "-m",
-        "studies.uneven_ground",
+        "studies",
+        "uneven",
         "step",
         "--duration",
         "0.05",

@@ -28,7 +28,7 @@ def test_runs_are_the_case_with_their_values_and_nothing_else_changed():
         [2e7, 5e4],
         [2e7, 6e4],
     ]
-    found, _ = sweep.case_of((2e7, 5e4))
+    found, *_ = sweep.case_of((2e7, 5e4))
     wanted = small_case().case
     terrain = wanted.terrain.with_(spring_stiffness=2e7, spring_damping=5e4)
     assert found.case == wanted.with_(name=found.case.name, terrain=terrain)

@@ -25,7 +25,7 @@ DIGEST = "0123456789abcdef" * 4
 
 
 def task_of(tmp_path, **changes):
-    case_file, digest = SWEEP.case_of(SWEEP.rows[0])
+    case_file, digest, _ = SWEEP.case_of(SWEEP.rows[0])
     given = {
         "digest": digest,
         "case": case_file.model_dump_json(),
@@ -56,7 +56,7 @@ def test_a_run_answers_what_its_history_says(tmp_path):
 @pytest.mark.simulation
 def test_a_run_that_was_stopped_goes_on_from_its_checkpoint(tmp_path, monkeypatch):
     sweep = small_sweep(0.03, vary=(SWEEP.vary[0].with_(key="solver.checkpoint_interval", values=(0.01,)),))
-    case_file, digest = sweep.case_of(sweep.rows[0])
+    case_file, digest, _ = sweep.case_of(sweep.rows[0])
     task = task_of(tmp_path, digest=digest, case=case_file.model_dump_json())
 
     def stopping(case, duration, progress, checkpoints, *_):

@@ -8,10 +8,9 @@ from exudyn_crawler.results.stress.hot_spots import hot_spot_table
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.views.scenes.shoes import write_stress_pictures
 from exudyn_crawler.views.tables import write_table
-from studies.comparison import comparison_table
+from studies.comparison import comparison_table, reported_values
 from studies.forces import study as forces_study
 from studies.kinematics import study as kinematics_study
-from studies.reported import reported_values
 from tests.views.browser import CHROMIUM
 
 

@@ -23,8 +23,7 @@ from exudyn_crawler.views.pages.report import (
 )
 from exudyn_crawler.views.scenes.shoes import first_frame, frame_titles
 from exudyn_crawler.views.tables import write_table
-from studies.comparison import comparison_table
-from studies.reported import reported_values
+from studies.comparison import comparison_table, reported_values
 from tests.views.test_packing import data_of, unpacked
 
 LIMIT = 20e6

@@ -12,10 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-CLOSED = 1e-9
-"""m, by which the ends of an assembled chain may be apart; what is reached is rounding."""
-MARCH = 0.25
-"""Of a pitch, steps along the belt in which the next pin is sought."""
+CLOSED = 1e-9  # m, by which the ends of an assembled chain may be apart; what is reached is rounding
+MARCH = 0.25  # of a pitch, steps along the belt in which the next pin is sought
 
 Point = tuple[float, float]
 
@@ -67,10 +65,8 @@ def belt(circles: Sequence[tuple[float, float, float]], sag: float = 0.0) -> lis
         first, last = tangents[k - 1], tangents[k]
         last += 2.0 * math.pi * math.ceil((first - last) / (2.0 * math.pi) - 1e-9)
         if last - first > 1.5 * math.pi:
-            raise MisfitError(
-                f"the wheel at x = {x:.4g} m, z = {z:.4g} m lies within the chain about the others: no belt "
-                "of tangents touches it"
-            )
+            at = f"x = {x:.4g} m, z = {z:.4g} m"
+            raise MisfitError(f"the wheel at {at} lies within the chain about the others")
         x1, z1, r1 = circles[(k + 1) % len(circles)]
         c, s = math.cos(last), math.sin(last)
         pieces.append(Piece(x, z, r, first, last))
@@ -142,33 +138,24 @@ def closed_chain(
     bounds.
     """
 
-    def left_over(value: float) -> float:
-        return surplus(shape(value), start, pitch, count)
+    def left_over(value: float, links: int = count) -> float:
+        return surplus(shape(value), start, pitch, links)
 
     least, greatest = left_over(bounds[0]), left_over(bounds[1])
     if least < 0.0 or greatest > 0.0:
         length, value = (-least, bounds[0]) if least < 0.0 else (greatest, bounds[1])
         change = math.ceil(length / pitch) if least < 0.0 else -math.ceil(length / pitch)
-        how = "short" if least < 0.0 else "long"
-        raise MisfitError(
-            f"a chain of {count} shoes of {pitch:.5g} m is too {how} by {length:.4f} m with {what} "
-            f"{value:.4g} m: {_advice(shape, start, pitch, count + change, bounds)}"
-        )
+        how, other = "short" if least < 0.0 else "long", count + change
+        advice = f"no number of shoes fits between {bounds[0]:g} and {bounds[1]:g} m"
+        if left_over(bounds[0], other) >= 0.0 >= left_over(bounds[1], other):
+            advice = f"{other} shoes fit"
+        chain = f"a chain of {count} shoes of {pitch:.5g} m"
+        raise MisfitError(f"{chain} is too {how} by {length:.4f} m with {what} {value:.4g} m: {advice}")
     value = float(brentq(left_over, *bounds, xtol=1e-16, rtol=1e-15))
     pieces = shape(value)
     places = pins_along(pieces, start, pitch, count)
     pins = np.array([point_at(pieces, u) for u in places])
     return Loop(value, pins, places, pieces)
-
-
-def _advice(
-    shape: Callable[[float], list[Piece]], start: float, pitch: float, count: int, bounds: tuple[float, float]
-) -> str:
-    """Whether so many shoes fit between the bounds."""
-    least, greatest = (surplus(shape(value), start, pitch, count) for value in bounds)
-    if least >= 0.0 >= greatest:
-        return f"{count} shoes fit"
-    return f"no number of shoes fits between {bounds[0]:g} and {bounds[1]:g} m"
 
 
 def along_chain(pins: np.ndarray) -> np.ndarray:

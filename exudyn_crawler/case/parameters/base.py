@@ -43,6 +43,7 @@ Coefficient = Annotated[float, Ge(0.0), Le(10.0)]  # of friction or resistance
 Slope = Annotated[float, Gt(-1.0), Lt(1.0)]
 Interval = Annotated[float, Ge(1e-9), Le(1e9)]
 TimeStep = Annotated[float, Ge(1e-9), Le(10.0)]
+Mass = Annotated[float, Ge(1.0), Le(1e9)]  # of a machine's parts
 Load = Annotated[float, Ge(-1e10), Le(1e10)]  # on a shoe, N
 Roller = Annotated[float, Ge(-1e3), Le(1e3)]  # place of a roller along the frame, m
 Two = tuple[Place, Place]
@@ -57,9 +58,8 @@ def _fit_for_tables(name: str) -> str:
     if not name.isprintable():
         raise ValueError(f"must be printable, got {name!r}")
     if name.startswith(FORMULA):
-        raise ValueError(
-            f"must not begin with {' '.join(FORMULA)}, as formulas of spreadsheets do, got {shown(name)}"
-        )
+        as_do = "as formulas of spreadsheets do"
+        raise ValueError(f"must not begin with {' '.join(FORMULA)}, {as_do}, got {shown(name)}")
     return name
 
 
@@ -70,10 +70,8 @@ Name = Annotated[str, MinLen(1), MaxLen(100), AfterValidator(_fit_for_tables)]
 def _of_a_body(inertia: Six) -> Six:
     principal = np.linalg.eigvalsh(inertia_tensor(inertia))
     if principal[0] <= 0.0 or principal[2] > principal[0] + principal[1]:
-        raise ValueError(
-            f"must be that of a body (principal moments positive, none above the sum of the other two), "
-            f"got principal moments {principal.tolist()}"
-        )
+        of_body = "principal moments positive, none above the sum of the other two"
+        raise ValueError(f"must be that of a body ({of_body}), got principal moments {principal.tolist()}")
     return inertia
 
 
@@ -135,9 +133,8 @@ class Parameters(BaseModel):
         try:
             super().__setattr__(name, value)
         except ValidationError:
-            raise ParameterError(
-                f"{name}: parameters do not change, got {shown(value)}; with_({name}=...) gives a copy"
-            ) from None
+            how = f"got {shown(value)}; with_({name}=...) gives a copy"
+            raise ParameterError(f"{name}: parameters do not change, {how}") from None
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **values: Any) -> Self:
         """Copy with some values changed, of fields or by their paths, validated again as when made.
@@ -167,10 +164,7 @@ def shown(value: object) -> str:
 
 
 def error_lines(error: ValidationError, model: type[BaseModel], in_file: bool = True) -> Iterator[str]:
-    """Errors that a validation found, a line each: the key's path, what is wrong and what is allowed.
-
-    `model` is the class that was to be made, of values in a file or of arguments.
-    """
+    """Errors of a validation, of a file's values or arguments of `model`, a line each with its path."""
     found, unknown = error.errors(include_url=False), 0
     for one in found:
         loc = tuple(one["loc"])

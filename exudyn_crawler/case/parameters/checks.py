@@ -44,10 +44,8 @@ def _loads(case: Case) -> Iterator[str]:
             yield f"{at}.loads: {len(loads)} shoes carry {cause}"
         yield from _in_kilonewtons(loads, at, end)
         if abs(phase.side_shift) > core and loads.any():
-            yield (
-                f"{at}.side_shift: {phase.side_shift:g} m {end} is beyond a sixth of the shoe's width, "
-                f"{core:.3g} m: the load pulls at the other edge, which no machine does"
-            )
+            shift = f"{phase.side_shift:g} m {end} is beyond a sixth of the shoe's width, {core:.3g} m"
+            yield f"{at}.side_shift: {shift}: the load pulls at the other edge"
 
 
 def _in_kilonewtons(loads: np.ndarray, at: str, end: str) -> Iterator[str]:
@@ -75,11 +73,9 @@ def _shoes(numbers: np.ndarray) -> str:
 def _inertia(case: Case) -> Iterator[str]:
     radii = np.sqrt(np.linalg.eigvalsh(case.shoe.inertia_tensor) / case.shoe.mass)
     if radii[0] < LEAST_GYRATION or radii[-1] > GREATEST_GYRATION:
-        yield (
-            f"shoe.inertia: with a mass of {case.shoe.mass:g} kg it gives radii of gyration of "
-            f"{radii[0]:.3g} to {radii[-1]:.3g} m, outside of {LEAST_GYRATION} to {GREATEST_GYRATION} m; "
-            "it is in kg m2"
-        )
+        gives = f"radii of gyration of {radii[0]:.3g} to {radii[-1]:.3g} m"
+        plausible = f"{LEAST_GYRATION} to {GREATEST_GYRATION} m; it is in kg m2"
+        yield f"shoe.inertia: with {case.shoe.mass:g} kg it gives {gives}, outside of {plausible}"
 
 
 def _sinking(case: Case) -> Iterator[str]:
@@ -94,10 +90,8 @@ def _sinking(case: Case) -> Iterator[str]:
         return
     sag = (case.mean_load - terrain.unit_mass * case.gravity_vector()[2]) / terrain.heave_stiffness
     if sag > GREATEST_SAG * terrain.unit_height:
-        yield (
-            f"terrain.spring_stiffness: a unit sinks by {sag:.3g} m under itself and one shoe, more than "
-            f"half its height of {terrain.unit_height:g} m; the stiffness is in N/m"
-        )
+        half = f"more than half its height of {terrain.unit_height:g} m; the stiffness is in N/m"
+        yield f"terrain.spring_stiffness: a unit sinks by {sag:.3g} m under itself and one shoe, {half}"
 
 
 def warn_implausible(case: Case, duration: float | None = None) -> None:

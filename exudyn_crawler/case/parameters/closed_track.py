@@ -12,20 +12,14 @@ from exudyn_crawler.case.parameters import assembly, base, track
 from exudyn_crawler.case.parameters.base import Errors, Parameters, option, quantity
 from exudyn_crawler.case.parameters.undercarriage import RunningGear, overlap_errors
 
-CLEARANCE = 0.5
-"""m, between the lowest shoes of a frame on posts and the ground."""
-SLIDE_MARGIN = 0.02
-"""m, by which a round line of a slide touches a rail beyond the rail's ends, at most."""
-MOST_SAG = 0.5
-"""Of the upper run's length: how far it may sag."""
+CLEARANCE = 0.5  # m, between the lowest shoes of a frame on posts and the ground
+SLIDE_MARGIN = 0.02  # m, by which a round line of a slide touches a rail beyond the rail's ends, at most
+MOST_SAG = 0.5  # of the upper run's length: how far it may sag
 Wheel = tuple[base.Place, base.Place]
 
 
 class Tumbler(Parameters):
-    """Drive tumbler: gaps between its teeth are concave arcs, into which round lugs of the shoes run.
-
-    The teeth are even about the axis. Beyond the addendum circle a lug meets the tooth's corner.
-    """
+    """Drive tumbler: even gaps between its teeth are concave arcs, into which round lugs of the shoes run."""
 
     place: Wheel = quantity("m", "x and z of the axis in the frame", (-20.0, 20.0))
     teeth: int = quantity("1", "number of teeth, and of gaps between them", (6, 30), ge=4, le=200)
@@ -38,9 +32,7 @@ class Tumbler(Parameters):
     reach: base.Extent = quantity("m", "of the addendum circle beyond the pins' circle", (0.005, 0.4))
     lug_radius: base.Length = quantity("m", "radius of the lugs", (0.005, 0.3))
     lugs: tuple[base.Two, ...] = quantity(
-        "m",
-        "x and z of the lugs in a shoe; none: about its rear pins, which the front ones turn in",
-        default=(),
+        "m", "x and z of the lugs in a shoe; none: about its rear pins, which front ones turn in", default=()
     )
     backlash: base.Extent = quantity("m", "radius of a gap beyond a lug's seat without play", default=0.0)
     stiffness: base.Stiffness = quantity("N/m^exponent", "of a tooth's contact", (1e6, 1e11))
@@ -66,10 +58,8 @@ class Tumbler(Parameters):
         teeth, center, arc, addendum, _ = self.profile(chain)
         cosine = (center**2 + arc**2 - addendum**2) / (2.0 * center * arc)
         if not -1.0 < cosine < 1.0:
-            yield (
-                f"tumbler.reach must let the addendum circle of {addendum:.4g} m meet the arcs of "
-                f"{arc:.4g} m about places at {center:.4g} m, got {self.reach}"
-            )
+            arcs = f"the arcs of {arc:.4g} m about {center:.4g}, got {self.reach}"
+            yield f"tumbler.reach must let the addendum circle of {addendum:.4g} m meet {arcs}"
             return
         flank, free = math.degrees(math.acos(cosine)), 90.0 - 180.0 / teeth
         if flank >= free:
@@ -106,11 +96,7 @@ class Idler(Parameters):
     place: Wheel = quantity("m", "x and z of the axis in the frame without take-up", (-20.0, 20.0))
     radius: base.Length = quantity("m", "radius of its treads", (0.05, 2.0))
     take_up: float | None = quantity(
-        "m",
-        "of the shims, forward; none: from where the chain is taut, back by `slack`",
-        ge=-5,
-        le=5,
-        default=None,
+        "m", "of the shims, forward; none: taut but for `slack`", ge=-5, le=5, default=None
     )
     slack: base.Extent = quantity("m", "by which it stands back from a taut chain", (0.0, 0.1), default=0.0)
     range: base.Two = quantity("m", "least and greatest take-up", (-1.0, 1.0))
@@ -136,12 +122,10 @@ class ClosedTrack(RunningGear):
     """
 
     support: Literal["ground", "posts"] = option("what carries the frame", "ground")
-    mass: float = quantity(
+    mass: base.Mass = quantity(
         "kg",
-        "half of the machine less shoes, tumbler and sliding idler; with a car_body of the side frame alone",
+        "half the machine less shoes, tumbler and sliding idler; the frame's with a car_body",
         (1e2, 2e6),
-        ge=1,
-        le=1e9,
     )
     tumbler: Tumbler
     idler: Idler
@@ -169,24 +153,23 @@ class ClosedTrack(RunningGear):
     )
     guide_damping: base.Damping = quantity("N s/m", "of these", (0.0, 1e8))
     pitch_growth: float = quantity("1", "of the chain by wear", (0.0, 0.05), ge=-0.1, le=0.2, default=0.0)
-    compliance: float = quantity(
-        "m/N", "of a pin across the chain, and in rad/(N m) in yaw and roll", (1e-12, 1e-8), gt=0, le=1e-3,
-        default=1e-10,
-    )  # fmt: skip
+    compliance: Annotated[float, Field(gt=0, le=1e-3)] = quantity(
+        "m/N", "of a pin across the chain, and in rad/(N m) in yaw and roll", (1e-12, 1e-8), default=1e-10
+    )
     tension_limit: Annotated[float, Field(gt=0, le=1e12)] | None = quantity(
         "N", "of a link, beyond which it breaks and the run ends; none: it bears all", default=None
     )
     fold_limit: float = quantity(
         "rad",
-        "between neighbours, beyond which the chain folds and the run ends",
+        "of neighbours, beyond which the chain folds and the run ends",
         (0.3, 1.6),
-        gt=0.0,
-        le=3.0,
+        gt=0,
+        le=3,
         default=1.0,
     )
     offset_limit: base.Length = quantity(
-        "m", "of a shoe beside the frame's middle or its neighbour, where it comes off and the run ends",
-        (0.02, 0.5), default=0.1,
+        "m", "of a shoe beside the frame or its neighbour, where it comes off and the run ends", (0.02, 0.5),
+        default=0.1,
     )  # fmt: skip
     torque_limit: Annotated[float, Field(gt=0, le=1e12)] | None = quantity(
         "N m", "greatest torque of the drive; none: it keeps its speed, whatever it takes", default=None
@@ -203,10 +186,7 @@ class ClosedTrack(RunningGear):
             yield f"slides must have a length and stand in order, rear to front, got {list(self.slides)}"
         turn = 2.0 * math.pi / self.tumbler.teeth
         if self.fold_limit <= turn:
-            yield (
-                f"fold_limit must be greater than 2 pi / teeth = {turn:.4g} rad, the angle of neighbours "
-                f"on the tumbler, got {self.fold_limit}"
-            )
+            yield f"fold_limit must be greater than 2 pi / teeth = {turn:.4g} rad, got {self.fold_limit}"
         if not self.tumbler.place[0] < self.rollers[0] < self.rollers[-1] < self.idler.place[0]:
             yield "the tumbler must be behind the rollers and the idler in front of them"
 
@@ -288,10 +268,7 @@ class Assembled(NamedTuple):
 
 @lru_cache(maxsize=64)
 def assembled(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> Assembled:
-    """Closed chain about its wheels; raises `assembly.MisfitError`.
-
-    The first shoe lies on the lower run with its COM at `first_com`.
-    """
+    """Closed chain about its wheels, its first shoe's COM at `first_com`; raises `assembly.MisfitError`."""
     rails = shoe.rails
     assert rails is not None
     rise, pitch = rails.height - chain.pin_height, closed.chain_pitch(chain)
@@ -341,15 +318,8 @@ def _closed(
             return loop.value, 0.0, loop
         take_up = loop.value - closed.idler.slack
     most = MOST_SAG * shape(take_up)[-1].length
-    fixed = float(take_up)
-    loop = assembly.closed_chain(
-        lambda sag: shape(fixed, sag),
-        0.5,
-        pitch,
-        count,
-        (0.0, most),
-        f"a take-up of {fixed:.4g} m and a sag of",
-    )
+    fixed, what = float(take_up), f"a take-up of {take_up:.4g} m and a sag of"
+    loop = assembly.closed_chain(lambda sag: shape(fixed, sag), 0.5, pitch, count, (0.0, most), what)
     return fixed, loop.value, loop
 
 
@@ -360,10 +330,8 @@ def closed_errors(closed: ClosedTrack, shoe: track.Shoe, chain: track.Track) -> 
         yield "shoe.rails must be given with a closed_track, whose wheels run on them"
         return
     if closed.tread_width > rails.width:
-        yield (
-            f"closed_track.tread_width must not exceed the rails' width {rails.width} m, got "
-            f"{closed.tread_width}"
-        )
+        width = closed.tread_width
+        yield f"closed_track.tread_width must not exceed the rails' width {rails.width} m, got {width}"
     if rails.height <= chain.pin_height:
         yield f"shoe.rails.height must be above the pins at {chain.pin_height} m, got {rails.height}"
     x, length = np.sort(closed.upper[:, 0]), rails.front - rails.rear

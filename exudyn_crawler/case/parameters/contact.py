@@ -25,25 +25,16 @@ class PairContact(Parameters):
     stiction_speed: base.Speed = quantity("m/s", "V_st", (1e-5, 0.2))
     friction_speed: float = quantity("m/s", "V_d", (1e-4, 2.0), ge=1e-9, le=1000)
     sharing: Literal["pair", "area"] = option(
-        "what of the law a pair of shoe and unit has: all of it, however little they overlap, or "
-        "the part of the shoe's underside that is on the unit"
+        "whether a pair of shoe and unit has all of the law, or what of the shoe's underside is on the unit"
     )
     edge_width: base.Width = quantity(
-        "m",
-        "overlap width at which a pair has all of the law; with sharing 'pair' the force grows with STEP "
-        "from zero, since that law knows no area and would jump when a shoe reaches a unit's edge",
-        (1e-4, 0.5),
+        "m", "overlap at which a pair has all of the law, which grows from zero with STEP", (1e-4, 0.5)
     )
     normal: Literal["face", "area"] = option(
-        "direction of the normal force: that of the unit's top face, or of the area vector of "
-        "all faces of the unit within the shoe, which leans where the unit's edge is under the shoe; for "
-        "units at least as large as a shoe",
-        "face",
+        "of the force: the top face's, or of the area of faces within a shoe, which leans at edges", "face"
     )
     penetration: Literal["centroid", "closest"] = option(
-        "depth at the centroid of the overlap, or the distance of the closest points of both "
-        "surfaces there, which is less where the overlap is a strip narrower than deep",
-        "centroid",
+        "at the overlap's centroid, or of the closest points there, less where it is narrow", "centroid"
     )
 
     def _errors(self) -> Errors:
@@ -94,9 +85,7 @@ class SphereContact(Parameters):
     friction: base.Coefficient = quantity("1", "coefficient of friction", (0.0, 1.5))
     friction_speed: base.Speed = quantity("m/s", "slip speed at which friction is full", (1e-5, 0.2))
     faces: Literal["whole", "drawn_back"] = option(
-        "whole: as large as the units, each of which pushes a sphere over their seam by its own law, as in "
-        "the pair law; drawn_back: short of the seams, so that both push it about as hard as one would",
-        "whole",
+        "whole: both units push a sphere over their seam; drawn_back: about as hard as one would", "whole"
     )
 
     @classmethod

@@ -98,11 +98,9 @@ class Drive(Parameters):
         "s", "times from and to which the drive moves the front shoe, free else; None: always", default=None
     )
     point: Literal["com node", "front pins", "frame"] = option(
-        "what of the front shoe has the speed. com node: the mesh node nearest to "
-        "`flexible.com_node`, or the COM of a rigid shoe; front pins: the middle of its two front joint "
-        "centres; frame: the shoe as a whole, which spreads the force over a flexible shoe like a weight",
-        "com node",
-    )
+        "of the front shoe. com node: nearest to `flexible.com_node`, or a rigid shoe's COM; front pins: the "
+        "middle of their centres; frame: the whole shoe, whose force spreads like a weight", "com node"
+    )  # fmt: skip
 
     def _errors(self) -> Errors:
         for name, rate in (("speed", self.speed), ("turn_rate", self.turn_rate)):
@@ -117,10 +115,7 @@ class Drive(Parameters):
             yield f"on must be times from 0 s that increase, got {self.on}"
         for start in times[::2]:
             if abs(speed := float(self.speed.value(start))) > 1e-9:
-                yield (
-                    f"speed must be zero where the drive goes on, at {start:g} s, got {speed:g} m/s: "
-                    "the front shoe is at rest there"
-                )
+                yield f"speed must be zero where the drive goes on, at {start:g} s, got {speed:g} m/s"
 
     @classmethod
     def translation(cls) -> Self:
@@ -186,7 +181,7 @@ class Solver(Parameters):
     output_interval: base.Interval = quantity("s", "between stored states; at least a step", default=2.0e-3)
     checkpoint_interval: float = quantity(
         "s",
-        "between states from which the integration, or a killed run, starts anew",
+        "between states from which a run, or a killed one, starts anew",
         ge=1e-3,
         le=1e9,
         default=1.0,

@@ -15,8 +15,7 @@ from pydantic.fields import FieldInfo
 
 from exudyn_crawler.errors import ParameterError
 
-KeyPath = tuple[int | str, ...]
-"""Names and numbers on the way to a value: ("loads", "phases", 2, "end")."""
+KeyPath = tuple[int | str, ...]  # names and numbers on the way to a value: ("loads", "phases", 2, "end")
 EVERY = "*"  # in place of a number: all items of a list
 BASE = "base"  # key of a file: the named value that gives what its table leaves out
 NONE = "none"  # what a file says where a field has no value, which TOML cannot
@@ -33,9 +32,8 @@ def parse_path(text: str) -> KeyPath:
     for part in text.split("."):
         match = NAME.fullmatch(part)
         if match is None:
-            raise ValueError(
-                f"a path must be like terrain.spring_stiffness or loads.phases[0].end, got {text!r}"
-            )
+            like = "terrain.spring_stiffness or loads.phases[0].end"
+            raise ValueError(f"a path must be like {like}, got {text!r}")
         path.append(match[1])
         path += [number if number == EVERY else int(number) for number in NUMBER.findall(match[2])]
     return tuple(path)
@@ -182,7 +180,8 @@ class Entry(NamedTuple):
     def meaning(self) -> str:
         """Description of the field, or that of the parameter class that it holds."""
         kinds = [type(self.value)] if isinstance(self.value, BaseModel) else models_of(self.field.annotation)
-        return self.field.description or (first_line(kinds[0]) if kinds else "")
+        about = (inspect.getdoc(kinds[0]) or "") if kinds else ""
+        return self.field.description or about.split("\n\n")[0].replace("\n", " ")
 
 
 def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Entry]:
@@ -222,11 +221,6 @@ def is_table(value: object) -> bool:
 def is_number(value: object) -> TypeGuard[int | float]:
     """Whether a value is a number, which a truth value is not."""
     return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def first_line(kind: type[BaseModel]) -> str:
-    """What a parameter class is, in a line."""
-    return (inspect.getdoc(kind) or "").split("\n\n")[0].replace("\n", " ")
 
 
 ENGINEERING = (

@@ -12,8 +12,7 @@ PAPER_DAMPING = StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph4100c.DA
 ADAMS_DAMPING = StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.1, 0.1, 1.0))
 """ADAMS' own default: 1 % below 100 Hz, 10 % up to 1000 Hz, critical above; its jumps are 2 % wide here."""
 
-CONSTRAINT_MODES = 24
-"""Six of each of the four joint centres."""
+CONSTRAINT_MODES = 24  # six of each of the four joint centres
 RIGID_MODES = 6
 SHOWN_DIGITS = 20
 
@@ -29,22 +28,16 @@ class FlexibleShoes(Parameters):
     fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0, le=10_000)
     recovered_modes: int = quantity("1", "fixed-interface modes that stress is made of", ge=0, le=10_000)
     load_surface: str = option(
-        "surface of the mesh that the machine load is spread over: whole top, plateau (without "
-        "the wings), rails, or another that the mesh names",
-        "whole top",
+        "that bears the machine load: whole top, plateau (no wings), rails, or one of the mesh", "whole top"
     )
     com_node: Three = quantity(
         "m", "place in the shoe's frame whose nearest mesh node a drive may move", default=(0.0, 0.0, 0.0)
     )
     load_mode: bool = option(
-        "whether the static answer to the machine load joins both bases, which else lose what "
-        "the load bends between the lowest modes",
-        False,
+        "whether both bases have the static answer to the machine load, which modes lack else", False
     )
     static_fields: bool = option(
-        "whether stress has, beside the modes, what the static answers to all loads have beyond "
-        "theirs: no error of truncation but the inertia of left-out modes",
-        True,
+        "whether stress has static answers to all loads: left-out modes lack their inertia alone", True
     )
     highest_frequency: float | None = quantity(
         "Hz", "above which integrated modes are left out", (50.0, 1e6), gt=0, le=1e12, default=None

@@ -21,10 +21,8 @@ from exudyn_crawler.errors import ParameterError
 
 FLANK = 2.0
 """Cells that a flank has at least, so that a shoe which comes to it is lifted over some steps of time."""
-WAVE = 4.0
-"""Cells that a wave has at least."""
-BANDS, DIRECTIONS = 64, 16
-"""Of the waves that make a rough ground."""
+WAVE = 4.0  # cells that a wave has at least
+BANDS, DIRECTIONS = 64, 16  # of the waves that make a rough ground
 
 
 class Ridge(Parameters):
@@ -148,8 +146,7 @@ class Roughness(Parameters):
         return out
 
 
-STEEPEST = 1.0
-"""Rise over run beyond which heights are a wall, which cells do not know."""
+STEEPEST = 1.0  # rise over run beyond which heights are a wall, which cells do not know
 
 
 class HeightGrid(NamedTuple):
@@ -176,7 +173,9 @@ class MeasuredGrid(Parameters):
 
     def _errors(self) -> Errors:
         try:
-            steepest = np.abs(np.concatenate([np.ravel(one) for one in self._slopes])).max()
+            x, y, z = self._heights[0]
+            slopes = (abs(np.diff(z, axis=k) / (one[1] - one[0])).max() for k, one in enumerate((x, y)))
+            steepest = max(slopes)
         except (OSError, KeyError, ValueError) as error:
             yield f"file: {self.file} cannot be used: {' '.join(str(error).split())}"
             return
@@ -187,36 +186,25 @@ class MeasuredGrid(Parameters):
             )
 
     @property
-    def _heights(self) -> "_Heights":
+    def _heights(self) -> tuple[HeightGrid, RectBivariateSpline]:
         """Smoothed heights; a file that changes is read again."""
         stamp = self.file.stat().st_mtime_ns
         return _smoothed(self.file, stamp, self.spacing, self.origin, self.smoothing)
 
-    @property
-    def _slopes(self) -> tuple[np.ndarray, np.ndarray]:
-        x, y, z = self._heights.grid
-        return np.diff(z, axis=0) / (x[1] - x[0]), np.diff(z, axis=1) / (y[1] - y[0])
-
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Height and slopes as of `Heights.sample`."""
-        grid, ev = self._heights.grid, self._heights.spline.ev
+        grid, spline = self._heights
+        ev = spline.ev
         out = np.stack([ev(x, y), ev(x, y, dx=1), ev(x, y, dy=1)], axis=-1)
         out[(x < grid.x[0]) | (x > grid.x[-1]) | (y < grid.y[0]) | (y > grid.y[-1])] = np.nan
         return out
 
 
-class _Heights(NamedTuple):
-    """Smoothed heights, and what goes through them."""
-
-    grid: HeightGrid
-    spline: RectBivariateSpline
-
-
 @lru_cache(maxsize=4)
 def _smoothed(
     file: Path, _stamp: int, spacing: float | None, origin: tuple[float, float], smoothing: float
-) -> _Heights:
-    """Heights of a file as of `MeasuredGrid`."""
+) -> tuple[HeightGrid, RectBivariateSpline]:
+    """Heights of a file as of `MeasuredGrid`, and what goes through them."""
     if file.suffix.lower() not in READERS:
         raise ValueError(f"its name must end with one of {', '.join(READERS)}")
     grid = READERS[file.suffix.lower()](file, spacing)
@@ -228,7 +216,7 @@ def _smoothed(
         raise ValueError(f"heights are missing at {len(holes)} places, the first at x = {x:g} m, y = {y:g} m")
     x, y = grid.x + origin[0], grid.y + origin[1]
     z = gaussian_filter(grid.z, [smoothing / (one[1] - one[0]) for one in (x, y)], mode="nearest")
-    return _Heights(HeightGrid(x, y, z), RectBivariateSpline(x, y, z))
+    return HeightGrid(x, y, z), RectBivariateSpline(x, y, z)
 
 
 def _ascii(path: Path, _spacing: float | None) -> HeightGrid:
@@ -290,13 +278,8 @@ def _tiff(path: Path, _spacing: float | None) -> HeightGrid:
     return HeightGrid(x, y[::-1], z[::-1].T)
 
 
-READERS: dict[str, Callable[[Path, float | None], HeightGrid]] = {
-    ".asc": _ascii,
-    ".npy": _npy,
-    ".nc": _netcdf,
-    ".tif": _tiff,
-    ".tiff": _tiff,
-}
+READERS: dict[str, Callable[[Path, float | None], HeightGrid]]
+READERS = {".asc": _ascii, ".npy": _npy, ".nc": _netcdf, ".tif": _tiff, ".tiff": _tiff}
 """Readers by the ending of a file's name."""
 
 

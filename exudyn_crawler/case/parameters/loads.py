@@ -52,10 +52,7 @@ class Phase(PhaseEnd):
 
 
 class LoadCycle(Cycle):
-    """Downward loads on the shoes, in phases whose ends are joined by cubic STEPs.
-
-    Before the end of the first phase the loads are constant at its values, after the last one at the last.
-    """
+    """Downward loads on the shoes in phases whose ends cubic STEPs join, constant before and after them."""
 
     phases: Annotated[tuple[Phase, ...], Field(min_length=1)]
 

@@ -29,10 +29,7 @@ KINDS: dict[str, tuple[str, Callable[[Content], bool]]] = {
 def read_parameters(
     path: str | Path, kind: type[Model], name: str, values: Callable[[Content], Content]
 ) -> Model:
-    """Parameter object of a file that is to hold what `name` says, whose content `values` makes its values.
-
-    Raises `FileNotFoundError`, or `CaseFileError` naming everything that is wrong by its path.
-    """
+    """Parameter object of a file of a kind `name`; `values` makes its content values; or `CaseFileError`."""
     path = Path(path)
     with errors_named(path, kind):
         content = toml_content(path, name)

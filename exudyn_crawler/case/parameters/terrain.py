@@ -24,15 +24,11 @@ from exudyn_crawler.case.parameters.heights import Heights
 
 STEEPEST = 0.2
 """Greatest slope along units: gaps between their faces are half its square of their length, 2 %."""
-ACROSS = 1e-6
-"""m, by which heights across y may differ."""
+ACROSS = 1e-6  # m, by which heights across y may differ
 
 
 class Ground(Parameters):
-    """What every ground has: heights before any shoe came, in axes that lean with it as a whole.
-
-    Gravity leans in these axes.
-    """
+    """What every ground has: heights before any shoe came, in axes that lean with it, unlike gravity."""
 
     # what takes the place of keys that there were, for errors
     former: ClassVar = dict.fromkeys(
@@ -91,19 +87,14 @@ class Terrain(Ground):
             yield "relief must have heights over the whole terrain, got measured ones that end before"
             return
         if np.ptp(tops, axis=1).max() > ACROSS:
-            yield (
-                f"relief must be the same across y where units lie in rows, got heights that differ by "
-                f"{np.ptp(tops, axis=1).max():.3g} m; terrain.model 'cells' takes any relief"
-            )
+            got = f"heights that differ by {np.ptp(tops, axis=1).max():.3g} m; model 'cells' takes any"
+            yield f"relief must be the same across y where units lie in rows, got {got}"
         if self.tilt != "pitch" and np.ptp(tops) > ACROSS:
             yield f"tilt must be 'pitch' on a relief, along which units pitch, got {self.tilt!r}"
         steepest = float(self.slopes[np.abs(self.slopes).argmax()])
         if abs(steepest) > STEEPEST:
-            yield (
-                f"relief must not rise or fall by more than {STEEPEST:g} m a metre along units, got "
-                f"{steepest:.3g}, which the model's small gaps and tilts would not hold for; terrain.grade "
-                "leans all of it, terrain.model 'cells' takes steeper reliefs"
-            )
+            got = f"{steepest:.3g}; terrain.grade leans all of it, model 'cells' takes steeper reliefs"
+            yield f"relief must not rise or fall by more than {STEEPEST:g} m a metre along units, got {got}"
 
     @classmethod
     def kinematics(cls) -> Self:
@@ -297,10 +288,7 @@ class CellTerrain(Ground):
         return np.asarray(self.relief.sample(x, y)[..., 0])
 
     def earlier(self, law: SoilLaw) -> dict[str, np.ndarray]:
-        """Cells that the earlier run has pressed in, by their names in its history; none of fresh ground.
-
-        A ValueError if there is no such history, or one of other cells, other heights or another law.
-        """
+        """Cells that an earlier run has pressed in, by their names; ValueError if it is of another ground."""
         if self.ruts is None:
             return {}
         import xarray

@@ -34,10 +34,8 @@ class Rails(Parameters):
         if self.front <= self.rear:
             yield f"front must be greater than rear = {self.rear}, got {self.front}"
         if self.left - self.right < self.width:
-            yield (
-                f"left and right must be apart by the width {self.width} at least, "
-                f"got {self.right} and {self.left}: the rails overlap"
-            )
+            got = f"got {self.right} and {self.left}: the rails overlap"
+            yield f"left and right must be apart by the width {self.width} at least, {got}"
 
     @classmethod
     def ph4100c(cls) -> Self:
@@ -74,19 +72,15 @@ class Shoe(Parameters):
     def _errors(self) -> Errors:
         sides, (low, high) = self.finger_sides, self.footprint[2:4]
         if (self.finger_length > 0.0) != bool(sides):
-            yield (
-                "finger_length must be positive where finger_sides are given and zero where they are not, "
-                f"got {self.finger_length:g} m and {len(sides)} sides"
-            )
+            got = f"got {self.finger_length:g} m and {len(sides)} sides"
+            yield f"finger_length must be positive where finger_sides are given and zero else, {got}"
         if self.finger_length >= self.length:
             length, fingers = self.length, self.finger_length
             yield f"finger_length must be less than the underside's length {length:g} m, got {fingers:g}"
         beyond = sides and (sides[0] < low - 1e-9 or sides[-1] > high + 1e-9)
         if len(sides) % 2 or np.any(np.diff(sides) <= 0.0) or beyond:
-            yield (
-                "finger_sides must be two a finger, grow from right to left and stay within the underside "
-                f"from {low:g} to {high:g} m, got {list(sides)}"
-            )
+            within = f"stay within the underside from {low:g} to {high:g} m, got {list(sides)}"
+            yield f"finger_sides must be two a finger, grow from right to left and {within}"
 
     @classmethod
     def ph4100c(cls) -> Self:
@@ -130,10 +124,8 @@ class Shoe(Parameters):
         body = ElasticBody(found, replace(STEEL, density=density))
         off = body.center_of_mass
         if np.abs(off).max() > ORIGIN_TOLERANCE:
-            raise ValueError(
-                f"mesh must have its origin at its COM within {ORIGIN_TOLERANCE} m, its COM is at "
-                f"{off.round(4).tolist()} m"
-            )
+            com = f"its COM is at {off.round(4).tolist()} m"
+            raise ValueError(f"mesh must have its origin at its COM within {ORIGIN_TOLERANCE} m, {com}")
         under = found.nodes[found.nodes_of("underside")]
         low, high = under.min(axis=0), under.max(axis=0)
         weights = body.surface_weights(load_surface)

@@ -27,7 +27,7 @@ class RunningGear(Parameters):
     rollers' axes above the middle line of the track.
     """
 
-    mass: float = quantity("kg", "half of the machine without its shoes", (1e4, 2e6), ge=1.0, le=1e9)
+    mass: base.Mass = quantity("kg", "half of the machine without its shoes", (1e4, 2e6))
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
     com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
     rollers: tuple[base.Roller, ...] = quantity(
@@ -63,10 +63,8 @@ class RunningGear(Parameters):
 def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Errors:
     """Wheels at places (x, m) that are nearer to each other than their diameter."""
     if np.any(np.diff(places) < 2.0 * radius):
-        yield (
-            f"{wheels} must stand in order and apart by their diameter {2.0 * radius:g} m at least, "
-            f"got {list(places)}: they overlap"
-        )
+        apart = f"apart by their diameter {2.0 * radius:g} m"
+        yield f"{wheels} must stand in order and {apart} at least, got {list(places)}: they overlap"
 
 
 class Undercarriage(RunningGear):
@@ -88,10 +86,8 @@ class Undercarriage(RunningGear):
             yield f"ends must be rear and front end in this order, got {self.ends}"
         yield from overlap_errors("rollers", self.rollers, self.radius)
         if outside := [x for x in self.rollers if not rear + self.radius <= x <= front - self.radius]:
-            yield (
-                f"rollers must be within the frame, whose ends are at {rear:g} and {front:g} m, by their "
-                f"radius {self.radius:g} m, got {outside}"
-            )
+            ends = f"the frame's ends {self.ends} by their radius {self.radius:g} m"
+            yield f"rollers must be within {ends}, got {outside}"
         if not rear <= self.tumbler <= front:
             yield f"tumbler must be within the frame's ends {self.ends}, got {self.tumbler}"
 
@@ -123,10 +119,10 @@ class CarBody(Parameters):
     """
 
     track_distance: base.Length = quantity("m", "of the tracks' middles", (1.0, 20.0))
-    mass: float = quantity("kg", "of the car body without side frames", (1e2, 1e6), ge=1, le=1e9)
+    mass: base.Mass = quantity("kg", "of the car body without side frames", (1e2, 1e6))
     inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
     com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
-    upper_mass: float = quantity("kg", "of the upper structure with dipper", (1e2, 2e6), ge=1, le=1e9)
+    upper_mass: base.Mass = quantity("kg", "of the upper structure with dipper", (1e2, 2e6))
     upper_inertia: base.Inertia = quantity("kg m2", "the same of it about its COM, straight ahead (tensor)")
     upper_com: base.Three = quantity("m", "its COM, straight ahead", (-20.0, 20.0))
     swing_axis: Place = quantity("m", "x of the axis it turns about", (-5.0, 5.0), default=0.0)
@@ -181,10 +177,8 @@ def rolled_errors(
         yield f"undercarriage.tread_width must not exceed the rails' width {rails.width} m, got {width}"
     gap = chain.pitch - (rails.front - rails.rear)
     if not 0.0 <= gap < 2.0 * frame.radius:
-        yield (
-            f"shoe.rails must leave a gap from shoe to shoe that rollers cross: none below 0 and less than "
-            f"their diameter {2.0 * frame.radius:g} m, got {gap:.4g} m with the pitch {chain.pitch}"
-        )
+        crossed = f"from 0 to their diameter {2.0 * frame.radius:g} m"
+        yield f"shoe.rails must leave a gap from shoe to shoe that rollers cross, {crossed}, got {gap:.4g} m"
     if (count := chain.shoe_count) < FEWEST_SHOES:
         yield f"track.shoe_count must be at least {FEWEST_SHOES} with an undercarriage, got {count}"
     if drive.turn_rate is not None:
@@ -206,11 +200,9 @@ def length_errors(frame: Undercarriage, chain: track.Track, travel: float, time:
     ):
         x = frame.start + travel + place
         if not least <= x <= greatest:
-            yield (
-                f"track must be long enough for the drive: at t = {time:.3g} s the {name} is at "
-                f"x = {x:.4g} m, the shoes reach from {least:.4g} to {greatest:.4g} m; "
-                f"more shoes (track.shoe_count) or another undercarriage.start give it way"
-            )
+            at = f"at t = {time:.3g} s the {name} is at x = {x:.4g} m"
+            reach = f"the shoes reach from {least:.4g} to {greatest:.4g} m; more shoes mend it"
+            yield f"track must be long enough for the drive: {at}, {reach}"
 
 
 class MachinePhase(PhaseEnd):
@@ -274,10 +266,8 @@ class MachineCycle(Cycle):
             aside = moment[0] / whole[2]
             share = 0.5 + side * aside / ph4100c.TRACK_DISTANCE
             if not 0.0 <= share <= 1.0:
-                raise ValueError(
-                    f"the machine tips sideways at the end of {pose.name!r}: its weight acts {aside:.3g} m "
-                    f"beside the middle, its tracks stand {0.5 * ph4100c.TRACK_DISTANCE:.3g} m beside it"
-                )
+                acts = f"its weight acts {aside:.3g} m beside the middle"
+                raise ValueError(f"the machine tips sideways at the end of {pose.name!r}: {acts}")
             weight = frame.mass * ph4100c.GRAVITY * gravity
             force = tuple((share * whole - weight).tolist())
             turn = float(share * moment[1] - np.cross(frame.com, weight)[1])

@@ -51,14 +51,7 @@ pound_force = 4.4482216152605 * newton = lbf
 psi = pound_force / inch ** 2
 """
 EXAMPLES = {"N": "450 kN", "N m": "30 kN m", "N/m": "20 MN/m", "N s/m": "120 kN s/m", "Pa": "800 MPa"}
-EXAMPLES |= {
-    "m": "8 mm",
-    "m/s": "9 km/h",
-    "rad/s": "1 deg/s",
-    "kg": "4.7 t",
-    "kg/m3": "1.6 t/m3",
-    "s": "5 min",
-}
+EXAMPLES |= {"m": "8 mm", "m/s": "9 km/h", "rad/s": "1 deg/s", "kg": "4.7 t", "kg/m3": "1.6 t/m3"}
 EXAMPLES |= {"s": "5 min", "": "3 %"}
 
 

@@ -15,8 +15,7 @@ from exudyn_crawler.views.scenes.shoes import verdict_colouring
 from exudyn_crawler.views.style import MEGA, STRESS_MAP
 from exudyn_crawler.views.tables import cell_text
 
-LEAST_DECADES = 2
-"""Powers of ten of life that the colours span at least."""
+LEAST_DECADES = 2  # powers of ten of life that the colours span at least
 DRAWN, POINTS = 3, 2000
 """Nodes of the table whose growing damage is drawn, and points of a drawn curve at most."""
 UNKNOWN = (
@@ -106,20 +105,11 @@ def causes_figure(found: LifeResults) -> go.Figure:
     words, decades = lives.map(lambda hours: "" if hours >= BEYOND else cell_text(hours)), np.log10(lives)
     low, high = float(decades.min().min()), float(np.log10(BEYOND))
     ticks = np.arange(np.floor(low), high + 1.0)
-    figure = go.Figure(
-        go.Heatmap(
-            x=lives.columns,
-            y=lives.index,
-            z=decades,
-            zmin=min(low, high - LEAST_DECADES),
-            zmax=high,
-            text=words,
-            texttemplate="%{text}",
-            hovertemplate="%{y}<br>%{x}: %{text} h<extra></extra>",
-            colorscale="YlOrRd_r",
-            colorbar={"title": "h", "tickvals": ticks, "ticktext": [cell_text(10.0**one) for one in ticks]},
-        )
-    )
+    bar = {"title": "h", "tickvals": ticks, "ticktext": [cell_text(10.0**one) for one in ticks]}
+    colours = {"zmin": min(low, high - LEAST_DECADES), "zmax": high, "colorscale": "YlOrRd_r"}
+    cells = {"x": lives.columns, "y": lives.index, "z": decades, "text": words, "colorbar": bar}
+    said = {"texttemplate": "%{text}", "hovertemplate": "%{y}<br>%{x}: %{text} h<extra></extra>"}
+    figure = go.Figure(go.Heatmap(**cells, **colours, **said))
     figure.update_yaxes(autorange="reversed", automargin=True)
     figure.update_xaxes(side="top")
     height, margin = 120 + 26 * len(lives), {"l": 10, "r": 10, "t": 40, "b": 10}

@@ -18,10 +18,8 @@ from exudyn_crawler.views import figures
 from exudyn_crawler.views.scenes.scene import Scene, Solid
 from exudyn_crawler.views.style import colour_map, negligible
 
-SERIES_BYTES = 4_500_000
-"""Size on the page that all series together may have."""
-BYTES_A_POINT = 6 * 4 / 3
-"""A 16-bit number of the time and a 32-bit value, in base64."""
+SERIES_BYTES = 4_500_000  # size on the page that all series together may have
+BYTES_A_POINT = 6 * 4 / 3  # a 16-bit number of the time and a 32-bit value, in base64
 LEAST_POINTS, MOST_POINTS, FEW = 200, 4000, 5
 """Points that a series keeps at least and at most; items of many that are drawn at first."""
 
@@ -62,10 +60,7 @@ class SceneArrays:
 def packed_scene(
     scene: Scene, arrays: SceneArrays, window: Sequence[Sequence[float]] | None = None, first: int = 0
 ) -> dict[str, Any]:
-    """Scene for a view in 3D from the time of index `first` on.
-
-    `window` are the least and greatest x, y and z to be shown, m; all that is drawn, if not given.
-    """
+    """Scene for a 3D view from the time of index `first` on; `window`: the least and greatest x, y, z, m."""
     return {
         "titles": scene.titles,
         "first": first,

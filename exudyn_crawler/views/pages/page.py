@@ -25,8 +25,7 @@ TEMPLATES = Path(__file__).with_name("templates")
 SCRIPTS = ("data.js", "camera.js", "scene.js", "phases.js", "page.js")
 PICTURE_WIDTH = 1500
 """Pixels of a picture on a page."""
-GRID = "rgba(176, 176, 176, 0.3)"
-"""Colour of a plot's grid."""
+GRID = "rgba(176, 176, 176, 0.3)"  # colour of a plot's grid
 CONTROLS = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 """Characters that no page may have, whatever names a user has given."""
 
@@ -54,11 +53,7 @@ def page(
     data: Mapping[str, Any] | None = None,
     top: str = "",
 ) -> str:
-    """HTML of a page.
-
-    `lead` are lines below the title, and `top` stands between them and the list of sections; `data` is what
-    the page's own scripts draw: time histories and 3D views.
-    """
+    """HTML of a page: lines below the title, `top`, sections, and `data` that the page's own scripts draw."""
     shown = [one for one in sections if one.body]
     has_plots = any("plotly-graph-div" in one.body for one in shown) or bool(data and data["scenes"])
     # nothing in the data of the scripts can end or begin one, such as a name with <!--<script>

@@ -130,23 +130,20 @@ def packed_track(history: History, arrays: SceneArrays) -> dict[str, Any]:
 
 def _ground(histories: Mapping[str, History]) -> Markup:
     """Maps of the ground as runs on cells end."""
-    on_cells = {name: one for name, one in histories.items() if isinstance(one.case.terrain, CellTerrain)}
-    drawn = (
-        page.figure_picture(f"greatest sinkage, {name}", pictures.map_figure(one, ground_map(one)))
-        for name, one in on_cells.items()
-    )
-    return together(*drawn)
+    drawn = {name: one for name, one in histories.items() if isinstance(one.case.terrain, CellTerrain)}
+    maps = {name: pictures.map_figure(one, ground_map(one)) for name, one in drawn.items()}
+    return together(*(page.figure_picture(f"greatest sinkage, {name}", one) for name, one in maps.items()))
 
 
 def _roller_paths(homes: Mapping[str, Path], left_out: LeftOut) -> Markup:
     """Pressure of treads along the rails, of rolled runs whose table is there."""
-    paths = {name: home / f"{ROLLER_PATH}.csv" for name, home in homes.items()}
+    names = {path: name for name, home in homes.items() if (path := home / f"{ROLLER_PATH}.csv").is_file()}
 
     def drawn(path: Path) -> Markup:
-        name = next(one for one, other in paths.items() if other == path)
-        return page.figure_picture(f"roller path, {name}", roller_path_figure(pd.read_csv(path), name))
+        figure = roller_path_figure(pd.read_csv(path), names[path])
+        return page.figure_picture(f"roller path, {names[path]}", figure)
 
-    return together(*left_out.of_all([path for path in paths.values() if path.is_file()], drawn))
+    return together(*left_out.of_all(names, drawn))
 
 
 def packed_shoes(
@@ -286,14 +283,10 @@ def _pictures(
     uris = {shoes.picture_time(path): uri for path, uri in found.items() if uri is not None}
     if not uris:
         return Markup(), 0
-    times, named, shown = np.array(list(uris)), {}, 0
+    times, titles, shown = np.array(list(uris)), {time: f"t = {time:.6g} s" for time in uris}, 0
     if stress is not None:
-        named = dict(zip(stress.frame.values, shoes.frame_titles(stress), strict=True))
         shown = int(np.abs(times - float(stress.frame[shoes.first_frame(stress)])).argmin())
-    titles = [
-        next((title for frame, title in named.items() if abs(frame - time) < 1e-4), f"t = {time:.6g} s")
-        for time in times
-    ]
-    titled = zip([f"von Mises stress at {title}" for title in titles], uris.values(), strict=True)
-    figures = [part("picture", title, uri, "picture") for title, uri in titled]
-    return together(part("buttons", titles), *figures), shown
+        for frame, title in zip(stress.frame.values, shoes.frame_titles(stress), strict=True):
+            titles |= {time: title for time in uris if abs(frame - time) < 1e-4}
+    figures = [part("picture", f"von Mises stress at {titles[t]}", uri, "picture") for t, uri in uris.items()]
+    return together(part("buttons", [*titles.values()]), *figures), shown

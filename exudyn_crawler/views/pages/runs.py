@@ -27,8 +27,7 @@ MAIN = sorted(DRAWN, key=lambda one: one.compared)
 SAME_CASES = "Nothing differs in the cases."
 SAME_RESULTS = "Nothing that both runs have differs in the results, beyond rounding."
 """What stands in place of tables without rows."""
-ITEMS = 3
-"""Shoes that a figure draws at most: the ends and the middle of those that both runs have."""
+ITEMS = 3  # shoes that a figure draws at most: the ends and the middle of those that both runs have
 
 
 class LeftOut(list[str]):

@@ -19,8 +19,7 @@ LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
 """Runs in the table, runs that are drawn, and levels of what is not on the axis that have a curve each."""
 QUANTILES = ["value", "least", "most", "of a quarter", "of half"]
 """Columns of a table of quantiles that have the unit of its answer."""
-HEIGHT = 420
-"""Pixels of a plot."""
+HEIGHT = 420  # pixels of a plot
 
 
 class Best(NamedTuple):
@@ -199,10 +198,7 @@ def parallel_coordinates(view: SweepView) -> go.Figure:
 
 
 def response_curves(view: SweepView, answer: str) -> go.Figure:
-    """An answer over everything that varies, a panel each.
-
-    On a grid there is a curve a level of what varies next, means over the rest; else a point a run.
-    """
+    """An answer over all that varies: on a grid with a curve a level of what varies next, else points."""
     done, panels = view.done, []
     for k, name in enumerate(view.varied):
         others = (*view.varied[k + 1 :], *view.varied[:k])

@@ -34,8 +34,7 @@ VIEW_WIDTH, SPEED_HEIGHT, WRITING_HEIGHT = 10.4, 1.55, 1.9
 DEEPEST, MARGIN, HEADROOM = 0.25, 0.08, 0.35
 """m that the greatest displacement of the ground is drawn at most, and that are shown about a shoe; part of
 the curves' height that is left free above and below them, for the legend."""
-SHOE_SIZE, SHOE_DPI = (9.0, 8.2), 90
-"""Inches, width and height of a picture of a shoe, and pixels an inch."""
+SHOE_SIZE, SHOE_DPI = (9.0, 8.2), 90  # inches, width and height of a picture of a shoe, and pixels an inch
 ABOVE, BELOW = View.seen_from(azimuth=212.0, elevation=34.0), View.seen_from(azimuth=212.0, elevation=-28.0)
 PARTS = (0.02, 0.51, 0.84, 0.41), (0.02, 0.255, 0.84, 0.25)
 """Both views of a shoe, and their parts of its picture: left, bottom, width and height over its own."""
@@ -83,8 +82,11 @@ class TrackPicture(Picture):
             raise ValueError(f"scale must be positive, got {scale:g}")
         self.history, self.name, self._scale = history, history.case.name, scale
         self._force_scale = shoes.shoe_force_scale(history)
-        ground, what = ground_range(history)
-        self._heave = float(ground.min()), float(ground.max())
+        # of cells as the run begins and ends
+        ends = track.instants(history, [0.0, history.duration])
+        (ground,) = track.ground_faces(history.case, ends).colourings
+        shown = ground.values if "ground_depth" in ends else history.unit_heave.values / style.MILLI
+        self._heave = float(shown.min()), float(shown.max())
         windows = pictures.windows(history)
         # both views become as wide as the picture has room for
         ratios = [*(VIEW_WIDTH * (one[3] - one[2]) / (one[1] - one[0]) for one in windows), SPEED_HEIGHT]
@@ -97,7 +99,7 @@ class TrackPicture(Picture):
                 ax.grid(False)
             self._plan.set_ylabel("y in m")
             self._side.set(xlabel="x in m", ylabel="z in m")
-            bar = {"ax": views, "label": what, "fraction": 0.02, "pad": 0.01}
+            bar = {"ax": views, "label": ground.title, "fraction": 0.02, "pad": 0.01}
             self.figure.colorbar(style.scale_of(*self._heave, style.HEAVE_MAP), **bar)
             self._side.set_title(self._legend(), fontsize=9, loc="left")
             _curves(history).draw(curves)
@@ -130,22 +132,10 @@ class TrackPicture(Picture):
         return plan + pictures.draw_side(self._side, case, now, self._scale, self._force_scale)
 
 
-def ground_range(history: History) -> tuple[np.ndarray, str]:
-    """What colours the ground over a run, mm, of cells as it begins and ends, and what it is."""
-    if isinstance(history.case.terrain, CellTerrain):
-        (ground,) = track.ground_faces(history.case, _ends(history)).colourings
-        return ground.values, ground.title
-    return history.unit_heave.values / style.MILLI, "heave of units in mm"
-
-
-def _ends(history: History) -> xr.Dataset:
-    return track.instants(history, [0.0, history.duration])
-
-
 def ground_scale(history: History) -> float:
     """Round magnification that makes the ground's displacements visible."""
     if isinstance(history.case.terrain, CellTerrain):
-        moved = _ends(history).ground_depth.values
+        moved = track.instants(history, [history.duration]).ground_depth.values
     else:
         moved = history.unit_heave.values - track.unloaded_level(history.case)
     return max(1.0, style.drawn_scale(moved, DEEPEST))
@@ -155,12 +145,9 @@ def _curves(history: History) -> Panel:
     """What drives a run over time: force of every roller, tension of a closed chain, speed of both ends."""
     if gear.goes_round(history.dataset):
         tension = history.over_time(["link_tension"])["link_tension"] / style.KILO
-        ranges = {
-            "greatest": tension.max("joint"),
-            "mean": tension.mean("joint"),
-            "least": tension.min("joint"),
-        }
-        return Panel("tension of links", "kN", ranges)
+        most, least = tension.max("joint"), tension.min("joint")
+        curves = {"greatest": most, "mean": tension.mean("joint"), "least": least}
+        return Panel("tension of links", "kN", curves)
     if gear.rolls(history.dataset):
         pressed = -history.roller_force.sel(axis="z").sum("rail") / style.KILO
         of_rollers = {str(roller): pressed.sel(roller=roller) for roller in history.roller.values}
@@ -258,10 +245,8 @@ def film_times(
             raise ValueError(f"{name} must be positive, got {value:g}")
     least = (end - start) * rate / MOST_PICTURES
     if speed < least:
-        raise ValueError(
-            f"speed must be at least {least:.3g} for {end - start:g} s at {rate} pictures a second: an "
-            f"animation has at most {MOST_PICTURES} pictures; got {speed:g}"
-        )
+        many = f"{end - start:g} s at {rate} a second and at most {MOST_PICTURES} pictures"
+        raise ValueError(f"speed must be at least {least:.3g} for {many}; got {speed:g}")
     return np.arange(start, end + 1e-9, speed / rate)
 
 

@@ -174,10 +174,7 @@ def wheel_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
 
 
 def tooth_outline(frame: ClosedTrack, case: Case) -> np.ndarray:
-    """Outline of the tumbler's teeth in its x-z plane: array (n, 2), m, clockwise seen from the right.
-
-    Arcs of the gaps, the first about the x axis, from one corner on the addendum circle to the other.
-    """
+    """Outline of the tumbler's teeth, arcs of the gaps: (n, 2), x and z in m, clockwise from the right."""
     teeth, center, arc, addendum, _ = frame.tumbler.profile(case.track)
     end = np.arccos((center**2 + arc**2 - addendum**2) / (2.0 * center * arc))
     gap = -2.0 * np.pi * np.arange(round(teeth)) / teeth
@@ -207,18 +204,11 @@ def tumbler_solids(case: Case, dataset: xr.Dataset) -> list[Solid]:
     pose = (dataset[name].transpose("time", "shoe", "axis").values for name in ("position", "angles"))
     origin, shoes = next(pose), rotation_matrices(next(pose))
     at = (origin[:, :, None] + np.einsum("tsij,lj->tsli", shoes, lugs)).reshape(len(origin), -1, 3)
-    edge = style.ROLLER_EDGE
+    edge, lug = style.ROLLER_EDGE, disc(tumbler.lug_radius, TEETH, LUG_SIDES)
     return [
         Solid("shaft of the tumbler", *shaft, style.BEAM, middle, turned[:, None], edges=edge),
         Solid("tumbler", *star(tooth_outline(frame, case), TEETH), style.TUMBLER, wheels, both, edges=edge),
-        Solid(
-            "lugs",
-            *disc(tumbler.lug_radius, TEETH, LUG_SIDES),
-            style.LUG,
-            at,
-            np.repeat(shoes, len(lugs), axis=1),
-            edges=edge,
-        ),
+        Solid("lugs", *lug, style.LUG, at, np.repeat(shoes, len(lugs), axis=1), edges=edge),
     ]
 
 

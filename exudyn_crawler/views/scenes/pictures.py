@@ -40,10 +40,7 @@ ABOVE, DEPTH = 0.4, 0.4
 
 
 def paint(ax: Axes, solids: Iterable[Solid], view: View, window: Window | None = None) -> PolyCollection:
-    """Draw the faces of solids, as of `Solid.at`, that are turned to the viewer, each in one colour.
-
-    The coordinates of the axes become those of the picture in m; a window becomes their limits.
-    """
+    """Draw the faces of solids that are turned to the viewer, each in one colour, m; a window: the limits."""
     if window is not None:
         ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
     faces: list[np.ndarray] = []
@@ -118,10 +115,7 @@ def windows(history: History) -> tuple[Window, Window]:
 
 
 def ground_section(case: Case, dataset: xr.Dataset, at_rest: bool = False) -> Solid:
-    """Ground under the track's middle line, cut along that, as it is or at rest.
-
-    At rest the springs of units are free, and no shoe has come to cells.
-    """
+    """Ground under the track's middle line, cut along that, as it is, or at rest with free springs."""
     y = float(track.shoe_poses(dataset)[0][0, :, 1].mean())
     if isinstance(case.terrain, CellTerrain):
         return track.cell_section(dataset, y, 2.0 * MARGIN[2], at_rest)
@@ -140,10 +134,7 @@ def ground_section(case: Case, dataset: xr.Dataset, at_rest: bool = False) -> So
 
 
 def side_scene(case: Case, now: xr.Dataset, scale: float = 1.0, force_scale: float = 0.0) -> Scene:
-    """What is seen from the right in one instant, as of `track.instants`.
-
-    The ground's displacement is drawn `scale` times larger, forces `force_scale` m long for 1 N.
-    """
+    """What is seen from the right in an instant, the ground moved `scale` times as far; forces, m for 1 N."""
     moved, still = (ground_section(case, now, at_rest).at() for at_rest in (False, True))
     tops = np.array([3, 2]) + 4 * np.arange(len(moved.points) // 4)[:, None]
     x, rise = moved.points[tops, 0], moved.points[tops, 2] - still.points[tops, 2]
@@ -187,10 +178,7 @@ def draw_plan(ax: Axes, case: Case, now: xr.Dataset, heave: tuple[float, float])
 
 
 def plan_solids(case: Case, now: xr.Dataset, heave: tuple[float, float]) -> list[Solid]:
-    """Shoes and rollers from above in one instant, on ground in the colours of a range, mm.
-
-    That is the heave of units, or the height of cells.
-    """
+    """Shoes and rollers from above in one instant, on ground in colours of a range: heave or height, mm."""
     shown = []
     for one in (solid.at() for solid in track.track_scene(case, now, 0.0).solids):
         if one.name == "ground":

@@ -214,13 +214,10 @@ def star(outline: np.ndarray, width: float) -> tuple[np.ndarray, tuple[np.ndarra
     flat = np.column_stack((outline[:, 0], np.zeros(n), outline[:, 1]))
     right, after = np.arange(n), np.roll(np.arange(n), -1)
     rim = np.column_stack((right, after, after + n, right + n))
-    ends = np.concatenate(
-        (
-            np.column_stack((np.full(n, 2 * n), after, right)),
-            np.column_stack((np.full(n, 2 * n + 1), right + n, after + n)),
-        )
-    )
-    return np.concatenate((flat - half, flat + half, [-half, half])), (rim, ends)
+    middle = np.full(n, 2 * n)
+    ends = [(middle, after, right), (middle + 1, right + n, after + n)]
+    faces = rim, np.concatenate([np.column_stack(one) for one in ends])
+    return np.concatenate((flat - half, flat + half, [-half, half])), faces
 
 
 def upward(heights: np.ndarray) -> np.ndarray:

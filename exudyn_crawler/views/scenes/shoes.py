@@ -33,8 +33,7 @@ VERDICT_COLOURS = (
     *("#f79440", "#d73027", "#7b3294", "#d9d9d9"),
 )
 """Of `fem.trust.VERDICTS`, and of what is too low to be judged."""
-LOW = 0.1
-"""Part of the highest stress below which a stress is not judged: its relative error is of no use."""
+LOW = 0.1  # part of the highest stress below which a stress is not judged: its relative error is of no use
 SPREAD, HEADROOM = 3.62, 0.02
 """m that a view of a shoe shows from left to right, and above it; below it is space for arrows."""
 VIEWS = {
@@ -43,8 +42,7 @@ VIEWS = {
 }
 WIDTH, ROW, STRIP, HEAD, FOOT = 14.0, 1.6, 1.9, 1.05, 0.55
 """Inches: width of a stress picture; heights of a shoe, of the track below all, and of what is written."""
-PICTURES = "stress_[0-9]*s.png"
-"""Pattern of the stress pictures' file names."""
+PICTURES = "stress_[0-9]*s.png"  # pattern of the stress pictures' file names
 
 
 @dataclass(frozen=True)
@@ -150,14 +148,10 @@ def first_frame(stress: xr.Dataset) -> int:
 def stress_picture(
     stress: xr.Dataset, history: History, frame: float, scales: Scales | None = None
 ) -> Figure:
-    """All flexible shoes at one of the chosen times, `frame` (s): each from two sides, and all in place.
-
-    The scales are those of all chosen times, if not given. A ValueError if `frame` is none of these.
-    """
+    """All flexible shoes at a chosen time (s), else a ValueError: each from two sides, and all in place."""
     if not np.isclose(stress.frame.values, frame, rtol=0.0, atol=1e-6).any():
-        raise ValueError(
-            f"frame must be one of the chosen times {stress.frame.values.tolist()}, got {frame:g}"
-        )
+        times = stress.frame.values.tolist()
+        raise ValueError(f"frame must be one of the chosen times {times}, got {frame:g}")
     frame = float(stress.frame.sel(frame=frame, method="nearest"))
     scales = scales or Scales.of(stress, history)
     scene = stress_scene(stress.sel(frame=[frame]), history, scales)

@@ -7,6 +7,7 @@ been; what carries and drives the track is in `gear`. `now` is one instant witho
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -34,12 +35,10 @@ from exudyn_crawler.views.scenes.scene import (
 CONTACTS = ("contact", "axis")
 STRIPS = ("roller", "rail", "strip", "neighbour", "axis")
 """Dimensions of what the ground and what treads press with."""
-BESIDE = (0.6, 0.4)
-"""m beyond the track and beside it of which ground of cells is drawn."""
+BESIDE = (0.6, 0.4)  # m beyond the track and beside it of which ground of cells is drawn
 SPACING, MOST_POINTS = 0.25, 4000
 """m between the points of a surface of cells; of larger ones there are so many."""
-PIN, PIN_SIDES = 0.03, 12
-"""m, radius of a drawn link pin; sides of its prism."""
+PIN, PIN_SIDES = 0.03, 12  # m, radius of a drawn link pin; sides of its prism
 
 
 def instants(history: History, times: ArrayLike) -> xr.Dataset:
@@ -65,10 +64,7 @@ def shoe_pose(now: xr.Dataset, shoe: int) -> Placement:
 
 
 def touching(now: xr.Dataset, shoe: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Places (contacts, 3), m, where the ground touches one shoe or all, and its forces on the shoe there, N.
-
-    Both are global; pairs that are apart are left out.
-    """
+    """Places (contacts, 3), m, global, where the ground touches one shoe or all, and its forces there, N."""
     meets = now.area.values > 0.0
     if shoe is not None:
         meets &= now.contact_shoe.values == shoe
@@ -142,10 +138,7 @@ def unloaded_level(case: Case) -> float:
 def track_scene(
     case: Case, dataset: xr.Dataset, force_scale: float, units: np.ndarray | None = None
 ) -> Scene:
-    """Shoes, faces of the ground, frame and rollers, and forces, drawn `force_scale` m long for 1 N.
-
-    `units` are the indices of the units that are shown; all if not given.
-    """
+    """Shoes, ground (units of some indices, or all), gear, and forces, `force_scale` m long for 1 N."""
     tall, on_shoes = case.shoe.load_point[2] - case.shoe.footprint[4], shoe_forces(dataset)
     arrows = [Arrows("contact forces", style.CONTACT_FORCE, *on_shoes, force_scale, through=tall)]
     solids = [*shoe_boxes(case, dataset), ground_faces(case, dataset, units)]
@@ -218,28 +211,19 @@ def unit_turns(case: Case, dataset: xr.Dataset | None = None) -> np.ndarray:
 
 
 @lru_cache(maxsize=4)
-def _heights(terrain: CellTerrain, bounds: tuple[float, float, float, float]) -> tuple[np.ndarray, ...]:
-    """Evenly spaced x and y (m) between bounds, and heights (x, y), m; those not measured are the least."""
-    x0, x1, y0, y1 = bounds
-    spacing = max(SPACING, math.sqrt((x1 - x0) * (y1 - y0) / MOST_POINTS))
-    x, y = (np.linspace(a, b, max(2, math.ceil((b - a) / spacing) + 1)) for a, b in ((x0, x1), (y0, y1)))
-    height = terrain.surface(*np.meshgrid(x, y, indexing="ij"))
-    return x, y, np.nan_to_num(height, nan=np.nanmin(height))
-
-
 def cell_grid(terrain: CellTerrain, x: tuple[float, float], y: tuple[float, float]) -> tuple[np.ndarray, ...]:
-    """Same within the field, for the least and greatest x and y (m) of what is shown."""
-    (left, right), (low, high) = terrain.bounds
-    return _heights(terrain, (max(x[0], left), min(x[1], right), max(y[0], low), min(y[1], high)))
+    """Evenly spaced x and y (m) of the field between bounds, and heights (x, y); unmeasured are least."""
+    ends = [(max(a, low), min(b, high)) for (a, b), (low, high) in zip((x, y), terrain.bounds, strict=True)]
+    spacing = max(SPACING, math.sqrt(math.prod(b - a for a, b in ends) / MOST_POINTS))
+    places = [np.linspace(a, b, max(2, math.ceil((b - a) / spacing) + 1)) for a, b in ends]
+    height = terrain.surface(*np.meshgrid(*places, indexing="ij"))
+    return *places, np.nan_to_num(height, nan=np.nanmin(height))
 
 
 def with_ground(
     history: History, dataset: xr.Dataset, rows: np.ndarray, grid: tuple[np.ndarray, ...]
 ) -> xr.Dataset:
-    """Instants of a history, its stored times of numbers `rows`, with the ground's height and depth, m.
-
-    The depth is how far undersides have been below the height until then.
-    """
+    """Instants of a history at stored times `rows` with the ground's height and how deep it is pressed, m."""
     x, y, height = grid
     depth = pressed_depths(history, rows, x, y, height)
     return dataset.assign_coords(ground_x=x, ground_y=y).assign(
@@ -260,23 +244,13 @@ def cell_surface(dataset: xr.Dataset) -> Solid:
     faces = np.stack((number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]), axis=-1)
     now = (points[:, 2] - depth) / style.MILLI
     colouring = Colouring("height of the ground in mm", now[:, None], now.min(), now.max(), style.HEAVE_MAP)
-    return Solid(
-        "ground",
-        points,
-        (faces.reshape(-1, 4),),
-        style.GROUND,
-        opacity=0.6,
-        edges=FLAT,
-        bend=upward(-depth[:, None]),
-        colourings=(colouring,),
-    )
+    shape = points, (faces.reshape(-1, 4),)
+    flat = Solid("ground", *shape, style.GROUND, opacity=0.6, edges=FLAT, colourings=(colouring,))
+    return replace(flat, bend=upward(-depth[:, None]))
 
 
 def cell_section(dataset: xr.Dataset, y: float, deep: float, at_rest: bool = False) -> Solid:
-    """Ground of one instant cut along a y (m), strip by strip, down to `deep` m below its points.
-
-    `at_rest` is before any shoe came.
-    """
+    """Ground of one instant, or before any shoe came, cut along a y (m), to `deep` m below its points."""
     line = dataset.isel(time=0).sel(ground_y=y, method="nearest")
     x, top = line.ground_x.values, line.ground_height.values - (0.0 if at_rest else line.ground_depth.values)
     bottom = line.ground_height.values - deep
@@ -288,10 +262,7 @@ def cell_section(dataset: xr.Dataset, y: float, deep: float, at_rest: bool = Fal
 
 
 def shown_box(history: History, margin: Sequence[float]) -> list[tuple[float, float]]:
-    """Least and greatest x, y and z of what a run is shown in, m.
-
-    `margin` are the m beyond both ends, beside the shoes and below the ground's lowest face.
-    """
+    """Least and greatest x, y and z of what a run is shown in, with a margin: beyond, beside, below; m."""
     shoe, terrain = history.case.shoe, history.case.terrain
     length, beside = _around(history, margin)
     if isinstance(terrain, CellTerrain):

@@ -1,6 +1,0 @@
-"""Default durations of the studies; command lines show them without loading the engine."""
-
-DURATION = 10.0
-"""s, simulated in the rigid studies of the papers; the track travels 0.75 m in it."""
-CYCLE_DURATION = 40.0
-"""s, propel and one loading cycle of the S-paper."""
