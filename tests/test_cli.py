@@ -500,6 +500,8 @@ def test_a_run_that_stops_early_keeps_what_there_is(call, tmp_path):
     [
         (["run", "nowhere.toml"], "no case file nowhere.toml"),
         (["info", "nowhere.toml"], "no case file nowhere.toml"),
+        (["run", "."], ". is a folder, no case file; name a TOML file such as mine.toml"),
+        (["life", "."], ". is a folder, no duty file; name a TOML file such as mine.toml"),
         (["info", "stres"], "case must be a case file or a study of ['demo', 'forces', 'kinematics', "),
         (["kinematics", "--duration", "-1"], "duration must be positive and finite, got -1.0 s"),
         (["kinematics", "--duration", "soon"], "Invalid value for '--duration'"),

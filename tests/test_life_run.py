@@ -11,6 +11,8 @@ import xarray as xr
 from exudyn_crawler import Duty, cli, life, read_duty
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.life_run import FILES
+from exudyn_crawler.results.life.life import life_words
+from exudyn_crawler.views.tables import cell_text
 
 DUTY = """
 plane_nodes = 0
@@ -59,7 +61,7 @@ def test_everything_is_written_and_agrees(pit):
 
 def test_the_page_shows_life_table_and_duty(pit):
     page = (pit[0] / "life" / "life.html").read_text()
-    shortest = f"{float(np.nanmin(pit[1].dataset.life[-1])):.4g}"
+    shortest = cell_text(life_words(float(np.nanmin(pit[1].dataset.life[-1]))))
     for words in ("Life in 3D", "stays at place 13", f"before {shortest} machine hours", "fatigue_strength"):
         assert words in page
     assert "http://" not in page.split("<main>")[0]

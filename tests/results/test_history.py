@@ -10,6 +10,7 @@ import xarray as xr
 from exudyn_crawler import History
 from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.results.history.files import LAYOUT_VERSION
+from exudyn_crawler.results.history.history import as_history
 
 
 def test_a_history_comes_back_as_it_was_saved(turning, tmp_path):
@@ -42,6 +43,8 @@ def test_an_existing_file_is_kept_unless_asked(translation, turning, tmp_path):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"no history at .*nowhere\.nc"):
         History.load(tmp_path / "nowhere.nc")
+    with pytest.raises(FileNotFoundError, match=r"which is a folder; a run has .*history\.nc"):
+        as_history(str(tmp_path))
 
 
 def test_a_broken_file_is_no_history(translation, tmp_path):
@@ -130,7 +133,7 @@ def test_an_interrupt_waits_until_a_history_is_read(translation, tmp_path, monke
 def test_a_history_that_other_software_has_written_is_warned_of(translation, tmp_path):
     path, other = translation.save(tmp_path / "history.nc"), tmp_path / "other.nc"
     with warnings.catch_warnings(action="error"):
-        assert History.load(path).duration == translation.duration
+        assert as_history(str(path)).duration == as_history(translation).duration
     with xr.open_dataset(path, engine="h5netcdf") as dataset:
         dataset.drop_encoding().to_netcdf(other, engine="h5netcdf")
     with pytest.warns(UserWarning, match=r"other\.nc has no checksums: other software has written it"):

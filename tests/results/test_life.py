@@ -6,10 +6,11 @@ import rainflow
 
 from exudyn_crawler import Duty, FatigueMaterial, History
 from exudyn_crawler.results.life.duty import DutyRun
-from exudyn_crawler.results.life.life import BETWEEN, BEYOND, in_words, life_hours, life_of
+from exudyn_crawler.results.life.life import BETWEEN, BEYOND, in_words, life_hours, life_of, life_words
 from exudyn_crawler.results.stress.basis import TOLERANCE
 from exudyn_crawler.results.stress.hot_spots import REGIONS
 from exudyn_crawler.results.stress.recovery import node_stress
+from exudyn_crawler.views.tables import cell_text
 from fem.defects import equivalent_amplitude, murakami_limit
 from fem.stress import von_mises
 from fem.trust import HELD, OPEN, VERDICTS
@@ -186,6 +187,7 @@ def test_no_damage_is_a_life_beyond_what_is_told(flexible_run, found):
     assert float(long.dataset.life.max()) == float(long.dataset.life.min()) == BEYOND
     words = in_words(long.table)
     assert set(words["life in h that 50 % survive"]) == {"beyond 1e9"}
+    assert [cell_text(life_words(life)) for life in (300_912.3, np.nan)] == ["300 900", "not known"]
     assert (long.table["main part"] == "").all()
     numbers = long.dataset.verdict.sel(node=long.table["node"].to_numpy()).values
     good = (numbers >= 0) & (numbers < OPEN)

@@ -7,6 +7,7 @@ from exudyn_crawler import Duty, FatigueMaterial
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
 from exudyn_crawler.views.pages.life import write_life_page
+from exudyn_crawler.views.tables import cell_text
 from fem.trust import VERDICTS
 from tests.views.browser import Reader
 from tests.views.test_report_screens import seen
@@ -66,7 +67,7 @@ def test_the_page_tells_range_and_verdict(reader, found):
     row = found.table.iloc[0]
     leads = " ".join(reader.page.locator("p.lead").all_text_contents())
     assert f"stress {row['verdict']}" in leads
-    assert f"{row['life in h at least']:.4g} to" in leads
+    assert f"{cell_text(float(row['life in h at least']))} to" in leads
     cells = reader.page.locator("#shortest table").first.text_content()
     assert row["verdict"] in cells
 
